@@ -1,0 +1,1 @@
+"""A robotics lab course in a box: a NAO on half a football field, and the SLAM that its students build."""

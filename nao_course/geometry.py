@@ -1,0 +1,190 @@
+"""Angles and poses in the plane: the vocabulary that everything else is written in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
+    """Bring angles into (-pi, pi].
+
+    Parameters
+    ----------
+    angle : array_like
+        Angles in radians, any shape.
+
+    Returns
+    -------
+    ndarray
+        The same directions in (-pi, pi], same shape.
+
+    Examples
+    --------
+    >>> float(wrap_angle(3 * np.pi))
+    3.141592653589793
+    >>> wrap_angle([0.0, -np.pi]).tolist()
+    [0.0, 3.141592653589793]
+    """
+    return np.pi - (np.pi - np.asarray(angle, dtype=float)) % (2 * np.pi)
+
+
+def finite(name: str, value: float) -> float:
+    """Return `value` as a float, or say what was expected.
+
+    Parameters
+    ----------
+    name : str
+        What the number is, for the message.
+    value : float
+        The number.
+
+    Returns
+    -------
+    float
+        The same number.
+
+    Raises
+    ------
+    ValueError
+        If it is no finite number.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number, got {value!r}") from None
+    if not np.isfinite(number):
+        raise ValueError(f"{name} must be a finite number, got {number}")
+    return number
+
+
+def as_points(points: npt.ArrayLike, columns: int = 2, name: str = "points") -> FloatArray:
+    """Return an (N, `columns`) array of points; one point alone becomes (1, `columns`).
+
+    Parameters
+    ----------
+    points : array_like, shape (N, columns) or (columns,)
+        Points; an empty list gives shape (0, columns).
+    columns : int
+        Coordinates a point has.
+    name : str
+        What they are, for the message.
+
+    Returns
+    -------
+    ndarray, shape (N, columns)
+        The points as floats.
+
+    Raises
+    ------
+    ValueError
+        If the shape does not fit.
+    """
+    array = np.asarray(points, dtype=float)
+    if array.size == 0:
+        return np.empty((0, columns))
+    array = np.atleast_2d(array)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(f"{name} must have shape (N, {columns}), got {np.shape(points)}")
+    return array
+
+
+def rotation_2d(angle: float) -> FloatArray:
+    """Rotation by `angle` (rad, counterclockwise) as a (2, 2) matrix."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def rotation_3d(yaw: float, pitch: float, roll: float) -> FloatArray:
+    """Rotation Rz(yaw) Ry(pitch) Rx(roll) as a (3, 3) matrix.
+
+    Axes: x ahead, y left, z up; radians. Positive yaw turns left, positive pitch looks
+    down, positive roll lowers the right side.
+    """
+    (cy, sy), (cp, sp), (cr, sr) = ((np.cos(a), np.sin(a)) for a in (yaw, pitch, roll))
+    about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    about_y = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    return about_z @ about_y @ about_x
+
+
+def yaw_pitch_roll(rotation: npt.ArrayLike) -> tuple[float, float, float]:
+    """Angles (yaw, pitch, roll) in radians with ``rotation_3d(*angles)`` equal to `rotation`."""
+    r = np.asarray(rotation, dtype=float)
+    pitch = float(np.arcsin(np.clip(-r[2, 0], -1.0, 1.0)))
+    return float(np.arctan2(r[1, 0], r[0, 0])), pitch, float(np.arctan2(r[2, 1], r[2, 2]))
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A position and heading in the plane, or the rigid motion that leads there.
+
+    Parameters
+    ----------
+    x, y : float
+        Position in metres.
+    theta : float
+        Heading in radians, counterclockwise from the x axis; kept in (-pi, pi].
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
+
+    Examples
+    --------
+    >>> Pose(1.0, 2.0, np.pi / 2) @ Pose(1.0, 0.0, 0.0)
+    Pose(x=1.00, y=3.00, theta=1.571)
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the values and wrap the heading."""
+        object.__setattr__(self, "x", finite("Pose: x (m)", self.x))
+        object.__setattr__(self, "y", finite("Pose: y (m)", self.y))
+        object.__setattr__(self, "theta", float(wrap_angle(finite("Pose: theta (rad)", self.theta))))
+
+    def __repr__(self) -> str:
+        """Centimetres and milliradians are enough to read."""
+        return f"Pose(x={self.x:.2f}, y={self.y:.2f}, theta={self.theta:.3f})"
+
+    # --- values ---
+
+    def as_array(self) -> FloatArray:
+        """Return (x, y, theta) as an array of shape (3,)."""
+        return np.array([self.x, self.y, self.theta])
+
+    @classmethod
+    def from_array(cls, values: npt.ArrayLike) -> Pose:
+        """Make a pose from (x, y, theta)."""
+        array = np.asarray(values, dtype=float)
+        if array.shape != (3,):
+            raise ValueError(f"a pose has the shape (3,): x, y, theta; got {array.shape}")
+        return cls(*array.tolist())
+
+    # --- operations ---
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """Compose: `other`, given in this pose's frame, in the frame this pose is given in."""
+        x, y = self.to_parent([other.x, other.y])[0]
+        return Pose(float(x), float(y), self.theta + other.theta)
+
+    def inverse(self) -> Pose:
+        """Return the pose p with ``p @ self == Pose()``."""
+        x, y = -rotation_2d(-self.theta) @ np.array([self.x, self.y])
+        return Pose(float(x), float(y), -self.theta)
+
+    def to_parent(self, points: npt.ArrayLike) -> FloatArray:
+        """Points (N, 2) of this pose's own frame, in the frame the pose is given in."""
+        return as_points(points) @ rotation_2d(self.theta).T + (self.x, self.y)
+
+    def to_local(self, points: npt.ArrayLike) -> FloatArray:
+        """Points (N, 2) of the frame the pose is given in, in this pose's own frame."""
+        return (as_points(points) - (self.x, self.y)) @ rotation_2d(self.theta)

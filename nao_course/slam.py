@@ -1,0 +1,181 @@
+"""What goes into a SLAM algorithm, what comes out of it, and the loop that runs one."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from nao_course.geometry import FloatArray, Pose, finite, wrap_angle
+
+LandmarkKind = Literal["corner", "post"]
+KINDS: tuple[LandmarkKind, ...] = ("corner", "post")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A command to the robot: drive along the present heading, then turn on the spot.
+
+    Parameters
+    ----------
+    distance : float
+        Metres ahead; negative backwards. The d of both seeds.
+    turn : float
+        Radians, counterclockwise. The homework's alpha.
+    """
+
+    distance: float = 0.0
+    turn: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a number."""
+        object.__setattr__(self, "distance", finite("Motion: distance (m)", self.distance))
+        object.__setattr__(self, "turn", finite("Motion: turn (rad)", self.turn))
+
+    def as_pose(self) -> Pose:
+        """Return the new pose in the frame of the old one."""
+        return Pose(self.distance, 0.0, self.turn)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One landmark as the robot sees it.
+
+    Parameters
+    ----------
+    bearing : float
+        Radians in the robot frame, positive to the left, kept in (-pi, pi].
+    range : float
+        Metres over the ground from the robot.
+    kind : "corner" or "post"
+        A field line's corner or a goal post's foot (the boolean of Aliyev et al. 2014, section 4.4).
+    """
+
+    bearing: float
+    range: float
+    kind: LandmarkKind = "corner"
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be a measurement."""
+        bearing = finite("Measurement: bearing (rad)", self.bearing)
+        object.__setattr__(self, "bearing", float(wrap_angle(bearing)))
+        object.__setattr__(self, "range", finite("Measurement: range (m)", self.range))
+        if self.range < 0:
+            raise ValueError(f"Measurement: range must not be negative (m), got {self.range}")
+        if self.kind not in KINDS:
+            raise ValueError(f"Measurement: kind must be one of {KINDS}, got {self.kind!r}")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a SLAM algorithm believes.
+
+    Parameters
+    ----------
+    pose : Pose
+        The robot, in the frame the algorithm maps in.
+    covariance : ndarray, shape (3, 3)
+        Of (x, y, theta), in m^2, m rad and rad^2.
+    landmarks : ndarray, shape (N, 2)
+        Their positions in metres.
+    landmark_covariances : ndarray, shape (N, 2, 2)
+        In m^2.
+    kinds : tuple of str
+        N kinds, "corner" or "post".
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit each other.
+    """
+
+    pose: Pose
+    covariance: FloatArray
+    landmarks: FloatArray
+    landmark_covariances: FloatArray
+    kinds: tuple[LandmarkKind, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the shapes."""
+        n = len(self.landmarks)
+        wanted = {"covariance": (3, 3), "landmarks": (n, 2), "landmark_covariances": (n, 2, 2)}
+        for name, shape in wanted.items():
+            array = np.array(getattr(self, name), dtype=float)
+            if array.size == 0:
+                array = array.reshape(shape)
+            if array.shape != shape:
+                raise ValueError(f"Estimate: {name} must have shape {shape}, got {array.shape}")
+            object.__setattr__(self, name, array)
+        if len(self.kinds) != n:
+            raise ValueError(f"Estimate: {n} landmarks need {n} kinds, got {len(self.kinds)}")
+        object.__setattr__(self, "kinds", tuple(self.kinds))
+
+
+class SlamAlgorithm(ABC):
+    """The abstract class of Aliyev et al. 2014, section 3.3: motions and measurements in, an estimate out."""
+
+    @abstractmethod
+    def move(self, motion: Motion) -> None:
+        """Take in that the robot was told to move by `motion`."""
+
+    @abstractmethod
+    def observe(self, measurements: Sequence[Measurement]) -> None:
+        """Take in what the robot sees from where it is now; an empty sequence is allowed."""
+
+    @abstractmethod
+    def estimate(self) -> Estimate:
+        """Return what is believed now."""
+
+
+class DeadReckoning(SlamAlgorithm):
+    """Believe every command and ignore every landmark: the estimate that SLAM has to beat.
+
+    Parameters
+    ----------
+    start : Pose
+        Where the robot begins; zeros in both seeds.
+    """
+
+    def __init__(self, start: Pose | None = None) -> None:
+        """Begin at `start`."""
+        self._pose = start or Pose()
+
+    def move(self, motion: Motion) -> None:
+        """Add the commanded motion to the pose."""
+        self._pose = self._pose @ motion.as_pose()
+
+    def observe(self, measurements: Sequence[Measurement]) -> None:
+        """Ignore what is seen."""
+
+    def estimate(self) -> Estimate:
+        """Return the pose that the commands add up to, with no uncertainty stated."""
+        return Estimate(self._pose, np.zeros((3, 3)), np.empty((0, 2)), np.empty((0, 2, 2)))
+
+
+def run_slam(
+    algorithm: SlamAlgorithm, log: Iterable[tuple[Motion | None, Sequence[Measurement]]]
+) -> list[Estimate]:
+    """Run an algorithm over a log.
+
+    Parameters
+    ----------
+    algorithm : SlamAlgorithm
+        It is changed: it has seen the log afterwards.
+    log : iterable of (Motion or None, sequence of Measurement)
+        In each step the motion comes first (None: the robot stood still), then what was seen.
+
+    Returns
+    -------
+    list of Estimate
+        One for each step.
+    """
+    estimates = []
+    for motion, measurements in log:
+        if motion is not None:
+            algorithm.move(motion)
+        algorithm.observe(measurements)
+        estimates.append(algorithm.estimate())
+    return estimates
