@@ -1,1 +1,29 @@
 """The simulated world: the field, the robot's head and cameras, its pictures, and the robot itself."""
+
+from nao_course.sim.camera import NAO_V4, NAO_V6, CameraView, NaoModel
+from nao_course.sim.field import DIMENSIONS, Field, Landmark
+from nao_course.sim.nao import OdometryNoise, Picture, SensorNoise, SimulatedNao, TorsoTilt, Truth, repeat_drive
+from nao_course.sim.render import LABELS, PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
+
+__all__ = [
+    "DIMENSIONS",
+    "LABELS",
+    "NAO_V4",
+    "NAO_V6",
+    "CameraView",
+    "Field",
+    "Landmark",
+    "NaoModel",
+    "OdometryNoise",
+    "Picture",
+    "PictureTruth",
+    "Reality",
+    "SensorNoise",
+    "SimulatedNao",
+    "TorsoTilt",
+    "Truth",
+    "VisibleLandmark",
+    "render",
+    "repeat_drive",
+    "visible_landmarks",
+]

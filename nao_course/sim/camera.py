@@ -56,7 +56,7 @@ class CameraView:
     yaw : float
         Of the optical axis, radians (positive: left).
     roll : float
-        About the optical axis, radians (positive: the picture's right side is lower on the robot,
+        About the optical axis, radians (positive: the camera leans to its right,
         so the horizon rises to the right in the picture).
     offset : (float, float)
         Of the camera over the ground in the robot frame, metres.
