@@ -181,7 +181,7 @@ class CameraView:
             return seen * self.focal + self.centre
         r_seen = np.hypot(seen[:, 0], seen[:, 1])
         r = r_seen.copy()
-        limit = self._largest_radius
+        limit = self.lens_limit
         with np.errstate(divide="ignore", invalid="ignore"):
             for _ in range(12):  # Newton on r (1 + k1 r^2) = r_seen
                 r -= (r * (1 + self.k1 * r**2) - r_seen) / (1 + 3 * self.k1 * r**2)
@@ -196,14 +196,14 @@ class CameraView:
         return np.asarray(((uv >= -0.5) & (uv <= np.array(self.size) - 0.5)).all(axis=1))
 
     @property
-    def _largest_radius(self) -> float:
+    def lens_limit(self) -> float:
         """Beyond this radius (in focal lengths) a barrel lens would fold the picture back onto itself."""
         return float("inf") if self.k1 >= 0 else float(1 / np.sqrt(-3 * self.k1))
 
     def _distorted(self, rays: FloatArray) -> FloatArray:
         """Apply the lens to (N, 2) coordinates in focal lengths."""
         r2 = (rays**2).sum(axis=1, keepdims=True)
-        return np.where(r2 <= self._largest_radius**2, rays * (1 + self.k1 * r2), np.nan)
+        return np.where(r2 <= self.lens_limit**2, rays * (1 + self.k1 * r2), np.nan)
 
 
 @dataclass(frozen=True)

@@ -321,9 +321,9 @@ class _Scene:
     def _clip_planes(self) -> FloatArray:
         """Half-spaces n . p >= 0 that bound the view, with a margin that keeps the lens model valid."""
         width, height = self.view.size
-        corner = self.view.undistort([[-4.0, -4.0], [width + 3.0, height + 3.0]])
-        reach = np.nanmax(np.abs((corner - self.view.centre) / self.view.focal), axis=0)
-        a, b = np.where(np.isfinite(reach), reach, 1.0)
+        corner = self.view.undistort([[width + 3.0, height + 3.0]])[0]
+        reach = (corner - self.view.centre) / self.view.focal
+        a, b = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
     def region(self, outline: npt.NDArray[np.int32] | None, rim_only: bool = False) -> Indices:

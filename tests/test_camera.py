@@ -1,0 +1,130 @@
+"""Laws of the head's chain, the projection and the lens."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nao_course.geometry import Pose
+from nao_course.sim import NAO_V4, NAO_V6, CameraView
+
+
+def view(**changes):
+    values = {"size": (320, 240), "hfov": 1.06, "vfov": 0.83, "height": 0.48, "pitch": 0.3} | changes
+    return CameraView(**values)
+
+
+def test_camera_heights_are_the_published_ones():
+    # Maker's links, NAO V4: straight legs .523 / .477 m, walking .505 / .459 m.
+    heights = [NAO_V4.view(c, stance=s).height for s in ("standing", "walking") for c in ("top", "bottom")]
+    assert np.allclose(heights, [0.523, 0.477, 0.505, 0.459], atol=0.0005)
+
+
+def test_the_optical_axis_meets_the_middle_of_the_picture():
+    for yaw in (-0.4, 0.0, 0.7):
+        for roll in (0.0, 0.1):
+            v = view(yaw=yaw, roll=roll, offset=(0.05, -0.02), k1=-0.08)
+            distance = v.height / np.tan(v.pitch)
+            hit = np.array(v.offset) + distance * np.array([np.cos(yaw), np.sin(yaw)])
+            assert np.allclose(v.project([hit]), [v.centre])
+
+
+def test_left_is_smaller_u_far_is_smaller_v_and_roll_to_the_right_lifts_the_right_side():
+    v = view()
+    left, right, far = v.project([[2, 0.5], [2, -0.5], [4, 0]])
+    assert left[0] < v.centre[0] < right[0]
+    assert far[1] < left[1]
+    leaning = view(roll=0.1)
+    horizon = leaning.project([[1e6, 4e5], [1e6, -4e5]])
+    assert horizon[0, 1] > horizon[1, 1]
+
+
+def test_the_field_of_view_spans_the_picture():
+    v = view(pitch=0.0)
+    edge = v.project([[1.0, np.tan(v.hfov / 2), v.height], [1.0, 0.0, v.height + np.tan(v.vfov / 2)]])
+    assert np.isclose(edge[0, 0], -0.5)
+    assert np.isclose(edge[1, 1], -0.5)
+
+
+def test_a_larger_picture_of_the_same_camera_shows_the_same_points_scaled():
+    points = np.random.default_rng(0).uniform([0.5, -1], [4, 1], (50, 2))
+    small, large = view(k1=-0.08).project(points), view(k1=-0.08, size=(1280, 960)).project(points)
+    assert np.allclose((small + 0.5) * 4, large + 0.5)
+
+
+@given(st.floats(-0.15, 0.15), st.floats(-0.5, 319.5), st.floats(-0.5, 239.5))
+def test_lens_and_its_removal_cancel(k1, u, v):
+    camera = view(k1=k1)
+    assert np.allclose(camera.distort(camera.undistort([u, v])), [u, v], atol=1e-6)
+
+
+def test_barrel_pulls_the_corners_inwards_and_leaves_the_middle():
+    barrel, straight = view(k1=-0.08), view()
+    corner = [0.0, 0.0]
+    assert (barrel.distort(corner) > corner).all()
+    assert np.allclose(barrel.distort(barrel.centre), [barrel.centre])
+    assert np.allclose(straight.undistort(corner), [corner])
+
+
+def test_points_behind_the_camera_and_beyond_the_lens_have_no_pixel():
+    assert np.isnan(view().project([[-1.0, 0.0]])).all()
+    assert np.isnan(view(k1=-0.08, pitch=0.0).project([[0.1, 3.0, 0.48]])).all()
+    assert view().project([]).shape == (0, 2)
+    assert not view().contains([[np.nan, np.nan]])[0]
+
+
+def test_moving_the_robot_and_the_points_together_changes_no_pixel(rng):
+    points = rng.uniform(-3, 3, (40, 2))
+    robot, moved = Pose(0.3, -0.2, 0.4), Pose(5.0, -3.0, 2.0)
+    v = NAO_V4.view("top", yaw=0.3)
+    there = v.project(moved.to_parent(points), moved @ robot)
+    assert np.allclose(v.project(points, robot), there, equal_nan=True)
+
+
+def test_without_tilt_the_head_alone_gives_yaw_and_pitch_and_no_roll():
+    v = NAO_V4.view("bottom", yaw=0.5, pitch=-0.3)
+    assert np.allclose((v.yaw, v.pitch, v.roll), (0.5, np.radians(39.7) - 0.3, 0.0))
+
+
+def test_a_lean_to_the_side_rolls_a_camera_that_looks_ahead_and_pitches_one_that_looks_aside():
+    ahead = NAO_V4.view("top", torso_roll=0.1)
+    aside = NAO_V4.view("top", yaw=-np.pi / 2, torso_roll=0.1)
+    level = NAO_V4.view("top", yaw=-np.pi / 2)
+    assert np.isclose(ahead.roll, 0.1, atol=1e-3)
+    assert np.isclose(aside.pitch - level.pitch, 0.1, atol=1e-3)
+    assert ahead.offset[1] < 0
+
+
+def test_v6_sees_less_wide_than_v4():
+    assert np.degrees(NAO_V6.hfov) == pytest.approx(56.3)
+    assert NAO_V6.hfov < NAO_V4.hfov
+
+
+def test_a_phones_square_pixels_give_the_vertical_field_of_view():
+    phone = CameraView.from_fov((4000, 3000), np.radians(65), height=0.4, pitch=0.5)
+    assert np.isclose(*phone.focal)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: view(size=(0, 240)), r"size must be .* got \(0, 240\)"),
+        (lambda: view(size=(320.5, 240)), "whole pixels"),
+        (lambda: view(size=(10**6, 240)), "1 to 8192"),
+        (lambda: view(size=320), "size must be"),
+        (lambda: view(size=(np.nan, 3)), "size must be"),
+        (lambda: view(size=(np.inf, 3)), "size must be"),
+        (lambda: view(hfov=4.0), "hfov must be between 0 and pi"),
+        (lambda: view(height=0.0), "above the ground"),
+        (lambda: view(pitch=np.nan), "pitch must be a finite number"),
+        (lambda: NAO_V4.view("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
+        (lambda: NAO_V4.view(pitch=0.6), r"head pitch must be within .*-38.5..29.5 deg"),
+        (lambda: NAO_V4.view(yaw=-3), "head yaw must be within"),
+        (lambda: NAO_V4.view(yaw=np.nan), "head yaw .* finite"),
+        (lambda: NAO_V4.view(stance="lying"), "stance must be"),
+        (lambda: view().project([[1, 2, 3, 4]]), r"\(N, 3\)"),
+    ],
+)
+def test_impossible_cameras_are_refused_with_what_was_expected(make, says):
+    with pytest.raises(ValueError, match=says):
+        make()

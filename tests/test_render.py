@@ -1,0 +1,181 @@
+"""Laws of the simulator's pictures."""
+
+import cv2
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import DIMENSIONS, NAO_V4, CameraView, Field, Reality, render
+from nao_course.sim.render import _COLOURS, GREEN, OTHER, WHITE, YELLOW, _cut_square
+
+CLEAN = Reality.clean()
+LOOKING_DOWN_A_LITTLE = np.radians(-31.0)
+
+
+def camera(size=(320, 240), **angles):
+    return NAO_V4.view("bottom", pitch=LOOKING_DOWN_A_LITTLE, size=size, **angles)
+
+
+def white_share(pixels):
+    """How much of each pixel is line, from the light it sent."""
+    light = (pixels.astype(float) / 255) ** 2
+    carpet, line = (_COLOURS[name].astype(float) for name in ("carpet", "line"))
+    return ((light - carpet) @ (line - carpet)) / ((line - carpet) @ (line - carpet))
+
+
+@pytest.mark.parametrize("distance", [1.0, 2.0, 4.0, 6.0])
+@pytest.mark.parametrize("turned", [0.0, 0.2])
+def test_a_lines_rendered_area_is_its_projected_area_within_two_per_cent(distance, turned):
+    field = Field(2013, half=False)
+    pose = Pose(2.2, 3.0 - distance, np.pi / 2 + turned)  # the touch line at y = 3, and beyond it only carpet
+    view = camera()
+    pixels, _ = render(field, pose, view, CLEAN)
+    x = np.linspace(-1.0, 4.0, 5001)
+    near, far = (view.project(np.column_stack([x, np.full_like(x, y)]), pose) for y in (2.975, 3.025))
+    columns = np.arange(130, 200)
+    low, high = (np.interp(columns, *edge[np.argsort(edge[:, 0])].T) for edge in (near, far))
+    rows = np.arange(240)[:, None]
+    around = (rows > high - 1) & (rows < low + 1)  # without blur, no line reaches farther than its pixels
+    drawn = white_share(pixels)[:, columns][around].sum()
+    assert drawn == pytest.approx((low - high).sum(), rel=0.02)
+
+
+def test_a_cut_square_has_the_area_that_counting_gives(rng):
+    inside = (np.arange(400) + 0.5) / 400 - 0.5
+    x, y = np.meshgrid(inside, inside)
+    for _ in range(50):
+        angle, offset = rng.uniform(0, 2 * np.pi), rng.uniform(-0.8, 0.8)
+        slope = rng.uniform(0.1, 20)
+        c, s = np.cos(angle), np.sin(angle)
+        counted = (x * c + y * s + offset > 0).mean()
+        got = _cut_square(*(np.float32([value * slope]) for value in (offset, c, s)))[0]
+        assert got == pytest.approx(counted, abs=0.003)
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_moving_field_and_robot_together_changes_no_picture(half):
+    robot, moved = Pose(1.0, 0.4, 0.3), Pose(7.0, -2.0, 2.2)
+    here = render(Field(2012, half), robot, camera(), rng=np.random.default_rng(5))
+    there = render(Field(2012, half, moved), moved @ robot, camera(), rng=np.random.default_rng(5))
+    assert here[0].tobytes() == there[0].tobytes()
+    assert here[1].labels.tobytes() == there[1].labels.tobytes()
+    assert len(here[1].landmarks) == len(there[1].landmarks) > 0
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
+    pictures = [render(Field(), Pose(), camera(), rng=np.random.default_rng(s))[0].tobytes() for s in (1, 1, 2)]
+    assert pictures[0] == pictures[1] != pictures[2]
+
+
+def test_a_field_mirrored_about_its_axis_gives_the_mirrored_picture():
+    one, _ = render(Field(), Pose(0.5, 0.6, 0.2), camera(), CLEAN)
+    other, _ = render(Field(), Pose(0.5, -0.6, -0.2), camera(), CLEAN)
+    assert np.abs(one.astype(int) - other[:, ::-1]).max() <= 1
+
+
+@pytest.mark.parametrize("year", DIMENSIONS)
+@pytest.mark.parametrize("turn", [-2.8, -1.0, 0.0, 1.0, 2.5])
+def test_labels_agree_with_the_picture(year, turn):
+    pixels, truth = render(Field(year, half=False), Pose(1.0, 0.5, turn), camera(yaw=0.2), CLEAN)
+    red, green, blue = pixels.astype(int).transpose(2, 0, 1)
+    labels = truth.labels
+    grass = (green > red + 30) & (green > blue + 30)
+    yellow = (red > blue + 60) & (green > blue + 50)
+    white = pixels.min(axis=2) > 215
+    # Away from edges, where colours mix, labels and colours are the same thing.
+    flat = cv2.dilate(labels, np.ones((3, 3))) == cv2.erode(labels, np.ones((3, 3)))
+    assert grass[flat & (labels == GREEN)].mean() > 0.98  # a line thinner than half a pixel is labelled green
+    assert yellow[flat & (labels == YELLOW)].all()
+    assert white[flat & (labels == WHITE)].mean() > 0.9 if (flat & (labels == WHITE)).any() else True
+    assert not (grass | yellow)[flat & (labels == OTHER)].any()
+
+
+def test_truths_landmarks_stand_where_the_labels_change():
+    field = Field(2012)
+    _, truth = render(field, Pose(0.6, 0.0, 0.0), camera(), CLEAN)
+    for seen in truth.landmarks:
+        u, v = np.rint(seen.pixel).astype(int)
+        around = truth.labels[max(v - 3, 0) : v + 4, max(u - 3, 0) : u + 4]
+        wanted = YELLOW if seen.landmark.kind == "post" else WHITE
+        assert (around == wanted).any(), seen
+
+
+def test_a_landmark_behind_a_post_is_occluded_and_the_post_itself_is_not():
+    field = Field(2012)
+    robot = Pose(2.0, -0.7, 0.0)
+    corner = next(m for m in field.landmarks if m.kind == "corner" and (m.x, m.y) == (3.0, 1.1))
+    seen = {(m.landmark.x, m.landmark.y): m for m in render(field, robot, camera(), CLEAN)[1].landmarks}
+    assert not seen[(3.0, -0.7)].occluded
+    # From behind the goal line, the near post hides what stands in line with it.
+    direction = np.array([3.0, 0.7]) - np.array([corner.x, corner.y])
+    eye = np.array([3.0, 0.7]) + direction / np.linalg.norm(direction) * 1.0
+    looking = Pose(float(eye[0]), float(eye[1]), float(np.arctan2(*-direction[::-1])))
+    hidden = {(m.landmark.x, m.landmark.y): m for m in render(field, looking, camera(), CLEAN)[1].landmarks}
+    assert hidden[(3.0, 1.1)].occluded
+    assert not hidden[(3.0, 0.7)].occluded
+
+
+def test_distance_and_bearing_of_a_landmark_are_the_robots():
+    robot = Pose(0.5, -0.3, 0.2)
+    for seen in render(Field(), robot, camera(yaw=0.4), CLEAN)[1].landmarks:
+        x, y = robot.to_local([seen.landmark.x, seen.landmark.y])[0]
+        assert seen.distance == pytest.approx(np.hypot(x, y))
+        assert seen.bearing == pytest.approx(np.arctan2(y, x))
+
+
+def test_a_post_is_as_wide_and_as_high_as_its_projection():
+    pose, view = Pose(1.2, 0.7, 0.0), NAO_V4.view("top", size=(640, 480))
+    _, truth = render(Field(2012), pose, view, CLEAN)
+    yellow = truth.labels == YELLOW
+    foot, half_up = view.project([[3.0, 0.7, 0.0], [3.0, 0.7, 0.4]], pose)
+    row = round(half_up[1])
+    run = np.flatnonzero(yellow[row, round(foot[0]) - 40 : round(foot[0]) + 41])
+    distance = 3.0 - 1.2 - view.offset[0]
+    wide = 2 * view.focal[0] * np.tan(np.arcsin(0.05 / distance))
+    assert len(run) == pytest.approx(wide, abs=1.5)
+    lowest = np.flatnonzero(yellow[:, round(foot[0])]).max()
+    assert lowest == pytest.approx(view.project([[2.95, 0.7, 0.0]], pose)[0, 1], abs=1.0)
+
+
+def test_noise_has_the_stated_deviation_and_needs_a_generator():
+    clean, _ = render(Field(), Pose(), camera(), CLEAN)
+    noisy, _ = render(Field(), Pose(), camera(), Reality(noise=3.3), np.random.default_rng(0))
+    assert (noisy.astype(float) - clean).std() == pytest.approx(3.3, rel=0.03)
+    with pytest.raises(ValueError, match="needs rng"):
+        render(Field(), Pose(), camera())
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 3), (17, 240), (320, 1)])
+def test_tiny_pictures_work(size):
+    pixels, truth = render(Field(), Pose(0.5, 0, 0.1), camera(size), CLEAN)
+    assert pixels.shape == (size[1], size[0], 3)
+    assert truth.labels.shape == (size[1], size[0])
+
+
+def test_every_pose_and_head_angle_gives_a_picture(rng):
+    for _ in range(60):
+        pose = Pose(*rng.uniform([-0.7, -2.7, -np.pi], [3.7, 2.7, np.pi]))
+        view = NAO_V4.view(
+            str(rng.choice(["top", "bottom"])),
+            yaw=rng.uniform(-2, 2),
+            pitch=rng.uniform(-0.67, 0.51),
+            size=(64, 48),
+            torso_pitch=rng.normal(0, 0.2),
+            torso_roll=rng.normal(0, 0.2),
+        )
+        pixels, truth = render(Field(), pose, view, CLEAN)
+        assert pixels.dtype == truth.labels.dtype == np.uint8
+        assert set(np.unique(truth.labels)) <= {OTHER, GREEN, YELLOW, WHITE}
+
+
+def test_a_camera_without_a_lens_term_draws_straight_lines():
+    view = CameraView((320, 240), 1.06, 0.83, height=0.48, pitch=0.3)
+    _, truth = render(Field(2012), Pose(1.0, 0, 0), view, CLEAN)
+    middle = [np.flatnonzero(truth.labels[:, u] == WHITE).max() for u in (100, 160, 220)]
+    assert middle[0] == middle[1] == middle[2]
+
+
+@pytest.mark.parametrize("noise", [-1, np.nan, "much"])
+def test_an_effect_is_zero_or_more(noise):
+    with pytest.raises(ValueError, match="Reality: noise must be"):
+        Reality(noise=noise)

@@ -1,0 +1,65 @@
+"""The values that SLAM is about, and the loop that runs an algorithm."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm, run_slam
+
+
+def test_a_motion_drives_along_the_old_heading_and_then_turns():
+    pose = Pose(1, 2, np.pi / 2) @ Motion(2.0, 0.3).as_pose()
+    assert np.allclose(pose.as_array(), (1, 4, np.pi / 2 + 0.3))
+
+
+def test_without_noise_dead_reckoning_closes_a_square():
+    log = [(Motion(1.0, np.pi / 2), [])] * 4
+    final = run_slam(DeadReckoning(Pose(1, 1, 0.5)), log)[-1]
+    assert np.allclose(final.pose.as_array(), (1, 1, 0.5))
+
+
+def test_the_loop_moves_before_it_observes():
+    class Recorder(SlamAlgorithm):
+        def __init__(self):
+            self.calls = []
+
+        def move(self, motion):
+            self.calls.append("move")
+
+        def observe(self, measurements):
+            self.calls.append(len(measurements))
+
+        def estimate(self):
+            return Estimate(Pose(), np.eye(3), [], [])
+
+    recorder = Recorder()
+    estimates = run_slam(recorder, [(None, []), (Motion(1), [Measurement(0, 1)])])
+    assert recorder.calls == [0, "move", 1]
+    assert len(estimates) == 2
+
+
+def test_a_bearing_is_wrapped():
+    assert np.isclose(Measurement(1.5 * np.pi, 1).bearing, -np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Motion(np.nan, 0), "distance"),
+        (lambda: Motion(0, np.inf), "turn"),
+        (lambda: Measurement(0, -1), "negative"),
+        (lambda: Measurement(0, 1, "goal"), "kind must be one of"),
+        (lambda: Measurement(np.nan, 1), "bearing"),
+        (lambda: Estimate(Pose(), np.eye(2), [], []), r"covariance must have shape \(3, 3\), got \(2, 2\)"),
+        (lambda: Estimate(Pose(), np.eye(3), [[1, 2]], [np.eye(2)]), "1 landmarks need 1 kinds"),
+        (lambda: Estimate(Pose(), np.eye(3), [[1, 2]], [np.eye(3)], ("post",)), "landmark_covariances"),
+    ],
+)
+def test_bad_values_are_refused_with_what_was_expected(make, says):
+    with pytest.raises(ValueError, match=says):
+        make()
+
+
+def test_an_abstract_algorithm_cannot_be_made():
+    with pytest.raises(TypeError, match="abstract"):
+        SlamAlgorithm()
