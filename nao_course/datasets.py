@@ -1,0 +1,307 @@
+"""Recordings by others, read as the library's own values: today the annotated pictures of a real robot."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PureWindowsPath
+from typing import Literal, NoReturn, get_args
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import Pose
+from nao_course.sim.camera import LARGEST_SIZE
+
+Pixels = npt.NDArray[np.uint8]
+PointKind = Literal["X", "L", "T", "post_foot", "post_top"]
+PictureSet = Literal["scenes", "straightwalk"]
+
+DATA_VARIABLE = "NAO_COURSE_DATA"
+LARGE_SUFFIX = "_1280x960"  # of the folder that holds a set's larger versions
+
+# What a file may not exceed: far beyond any real one, and small enough that a hostile one costs nothing.
+LARGEST_ANNOTATIONS = 4_000_000  # bytes
+LARGEST_PICTURE = 64_000_000  # bytes
+MOST_PICTURES = 10_000
+MOST_POINTS = 1_000
+
+
+@dataclass(frozen=True)
+class AnnotatedPoint:
+    """A point of the field that a person has marked in a picture.
+
+    Parameters
+    ----------
+    kind : "X", "L", "T", "post_foot" or "post_top"
+        A crossing (marks, the circle on the halfway line), a corner of two lines, the foot of a
+        goal post, or the place where the crossbar meets a post.
+    u, v : float
+        Pixel, at the size of `RealPicture.pixels`; a mark at the very edge may lie just outside.
+    """
+
+    kind: PointKind
+    u: float
+    v: float
+
+
+@dataclass(frozen=True)
+class RealPicture:
+    """A photograph by a real NAO, with what is known about it.
+
+    Parameters
+    ----------
+    name : str
+        The picture's file name.
+    path : Path
+        Where it is.
+    pose : Pose
+        Of the robot in the field frame, as it was set by hand (m, rad).
+    head_yaw, head_pitch : float
+        Of the head's joints, as the robot reported them, radians (positive: left, down).
+    points : tuple of AnnotatedPoint
+        The points marked by hand, maybe none.
+    """
+
+    name: str
+    path: Path
+    pose: Pose
+    head_yaw: float
+    head_pitch: float
+    points: tuple[AnnotatedPoint, ...]
+
+    @cached_property
+    def pixels(self) -> Pixels:
+        """The picture, (height, width, 3) RGB; read when first asked for, and then read-only."""
+        pixels = self.read()
+        pixels.setflags(write=False)
+        return pixels
+
+    @property
+    def large_path(self) -> Path:
+        """Where the picture's larger version is, for those that have one."""
+        folder = self.path.parent
+        return folder.parent / f"{folder.name}{LARGE_SUFFIX}" / self.name
+
+    @property
+    def has_large(self) -> bool:
+        """Whether there is a larger version."""
+        return self.large_path.is_file()
+
+    def read(self, large: bool = False) -> Pixels:
+        """Read the picture from its file.
+
+        Parameters
+        ----------
+        large : bool
+            The version of 1280 x 960 pixels instead.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 3)
+            RGB.
+
+        Raises
+        ------
+        ValueError
+            If there is no larger version, or the file cannot be read as a PNG picture.
+        """
+        if large and not self.has_large:
+            raise ValueError(f"{self.name} has no version of 1280 x 960 pixels (ask .has_large); use read()")
+        return _read_png(self.large_path if large else self.path)
+
+
+# --- finding the data ---
+
+
+def data_folder() -> Path:
+    """Return the folder that holds the recordings, which are no part of the project.
+
+    It is the one the environment variable NAO_COURSE_DATA names; without it, ``shared/data`` beside
+    the project's own folder.
+
+    Returns
+    -------
+    Path
+        An existing folder.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none; it says what to do.
+    """
+    named = os.environ.get(DATA_VARIABLE)
+    folder = Path(named).expanduser() if named else Path(__file__).resolve().parents[2] / "shared" / "data"
+    if not folder.is_dir():
+        where = (
+            f"{DATA_VARIABLE} names {named!r}, which is no folder" if named else f"{DATA_VARIABLE} is not set"
+        )
+        raise FileNotFoundError(
+            f"the recorded real data is not here: {where}. Set the environment variable {DATA_VARIABLE} "
+            "to the folder that holds amsterdam_2013 (docs/real_data.md says where it comes from)."
+        )
+    return folder
+
+
+def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[RealPicture, ...]:
+    """Read one of the sets of annotated pictures from Amsterdam, 2013.
+
+    Parameters
+    ----------
+    name : "scenes" or "straightwalk"
+        64 pictures from nine places in all directions, or 30 along one walk down the field's axis.
+    folder : path, optional
+        The folder that holds ``amsterdam_2013``; without it, `data_folder()`.
+
+    Returns
+    -------
+    tuple of RealPicture
+        In the file's order.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no folder is given and there is no data folder.
+    ValueError
+        If there is no such set, or its annotations or a picture are missing or malformed; it names
+        the file and the entry.
+    """
+    if name not in get_args(PictureSet):
+        raise ValueError(f"name must be one of {list(get_args(PictureSet))}, got {name!r}")
+    root = (data_folder() if folder is None else Path(folder)) / "amsterdam_2013" / name
+    path = root / "annotations.json"
+    entries = _read_json(path)
+    if not isinstance(entries, list) or not 0 < len(entries) <= MOST_PICTURES:
+        raise ValueError(f"{path}: expected a list of 1 to {MOST_PICTURES} pictures, got {_brief(entries)}")
+    pictures = tuple(_picture(root, path, number, entry) for number, entry in enumerate(entries))
+    names = [picture.name for picture in pictures]
+    for number, file in enumerate(names):
+        if file in names[:number]:
+            raise ValueError(f"{path}, entry {number}: the picture {file!r} is annotated twice")
+    return pictures
+
+
+# --- one picture's annotations ---
+
+
+def _picture(root: Path, path: Path, number: int, entry: object) -> RealPicture:
+    """Turn one entry of annotations.json into a picture."""
+    where = f"{path}, entry {number}"
+    if not isinstance(entry, dict):
+        raise ValueError(f"{where}: expected an object, got {_brief(entry)}")
+    name = _file_name(entry, where)
+    where += f" ({name})"
+    if not (root / name).is_file():
+        raise ValueError(f"{where}: there is no such picture in {root}")
+    points = entry.get("points")
+    if not isinstance(points, list) or len(points) > MOST_POINTS:
+        raise ValueError(f"{where}: points must be a list of at most {MOST_POINTS}, got {_brief(points)}")
+    return RealPicture(
+        name=name,
+        path=root / name,
+        pose=Pose(
+            _number(entry, "x_m", where),
+            _number(entry, "y_m", where),
+            math.radians(_number(entry, "theta_deg", where)),
+        ),
+        head_yaw=_number(entry, "head_yaw_rad", where, largest=math.pi),
+        head_pitch=_number(entry, "head_pitch_rad", where, largest=math.pi),
+        points=tuple(_point(point, f"{where}, point {i}") for i, point in enumerate(points)),
+    )
+
+
+def _point(entry: object, where: str) -> AnnotatedPoint:
+    """Turn one of a picture's points into a value."""
+    if not isinstance(entry, dict):
+        raise ValueError(f"{where}: expected an object, got {_brief(entry)}")
+    kind = entry.get("kind")
+    for known in get_args(PointKind):
+        if kind == known:
+            u, v = (_number(entry, key, where, largest=LARGEST_SIZE) for key in ("u", "v"))
+            return AnnotatedPoint(known, u, v)
+    raise ValueError(f"{where}: kind must be one of {list(get_args(PointKind))}, got {_brief(kind)}")
+
+
+def _file_name(entry: Mapping[str, object], where: str) -> str:
+    """Return the entry's file name, which must stay inside its folder."""
+    name = entry.get("file")
+    if not isinstance(name, str) or len(name) > 255 or not name.lower().endswith(".png"):
+        raise ValueError(f"{where}: file must be the name of a .png picture, got {_brief(name)}")
+    if not name.isprintable() or PureWindowsPath(name).name != name:
+        raise ValueError(f"{where}: file must be a plain file name without a folder, got {_brief(name)}")
+    return name
+
+
+def _number(entry: Mapping[str, object], key: str, where: str, largest: float = 1e6) -> float:
+    """Return a finite number of an entry, or say what is there instead."""
+    value = entry.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= largest:
+        raise ValueError(f"{where}: {key} must be a number within +-{largest:g}, got {_brief(value)}")
+    return float(value)
+
+
+def _brief(value: object) -> str:
+    """Show the beginning of a value of any size."""
+    if isinstance(value, list | dict):
+        return f"{'a list' if isinstance(value, list) else 'an object'} of {len(value)}"
+    if isinstance(value, int) and abs(value) > 10**40:
+        return "an integer of more than 40 digits"
+    return "nothing" if value is None else f"{value!r:.60}"
+
+
+# --- files ---
+
+
+def _contents(path: Path, largest: int) -> bytes:
+    """Read a file of no more than `largest` bytes."""
+    try:
+        with path.open("rb") as file:
+            contents = file.read(largest + 1)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read ({error.strerror or error})") from None
+    if not contents or len(contents) > largest:
+        raise ValueError(
+            f"{path}: expected 1 to {largest} bytes, got {'more' if contents else 'an empty file'}"
+        )
+    return contents
+
+
+def _read_json(path: Path) -> object:
+    """Read a JSON file that may hold anything."""
+
+    def refuse(constant: str) -> NoReturn:
+        raise ValueError(f"{constant} is no JSON number")
+
+    try:
+        loaded: object = json.loads(_contents(path, LARGEST_ANNOTATIONS).decode(), parse_constant=refuse)
+    except RecursionError:
+        raise ValueError(f"{path}: is nested too deeply") from None
+    except ValueError as error:  # also JSONDecodeError and UnicodeDecodeError
+        message = str(error)
+        raise ValueError(
+            message if message.startswith(str(path)) else f"{path}: is not JSON: {message}"
+        ) from None
+    return loaded
+
+
+def _read_png(path: Path) -> Pixels:
+    """Read a PNG file as RGB; look at its header first, so that a small file cannot ask for all memory."""
+    contents = _contents(path, LARGEST_PICTURE)
+    if contents[:8] != b"\x89PNG\r\n\x1a\n" or len(contents) < 24:
+        raise ValueError(f"{path}: is not a PNG picture")
+    width, height = struct.unpack(">II", contents[16:24])
+    if not (0 < width <= LARGEST_SIZE and 0 < height <= LARGEST_SIZE):
+        raise ValueError(f"{path}: a side must have 1 to {LARGEST_SIZE} pixels, got {width} x {height}")
+    try:
+        picture = cv2.imdecode(np.frombuffer(contents, np.uint8), cv2.IMREAD_COLOR)
+    except cv2.error:
+        picture = None
+    if picture is None:
+        raise ValueError(f"{path}: the PNG picture is damaged")
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), dtype=np.uint8)
