@@ -22,6 +22,15 @@ def _not_negative(values: object) -> None:
             raise ValueError(f"{name} must be 0 (none) or more, got {getattr(values, each.name)}")
 
 
+def _generator(rng: np.random.Generator | int | None) -> np.random.Generator:
+    """A generator as it is, or one made from a seed."""
+    if isinstance(rng, np.random.Generator):
+        return rng
+    if rng is not None and not isinstance(rng, int | np.integer):
+        raise ValueError(f"rng must be a numpy.random.Generator or a whole number (its seed), got {rng!r}")
+    return np.random.default_rng(0 if rng is None else int(rng))
+
+
 @dataclass(frozen=True)
 class OdometryNoise:
     """How a walk differs from its command: errors along, across and about the robot, as in the homework's 1.2.
@@ -184,7 +193,7 @@ class SimulatedNao:
         start = pose if pose is not None else self.field.pose @ Pose(0.0, 0.0, 0.0)
         if not isinstance(start, Pose):
             raise ValueError(f"pose must be a Pose(x, y, theta), got {start!r}")
-        generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(rng or 0)
+        generator = _generator(rng)
         if not self._on_carpet(start):
             raise ValueError(f"pose must be on the carpet, {self.field.carpet} (m), got {start}")
         self._world = _World(self.field, start, generator, [start])

@@ -1,0 +1,180 @@
+"""The simulated robot: what it does, what it believes, and what it must not know."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import (
+    Field,
+    OdometryNoise,
+    Reality,
+    SensorNoise,
+    SimulatedNao,
+    TorsoTilt,
+    Truth,
+    repeat_drive,
+)
+from nao_course.slam import Motion
+
+EXACT = {
+    "odometry_noise": OdometryNoise(0, 0, 0, 0),
+    "tilt": TorsoTilt(0, 0),
+    "sensor_noise": SensorNoise(0, 0),
+    "reality": Reality.clean(),
+}
+
+
+def test_without_noise_odometry_is_the_truth():
+    nao = SimulatedNao(pose=Pose(0.2, -0.5, 0.4), **EXACT)
+    truth = Truth(nao)
+    for command, value in [("walk", 0.6), ("turn", 0.9), ("walk", 0.4), ("turn", -2.0), ("walk", -0.3)]:
+        getattr(nao, command)(value)
+    believed = truth.odometry_start @ nao.odometry
+    assert np.allclose(believed.as_array(), truth.pose.as_array())
+    assert len(truth.path) == 6
+
+
+def test_without_noise_sense_gives_the_true_bearing_and_range_of_all_it_sees():
+    nao = SimulatedNao(pose=Pose(0.8, 0.3, -0.2), **EXACT)
+    measured = nao.sense(max_range=10)
+    field, pose = nao.field, Truth(nao).pose
+    points = np.array([(m.x, m.y) for m in field.landmarks if m.kind != "cross"])
+    kinds = ["post" if m.kind == "post" else "corner" for m in field.landmarks if m.kind != "cross"]
+    local = pose.to_local(points)
+    assert len(measured) >= 5
+    for each in measured:
+        seen = each.range * np.array([np.cos(each.bearing), np.sin(each.bearing)])
+        errors = np.hypot(*(local - seen).T)
+        assert errors.min() < 1e-9
+        assert kinds[errors.argmin()] == each.kind
+
+
+def test_what_is_measured_comes_from_right_to_left_so_that_order_names_no_landmark():
+    bearings = [m.bearing for m in SimulatedNao(pose=Pose(0.8, 0, 0)).sense()]
+    assert bearings == sorted(bearings)
+
+
+@pytest.mark.parametrize("motion", [Motion(1.0, 0.0), Motion(0.0, 1.2), Motion(-0.5, 0.0)])
+def test_odometry_scatters_in_the_robot_frame_as_its_covariance_says(motion):
+    heading = 0.7
+    noise = OdometryNoise()
+    ends = []
+    for seed in range(1500):
+        nao = SimulatedNao(pose=Pose(1, 0, heading), rng=seed, odometry_noise=noise)
+        nao._move(motion)
+        ends.append((Pose(1, 0, heading).inverse() @ Truth(nao).pose).as_array())
+    errors = np.array(ends) - (motion.distance, 0, motion.turn)
+    expected = np.sqrt(np.diag(noise.covariance(motion)))
+    assert np.allclose(errors.std(axis=0), expected, rtol=0.08, atol=1e-12)
+    assert np.abs(errors.mean(axis=0)).max() < 0.01
+
+
+def test_many_short_steps_scatter_like_one_long_walk(rng):
+    long = repeat_drive([Motion(2.0)], 4000, rng, OdometryNoise(0.05, 0.04, 0.0, 0.0))[:, -1]
+    short = repeat_drive([Motion(0.1)] * 20, 4000, rng, OdometryNoise(0.05, 0.04, 0.0, 0.0))[:, -1]
+    assert np.allclose(long[:, :2].std(axis=0), short[:, :2].std(axis=0), rtol=0.08)
+
+
+def test_twenty_robots_drive_as_one_does(rng):
+    commands = [Motion(0.5), Motion(0, 0.6), Motion(0.5)]
+    ends = []
+    for seed in range(1500):
+        nao = SimulatedNao(pose=Pose(0, 0, 0), rng=seed)
+        for motion in commands:
+            nao._move(motion)
+        ends.append(Truth(nao).pose.as_array())
+    together = repeat_drive(commands, 4000, rng)[:, -1]
+    assert np.allclose(np.std(ends, axis=0), together.std(axis=0), rtol=0.1)
+    assert np.allclose(np.mean(ends, axis=0), together.mean(axis=0), atol=0.02)
+
+
+def test_the_robot_does_not_know_how_its_body_leaned():
+    nao = SimulatedNao(rng=3)
+    pictures = [nao.take_picture() for _ in range(2)]
+    assert pictures[0].view == pictures[1].view
+    assert pictures[0].view.roll == 0
+    true_view = Truth(nao).picture.view
+    assert true_view.roll != 0
+    assert true_view.pitch != pictures[1].view.pitch
+
+
+def test_tilt_has_the_stated_deviation():
+    nao = SimulatedNao(rng=0, tilt=TorsoTilt(0.02, 0.01))
+    views = [nao._true_view("bottom", (320, 240)) for _ in range(3000)]
+    assert np.std([v.pitch for v in views]) == pytest.approx(0.02, rel=0.05)
+    # The head looks down, so only the cosine of its pitch turns a lean into roll.
+    assert np.std([v.roll for v in views]) == pytest.approx(0.01 * np.cos(nao.view().pitch), rel=0.1)
+
+
+def test_nothing_public_about_the_robot_or_its_pictures_reveals_the_truth():
+    nao = SimulatedNao(pose=Pose(1.234, 0.567, 0.891), rng=4)
+    nao.walk(0.3)
+    picture = nao.take_picture()
+    hidden = (Truth(nao).pose, Truth(nao).picture, *Truth(nao).path)
+    for thing in (nao, picture, picture.view):
+        public = {name: getattr(thing, name) for name in dir(thing) if not name.startswith("_")}
+        assert not any(value is secret for value in public.values() for secret in hidden)
+        assert "1.2" not in repr(thing) and "0.56" not in repr(thing)
+        assert not {"pose", "truth", "labels", "landmarks", "path"} & set(public)
+
+
+def test_the_same_seed_gives_the_same_day_and_another_seed_another():
+    def day(seed):
+        nao = SimulatedNao(rng=seed)
+        nao.walk(0.5)
+        nao.turn(0.3)
+        return nao.take_picture().pixels.tobytes(), nao.sense(), Truth(nao).pose
+
+    assert day(7) == day(7) == day(np.random.default_rng(7))
+    assert day(7) != day(8)
+
+
+def test_the_robot_stops_at_the_edge_of_the_carpet_and_its_odometry_does_not_notice():
+    nao = SimulatedNao(**EXACT)
+    nao.walk(9.0)
+    assert Truth(nao).pose.x == pytest.approx(3.7)
+    assert nao.odometry.x == 9.0
+
+
+def test_a_moved_field_takes_its_robot_along():
+    field = Field(pose=Pose(10, 5, 1.0))
+    nao = SimulatedNao(field, **EXACT)
+    assert Truth(nao).pose == field.pose
+    assert nao.take_picture().pixels.tobytes() == SimulatedNao(**EXACT).take_picture().pixels.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("do", "says"),
+    [
+        (lambda nao: SimulatedNao(pose=Pose(np.nan, 0, 0)), "Pose: x .m. must be a finite number, got nan"),
+        (lambda nao: SimulatedNao(pose=(0, 0, 0)), r"pose must be a Pose\(x, y, theta\)"),
+        (lambda nao: SimulatedNao(pose=Pose(30, 0, 0)), "on the carpet"),
+        (lambda nao: SimulatedNao(rng="seven"), "rng must be"),
+        (lambda nao: nao.take_picture("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
+        (lambda nao: nao.take_picture(size=(0, 0)), r"size must be \(width, height\)"),
+        (lambda nao: nao.take_picture(size=(100000, 100000)), "1 to 8192"),
+        (lambda nao: nao.look(0, 1.0), r"head pitch must be within .* got 1.000"),
+        (lambda nao: nao.look(np.inf, 0), "head yaw"),
+        (lambda nao: nao.walk(np.nan), r"distance \(m\) must be a finite number"),
+        (lambda nao: nao.walk("far"), "distance .m. must be a number"),
+        (lambda nao: nao.walk(50), "within -10..10 m"),
+        (lambda nao: nao.turn(90), r"turn\(np.radians\(90\)\)"),
+        (lambda nao: nao.sense(camera="front"), "camera must be one of"),
+        (lambda nao: nao.sense(max_range=0), "max_range must be positive"),
+        (lambda nao: TorsoTilt(pitch=-1), "TorsoTilt: pitch must be 0 .none. or more"),
+        (lambda nao: OdometryNoise(along=np.nan), "OdometryNoise: along must be a finite number"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_with_what_was_expected(do, says):
+    nao = SimulatedNao()
+    with pytest.raises(ValueError, match=says):
+        do(nao)
+    assert nao.odometry == Pose()
+
+
+def test_a_refused_head_angle_leaves_the_head_where_it_was():
+    nao = SimulatedNao()
+    before = nao.head
+    with pytest.raises(ValueError, match="joint"):
+        nao.look(0.1, 1.5)
+    assert nao.head == before
