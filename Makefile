@@ -1,0 +1,82 @@
+# Every target sets up what it needs in .venv by itself, again only when a lock file or pyproject.toml changes.
+# Only relative paths, and nothing that make 3.81 (macOS) does not know: the folder's name may hold spaces.
+
+PYTHON ?= $(shell command -v python3 || command -v python || echo python3)
+LAB_ARGS ?=
+PYTEST_ARGS ?=
+PIP_ARGS ?=
+BENCH_ARGS ?=
+WORKERS ?= 2
+
+PY = .venv/bin/python
+PIP = $(PY) -m pip --disable-pip-version-check $(PIP_ARGS)
+# The course's matrices are small: one BLAS thread for each test process is the fastest, and the same everywhere.
+PYTEST = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m pytest -n $(WORKERS) --dist loadfile
+LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-version 3.11 \
+	--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
+
+.DEFAULT_GOAL := help
+.PHONY: help lab test lint test-quick test-slow test-all bench build demo lock clean
+.NOTPARALLEL:
+
+help:  ## say what there is
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' Makefile
+	@echo "Variables: PYTHON (which interpreter), LAB_ARGS, PYTEST_ARGS, BENCH_ARGS, PIP_ARGS, WORKERS (test processes)"
+
+lab: .venv/lab.stamp  ## open the lessons in JupyterLab
+	@mkdir -p notebooks
+	$(PY) -m jupyterlab notebooks $(LAB_ARGS)
+
+test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow
+
+lint: .venv/dev.stamp
+	$(PY) -m ruff check .
+	$(PY) -m mypy
+
+test-quick: .venv/dev.stamp
+	$(PYTEST) -m "not slow and not browser" $(PYTEST_ARGS)
+
+test-slow: .venv/dev.stamp
+	$(PYTEST) -m "slow or browser" $(PYTEST_ARGS)
+
+test-all: test test-slow  ## everything: the quick tier, then the slow tests and the browser
+
+bench: .venv/dev.stamp  ## measure the course against its peers
+	$(PY) -m benchmarks $(BENCH_ARGS)
+
+build: .venv/dev.stamp  ## make student copies and executed solutions from solutions/*.md
+	$(PY) solutions/build.py
+
+demo: .venv/dev.stamp  ## see the course's own solutions drive the robot
+	$(PY) -m nao_course.cli demo
+
+lock: .venv/dev.stamp  ## renew both lock files
+	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
+	$(LOCK) --upgrade --all-extras --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
+
+clean:  ## remove .venv and every cache; your notebooks stay
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build
+	find nao_course tests benchmarks solutions -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+.venv/made.stamp:
+	@$(PYTHON) -c 'import sys' 2>/dev/null || { echo "No Python found ($(PYTHON)). Install Python 3.11 or newer, or say which: make PYTHON=python3.12 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "The course needs Python 3.11 or newer; $(PYTHON) is `$(PYTHON) --version 2>&1`. Say which to use: make PYTHON=python3.12 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON) cannot make virtual environments. On Debian and Ubuntu: sudo apt install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv .venv
+	@touch $@
+
+.venv/lab.stamp: .venv/made.stamp requirements.lock pyproject.toml
+	@echo "Setting up .venv for the lessons; the first time this downloads some 200 MB."
+	$(call install,requirements.lock)
+	@touch $@
+
+# The big lock holds all of the small one, in the same versions.
+.venv/dev.stamp: .venv/made.stamp requirements-dev.lock pyproject.toml
+	@echo "Setting up .venv for tests and instructors; the first time this downloads some 300 MB."
+	$(call install,requirements-dev.lock)
+	@touch .venv/lab.stamp $@
+
+define install
+$(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
+@$(PIP) --quiet install --no-deps --no-build-isolation -e .
+endef
