@@ -1,0 +1,59 @@
+"""Demonstration cells: run what a student wrote and show what comes of it, or a sentence instead of a traceback."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from html import escape
+
+
+@dataclass(frozen=True)
+class Message:
+    """A sentence for the reader: a box in Jupyter, plain text elsewhere.
+
+    Parameters
+    ----------
+    text : str
+        What to say.
+    """
+
+    text: str
+
+    def __repr__(self) -> str:
+        """The text alone."""
+        return self.text
+
+    def _repr_html_(self) -> str:
+        """The text in a quiet box."""
+        style = "border-left: 4px solid #888; padding: 0.4em 0.8em; margin: 0.3em 0"
+        return f'<div role="note" style="{style}">{escape(self.text)}</div>'
+
+
+def try_out(
+    action: Callable[[], object], unfinished: str = "Finish the exercise above to see this."
+) -> object | Message:
+    """Run a demonstration that uses a student's function.
+
+    Parameters
+    ----------
+    action : callable
+        What to show; called without arguments.
+    unfinished : str
+        What to say when it raises NotImplementedError: an exercise has not been written yet.
+
+    Returns
+    -------
+    object
+        What `action` returned; a `Message` when it raised, so that the notebook runs on.
+
+    Examples
+    --------
+    >>> try_out(lambda: 1 / 0)
+    ZeroDivisionError: division by zero
+    """
+    try:
+        return action()
+    except NotImplementedError:
+        return Message(unfinished)
+    except Exception as error:
+        return Message(f"{type(error).__name__}: {error}")
