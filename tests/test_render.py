@@ -6,7 +6,8 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.sim import DIMENSIONS, NAO_V4, CameraView, Field, Reality, render
-from nao_course.sim.render import _COLOURS, GREEN, OTHER, WHITE, YELLOW, _cut_square
+from nao_course.sim.render import _COLOURS, GREEN, OTHER, WHITE, YELLOW
+from nao_course.sim.shapes import cut_square
 
 CLEAN = Reality.clean()
 LOOKING_DOWN_A_LITTLE = np.radians(-31.0)
@@ -48,7 +49,7 @@ def test_a_cut_square_has_the_area_that_counting_gives(rng):
         slope = rng.uniform(0.1, 20)
         c, s = np.cos(angle), np.sin(angle)
         counted = (x * c + y * s + offset > 0).mean()
-        got = _cut_square(*(np.float32([value * slope]) for value in (offset, c, s)))[0]
+        got = cut_square(*(np.float32([value * slope]) for value in (offset, c, s)))[0]
         assert got == pytest.approx(counted, abs=0.003)
 
 

@@ -1,0 +1,368 @@
+"""How much of each pixel a shape covers: exact areas, found from the edges and not by sampling.
+
+A line on the carpet is a rectangle, a post a cylinder. Seen from the camera their edges are planes and cones
+through the camera's centre, so that a pixel's ray has a signed distance to each, and the area of a unit square
+cut by a straight edge has a formula. Only pixels near an edge are computed; the inside is filled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import FloatArray, Pose
+from nao_course.sim.camera import CameraView
+
+Float32 = npt.NDArray[np.float32]
+Indices = npt.NDArray[np.intp]
+
+_EDGE_PIECES = 12  # pieces a straight edge is cut into, to follow the lens
+_INSIDE, _RIM = 1, 2
+
+
+@dataclass(frozen=True)
+class Covered:
+    """How much of which pixels a shape covers.
+
+    Parameters
+    ----------
+    inside : ndarray of int, shape (K,)
+        Flat indices of pixels that lie wholly inside.
+    rim : ndarray of int, shape (M,)
+        Flat indices of pixels near the edge.
+    area : ndarray of float32, shape (M,)
+        How much of each rim pixel is covered, 0 to 1.
+    """
+
+    inside: Indices
+    rim: Indices
+    area: Float32
+
+    def add_to(self, uncovered: Float32) -> None:
+        """Multiply what is still uncovered (H * W,) by what this shape leaves of it."""
+        uncovered[self.inside] = 0
+        uncovered[self.rim] *= 1 - self.area
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Rays (1, -right, -down) of every pixel's middle, flat (H * W,), and how they change from pixel to pixel."""
+
+    right: Float32
+    down: Float32
+    right_du: Float32
+    right_dv: Float32
+    down_du: Float32
+    down_dv: Float32
+
+
+def flat32(array: FloatArray) -> Float32:
+    """Return an array as flat float32."""
+    return np.ascontiguousarray(array, dtype=np.float32).ravel()
+
+
+@lru_cache(maxsize=6)
+def _lens_grid(lens: CameraView) -> Grid:
+    """Rays of a camera at rest; `lens` has a fixed place and direction, so only size, view and lens matter."""
+    width, height = lens.size
+    # One pixel more on each side, for the differences.
+    u, v = np.meshgrid(np.arange(-1.0, width + 1), np.arange(-1.0, height + 1))
+    flat = (lens.undistort(np.column_stack([u.ravel(), v.ravel()])) - lens.centre) / lens.focal
+    right, down = (flat[:, i].reshape(height + 2, width + 2) for i in (0, 1))
+    return grid_of(right, down)
+
+
+def grid_of(right: FloatArray, down: FloatArray) -> Grid:
+    """Grid of rays given with one pixel more on each side, (H + 2, W + 2)."""
+    return Grid(
+        flat32(right[1:-1, 1:-1]),
+        flat32(down[1:-1, 1:-1]),
+        flat32((right[1:-1, 2:] - right[1:-1, :-2]) / 2),
+        flat32((right[2:, 1:-1] - right[:-2, 1:-1]) / 2),
+        flat32((down[1:-1, 2:] - down[1:-1, :-2]) / 2),
+        flat32((down[2:, 1:-1] - down[:-2, 1:-1]) / 2),
+    )
+
+
+def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
+    """Area of unit squares on the positive side of straight edges.
+
+    Parameters
+    ----------
+    distance : ndarray of float32, shape (N,)
+        A linear function's value at each square's middle.
+    along_u, along_v : ndarray of float32, shape (N,)
+        Its gradient.
+
+    Returns
+    -------
+    ndarray of float32, shape (N,)
+        The integral of a clipped ramp, written with that ramp's antiderivative.
+    """
+    u, v = np.abs(along_u), np.abs(along_v)
+    steep = np.maximum(np.maximum(u, v), np.float32(1e-20))
+    half = np.maximum(np.minimum(u, v) / steep, np.float32(0.01)) / 2  # below 1 % the edge is level: no difference
+    middle = np.clip(distance / steep, -2, 2) + np.float32(0.5)
+
+    def ramp(x: Float32) -> Float32:
+        inside = np.clip(x, 0, 1)
+        return inside * inside / 2 + np.maximum(x - 1, 0)
+
+    return np.asarray((ramp(middle + half) - ramp(middle - half)) / (2 * half), dtype=np.float32)
+
+
+class Eye:
+    """A camera somewhere on a field, and what shapes look like from there.
+
+    Parameters
+    ----------
+    seen_from : Pose
+        The robot's pose in the field frame.
+    view : CameraView
+        The camera's true view.
+    """
+
+    def __init__(self, seen_from: Pose, view: CameraView) -> None:
+        """Look up, or compute, the camera's rays."""
+        self.seen_from, self.view = seen_from, view
+        lens = CameraView(view.size, view.hfov, view.vfov, height=1.0, pitch=0.0, k1=view.k1)
+        self.grid = _lens_grid(lens)
+        self._planes = self._clip_planes()
+
+    def to_camera(self, points: npt.ArrayLike) -> FloatArray:
+        """Points (..., 3) of the field frame in the camera's axes (ahead, left, up), in metres."""
+        array = np.asarray(points, dtype=float)
+        flat = array.reshape(-1, 3)
+        robot = np.column_stack([self.seen_from.to_local(flat[:, :2]), flat[:, 2]])
+        return np.asarray((robot - self.view.position) @ self.view.rotation).reshape(array.shape)
+
+    # --- outlines: which pixels to look at ---
+
+    def _clip_planes(self) -> FloatArray:
+        """Half-spaces n . p >= 0 that bound the view and a little more, where the lens model holds."""
+        width, height = self.view.size
+        corner = self.view.undistort([[width + 3.0, height + 3.0]])[0]
+        reach = (corner - self.view.centre) / self.view.focal
+        a, b = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
+        return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
+
+    def outlines(self, polygons: Sequence[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
+        """Outlines in whole pixels of convex polygons (N, 3) in the camera's axes; None for one out of view."""
+        paths, owners = [], []
+        steps = np.linspace(0, 1, _EDGE_PIECES, endpoint=False)[:, None]
+        for i, polygon in enumerate(polygons):
+            clipped = clip_polygon(polygon, self._planes)
+            if len(clipped) < 3:
+                continue
+            if len(clipped) > 2 * _EDGE_PIECES:  # a circle: fine enough already
+                path = clipped
+            else:
+                ahead = np.roll(clipped, -1, axis=0)
+                path = (clipped[:, None] + steps * (ahead - clipped)[:, None]).reshape(-1, 3)
+            paths.append(path)
+            owners.append(i)
+        found: list[npt.NDArray[np.int32] | None] = [None] * len(polygons)
+        if not paths:
+            return found
+        pixels = self._pixels(np.concatenate(paths))
+        start = 0
+        for i, path in zip(owners, paths, strict=True):
+            found[i] = pixels[start : start + len(path)]
+            start += len(path)
+        return found
+
+    def _pixels(self, points: FloatArray) -> npt.NDArray[np.int32]:
+        """Nearest pixels (N, 2) of points (N, 3) in the camera's axes, all in front of it."""
+        rays = -points[:, 1:] / np.maximum(points[:, :1], 1e-9)
+        r2 = np.minimum((rays**2).sum(axis=1, keepdims=True), self.view.lens_limit**2)
+        pixels = rays * (1 + self.view.k1 * r2) * self.view.focal + self.view.centre
+        return np.rint(np.clip(pixels, -30000, 30000)).astype(np.int32)
+
+    def _regions(
+        self, filled: Sequence[npt.NDArray[np.int32]], holes: Sequence[npt.NDArray[np.int32]] = ()
+    ) -> tuple[Indices, Indices]:
+        """Flat indices of the pixels inside outlines (and outside of holes), and of those on the rims."""
+        width, height = self.view.size
+        nothing = np.empty(0, dtype=np.intp)
+        if not filled:
+            return nothing, nothing
+        low = np.maximum(np.min([o.min(axis=0) for o in filled], axis=0) - 2, 0)
+        high = np.minimum(np.max([o.max(axis=0) for o in filled], axis=0) + 3, (width, height))
+        if (low >= high).any():
+            return nothing, nothing
+        mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
+        for outline in filled:
+            cv2.fillPoly(mask, [outline - low], _INSIDE)
+        for outline in holes:
+            cv2.fillPoly(mask, [outline - low], 0)
+        for outline in (*filled, *holes):
+            cv2.polylines(mask, [outline - low], True, _RIM, thickness=3)
+
+        def flat(kind: int) -> Indices:
+            found = np.flatnonzero(mask == kind)
+            rows, columns = np.divmod(found, mask.shape[1])
+            return np.asarray((rows + low[1]) * width + columns + low[0])
+
+        return flat(_INSIDE), flat(_RIM)
+
+    # --- exact areas ---
+
+    def side(self, normals: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
+        """Area of pixels on the positive side of planes through the camera's centre.
+
+        One plane (3,) for all pixels, or planes (N, 3) with the plane's number for each pixel.
+        """
+        scale = np.maximum(np.hypot(normals[..., 1:2], normals[..., 2:3]), 1e-12)
+        ahead, left, up = np.asarray(normals / scale, dtype=np.float32).T
+        if owner is not None:
+            ahead, left, up = ahead[owner], left[owner], up[owner]
+        g = self.grid
+        value = ahead - left * g.right[pixels] - up * g.down[pixels]
+        du = left * g.right_du[pixels] + up * g.down_du[pixels]
+        dv = left * g.right_dv[pixels] + up * g.down_dv[pixels]
+        return cut_square(value, du, dv)
+
+    def quad_area(self, corners: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
+        """Area of pixels inside quadrilaterals (N, 4, 3) of the camera's axes, given in order around each."""
+        normals = np.cross(corners, np.roll(corners, -1, axis=1))
+        facing = np.sign((normals[:, 0] * corners[:, 2]).sum(axis=1))
+        normals *= np.where(facing == 0, 1, facing)[:, None, None]
+        owner = np.zeros(len(pixels), dtype=np.intp) if owner is None else owner
+        first, second, third, fourth = (self.side(normals[:, i], pixels, owner) for i in range(4))
+        # Opposite edges may cut the same pixel: a thin strip is one side less what the other leaves out.
+        return np.maximum(first + third - 1, 0) * np.maximum(second + fourth - 1, 0)
+
+    def quads(self, corners: FloatArray) -> Iterator[Covered]:
+        """Pixels covered by each quadrilateral (N, 4, 3) of the camera's axes that is in view."""
+        visible = [(i, o) for i, o in enumerate(self.outlines(corners)) if o is not None]
+        regions = [self._regions([outline]) for _, outline in visible]
+        if not regions:
+            return
+        pixels = np.concatenate([rim for _, rim in regions])
+        owner = np.repeat([i for i, _ in visible], [len(rim) for _, rim in regions])
+        area = self.quad_area(corners, pixels, owner)  # all at once: the overhead is in the calls
+        start = 0
+        for inside, rim in regions:
+            yield Covered(inside, rim, area[start : start + len(rim)])
+            start += len(rim)
+
+    def quad_map(self, corners: FloatArray) -> Float32:
+        """Area of every pixel inside one large quadrilateral (4, 3), flat (H * W,)."""
+        outline = self.outlines([corners])[0]
+        mask = np.zeros(self.view.size[::-1], dtype=np.uint8)
+        if outline is not None:
+            cv2.fillPoly(mask, [outline], _INSIDE)
+            cv2.polylines(mask, [outline], True, _RIM, thickness=3)
+        area = mask.ravel().astype(np.float32)
+        rim = np.flatnonzero(mask == _RIM)
+        area[rim] = self.quad_area(corners[None], rim)
+        return area
+
+    def disc_area(self, centre: FloatArray, normal: FloatArray, radius: float, pixels: Indices) -> Float32:
+        """Area of pixels inside a flat disc; `centre` and unit `normal` (3,) in the camera's axes."""
+        g = self.grid
+        right, down = g.right[pixels].astype(float), g.down[pixels].astype(float)
+        depth = float(normal @ centre)
+
+        def away(slope: FloatArray, ahead: FloatArray | float, right: FloatArray, down: FloatArray) -> list[FloatArray]:
+            """From the disc's centre to where the ray meets its plane, times normal . ray."""
+            rays = (ahead, -right, -down)
+            return [np.asarray(depth * ray - slope * middle) for ray, middle in zip(rays, centre, strict=True)]
+
+        slope = normal[0] - normal[1] * right - normal[2] * down
+        here = away(slope, 1.0, right, down)
+        value = radius**2 * slope**2 - sum(a * a for a in here)
+
+        def change(right_d: Float32, down_d: Float32) -> FloatArray:
+            slope_d = -normal[1] * right_d - normal[2] * down_d
+            there = away(slope_d, 0.0, right_d, down_d)
+            return np.asarray(2 * (radius**2 * slope * slope_d - sum(a * d for a, d in zip(here, there, strict=True))))
+
+        du = change(g.right_du[pixels], g.down_du[pixels])
+        dv = change(g.right_dv[pixels], g.down_dv[pixels])
+        scale = np.maximum(np.maximum(np.abs(du), np.abs(dv)), 1e-30)
+        area = cut_square(*((x / scale).astype(np.float32) for x in (value, du, dv)))
+        return np.where(slope * depth > 0, area, np.float32(0))
+
+    def ring(self, centre: FloatArray, up: FloatArray, radii: tuple[float, float], half: FloatArray | None) -> Covered:
+        """Pixels of a flat ring between two radii, or of its half on the positive side of a plane (3,)."""
+        outer, inner = (self._round(centre, up, radius, half) for radius in (max(radii), min(radii)))
+        filled, holes = self.outlines([outer]), self.outlines([inner])
+        inside, rim = self._regions([o for o in filled if o is not None], [o for o in holes if o is not None])
+        area = self.disc_area(centre, up, max(radii), rim) - self.disc_area(centre, up, min(radii), rim)
+        if half is not None:
+            area = area * self.side(half, rim)
+        return Covered(inside, rim, np.clip(area, 0, 1))
+
+    @staticmethod
+    def _round(centre: FloatArray, up: FloatArray, radius: float, half: FloatArray | None) -> FloatArray:
+        """Circle about an axis as a polygon (N, 3), or its half; all in the camera's axes."""
+        points = circle_points(centre, up, radius, 96)
+        return points if half is None else clip_polygon(points, half[None])
+
+    def cylinder(self, start: FloatArray, end: FloatArray, radius: float) -> tuple[Covered, Float32, Float32]:
+        """Pixels covered by a solid cylinder, and how squarely its surface faces the camera (inside, rim; 0 to 1)."""
+        nothing = Covered(*self._regions([]), np.empty(0, dtype=np.float32))
+        axis = (end - start) / np.linalg.norm(end - start)
+        across = -start + (start @ axis) * axis  # from the axis to the camera, at right angles
+        distance = float(np.linalg.norm(across))
+        if distance <= radius:
+            return nothing, nothing.area, nothing.area  # the camera is inside: nothing to see
+        towards = across / distance
+        aside = np.cross(axis, towards)
+        # The planes from the camera that touch the cylinder meet it here.
+        reach, wide = radius**2 / distance, radius * np.sqrt(1 - (radius / distance) ** 2)
+        left, right = (reach * towards + s * wide * aside for s in (1, -1))
+        corners = np.array([start + left, end + left, end + right, start + right])
+        rims = [circle_points(point, axis, radius, 48) for point in (start, end)]
+        inside, rim = self._regions([o for o in self.outlines([corners, *rims]) if o is not None])
+        if not len(rim):
+            return nothing, nothing.area, nothing.area
+        area = self.quad_area(corners[None], rim)
+        for point in (start, end):
+            area = np.maximum(area, self.disc_area(point, axis, radius, rim))
+
+        def facing(pixels: Indices) -> Float32:
+            rays = np.stack([np.ones(len(pixels)), -self.grid.right[pixels], -self.grid.down[pixels]], axis=1)
+            sideways = (rays @ aside) / np.maximum(-(rays @ towards), 1e-6) * distance / wide
+            return np.sqrt(np.clip(1 - sideways**2, 0, 1)).astype(np.float32)
+
+        return Covered(inside, rim, area), facing(inside), facing(rim)
+
+
+def circle_points(centre: FloatArray, axis: FloatArray, radius: float, count: int) -> FloatArray:
+    """Points (count, 3) on a circle about a unit axis (3,)."""
+    first = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.9 else [0.0, 1.0, 0.0])
+    first /= np.linalg.norm(first)
+    second = np.cross(axis, first)
+    angles = np.linspace(0, 2 * np.pi, count, endpoint=False)[:, None]
+    return np.asarray(centre + radius * (np.cos(angles) * first + np.sin(angles) * second))
+
+
+def clip_polygon(polygon: FloatArray, planes: FloatArray) -> FloatArray:
+    """Clip a convex polygon (N, 3) to half-spaces n . p >= 0 (Sutherland and Hodgman)."""
+    heights = polygon @ planes.T
+    if (heights >= 0).all():
+        return polygon
+    if (heights < 0).all(axis=0).any():
+        return np.empty((0, 3))
+    for normal in planes:
+        height = polygon @ normal
+        if (height >= 0).all():
+            continue
+        kept: list[FloatArray] = []
+        for i, here in enumerate(polygon):
+            h, before = height[i], height[i - 1]
+            if (h >= 0) != (before >= 0):
+                kept.append(polygon[i - 1] + (here - polygon[i - 1]) * before / (before - h))
+            if h >= 0:
+                kept.append(here)
+        polygon = np.array(kept).reshape(-1, 3)
+        if not len(polygon):
+            break
+    return polygon
