@@ -1,0 +1,74 @@
+"""Measurements that the course's claims rest on: ``python -m benchmarks`` runs every module with a `main`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table as RichTable
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = Path(__file__).resolve().parent / "results"
+BUILD = ROOT / "build"  # ignored by git: for figures that hold recorded pictures
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table to show: a title, the columns' heads, and rows of as many cells."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[object, ...], ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one benchmark's ``main()`` returns.
+
+    Parameters
+    ----------
+    name : str
+        The module's name, and that of the JSON file.
+    values : dict
+        All that was measured, as JSON can hold it; no dates, so that it changes only when a figure does.
+    tables : tuple of Table
+        What a reader is shown.
+    notes : tuple of str
+        Lines below the tables.
+    """
+
+    name: str
+    values: dict[str, Any]
+    tables: tuple[Table, ...]
+    notes: tuple[str, ...] = ()
+
+    def show(self, console: Console) -> None:
+        """Print the tables and notes."""
+        for table in self.tables:
+            shown = RichTable(title=table.title, title_justify="left", title_style="bold")
+            for i, column in enumerate(table.columns):
+                shown.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
+            for row in table.rows:
+                shown.add_row(*(f"{cell:.2f}" if isinstance(cell, float) else str(cell) for cell in row))
+            console.print(shown)
+        for note in self.notes:
+            console.print(note, highlight=False)
+
+    def save(self, folder: Path = RESULTS) -> Path:
+        """Write the values to ``folder/name.json``, floats rounded to what was measured."""
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{self.name}.json"
+        path.write_text(json.dumps(_rounded(self.values), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        return path
+
+
+def _rounded(value: Any) -> Any:
+    """Round every float in a JSON value to four decimals."""
+    if isinstance(value, dict):
+        return {str(key): _rounded(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(item) for item in value]
+    return round(float(value), 4) if isinstance(value, float) else value
