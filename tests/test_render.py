@@ -1,5 +1,7 @@
 """Laws of the simulator's pictures."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -69,9 +71,11 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
 
 
 def test_a_field_mirrored_about_its_axis_gives_the_mirrored_picture():
-    one, _ = render(Field(), Pose(0.5, 0.6, 0.2), camera(), CLEAN)
-    other, _ = render(Field(), Pose(0.5, -0.6, -0.2), camera(), CLEAN)
-    assert np.abs(one.astype(int) - other[:, ::-1]).max() <= 1
+    one, truth = render(Field(), Pose(0.5, 0.6, 0.2), camera(), CLEAN)
+    other, mirrored = render(Field(), Pose(0.5, -0.6, -0.2), camera(), CLEAN)
+    assert (truth.labels == mirrored.labels[:, ::-1]).mean() > 0.9999
+    on_field = truth.labels != OTHER
+    assert np.abs(one.astype(int) - other[:, ::-1])[on_field].max() <= 1
 
 
 @pytest.mark.parametrize("year", DIMENSIONS)
@@ -139,11 +143,69 @@ def test_a_post_is_as_wide_and_as_high_as_its_projection():
 
 
 def test_noise_has_the_stated_deviation_and_needs_a_generator():
-    clean, _ = render(Field(), Pose(), camera(), CLEAN)
-    noisy, _ = render(Field(), Pose(), camera(), Reality(noise=3.3), np.random.default_rng(0))
-    assert (noisy.astype(float) - clean).std() == pytest.approx(3.3, rel=0.03)
+    view = camera((640, 480))
+    clean, truth = render(Field(), Pose(), view, CLEAN)
+    noisy, _ = render(Field(), Pose(), view, replace(CLEAN, noise=3.3), np.random.default_rng(0))
+    difference = (noisy.astype(float) - clean)[truth.labels == GREEN]
+    assert difference.std() == pytest.approx(3.3, rel=0.03)
+    assert difference.mean() == pytest.approx(0, abs=0.1)
     with pytest.raises(ValueError, match="needs rng"):
         render(Field(), Pose(), camera())
+
+
+@pytest.mark.parametrize("effect", Reality.effects())
+def test_each_effect_alone_changes_the_picture_and_at_zero_does_not(effect):
+    def picture(reality):
+        turning = (0.02, 0.05, -0.08) if reality.motion else (0.0, 0.0, 0.0)
+        return render(Field(), Pose(0.4, 0.3, 0.1), camera(), reality, np.random.default_rng(0), turning)[0]
+
+    clean = picture(CLEAN)
+    assert picture(replace(Reality.clean(seed=5), **{effect: 0.0})).tobytes() == clean.tobytes()
+    strong = {"seams": 1.0, "vignette": 0.3, "gradient": 0.5, "glare": 0.5, "white_balance": 0.1}
+    assert (picture(replace(CLEAN, **{effect: strong.get(effect, 10.0)})) != clean).mean() > 0.0005
+
+
+@pytest.mark.parametrize("preset", ["lab", "dark", "harsh"])
+def test_labels_and_landmarks_are_the_same_under_every_preset(preset):
+    pose, view = Pose(0.4, 0.3, 0.1), camera()
+    _, clean = render(Field(), pose, view, CLEAN)
+    _, real = render(Field(), pose, view, getattr(Reality, preset)(), np.random.default_rng(0))
+    assert clean.labels.tobytes() == real.labels.tobytes()
+    assert clean.landmarks == real.landmarks
+
+
+def test_another_room_has_other_furniture_and_the_same_field():
+    pose, view = Pose(0.4, 0.3, 0.1), camera()
+    rooms = [render(Field(), pose, view, Reality.lab(s), np.random.default_rng(0)) for s in (0, 1)]
+    assert (rooms[0][0] != rooms[1][0]).mean() > 0.5
+    assert rooms[0][1].labels.tobytes() == rooms[1][1].labels.tobytes()
+
+
+def test_a_camera_that_turns_while_it_reads_leans_posts_and_labels_alike():
+    pose, view = Pose(1.0, 0.3, 0.0), camera()
+    still, shaken = (render(Field(), pose, view, CLEAN, turning=(0, 0, w)) for w in (0.0, 0.12))
+    for pixels, truth in (still, shaken):
+        yellow = truth.labels == YELLOW
+        red, _, blue = pixels.astype(int).transpose(2, 0, 1)
+        assert ((red > blue + 60) == yellow).mean() > 0.98
+        for seen in truth.landmarks:
+            if seen.landmark.kind == "post" and not seen.occluded:
+                u, v = np.rint(seen.pixel).astype(int)
+                assert (truth.labels[v - 2 : v + 3, u - 2 : u + 3] == YELLOW).any()
+
+    def lean(labels):
+        rows, columns = np.nonzero(labels[:, 160:] == YELLOW)
+        keep = columns > columns.max() - 40
+        return np.polyfit(rows[keep], columns[keep], 1)[0]
+
+    # To the left by .12 rad between first and last row: the picture runs to the right, lower rows farther.
+    assert lean(shaken[1].labels) - lean(still[1].labels) == pytest.approx(0.12 * view.focal[0] / 239, rel=0.25)
+
+
+def test_turning_by_nothing_is_standing_still():
+    pose, view = Pose(0.4, 0.3, 0.1), camera()
+    still, tiny = (render(Field(), pose, view, CLEAN, turning=(0, 0, w))[0] for w in (0.0, 1e-9))
+    assert np.abs(still.astype(int) - tiny).max() <= 1
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 3), (17, 240), (320, 1)])
@@ -180,3 +242,10 @@ def test_a_camera_without_a_lens_term_draws_straight_lines():
 def test_an_effect_is_zero_or_more(noise):
     with pytest.raises(ValueError, match="Reality: noise must be"):
         Reality(noise=noise)
+
+
+def test_a_fraction_beyond_one_and_a_broken_seed_are_refused():
+    with pytest.raises(ValueError, match="fractions, at most 1"):
+        Reality(seams=2.0)
+    with pytest.raises(ValueError, match="seed must be a whole number"):
+        Reality(seed=-1)

@@ -14,6 +14,11 @@ from nao_course.sim.render import PictureTruth, Reality, VisibleLandmark, render
 from nao_course.slam import Measurement, Motion
 
 
+# How a walking NAO's head turns about (ahead, left, up) while a picture is read, 1/30 s: standard deviations in rad,
+# from some 0.3 to 0.5 rad/s of sway. An assumption: no recorded walk tells.
+_SWAY = np.array([0.010, 0.015, 0.012])
+
+
 def _not_negative(values: object) -> None:
     """Refuse a dataclass of standard deviations with one that is none."""
     for each in fields(values):  # type: ignore[arg-type]
@@ -286,7 +291,9 @@ class SimulatedNao:
         """
         self._head = self.model.check_head(yaw, pitch)
 
-    def take_picture(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> Picture:
+    def take_picture(
+        self, camera: str = "bottom", size: tuple[int, int] = (320, 240), walking: bool = False
+    ) -> Picture:
         """Take a picture.
 
         Parameters
@@ -295,6 +302,9 @@ class SimulatedNao:
             Which camera.
         size : (int, int)
             Width and height in pixels.
+        walking : bool
+            Whether the robot walks meanwhile: the head sways, the picture smears, and its rows, read one after
+            the other, do not fit together.
 
         Returns
         -------
@@ -308,7 +318,9 @@ class SimulatedNao:
         """
         believed = self.view(camera, size)
         world = self._world
-        pixels, world.last = render(self.field, world.pose, self._true_view(camera, size), self.reality, world.rng)
+        sway = world.rng.normal(0.0, _SWAY) * self.reality.motion if walking else np.zeros(3)
+        view = self._true_view(camera, size)
+        pixels, world.last = render(self.field, world.pose, view, self.reality, world.rng, sway)
         return Picture(pixels, believed, camera)
 
     def sense(self, camera: str = "bottom", max_range: float = 4.0) -> tuple[Measurement, ...]:

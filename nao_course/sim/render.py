@@ -1,20 +1,23 @@
 """Pictures of the field with the truth beside them.
 
-Every pixel's ray is held against the exact geometry (shapes.py). Colours are blended by the areas they cover in
-linear light, as a lens does, and only then given the camera's tone curve.
+Every pixel's ray is held against the exact geometry (shapes.py), over a carpet and before a room (room.py). Colours
+are blended by the areas they cover in linear light, as a lens does, and only then given the camera's tone curve.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.field import Field, Landmark
+from nao_course.sim.room import TEXEL, Wear, carpet_levels, furnish, paint_furniture
 from nao_course.sim.shapes import Covered, Eye, Float32
 
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
@@ -22,40 +25,114 @@ LABELS = ("other", "green", "yellow", "white")
 
 # Colours as the camera shows them (0..255): typical of the real pictures of 2013, see docs/real_data.md.
 _SHOWN = {
-    "carpet": (49, 115, 62),
-    "line": (236, 240, 238),
-    "yellow": (222, 196, 22),
-    "white": (236, 240, 238),
-    "floor": (196, 190, 182),
-    "wall": (206, 206, 204),
+    "carpet": (76, 136, 80),
+    "line": (243, 248, 246),
+    "yellow": (214, 204, 40),
+    "white": (243, 248, 246),
+    "floor": (206, 200, 192),
+    "wall": (226, 226, 222),
 }
 # The camera's tone curve is not published; a square root is within its plausible range and quick to apply.
-_COLOURS = {name: (np.array(rgb, dtype=np.float32) / 255) ** 2 for name, rgb in _SHOWN.items()}
+_LINEAR = (np.arange(256, dtype=np.float32) / 255) ** 2
+_COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in _SHOWN.items()}
 _ROOM_MARGIN = 1.5  # metres of floor between the carpet and the wall
+_COARSE = 8  # light changes so slowly over the picture that every 8th pixel is enough
 
 
 @dataclass(frozen=True)
 class Reality:
-    """How real a picture looks: every effect is a number, and zero switches it off.
+    """How real a picture looks: each effect has a strength, and zero switches it off.
+
+    The defaults are the preset `lab`, fitted to the real pictures of 2013 (benchmarks/realism.py).
 
     Parameters
     ----------
+    mottle : float
+        Carpet: standard deviation of its brightness from patch to patch, in levels of 255.
+    seams : float
+        Carpet: how dark the joints between its strips are, 0 to 1.
+    specks : float
+        Carpet: light specks a square metre.
+    crumbs : float
+        Carpet: clusters of crumbs a square metre.
+    tape : float
+        Carpet: dark patches of tape, on the whole of it.
+    glare : float
+        How bright lamps and windows shine back from the carpet, as a fraction of full light.
+    clutter : float
+        How crowded the room behind the field is; 1 is a laboratory.
+    gradient : float
+        How much the light falls off across the field, as a fraction.
+    white_balance : float
+        Standard deviation of the colour channels' gains from room to room.
+    blur : float
+        Of lens and sensor, in units of the real camera's.
+    vignette : float
+        How much darker the picture's left and right sides are than its middle, as a fraction.
     noise : float
-        Standard deviation of the sensor's noise in levels of 255 (3.3 on the real pictures' carpet).
+        Standard deviation of the sensor's noise in levels of 255.
+    motion : float
+        How much the camera shakes in pictures taken while walking, in units of a NAO's.
+    seed : int
+        Which room, carpet and lamps; not an effect.
+
+    Raises
+    ------
+    ValueError
+        If a strength is negative or no number.
     """
 
+    mottle: float = 6.0
+    seams: float = 0.5
+    specks: float = 5.0
+    crumbs: float = 0.4
+    tape: float = 6.0
+    glare: float = 0.08
+    clutter: float = 1.0
+    gradient: float = 0.15
+    white_balance: float = 0.03
+    blur: float = 1.0
+    vignette: float = 0.12
     noise: float = 3.3
+    motion: float = 1.0
+    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse what is no strength of an effect."""
-        for each in fields(self):
-            if finite(f"Reality: {each.name}", getattr(self, each.name)) < 0:
-                raise ValueError(f"Reality: {each.name} must be 0 (off) or more, got {getattr(self, each.name)}")
+        for name in self.effects():
+            if finite(f"Reality: {name}", getattr(self, name)) < 0:
+                raise ValueError(f"Reality: {name} must be 0 (off) or more, got {getattr(self, name)}")
+        if self.seams > 1 or self.vignette > 1 or self.gradient > 1:
+            raise ValueError("Reality: seams, vignette and gradient are fractions, at most 1")
+        if not isinstance(self.seed, int | np.integer) or self.seed < 0:
+            raise ValueError(f"Reality: seed must be a whole number from 0, got {self.seed!r}")
 
     @classmethod
-    def clean(cls) -> Reality:
+    def effects(cls) -> tuple[str, ...]:
+        """Names of all effects."""
+        return tuple(each.name for each in fields(cls) if each.name != "seed")
+
+    @classmethod
+    def clean(cls, seed: int = 0) -> Reality:
         """Every effect off."""
-        return cls(**{each.name: 0.0 for each in fields(cls)})
+        return cls(**dict.fromkeys(cls.effects(), 0.0), seed=seed)
+
+    @classmethod
+    def lab(cls, seed: int = 0) -> Reality:
+        """A laboratory like that of the real pictures: the default."""
+        return cls(seed=seed)
+
+    @classmethod
+    def dark(cls, seed: int = 0) -> Reality:
+        """An evening with few lamps: uneven light and a noisy sensor."""
+        return cls(gradient=0.6, vignette=0.3, noise=8.0, white_balance=0.08, glare=0.03, blur=1.2, seed=seed)
+
+    @classmethod
+    def harsh(cls, seed: int = 0) -> Reality:
+        """Sun through the windows of a crowded hall: glare, worn carpet, wrong colours."""
+        return cls(
+            glare=0.35, gradient=0.35, white_balance=0.1, specks=15.0, crumbs=1.5, seams=0.8, clutter=1.6, seed=seed
+        )
 
 
 @dataclass(frozen=True)
@@ -111,6 +188,7 @@ def render(
     view: CameraView,
     reality: Reality | None = None,
     rng: np.random.Generator | None = None,
+    turning: npt.ArrayLike = (0.0, 0.0, 0.0),
 ) -> tuple[npt.NDArray[np.uint8], PictureTruth]:
     """Take a picture of a field.
 
@@ -121,18 +199,21 @@ def render(
     pose : Pose
         The robot's pose in the world.
     view : CameraView
-        The camera's true view from the robot.
+        The camera's true view from the robot, when the middle row is read.
     reality : Reality, optional
-        How real the picture looks; the default has every effect at its measured strength.
+        How real the picture looks; by default like the laboratory's.
     rng : numpy.random.Generator, optional
-        Of everything random; needed unless every effect is off.
+        Of the sensor's noise; needed unless that is off.
+    turning : array_like, shape (3,)
+        How the camera turns about its own axes (ahead, left, up) from the first row to the last, in rad: rolling
+        shutter, and the blur of the shutter's time.
 
     Returns
     -------
     pixels : ndarray of uint8, shape (H, W, 3)
         RGB.
     truth : PictureTruth
-        What it shows.
+        What it shows; exact also for a turning camera.
 
     Raises
     ------
@@ -140,16 +221,13 @@ def render(
         If the picture needs random numbers and there is no generator.
     """
     reality = Reality() if reality is None else reality
-    if rng is None and reality != Reality.clean():
+    if reality.noise and rng is None:
         raise ValueError("a picture with noise needs rng, such as numpy.random.default_rng(0)")
-    seen_from = _relative(field, pose)
-    canvas = _Canvas(field, Eye(seen_from, view))
-    shown = np.sqrt(canvas.light).reshape(view.size[1], view.size[0], 3) * np.float32(255)
-    if reality.noise and rng is not None:
-        shown += rng.standard_normal(shown.shape, dtype=np.float32) * np.float32(reality.noise)
-    pixels = np.clip(np.rint(shown), 0, 255).astype(np.uint8)
-    labels = canvas.labels.reshape(view.size[1], view.size[0])
-    return pixels, PictureTruth(labels, visible_landmarks(field, pose, view), pose, view)
+    eye = Eye(_relative(field, pose), view, turning)
+    light, labels = _paint(field, eye, reality)
+    light = _lit(light, labels, field, eye, reality)
+    pixels = _develop(light, eye, reality, rng)
+    return pixels, PictureTruth(labels, _visible(field, eye), pose, view)
 
 
 def visible_landmarks(field: Field, pose: Pose, view: CameraView) -> tuple[VisibleLandmark, ...]:
@@ -169,12 +247,16 @@ def visible_landmarks(field: Field, pose: Pose, view: CameraView) -> tuple[Visib
     tuple of VisibleLandmark
         In the order of ``field.landmarks``.
     """
-    seen_from = _relative(field, pose)
+    return _visible(field, Eye(_relative(field, pose), view))
+
+
+def _visible(field: Field, eye: Eye) -> tuple[VisibleLandmark, ...]:
     positions = np.array([(mark.x, mark.y) for mark in field.landmarks])
-    pixels = view.project(positions, seen_from)
-    local = seen_from.to_local(positions)
-    inside = view.contains(pixels)
-    hidden = _behind_posts(field, positions, seen_from.to_parent([view.offset])[0], view.height)
+    seen = eye.to_camera(np.column_stack([positions, np.zeros(len(positions))]))
+    pixels = eye.pixels(seen)
+    inside = eye.view.contains(pixels) & (seen[:, 0] > 1e-6)
+    local = eye.seen_from.to_local(positions)
+    hidden = _behind_posts(field, positions, eye.ground_position, eye.view.height)
     return tuple(
         VisibleLandmark(
             landmark=field.landmarks[i],
@@ -207,39 +289,158 @@ def _behind_posts(field: Field, points: FloatArray, eye: FloatArray, height: flo
     return hidden
 
 
-class _Canvas:
-    """Light (H * W, 3) and labels (H * W,) of a field seen from somewhere, painted from the background forwards."""
+# --- from the background forwards ---
 
-    def __init__(self, field: Field, eye: Eye) -> None:
-        x0, y0, x1, y1 = field.carpet
-        m = _ROOM_MARGIN
-        floor = eye.quad_map(_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m))[:, None]
-        carpet = eye.quad_map(_rectangle(eye, x0, y0, x1, y1))
-        self.light = _COLOURS["wall"] + floor * (_COLOURS["floor"] - _COLOURS["wall"])
-        self.light += carpet[:, None] * (_COLOURS["carpet"] - self.light)
-        self.labels = np.where(carpet >= 0.5, GREEN, OTHER).astype(np.uint8)
-        self._paint_lines(field, eye)
-        self._paint_goals(field, eye)
 
-    def _paint_lines(self, field: Field, eye: Eye) -> None:
-        bare = np.ones(len(self.labels), dtype=np.float32)
-        for shape in _line_shapes(field, eye):
-            shape.add_to(bare)
-        touched = np.flatnonzero(bare < 1)
-        area = 1 - bare[touched]
-        self.light[touched] += area[:, None] * (_COLOURS["line"] - self.light[touched])
-        self.labels[touched[area >= 0.5]] = WHITE
+def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, npt.NDArray[np.uint8]]:
+    """Light (H, W, 3) under even lighting, and labels (H, W)."""
+    width, height = eye.view.size
+    x0, y0, x1, y1 = field.carpet
+    m = _ROOM_MARGIN
+    behind = np.full((height, width, 3), _SHOWN["wall"], dtype=np.uint8)
+    floor = eye.outlines([_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m)])[0]
+    if floor is not None:
+        cv2.fillPoly(behind, [floor], _SHOWN["floor"], cv2.LINE_AA)
+    if reality.clutter:
+        paint_furniture(eye, furnish(field.carpet, reality.clutter, reality.seed), behind)
+    carpet = _carpet(field, eye, reality)
+    mask, rim = eye.large_quad(_rectangle(eye, x0, y0, x1, y1))
+    under = _LINEAR[behind.reshape(-1, 3)[rim.rim]]
+    cv2.copyTo(carpet, mask, behind)
+    light = cv2.LUT(behind, _LINEAR)
+    flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # an inside pixel's mask is 1, the label of green
+    flat[rim.rim] = under + rim.area[:, None] * (_LINEAR[carpet.reshape(-1, 3)[rim.rim]] - under)
+    labels[rim.rim[rim.area >= 0.5]] = GREEN
+    _paint_lines(field, eye, flat, labels)
+    _paint_goals(field, eye, flat, labels)
+    return light, mask
 
-    def _paint_goals(self, field: Field, eye: Eye) -> None:
-        colour = field.dimensions.goal_colour
-        bare = np.ones(len(self.labels), dtype=np.float32)
-        for shape, facing_inside, facing_rim in _goal_shapes(field, eye):
-            for pixels, facing in ((shape.inside, facing_inside), (shape.rim, facing_rim)):
-                paint = _COLOURS[colour] * (0.55 + 0.45 * facing[:, None])
-                area = np.float32(1) if pixels is shape.inside else shape.area[:, None]
-                self.light[pixels] += area * (paint - self.light[pixels])
-            shape.add_to(bare)
-        self.labels[bare <= 0.5] = YELLOW if colour == "yellow" else WHITE
+
+def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
+    """The carpet's colours (H, W, 3) wherever a ray meets the ground."""
+    width, height = eye.view.size
+    wear = Wear(reality.mottle, reality.seams, reality.specks, reality.crumbs, reality.tape)
+    picture = np.full((height, width, 3), _SHOWN["carpet"], dtype=np.uint8)
+    if wear == Wear(0, 0, 0, 0, 0):
+        return picture
+    levels = carpet_levels(field.carpet, _SHOWN["carpet"], wear, reality.seed)
+    ahead, left, up = eye.field_rays()
+    with np.errstate(divide="ignore"):
+        reach = np.float32(eye.view.height) / np.maximum(-up, np.float32(1e-4))
+    x, y = eye.ground_position - field.carpet[:2]
+    columns = (ahead * reach + np.float32(x)) / np.float32(TEXEL)
+    rows = (left * reach + np.float32(y)) / np.float32(TEXEL)
+    # A pixel covers reach / focal metres across and more along: its copy of the carpet is as coarse as it is.
+    middle = np.minimum(reach[:, width // 2], 30.0)
+    footprint = middle / eye.view.focal[0] * np.sqrt(np.maximum(middle / eye.view.height, 1.0)) / TEXEL
+    level = np.clip(np.round(np.log2(np.maximum(footprint, 1.0))), 0, len(levels) - 1).astype(int)
+    edges = np.flatnonzero(np.diff(level)) + 1
+    for first, last in zip([0, *edges], [*edges, height], strict=True):
+        if middle[first:last].min() > 20:
+            continue
+        k = level[first]
+        scale = np.float32(0.5**k)
+        maps = [(m[first:last] + np.float32(0.5)) * scale - np.float32(0.5) for m in (columns, rows)]
+        picture[first:last] = cv2.remap(levels[k], *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return picture
+
+
+def _paint_lines(field: Field, eye: Eye, light: Float32, labels: npt.NDArray[np.uint8]) -> None:
+    bare = np.ones(len(labels), dtype=np.float32)
+    for shape in _line_shapes(field, eye):
+        shape.add_to(bare)
+    touched = np.flatnonzero(bare < 1)
+    area = 1 - bare[touched]
+    light[touched] += area[:, None] * (_COLOURS["line"] - light[touched])
+    labels[touched[area >= 0.5]] = WHITE
+
+
+def _paint_goals(field: Field, eye: Eye, light: Float32, labels: npt.NDArray[np.uint8]) -> None:
+    colour = field.dimensions.goal_colour
+    bare = np.ones(len(labels), dtype=np.float32)
+    for shape, facing_inside, facing_rim in _goal_shapes(field, eye):
+        for pixels, facing in ((shape.inside, facing_inside), (shape.rim, facing_rim)):
+            paint = _COLOURS[colour] * (0.55 + 0.45 * facing[:, None])
+            area = np.float32(1) if pixels is shape.inside else shape.area[:, None]
+            light[pixels] += area * (paint - light[pixels])
+        shape.add_to(bare)
+    labels[bare <= 0.5] = YELLOW if colour == "yellow" else WHITE
+
+
+# --- light, lens and sensor ---
+
+
+def _lit(light: Float32, labels: npt.NDArray[np.uint8], field: Field, eye: Eye, reality: Reality) -> Float32:
+    """Uneven light, colour cast, darker sides, and lamps that shine back from the ground."""
+    width, height = eye.view.size
+    rng = np.random.default_rng([reality.seed, 3])
+    towards, cast = rng.uniform(-np.pi, np.pi), rng.normal(0, 1, 3)
+    lamps = rng.uniform((-np.pi, 0.10, 0.05, 0.4), (np.pi, 0.45, 0.16, 1.0), (5, 4))
+    rays = eye.field_rays(_COARSE)
+    down = np.maximum(-rays[2], np.float32(0.02))
+    if reality.gradient or reality.vignette or reality.white_balance:
+        gain = np.ones(rays.shape[1:], dtype=np.float32)
+        if reality.gradient:
+            where = eye.ground_position[:, None, None] + rays[:2] * (eye.view.height / down)
+            across = where[0] * np.cos(towards) + where[1] * np.sin(towards)
+            gain *= 1 + reality.gradient * np.tanh(across / 3).astype(np.float32)
+        if reality.vignette:
+            aside = eye.grid.right.reshape(height, width)[::_COARSE, ::_COARSE] / np.tan(eye.view.hfov / 2)
+            gain *= 1 - reality.vignette * aside.astype(np.float32) ** 2
+        channels = np.float32(1 + reality.white_balance * (cast - cast.mean()))
+        gains = gain[..., None] * channels
+        light = cv2.multiply(light, cv2.resize(gains, (width, height), interpolation=cv2.INTER_LINEAR))
+    if reality.glare:
+        azimuth, dip = np.arctan2(rays[1], rays[0]), np.arctan2(down, np.hypot(rays[0], rays[1]))
+        shine = np.zeros(rays.shape[1:], dtype=np.float32)
+        for where, low, wide, strength in lamps:
+            off = (azimuth - where + np.pi) % (2 * np.pi) - np.pi
+            shine += strength * np.exp(-((off / wide) ** 2) - ((dip - low) / 0.22) ** 2)
+        shine = reality.glare * cv2.resize(shine, (width, height), interpolation=cv2.INTER_LINEAR)
+        light += np.where(labels == GREEN, shine, 0)[..., None]
+    return light
+
+
+def _develop(light: Float32, eye: Eye, reality: Reality, rng: np.random.Generator | None) -> npt.NDArray[np.uint8]:
+    """Blur, tone curve and noise: from light (H, W, 3) to a picture."""
+    if eye.turning.any():
+        light = _smear(light, eye)
+    if reality.blur:
+        sigma = reality.blur * np.hypot(0.52, 0.30 * eye.view.size[0] / 320)
+        light = cv2.GaussianBlur(light, (0, 0), float(sigma))
+    shown = cv2.sqrt(light)
+    if reality.noise and rng is not None:
+        _add_noise(shown, reality.noise / 255, rng)
+    return cv2.convertScaleAbs(np.maximum(shown, 0, out=shown), alpha=255.0)
+
+
+def _smear(light: Float32, eye: Eye) -> Float32:
+    """Blur along the way the picture moves while a row is exposed, a quarter of the time it takes to read all."""
+    _, about_left, about_up = eye.turning / 4
+    way = np.array([about_up * eye.view.focal[0], -about_left * eye.view.focal[1]])
+    reach = int(np.ceil(np.abs(way).max() / 2))
+    if reach < 1:
+        return light
+    kernel = np.zeros((2 * reach + 1, 2 * reach + 1), dtype=np.float32)
+    for u, v in np.linspace(-0.5, 0.5, 16 * reach + 1)[:, None] * way + reach:
+        kernel[round(v), round(u)] += 1
+    return cv2.filter2D(light, -1, kernel / kernel.sum(), borderType=cv2.BORDER_REPLICATE)
+
+
+@lru_cache(maxsize=1)
+def _noise_tile() -> Float32:
+    """A tile (512, 512, 3) of noise with unit deviation."""
+    return np.random.default_rng(33).standard_normal((512, 512, 3), dtype=np.float32)
+
+
+def _add_noise(shown: Float32, sigma: float, rng: np.random.Generator) -> None:
+    """Add noise from random places of the tile: drawing every number anew would take as long as all the rest."""
+    tile = _noise_tile()
+    for row in range(0, shown.shape[0], 256):
+        for column in range(0, shown.shape[1], 256):
+            block = shown[row : row + 256, column : column + 256]
+            i, j = rng.integers(0, 257, 2)
+            block += np.float32(sigma) * tile[i : i + block.shape[0], j : j + block.shape[1]]
 
 
 # --- the field's shapes ---

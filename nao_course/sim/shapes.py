@@ -66,6 +66,23 @@ def flat32(array: FloatArray) -> Float32:
     return np.ascontiguousarray(array, dtype=np.float32).ravel()
 
 
+def _turned(grid: Grid, size: tuple[int, int], turning: FloatArray) -> Grid:
+    """Rays of a camera that turns by small angles (3,) while its rows are read."""
+    width, height = size
+    about_ahead, about_left, about_up = turning.astype(np.float32)
+    left, up = -grid.right.reshape(height, width), -grid.down.reshape(height, width)
+    when = ((np.arange(height, dtype=np.float32) - (height - 1) / 2) / max(height - 1, 1))[:, None]
+    ahead = 1 + when * (about_left * up - about_up * left)
+    right = -(left + when * (about_up - about_ahead * up)) / ahead
+    down = -(up + when * (about_ahead * left - about_left)) / ahead
+
+    def slope(a: Float32, axis: int) -> FloatArray:
+        return np.asarray(np.gradient(a, axis=axis)) if a.shape[axis] > 1 else np.zeros_like(a)
+
+    parts = (right, down, slope(right, 1), slope(right, 0), slope(down, 1), slope(down, 0))
+    return Grid(*(flat32(part) for part in parts))
+
+
 @lru_cache(maxsize=6)
 def _lens_grid(lens: CameraView) -> Grid:
     """Rays of a camera at rest; `lens` has a fixed place and direction, so only size, view and lens matter."""
@@ -74,11 +91,6 @@ def _lens_grid(lens: CameraView) -> Grid:
     u, v = np.meshgrid(np.arange(-1.0, width + 1), np.arange(-1.0, height + 1))
     flat = (lens.undistort(np.column_stack([u.ravel(), v.ravel()])) - lens.centre) / lens.focal
     right, down = (flat[:, i].reshape(height + 2, width + 2) for i in (0, 1))
-    return grid_of(right, down)
-
-
-def grid_of(right: FloatArray, down: FloatArray) -> Grid:
-    """Grid of rays given with one pixel more on each side, (H + 2, W + 2)."""
     return Grid(
         flat32(right[1:-1, 1:-1]),
         flat32(down[1:-1, 1:-1]),
@@ -87,6 +99,8 @@ def grid_of(right: FloatArray, down: FloatArray) -> Grid:
         flat32((down[1:-1, 2:] - down[1:-1, :-2]) / 2),
         flat32((down[2:, 1:-1] - down[:-2, 1:-1]) / 2),
     )
+
+
 
 
 def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
@@ -124,15 +138,33 @@ class Eye:
     seen_from : Pose
         The robot's pose in the field frame.
     view : CameraView
-        The camera's true view.
+        The camera's true view when the middle row is read.
+    turning : array_like, shape (3,), optional
+        How the camera turns meanwhile, about its own axes (ahead, left, up), in radians for the time from the
+        first row to the last: a rolling shutter sees each row from another direction.
     """
 
-    def __init__(self, seen_from: Pose, view: CameraView) -> None:
+    def __init__(self, seen_from: Pose, view: CameraView, turning: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Look up, or compute, the camera's rays."""
         self.seen_from, self.view = seen_from, view
+        self.turning = np.asarray(turning, dtype=float)
         lens = CameraView(view.size, view.hfov, view.vfov, height=1.0, pitch=0.0, k1=view.k1)
-        self.grid = _lens_grid(lens)
+        self.grid = _turned(_lens_grid(lens), view.size, self.turning) if self.turning.any() else _lens_grid(lens)
         self._planes = self._clip_planes()
+
+    @property
+    def ground_position(self) -> FloatArray:
+        """The point (2,) of the ground below the camera, in the field frame."""
+        return self.seen_from.to_parent([self.view.offset])[0]
+
+    def field_rays(self, every: int = 1) -> Float32:
+        """Directions (3, rows, columns) of the pixels' rays in the field frame, of every n-th row and column."""
+        width, height = self.view.size
+        right, down = (a.reshape(height, width)[::every, ::every] for a in (self.grid.right, self.grid.down))
+        c, s = np.cos(self.seen_from.theta), np.sin(self.seen_from.theta)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self.view.rotation
+        ahead, left, up = turn.astype(np.float32).T
+        return np.stack([ahead[i] - left[i] * right - up[i] * down for i in range(3)])
 
     def to_camera(self, points: npt.ArrayLike) -> FloatArray:
         """Points (..., 3) of the field frame in the camera's axes (ahead, left, up), in metres."""
@@ -169,19 +201,26 @@ class Eye:
         found: list[npt.NDArray[np.int32] | None] = [None] * len(polygons)
         if not paths:
             return found
-        pixels = self._pixels(np.concatenate(paths))
+        pixels = np.rint(self.pixels(np.concatenate(paths))).astype(np.int32)
         start = 0
         for i, path in zip(owners, paths, strict=True):
             found[i] = pixels[start : start + len(path)]
             start += len(path)
         return found
 
-    def _pixels(self, points: FloatArray) -> npt.NDArray[np.int32]:
-        """Nearest pixels (N, 2) of points (N, 3) in the camera's axes, all in front of it."""
-        rays = -points[:, 1:] / np.maximum(points[:, :1], 1e-9)
+    def pixels(self, points: FloatArray) -> FloatArray:
+        """Pixels (N, 2) of points (N, 3) in the camera's axes; behind the camera they are far outside."""
+        uv = self._still_pixels(points)
+        if self.turning.any():
+            for _ in range(3):  # the row says when it was read, and that says where the camera looked
+                when = (uv[:, 1:] - self.view.centre[1]) / max(self.view.size[1] - 1, 1)
+                uv = self._still_pixels(points - np.cross(np.clip(when, -1, 1) * self.turning, points))
+        return uv
+
+    def _still_pixels(self, points: FloatArray) -> FloatArray:
+        rays = -points[:, 1:] / np.where(points[:, :1] > 1e-6, points[:, :1], 1e-6)
         r2 = np.minimum((rays**2).sum(axis=1, keepdims=True), self.view.lens_limit**2)
-        pixels = rays * (1 + self.view.k1 * r2) * self.view.focal + self.view.centre
-        return np.rint(np.clip(pixels, -30000, 30000)).astype(np.int32)
+        return np.clip(rays * (1 + self.view.k1 * r2) * self.view.focal + self.view.centre, -30000, 30000)
 
     def _regions(
         self, filled: Sequence[npt.NDArray[np.int32]], holes: Sequence[npt.NDArray[np.int32]] = ()
@@ -251,17 +290,25 @@ class Eye:
             yield Covered(inside, rim, area[start : start + len(rim)])
             start += len(rim)
 
-    def quad_map(self, corners: FloatArray) -> Float32:
-        """Area of every pixel inside one large quadrilateral (4, 3), flat (H * W,)."""
+    def large_quad(self, corners: FloatArray) -> tuple[npt.NDArray[np.uint8], Covered]:
+        """Pixels covered by a quadrilateral (4, 3) that may fill the picture.
+
+        Returns
+        -------
+        mask : ndarray of uint8, shape (H, W)
+            Not 0 where a pixel lies wholly inside.
+        rim : Covered
+            The rest; its `inside` is empty.
+        """
         outline = self.outlines([corners])[0]
         mask = np.zeros(self.view.size[::-1], dtype=np.uint8)
         if outline is not None:
             cv2.fillPoly(mask, [outline], _INSIDE)
             cv2.polylines(mask, [outline], True, _RIM, thickness=3)
-        area = mask.ravel().astype(np.float32)
         rim = np.flatnonzero(mask == _RIM)
-        area[rim] = self.quad_area(corners[None], rim)
-        return area
+        mask[mask == _RIM] = 0
+        area = self.quad_area(corners[None], rim)
+        return mask, Covered(np.empty(0, dtype=np.intp), rim, area)
 
     def disc_area(self, centre: FloatArray, normal: FloatArray, radius: float, pixels: Indices) -> Float32:
         """Area of pixels inside a flat disc; `centre` and unit `normal` (3,) in the camera's axes."""
