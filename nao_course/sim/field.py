@@ -53,7 +53,7 @@ class FieldDimensions:
     post_height: float = 0.80
     line_width: float = 0.05
     border: float = 0.70
-    mark_size: float = 0.20
+    mark_size: float = 0.10
 
 
 # RoboCup SPL rule books of the years named; 2025 stands for 2020 to 2025.
