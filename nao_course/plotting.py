@@ -726,18 +726,20 @@ def _say_picture(picture: Picture | npt.NDArray[Any]) -> str:
     return f"{'picture' if picture.ndim == 3 else 'values of one channel'}, {width} x {height} pixels"
 
 
-def _show(ax: Axes, array: npt.NDArray[Any], **options: Any) -> Any:
+def plot_picture(picture: Picture | npt.ArrayLike, ax: Axes, ticks: bool = True, **options: Any) -> None:
+    """Show a picture, (H, W, 3) of uint8 or (H, W), on an axis in pixels; `options` go to ``imshow``."""
+    array = _pixels(picture)
     height, width = array.shape[:2]
-    ax.spines[["left", "bottom"]].set_visible(False)
-    ax.set(xlabel="u (px)", ylabel="v (px)")
-    ax.set_xticks(np.linspace(0, width, 5), [f"{tick:.0f}" for tick in np.linspace(0, width, 5)])
-    ax.set_yticks(np.linspace(0, height, 4), [f"{tick:.0f}" for tick in np.linspace(0, height, 4)])
     if array.ndim == 2:
         options.setdefault("cmap", "gray")
-    smooth = "nearest" if width <= 64 else "antialiased"
-    image = ax.imshow(array, interpolation=options.pop("interpolation", smooth), **options)
-    ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
-    return image
+    options.setdefault("interpolation", "nearest" if width <= 64 else "antialiased")
+    ax.imshow(array, **options)
+    ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), xticks=[], yticks=[])
+    ax.spines[["left", "bottom"]].set_visible(False)
+    if ticks:
+        ax.set(xlabel="u (px)", ylabel="v (px)")
+        ax.set(xticks=np.linspace(0, width, 5).round(), yticks=np.linspace(0, height, 4).round())
+        ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
 
 
 def _marked(landmarks: Iterable[VisibleLandmark] | npt.ArrayLike) -> tuple[FloatArray, list[str]]:
@@ -813,7 +815,7 @@ def draw_picture(
     with course_style():
         figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + (1.1 if len(points) else 0.8)))
         ax = figure.add_subplot()
-        _show(ax, array)
+        plot_picture(array, ax)
         _legend_below(figure, _mark(ax, points, kinds), columns=5)
         ax.set_title(title or "")
     words = f"{title or 'One'}: {_say_picture(picture if isinstance(picture, Picture) else array)}."
@@ -862,8 +864,7 @@ def draw_pictures(
         figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.45)))
         grid = figure.subplots(rows, columns, squeeze=False)
         for ax, array, name in zip(grid.flat, arrays, names, strict=False):
-            _show(ax, array)
-            ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+            plot_picture(array, ax, ticks=False)
             ax.set_title(name, fontsize=11)
         for ax in grid.flat[len(arrays) :]:
             ax.set_axis_off()
@@ -904,7 +905,9 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
     with course_style():
         figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + 1.1))
         ax = figure.add_subplot()
-        _show(ax, array, cmap=ListedColormap(_LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest")
+        plot_picture(
+            array, ax, cmap=ListedColormap(_LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
+        )
         keys = [
             Patch(facecolor=colour, edgecolor="#333333", label=f"{label} {name} ({part:.1%})")
             for label, (name, colour, part) in enumerate(zip(LABELS, _LABEL_COLOURS, parts, strict=True))
@@ -1049,8 +1052,7 @@ def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: s
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.32))
         for row, (camera, picture) in enumerate(pictures.items()):
             ax = figure.add_subplot(grid[row, 0])
-            _show(ax, picture.pixels)
-            ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+            plot_picture(picture, ax, ticks=False)
             ax.set_title(f"{camera} camera", fontsize=11, color=_CAMERA_COLOURS[camera])
             for spine in ax.spines.values():
                 spine.set(visible=True, color=_CAMERA_COLOURS[camera], linewidth=2.5)

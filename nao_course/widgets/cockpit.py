@@ -1,0 +1,277 @@
+"""What happens on each command to the robot: the control panel without its buttons."""
+
+from __future__ import annotations
+
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from nao_course.geometry import Pose
+from nao_course.plotting import place_estimate
+from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
+from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
+
+Measure = Callable[[Any, CameraView], Iterable[Measurement]]
+
+CAMERAS = ("top", "bottom")
+LIVE_SIZE = (320, 240)
+STEP = 0.05  # m between two pictures of a drive
+TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
+KEPT_PICTURES = 60
+
+
+def pieces(motion: Motion) -> Iterator[Motion]:
+    """Cut a motion into equal small steps: first the way, then the turn.
+
+    Parameters
+    ----------
+    motion : Motion
+        Metres, radians.
+
+    Yields
+    ------
+    Motion
+        Steps of at most `STEP` metres or `TURN_STEP` radians; together they are the motion.
+
+    Examples
+    --------
+    >>> len(list(pieces(Motion(0.2, 0.0))))
+    4
+    """
+    drives = int(np.ceil(abs(motion.distance) / STEP - 1e-9))
+    turns = int(np.ceil(abs(motion.turn) / TURN_STEP - 1e-9))
+    yield from (Motion(motion.distance / drives, 0.0) for _ in range(drives))
+    yield from (Motion(0.0, motion.turn / turns) for _ in range(turns))
+
+
+class Cockpit:
+    """A robot, its pictures, its paths, and a slot for a SLAM algorithm.
+
+    Whatever the student's code does, a command ends with a message, never with an exception.
+
+    Parameters
+    ----------
+    nao : SimulatedNao
+        The robot.
+    truth : Truth, optional
+        Of the same robot, for the map.
+    slam : SlamAlgorithm, optional
+        Gets every motion, and the measurements when `observe` is called.
+    measure : callable, optional
+        ``measure(pixels, view)`` gives a picture's measurements; by default ``nao.sense()`` does.
+    start : Pose, optional
+        The odometry's origin in the world; by default where the truth says, else the field frame's.
+    frame : Pose, optional
+        In the world, of the frame that `slam` maps in; by default `start`, as in both seeds.
+
+    Attributes
+    ----------
+    odometry, estimated : list of Pose
+        Paths in the world: the commands added up; what `slam` estimated after each.
+    estimate : Estimate or None
+        The latest one, in the world.
+    seen : tuple of Measurement
+        What was measured from where the robot stands now.
+    pictures : dict of str to Picture
+        The latest of each camera.
+    album : deque of Picture
+        What `take_picture` took, the newest last.
+    frames : int
+        Pictures taken in all, live ones too.
+    message : str
+        What there is to say; `error` holds the student's exception when it speaks of one.
+    """
+
+    def __init__(
+        self,
+        nao: SimulatedNao,
+        truth: Truth | None = None,
+        slam: SlamAlgorithm | None = None,
+        measure: Measure | None = None,
+        start: Pose | None = None,
+        frame: Pose | None = None,
+    ) -> None:
+        """Take the first picture with each camera."""
+        _check_parts(nao, truth, slam, measure)
+        self.nao, self.truth, self.slam, self.measure = nao, truth, slam, measure
+        origin = truth.odometry_start if truth is not None else nao.field.pose
+        self.start = origin if start is None else start
+        self.frame = self.start if frame is None else frame
+        self.odometry = [self.start @ nao.odometry]
+        self.estimated: list[Pose] = []
+        self.estimate: Estimate | None = None
+        self.seen: tuple[Measurement, ...] = ()
+        self.pictures: dict[str, Picture] = {}
+        self.album: deque[Picture] = deque(maxlen=KEPT_PICTURES)
+        self.frames = 0
+        self.message = ""
+        self.error: Exception | None = None
+        self._truths: dict[str, PictureTruth | None] = {}
+        for camera in CAMERAS:
+            self.photograph(camera)
+        self._ask_estimate()
+        if self.error is None:
+            self.say("Ready.")
+
+    # --- commands ---
+
+    def move(self, motion: Motion) -> bool:
+        """Do one small step and tell `slam` about it.
+
+        Returns
+        -------
+        bool
+            Whether the student's code went along; the robot has moved in any case.
+        """
+        done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
+        self.odometry.append(self.start @ self.nao.odometry)
+        self.seen = ()
+        if self.slam is None:
+            return True
+        return self._try("move", lambda: self._slam.move(done)) and self._ask_estimate()
+
+    def turn_head(self, yaw: float, pitch: float) -> None:
+        """Turn the head by so much (rad, positive left and down), as far as its joints go."""
+        wanted = np.add(self.nao.head, (yaw, pitch))
+        limits = (self.nao.model.yaw_limits, self.nao.model.pitch_limits)
+        reached = [float(np.clip(angle, *limit)) for angle, limit in zip(wanted, limits, strict=True)]
+        self.nao.look(*reached)
+        self.seen = ()
+        words = " ".join(
+            f"{name} {np.degrees(angle):.0f}°" for name, angle in zip(("yaw", "pitch"), reached, strict=True)
+        )
+        stuck = not np.allclose(wanted, reached, atol=1e-6)
+        self.say(f"Head at {words}: a joint is at its limit." if stuck else f"Head at {words}.")
+
+    def photograph(self, camera: str, size: tuple[int, int] = LIVE_SIZE) -> Picture:
+        """Take a live picture: shown, counted, not kept."""
+        picture = self.nao.take_picture(camera, size)
+        self.pictures[camera] = picture
+        self._truths[camera] = None if self.truth is None else self.truth.picture
+        self.frames += 1
+        return picture
+
+    def take_picture(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> Picture:
+        """Take a picture and keep it."""
+        picture = self.photograph(camera, size)
+        self.album.append(picture)
+        self.say(f"Picture taken: {camera} camera, {size[0]} × {size[1]}. It is panel.picture.")
+        return picture
+
+    def observe(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> tuple[Measurement, ...]:
+        """Measure what a camera sees and give it to `slam`.
+
+        Returns
+        -------
+        tuple of Measurement
+            What was measured; empty if the student's code failed.
+        """
+        self.seen = ()
+        if not self._try("measure", lambda: self._measure(camera, size)):
+            return ()
+        found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
+        if self.slam is None:
+            self.say(f"{found} with the {camera} camera.")
+        elif self._try("observe", lambda: self._slam.observe(self.seen)) and self._ask_estimate():
+            known = 0 if self.estimate is None else len(self.estimate.landmarks)
+            self.say(f"{found}; {type(self.slam).__name__} knows {known}.")
+        return self.seen
+
+    def picture_truth(self, camera: str) -> PictureTruth | None:
+        """What a camera's latest picture really shows; None without `truth`."""
+        return self._truths.get(camera)
+
+    # --- words ---
+
+    def say(self, message: str) -> None:
+        """Say something that is no complaint."""
+        self.message, self.error = message, None
+
+    def summary(self, show_truth: bool = False) -> str:
+        """Return where the robot is and what it has seen, in words; the truth only if asked for."""
+        yaw, pitch = np.degrees(self.nao.head)
+        lines = [
+            f"{self.nao.model.name}: odometry {_place(self.odometry[-1])}; head yaw {yaw:.0f}°, pitch {pitch:.0f}°.",
+            f"Pictures: {self.frames} in all, {len(self.album)} kept.",
+        ]
+        if show_truth and self.truth is not None:
+            lines.append(f"Truth: {_place(self.truth.pose)}.")
+        if self.slam is not None:
+            known = "no estimate yet" if self.estimate is None else _knows(self.estimate)
+            lines.append(f"{type(self.slam).__name__}: {known}.")
+        if self.seen:
+            lines.append(f"Measured from here: {len(self.seen)}.")
+        return "\n".join([*lines, f"Status: {self.message}"])
+
+    # --- the student's code, at arm's length ---
+
+    @property
+    def _slam(self) -> SlamAlgorithm:
+        assert self.slam is not None
+        return self.slam
+
+    def _measure(self, camera: str, size: tuple[int, int]) -> None:
+        if self.measure is None:
+            self.seen = self.nao.sense(camera)
+            return
+        picture = self.photograph(camera, size)
+        found = self.measure(picture.pixels.copy(), picture.view)
+        if isinstance(found, Measurement) or not isinstance(found, Iterable):
+            raise TypeError(f"it must return a list of Measurement, got {type(found).__name__}")
+        seen = tuple(found)
+        for each in seen:
+            if not isinstance(each, Measurement):
+                raise TypeError(f"its list must hold Measurement only, got {type(each).__name__}")
+        self.seen = seen
+
+    def _ask_estimate(self) -> bool:
+        return self.slam is None or self._try("estimate", self._read_estimate)
+
+    def _read_estimate(self) -> None:
+        believed = self._slam.estimate()
+        if not isinstance(believed, Estimate):
+            raise TypeError(f"it must return an Estimate, got {type(believed).__name__}")
+        self.estimate = place_estimate(believed, self.frame)
+        self.estimated.append(self.estimate.pose)
+
+    def _try(self, what: str, call: Callable[[], None]) -> bool:
+        """Run a student's code; what it raises becomes the message."""
+        try:
+            call()
+        except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
+            self.error = error
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            text = " ".join(str(error).split())
+            text = text if len(text) <= 200 else f"{text[:199]}…"
+            self.message = f"{type(error).__name__} in {what}(), line {last.lineno} of {last.name}: {text}"
+            return False
+        return True
+
+
+def _place(pose: Pose) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f}) m, heading {np.degrees(pose.theta):.0f}°"
+
+
+def _knows(estimate: Estimate) -> str:
+    return f"robot {_place(estimate.pose)}, {len(estimate.landmarks)} landmarks"
+
+
+def _check_parts(nao: object, truth: object, slam: object, measure: object) -> None:
+    """Refuse what cannot work, in words."""
+    if not hasattr(nao, "take_picture"):
+        raise ValueError(f"nao must be a SimulatedNao, got {type(nao).__name__}")
+    if truth is not None and not isinstance(truth, Truth):
+        raise ValueError(f"truth must be Truth(nao) or None, got {truth!r}")
+    if isinstance(slam, type):
+        raise ValueError(f"slam must be an algorithm, not its class: write {slam.__name__}(...)")
+    if slam is not None and not all(
+        callable(getattr(slam, name, None)) for name in ("move", "observe", "estimate")
+    ):
+        raise ValueError(
+            f"slam must have move, observe and estimate, such as a SlamAlgorithm; got {type(slam).__name__}"
+        )
+    if measure is not None and not callable(measure):
+        raise ValueError(f"measure must be a function measure(pixels, view), got {type(measure).__name__}")
