@@ -55,7 +55,7 @@ lock: .venv/dev.stamp  ## renew both lock files
 	$(LOCK) --upgrade --all-extras --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
-	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist
 	find nao_course tests benchmarks solutions -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 .venv/made.stamp:
@@ -72,11 +72,11 @@ clean:  ## remove .venv and every cache; your notebooks stay
 
 # The big lock holds all of the small one, in the same versions.
 .venv/dev.stamp: .venv/made.stamp requirements-dev.lock pyproject.toml
-	@echo "Setting up .venv for tests and instructors; the first time this downloads some 300 MB."
+	@echo "Setting up .venv for tests and instructors; the first time this downloads some 340 MB."
 	$(call install,requirements-dev.lock)
 	@touch .venv/lab.stamp $@
 
 define install
-$(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
+@$(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
 @$(PIP) --quiet install --no-deps --no-build-isolation -e .
 endef
