@@ -315,7 +315,15 @@ def without_docstring(source: str) -> list[str]:
     for name, node in public:
         if isinstance(node, ast.ClassDef):
             public += [(f"{name}.{inner.name}", inner) for inner in public_definitions(node)]
-    return sorted(name for name, node in public if not ast.get_docstring(node))
+    return sorted(
+        name for name, node in public if not ast.get_docstring(node) and not is_told_elsewhere(node)
+    )
+
+
+def is_told_elsewhere(node: Definition) -> bool:
+    """Whether it is a property's setter or an overload, whose docstring stands at the first definition."""
+    names = {ast.unparse(decorator).split(".")[-1] for decorator in node.decorator_list}
+    return bool(names & {"setter", "deleter", "overload"})
 
 
 def test_the_library_defines_nothing_that_is_an_exercise():
@@ -339,6 +347,7 @@ def test_a_missing_docstring_is_found_out():
     methods = "    def b(self): ...\n    def _c(self): ...\n"
     source = f'class A:\n    """Yes."""\n{methods}async def d(): ...\n'
     assert without_docstring(source) == ["A.b", "d"]
+    assert without_docstring('class A:\n    """Yes."""\n    @b.setter\n    def b(self, b): ...') == []
 
 
 # Student notebooks
