@@ -1,7 +1,7 @@
 """Figures of the course: maps of the field, paths, estimates with their ellipses, and pictures.
 
-Verbs that begin with ``plot_`` add to an axis; verbs that begin with ``draw_`` need one line and give a finished
-`Drawing`. Nothing here touches pyplot, so no figure shows twice and none stays in memory.
+Verbs that begin with ``plot_`` add to an axis; verbs that begin with ``draw_`` need one line and give a
+finished `Drawing`. Nothing here touches pyplot, so no figure shows twice and none stays in memory.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Style:
     line: Any
 
 
-# After Okabe and Ito (2008) and Tol (2021); tests/test_plotting.py holds their distances for three kinds of vision.
+# After Okabe and Ito (2008) and Tol (2021); tests/test_plotting.py measures them for three kinds of vision.
 STYLES: Mapping[str, Style] = MappingProxyType(
     {
         "truth": Style("truth", "#1a1a1a", "o", "-"),
@@ -159,7 +159,8 @@ class Drawing:
 def image_tag(data: bytes, alt: str, kind: str) -> str:
     """HTML of a picture that needs no file; `kind` is "png" or "jpeg"."""
     encoded = base64.b64encode(data).decode("ascii")
-    return f'<img alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="data:image/{kind};base64,{encoded}">'
+    source = f"data:image/{kind};base64,{encoded}"
+    return f'<img alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="{source}">'
 
 
 # --- values in, arrays and words out ---
@@ -491,7 +492,7 @@ def plot_landmarks(
 
 
 def plot_measurements(measurements: Iterable[Measurement], pose: Pose, ax: Axes, source: str = "ekf") -> None:
-    """Draw what a robot at `pose` says it sees: a thin ray to each landmark, with an open marker at its end."""
+    """Draw what a robot at `pose` measures: a thin ray to each landmark, an open marker at its end."""
     seen = list(measurements)
     ends = measured_points(seen, pose)
     colour = style_of(source).colour
@@ -549,7 +550,7 @@ def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
 
 
 def estimate_outlines(estimate: Estimate, probability: float = 0.95) -> FloatArray:
-    """Ellipses of an estimate's robot and landmarks: (1 + N, corners, 2) in metres, NaN where there is none."""
+    """Ellipses of an estimate's robot and landmarks: (1 + N, corners, 2) in metres; NaN: none."""
     centres = np.vstack([estimate.pose.as_array()[None, :2], estimate.landmarks])
     covariances = np.concatenate([estimate.covariance[None, :2, :2], estimate.landmark_covariances])
     return ellipse_outlines(centres, covariances, probability)
@@ -602,6 +603,7 @@ def draw_map(
     measurements: Iterable[Measurement] = (),
     title: str | None = None,
     *,
+    landmarks: bool = False,
     source: str = "ekf",
     frame: Pose | None = None,
     probability: float = 0.95,
@@ -620,6 +622,8 @@ def draw_map(
         Drawn from the estimate's pose, else from the odometry's last, else from the truth's.
     title : str, optional
         Over the figure.
+    landmarks : bool
+        Mark the field's own corners and posts.
     source : "ekf" or "graph"
         Whose colours the estimate gets.
     frame : Pose, optional
@@ -656,7 +660,9 @@ def draw_map(
     with course_style():
         figure = Figure(figsize=(6.4, 6.9) if field.half else (9.2, 6.6))
         ax = figure.add_subplot()
-        plot_field(field, ax)
+        plot_field(field, ax, landmarks)
+        if landmarks:
+            keys += _landmark_keys(("corner", "post"), _GREY, "the field's")
         for name, path in paths.items():
             plot_path(path, ax, name)
             keys.append(_key(STYLES[name]))
@@ -1004,11 +1010,12 @@ def draw_drift(
 
 
 def _inside(view: CameraView, x: FloatArray, y: FloatArray) -> FloatArray:
-    """How many pixels within the picture each point of the ground falls; negative outside, for `contour` at 0."""
+    """How many pixels inside the picture points of the ground fall; negative outside it."""
     pixels = view.project(np.column_stack([x.ravel(), y.ravel()]))
     width, height = view.size
     sides = [pixels[:, 0] + 0.5, width - 0.5 - pixels[:, 0], pixels[:, 1] + 0.5, height - 0.5 - pixels[:, 1]]
-    return np.clip(np.nan_to_num(np.min(sides, axis=0), nan=-50.0), -50, 50).reshape(x.shape)
+    inside: FloatArray = np.clip(np.nan_to_num(np.min(sides, axis=0), nan=-50.0), -50, 50)
+    return inside.reshape(x.shape)
 
 
 _CAMERA_COLOURS = {"top": "#0b5fa5", "bottom": "#c84b00"}
@@ -1164,11 +1171,11 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
         if title:
             figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
     words = (
-        f"The frames of the course on {_say_field(field)}, seen from above: the field frame's x axis points to the "
-        "goal and its y axis to the left; the robot's x axis points ahead and its y axis to its left, turned by the "
-        f"heading theta against the field's. A {landmark} is measured by its range, the distance over the ground, "
-        "and its bearing, the angle from straight ahead, positive to the left. The head's yaw is positive to the "
-        "left, its pitch positive downwards from the horizon."
+        f"The frames of the course on {_say_field(field)}, seen from above. The field frame's x axis points to "
+        "the goal, its y axis to the left; the robot's x axis points ahead and its y axis to its left, turned by "
+        f"the heading theta against the field's. A {landmark} is measured by its range, the distance over the "
+        "ground, and its bearing, the angle from straight ahead, positive to the left. The head's yaw is "
+        "positive to the left, its pitch positive downwards from the horizon."
     )
     return Drawing(figure, f"{title}. {words}" if title else words)
 
@@ -1208,8 +1215,8 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
     _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
     _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.2 * unit, _FIELD_FRAME, r" heading $\theta$")
     _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, " bearing")
-    middle = robot @ Pose(*(0.62 * local), 0.0)
-    _name(ax, (middle.x - 0.1, middle.y + 0.05), "range", _SIGHT, ha="right")
+    middle = robot.to_parent(0.62 * local)[0]
+    _name(ax, middle + (-0.1, 0.05), "range", _SIGHT, ha="right")
     _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _SIGHT, ha="center")
     return f"corner at bearing {_degrees(bearing)} and range {distance:.1f} m"
 
@@ -1240,10 +1247,12 @@ def _head_from_the_side(ax: Axes) -> None:
     height, pitch = NAO_V4.view("top").height, np.radians(20)
     _bare(ax, "pitch, from the side", (-0.35, 1.65), (-0.16, 0.78))
     ax.fill_between([-0.3, 1.6], -0.05, 0, color=_CARPET, lw=0)
-    grey = {"color": "#c9ced6", "zorder": 2}
-    ax.add_patch(Rectangle((-0.05, 0), 0.15, 0.05, **grey))
-    ax.add_patch(Rectangle((-0.03, 0.04), 0.07, 0.2, **grey))
-    ax.add_patch(Rectangle((-0.06, 0.2), 0.13, 0.22, **grey))
+    for corner, width, tall in (
+        ((-0.05, 0), 0.15, 0.05),
+        ((-0.03, 0.04), 0.07, 0.2),
+        ((-0.06, 0.2), 0.13, 0.22),
+    ):
+        ax.add_patch(Rectangle(corner, width, tall, color="#c9ced6", zorder=2))
     ax.add_patch(Ellipse((0.0, 0.5), 0.17, 0.15, color="#8b94a3", zorder=3))
     eye = np.array([0.06, height])
     ax.plot([eye[0], 1.3], [height, height], color=_FIELD_FRAME, lw=1, ls=(0, (4, 3)))

@@ -13,8 +13,8 @@ HERE = Path(__file__).resolve().parent
 SOLUTION = re.compile(r"^( *)### BEGIN SOLUTION\n.*?^ *### END SOLUTION$", re.MULTILINE | re.DOTALL)
 
 
-def student_copy(source: Path) -> nbformat.NotebookNode:
-    """Make a lesson's notebook: solutions taken out, no outputs, cell ids made from lesson and ordinal."""
+def solved(source: Path) -> nbformat.NotebookNode:
+    """Make a lesson's notebook with its solutions, without outputs; cell ids are made from lesson and ordinal."""
     notebook = jupytext.read(source, fmt="md:myst")
     lesson = source.stem.split("_")[0]
     for ordinal, cell in enumerate(notebook.cells):
@@ -22,15 +22,25 @@ def student_copy(source: Path) -> nbformat.NotebookNode:
         cell["metadata"] = {}
         if cell.cell_type == "code":
             cell["outputs"], cell["execution_count"] = [], None
-            cell["source"] = SOLUTION.sub(r"\1raise NotImplementedError", cell["source"])
-            if "### BEGIN SOLUTION" in cell["source"] or "### END SOLUTION" in cell["source"]:
-                raise ValueError(f"{source.name}, cell {ordinal}: a solution begins or ends without its other half")
     notebook.metadata = {
         "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
         "language_info": {"name": "python"},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     nbformat.validate(notebook)
+    return notebook
+
+
+def student_copy(source: Path) -> nbformat.NotebookNode:
+    """Make a lesson's notebook with its solutions taken out."""
+    notebook = solved(source)
+    for ordinal, cell in enumerate(notebook.cells):
+        if cell.cell_type == "code":
+            cell["source"] = SOLUTION.sub(r"\1raise NotImplementedError", cell["source"])
+            if "### BEGIN SOLUTION" in cell["source"] or "### END SOLUTION" in cell["source"]:
+                raise ValueError(
+                    f"{source.name}, cell {ordinal}: a solution begins or ends without its other half"
+                )
     return notebook
 
 

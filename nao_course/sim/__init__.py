@@ -2,7 +2,15 @@
 
 from nao_course.sim.camera import NAO_V4, NAO_V6, CameraView, NaoModel
 from nao_course.sim.field import DIMENSIONS, Field, Landmark
-from nao_course.sim.nao import OdometryNoise, Picture, SensorNoise, SimulatedNao, TorsoTilt, Truth, repeat_drive
+from nao_course.sim.nao import (
+    OdometryNoise,
+    Picture,
+    SensorNoise,
+    SimulatedNao,
+    TorsoTilt,
+    Truth,
+    repeat_drive,
+)
 from nao_course.sim.render import LABELS, PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
 
 __all__ = [

@@ -86,7 +86,9 @@ class CameraView:
             object.__setattr__(self, name, finite(f"CameraView: {name}", getattr(self, name)))
         for name in ("hfov", "vfov"):
             if not 0 < getattr(self, name) < np.pi:
-                raise ValueError(f"CameraView: {name} must be between 0 and pi radians, got {getattr(self, name)}")
+                raise ValueError(
+                    f"CameraView: {name} must be between 0 and pi radians, got {getattr(self, name)}"
+                )
         if self.height <= 0:
             raise ValueError(f"CameraView: height must be above the ground (m), got {self.height}")
         x, y = self.offset
@@ -166,7 +168,10 @@ class CameraView:
 
     def distort(self, pixels: npt.ArrayLike) -> FloatArray:
         """Pixels (N, 2) of a picture without the lens term, where the lens puts them."""
-        return self._distorted((as_points(pixels, name="pixels") - self.centre) / self.focal) * self.focal + self.centre
+        return (
+            self._distorted((as_points(pixels, name="pixels") - self.centre) / self.focal) * self.focal
+            + self.centre
+        )
 
     def undistort(self, pixels: npt.ArrayLike) -> FloatArray:
         """Remove the lens: where pixels (N, 2) would be in a picture of the pinhole camera.
@@ -334,7 +339,9 @@ class NaoModel:
         """
         mount = self.cameras[self.check_camera(camera)]
         yaw, pitch = self.check_head(yaw, pitch)
-        torso = rotation_3d(0.0, finite("torso_pitch (rad)", torso_pitch), finite("torso_roll (rad)", torso_roll))
+        torso = rotation_3d(
+            0.0, finite("torso_pitch (rad)", torso_pitch), finite("torso_roll (rad)", torso_roll)
+        )
         head = rotation_3d(yaw, pitch, 0.0)
         x, y, z = torso @ (head @ [mount.x, 0.0, mount.z] + [0.0, 0.0, self.neck_height(stance)])
         angles = yaw_pitch_roll(torso @ head @ rotation_3d(0.0, mount.pitch, 0.0))

@@ -188,7 +188,9 @@ class Field:
     def posts(self) -> FloatArray:
         """Feet of the goal posts: (N, 2), in metres."""
         d = self.dimensions
-        return np.array([(s * d.length / 2, y) for s in self._ends for y in (-d.goal_width / 2, d.goal_width / 2)])
+        return np.array(
+            [(s * d.length / 2, y) for s in self._ends for y in (-d.goal_width / 2, d.goal_width / 2)]
+        )
 
     @cached_property
     def bars(self) -> FloatArray:

@@ -11,8 +11,7 @@ from nao_course.geometry import FloatArray, Pose, finite, rotation_2d
 from nao_course.sim.camera import NAO_V4, CameraView, NaoModel
 from nao_course.sim.field import Field
 from nao_course.sim.render import PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
-from nao_course.slam import Measurement, Motion
-
+from nao_course.slam import LandmarkKind, Measurement, Motion
 
 # How a walking NAO's head turns about (ahead, left, up) while a picture is read, 1/30 s: standard deviations in rad,
 # from some 0.3 to 0.5 rad/s of sway. An assumption: no recorded walk tells.
@@ -203,11 +202,11 @@ class SimulatedNao:
             raise ValueError(f"pose must be on the carpet, {self.field.carpet} (m), got {start}")
         self._world = _World(self.field, start, generator, [start])
         self._head = (0.0, float(np.radians(-31.0)))
-        self._odometry = Pose()
+        self._odometry = [Pose()]
 
     def __repr__(self) -> str:
         """Say what the robot believes."""
-        return f"SimulatedNao({self.model.name}, odometry {self._odometry}, head {self.head})"
+        return f"SimulatedNao({self.model.name}, odometry {self.odometry}, head {self.head})"
 
     # --- what the robot knows of itself ---
 
@@ -219,7 +218,12 @@ class SimulatedNao:
     @property
     def odometry(self) -> Pose:
         """The commands added up, from (0, 0, 0) at the start: the robot's belief without any landmark."""
-        return self._odometry
+        return self._odometry[-1]
+
+    @property
+    def odometry_path(self) -> tuple[Pose, ...]:
+        """The odometry at the start and after each command."""
+        return tuple(self._odometry)
 
     def view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
         """Return what the robot believes of a camera now."""
@@ -361,7 +365,7 @@ class SimulatedNao:
     def _measured(self, seen: VisibleLandmark) -> Measurement:
         rng, noise = self._world.rng, self.sensor_noise
         away = seen.distance * (1 + noise.range_fraction * rng.standard_normal())
-        kind = "post" if seen.landmark.kind == "post" else "corner"
+        kind: LandmarkKind = "post" if seen.landmark.kind == "post" else "corner"
         return Measurement(seen.bearing + noise.bearing * rng.standard_normal(), max(away, 0.0), kind)
 
     def _move(self, motion: Motion) -> Motion:
@@ -375,17 +379,21 @@ class SimulatedNao:
         x, y = old.as_array()[:2] + rotation_2d(old.theta) @ (reach * step)
         world.pose = Pose(float(x), float(y), old.theta + motion.turn + turn)
         world.path.append(world.pose)
-        self._odometry = self._odometry @ motion.as_pose()
+        self._odometry.append(self.odometry @ motion.as_pose())
         return motion
 
     def _reach(self, old: Pose, step: FloatArray) -> float:
         """Fraction of a step that stays on the carpet: bisection, the carpet being convex."""
-        if self._on_carpet(old @ Pose(*step, 0.0)):
+        if self._on_carpet(old @ Pose(step[0], step[1], 0.0)):
             return 1.0
         low, high = 0.0, 1.0
         for _ in range(40):
             middle = (low + high) / 2
-            low, high = (middle, high) if self._on_carpet(old @ Pose(*(middle * step), 0.0)) else (low, middle)
+            low, high = (
+                (middle, high)
+                if self._on_carpet(old @ Pose(middle * step[0], middle * step[1], 0.0))
+                else (low, middle)
+            )
         return low
 
     def _on_carpet(self, pose: Pose) -> bool:
@@ -474,5 +482,7 @@ def repeat_drive(
         along, across = motion.distance + errors[:, 0], errors[:, 1]
         c, s = np.cos(old[:, 2]), np.sin(old[:, 2])
         turned = old[:, 2] + motion.turn + errors[:, 2]
-        paths[:, step + 1] = np.column_stack([old[:, 0] + c * along - s * across, old[:, 1] + s * along + c * across, turned])
+        paths[:, step + 1] = np.column_stack(
+            [old[:, 0] + c * along - s * across, old[:, 1] + s * along + c * across, turned]
+        )
     return paths

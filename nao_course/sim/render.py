@@ -104,7 +104,7 @@ class Reality:
                 raise ValueError(f"Reality: {name} must be 0 (off) or more, got {getattr(self, name)}")
         if self.seams > 1 or self.vignette > 1 or self.gradient > 1:
             raise ValueError("Reality: seams, vignette and gradient are fractions, at most 1")
-        if not isinstance(self.seed, int | np.integer) or self.seed < 0:
+        if finite("Reality: seed", self.seed) < 0 or int(self.seed) != self.seed:
             raise ValueError(f"Reality: seed must be a whole number from 0, got {self.seed!r}")
 
     @classmethod
@@ -131,7 +131,14 @@ class Reality:
     def harsh(cls, seed: int = 0) -> Reality:
         """Sun through the windows of a crowded hall: glare, worn carpet, wrong colours."""
         return cls(
-            glare=0.35, gradient=0.35, white_balance=0.1, specks=15.0, crumbs=1.5, seams=0.8, clutter=1.6, seed=seed
+            glare=0.35,
+            gradient=0.35,
+            white_balance=0.1,
+            specks=15.0,
+            crumbs=1.5,
+            seams=0.8,
+            clutter=1.6,
+            seed=seed,
         )
 
 
@@ -340,8 +347,8 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
             continue
         k = level[first]
         scale = np.float32(0.5**k)
-        maps = [(m[first:last] + np.float32(0.5)) * scale - np.float32(0.5) for m in (columns, rows)]
-        picture[first:last] = cv2.remap(levels[k], *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        x, y = ((m[first:last] + np.float32(0.5)) * scale - np.float32(0.5) for m in (columns, rows))
+        picture[first:last] = cv2.remap(levels[k], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return picture
 
 
@@ -401,7 +408,9 @@ def _lit(light: Float32, labels: npt.NDArray[np.uint8], field: Field, eye: Eye, 
     return light
 
 
-def _develop(light: Float32, eye: Eye, reality: Reality, rng: np.random.Generator | None) -> npt.NDArray[np.uint8]:
+def _develop(
+    light: Float32, eye: Eye, reality: Reality, rng: np.random.Generator | None
+) -> npt.NDArray[np.uint8]:
     """Blur, tone curve and noise: from light (H, W, 3) to a picture."""
     if eye.turning.any():
         light = _smear(light, eye)
@@ -467,9 +476,9 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
         centre, above, beyond, south, north = eye.to_camera(
             [(x, y, 0.0), (x, y, 1.0), (x + 1.0, y, 0.0), (x, y - 1.0, 0.0), (x, y + 1.0, 0.0)]
         )
-        plane = np.cross(south, north)  # through the camera and the halfway line
-        plane = plane * np.sign(plane @ beyond) if last - first < 2 * np.pi else None
-        yield eye.ring(centre, above - centre, (radius - half, radius + half), plane)
+        halfway = np.cross(south, north)  # the plane through the camera and the halfway line
+        part = halfway * np.sign(halfway @ beyond) if last - first < 2 * np.pi else None
+        yield eye.ring(centre, above - centre, (radius - half, radius + half), part)
 
 
 def _goal_shapes(field: Field, eye: Eye) -> Iterator[tuple[Covered, Float32, Float32]]:

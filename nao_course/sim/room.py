@@ -62,7 +62,7 @@ def carpet_levels(extent: Rectangle, colour: Colour, wear: Wear, seed: int) -> t
         light += share * _cloud(shape, scale, rng)
     light *= wear.mottle
     warm = 0.3 * wear.mottle * _cloud(shape, 0.5, rng)
-    carpet = np.stack([light + warm, light, light - 0.5 * warm], axis=2) + np.float32(colour)
+    carpet = np.stack([light + warm, light, light - 0.5 * warm], axis=2) + np.array(colour, dtype=np.float32)
     for add in (_add_seams, _add_tape, _add_crumbs, _add_specks):
         add(carpet, wear, rng)
     finest = np.clip(np.rint(carpet), 0, 255).astype(np.uint8)
@@ -127,7 +127,7 @@ def _add_crumbs(carpet: Float32, wear: Wear, rng: np.random.Generator) -> None:
     for _ in range(clusters):
         centre = rng.uniform((0, 0), (columns, rows))
         for bit in centre + rng.normal(0, 0.06 / TEXEL, (rng.integers(2, 9), 2)):
-            colour = np.float32([150, 150, 95]) + rng.normal(0, 22)
+            colour = np.array([150, 150, 95], dtype=np.float32) + rng.normal(0, 22)
             cv2.circle(carpet, _point(bit), 1, colour.tolist(), -1)
 
 
@@ -140,7 +140,7 @@ def _add_specks(carpet: Float32, wear: Wear, rng: np.random.Generator) -> None:
         shade = rng.uniform(0.35, 1.0)
         axes = (max(round(size / TEXEL), 1), max(round(0.6 * size / TEXEL), 1))
         i, j = int(y), int(x)
-        colour = carpet[i, j] + shade * (np.float32([205, 222, 205]) - carpet[i, j])
+        colour = carpet[i, j] + shade * (np.array([205, 222, 205], dtype=np.float32) - carpet[i, j])
         cv2.ellipse(carpet, (j, i), axes, float(rng.uniform(0, 180)), 0, 360, colour.tolist(), -1)
 
 
@@ -194,28 +194,45 @@ class _Workshop:
         r, g, b = np.rint(shown).astype(int).tolist()
         self.polygons.append((np.column_stack([turned, array[:, 2]]), (r, g, b), len(self.places) - 1))
 
-    def plate(self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0) -> None:
+    def plate(
+        self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0
+    ) -> None:
         """Add an upright rectangle with its lower middle at (x, z)."""
         left, right = x - width / 2, x + width / 2
-        self.polygon(np.array([(left, y, z), (right, y, z), (right, y, z + height), (left, y, z + height)]), colour)
+        self.polygon(
+            np.array([(left, y, z), (right, y, z), (right, y, z + height), (left, y, z + height)]), colour
+        )
 
-    def table(self, x: float, z: float, width: float, depth: float, colour: npt.ArrayLike, y: float = 0.0) -> None:
+    def table(
+        self, x: float, z: float, width: float, depth: float, colour: npt.ArrayLike, y: float = 0.0
+    ) -> None:
         """Add a level rectangle with its front middle at (x, y)."""
         left, right = x - width / 2, x + width / 2
-        self.polygon(np.array([(left, y, z), (right, y, z), (right, y + depth, z), (left, y + depth, z)]), colour)
+        self.polygon(
+            np.array([(left, y, z), (right, y, z), (right, y + depth, z), (left, y + depth, z)]), colour
+        )
 
-    def box(self, x: float, z: float, size: tuple[float, float, float], colour: npt.ArrayLike, y: float = 0.0) -> None:
+    def box(
+        self, x: float, z: float, size: tuple[float, float, float], colour: npt.ArrayLike, y: float = 0.0
+    ) -> None:
         """Add a box (width, depth, height): its sides, top and front, lit from above."""
         width, depth, height = size
         shade = np.asarray(colour, dtype=float)
         for side in (-1, 1):
             edge = x + side * width / 2
-            corners = [(edge, y, z), (edge, y + depth, z), (edge, y + depth, z + height), (edge, y, z + height)]
+            corners = [
+                (edge, y, z),
+                (edge, y + depth, z),
+                (edge, y + depth, z + height),
+                (edge, y, z + height),
+            ]
             self.polygon(np.array(corners), shade * 0.75)
         self.table(x, z + height, width, depth, np.minimum(shade * 1.15, 255), y)
         self.plate(x, z, width, height, shade, y)
 
-    def blob(self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0) -> None:
+    def blob(
+        self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0
+    ) -> None:
         """Add an upright rounded patch with its lower middle at (x, z)."""
         angles = np.linspace(0, 2 * np.pi, 14, endpoint=False)
         radius = 1 + self.rng.normal(0, 0.08, 14)
@@ -223,11 +240,15 @@ class _Workshop:
         middle = z + height / 2
         self.polygon(np.column_stack([x + across, np.full(14, y), np.maximum(middle + up, 0.0)]), colour)
 
-    def limb(self, path: list[tuple[float, float]], width: float, colour: npt.ArrayLike, y: float = 0.0) -> None:
+    def limb(
+        self, path: list[tuple[float, float]], width: float, colour: npt.ArrayLike, y: float = 0.0
+    ) -> None:
         """Add an upright band of the given width along a path of (x, z)."""
         points = np.array(path, dtype=float)
         way = np.gradient(points, axis=0)
-        normal = np.column_stack([-way[:, 1], way[:, 0]]) / np.linalg.norm(way, axis=1, keepdims=True) * width / 2
+        normal = (
+            np.column_stack([-way[:, 1], way[:, 0]]) / np.linalg.norm(way, axis=1, keepdims=True) * width / 2
+        )
         outline = np.concatenate([points + normal, (points - normal)[::-1]])
         self.polygon(np.column_stack([outline[:, 0], np.full(len(outline), y), outline[:, 1]]), colour)
 
@@ -342,7 +363,9 @@ def _shelf(w: _Workshop) -> None:
         x = -0.52
         while x < 0.45 and level > 0.2:
             width = w.rng.uniform(0.04, 0.09)
-            tone = w.rng.choice([(206, 204, 196), (150, 148, 140), _BLUE, _DARK, (168, 60, 50), (208, 188, 120)])
+            tone = w.rng.choice(
+                [(206, 204, 196), (150, 148, 140), _BLUE, _DARK, (168, 60, 50), (208, 188, 120)]
+            )
             w.plate(x, level, width * 0.9, w.rng.uniform(0.2, 0.29), tone, -0.02)
             x += width + (w.rng.exponential(0.15) if w.rng.random() < 0.1 else 0)
 
@@ -358,7 +381,13 @@ def _cable(w: _Workshop) -> None:
 
 _PIECES = (_chair, _desk, _sitter, _stander, _bag, _papers, _cartons, _shelf, _cable)
 _OFTEN = np.array([5, 4, 3, 1.2, 3, 3, 2.5, 1.5, 2])
-_FROM_CARPET = {_desk: (0.5, 0.9), _shelf: (0.9, 1.1), _cable: (0.1, 0.5), _papers: (0.08, 0.6), _bag: (0.2, 0.8)}
+_FROM_CARPET = {
+    _desk: (0.5, 0.9),
+    _shelf: (0.9, 1.1),
+    _cable: (0.1, 0.5),
+    _papers: (0.08, 0.6),
+    _bag: (0.2, 0.8),
+}
 
 
 @lru_cache(maxsize=4)
@@ -416,24 +445,24 @@ def _wall(
 
 def paint_furniture(eye: Eye, furniture: Furniture, picture: Bytes) -> None:
     """Paint furniture over a picture (H, W, 3), the farthest piece first."""
-    seen = eye.to_camera(furniture.points)
-    ahead = seen[:, 0]
-    starts = furniture.starts
-    in_front = np.minimum.reduceat(ahead, starts[:-1]) > 0.05 if len(ahead) else np.empty(0, dtype=bool)
-    nearest = np.maximum.reduceat(ahead, starts[:-1]) > 0.05 if len(ahead) else in_front
-    width, height = eye.view.size
+    if not len(furniture.colours):
+        return
+    seen, starts = eye.to_camera(furniture.points), furniture.starts
     pixels = np.rint(eye.pixels(seen) * 16).astype(np.int32)
-    low = np.minimum.reduceat(pixels, starts[:-1]) if len(ahead) else pixels
-    high = np.maximum.reduceat(pixels, starts[:-1]) if len(ahead) else pixels
-    inside = ((high >= 0) & (low < np.array([width, height]) * 16)).all(axis=1) if len(ahead) else in_front
-    away = -np.hypot(*(furniture.places - eye.ground_position).T)
-    for i in np.argsort(away[furniture.piece], kind="stable"):
+    first = starts[:-1]
+    all_ahead = np.minimum.reduceat(seen[:, 0], first) > 0.05
+    some_ahead = np.maximum.reduceat(seen[:, 0], first) > 0.05
+    low, high = np.minimum.reduceat(pixels, first), np.maximum.reduceat(pixels, first)
+    in_view = np.all((high >= 0) & (low < np.array(eye.view.size) * 16), axis=1)
+    away = np.hypot(*(furniture.places - eye.ground_position).T)
+    worth_painting = np.flatnonzero(some_ahead & (in_view | ~all_ahead))
+    for i in worth_painting[np.argsort(-away[furniture.piece[worth_painting]], kind="stable")]:
         colour = furniture.colours[i].tolist()
-        if in_front[i]:
-            if inside[i]:
-                cv2.fillPoly(picture, [pixels[starts[i] : starts[i + 1]]], colour, cv2.LINE_AA, 4)
-        elif nearest[i]:
-            outline = eye.outlines([seen[starts[i] : starts[i + 1]]])[0]
-            if outline is not None:
-                cv2.fillPoly(picture, [outline], colour, cv2.LINE_AA)
+        a, b = starts[i : i + 2]
+        if all_ahead[i]:
+            cv2.fillPoly(picture, [pixels[a:b]], colour, cv2.LINE_AA, 4)
+        elif (outline := eye.outlines([seen[a:b]])[0]) is not None:
+            cv2.fillPoly(picture, [outline], colour, cv2.LINE_AA)
 
+
+__all__ = ["TEXEL", "Furniture", "Wear", "carpet_levels", "furnish", "paint_furniture"]

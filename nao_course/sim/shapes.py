@@ -7,7 +7,7 @@ cut by a straight edge has a formula. Only pixels near an edge are computed; the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -101,8 +101,6 @@ def _lens_grid(lens: CameraView) -> Grid:
     )
 
 
-
-
 def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
     """Area of unit squares on the positive side of straight edges.
 
@@ -120,12 +118,13 @@ def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32
     """
     u, v = np.abs(along_u), np.abs(along_v)
     steep = np.maximum(np.maximum(u, v), np.float32(1e-20))
-    half = np.maximum(np.minimum(u, v) / steep, np.float32(0.01)) / 2  # below 1 % the edge is level: no difference
-    middle = np.clip(distance / steep, -2, 2) + np.float32(0.5)
+    level = np.float32(0.01)  # an edge that rises less than this across a pixel is level: no difference
+    half = np.asarray(np.maximum(np.minimum(u, v) / steep, level) / 2, dtype=np.float32)
+    middle = np.asarray(np.clip(distance / steep, -2, 2) + 0.5, dtype=np.float32)
 
     def ramp(x: Float32) -> Float32:
         inside = np.clip(x, 0, 1)
-        return inside * inside / 2 + np.maximum(x - 1, 0)
+        return np.asarray(inside * inside / 2 + np.maximum(x - 1, 0), dtype=np.float32)
 
     return np.asarray((ramp(middle + half) - ramp(middle - half)) / (2 * half), dtype=np.float32)
 
@@ -149,7 +148,9 @@ class Eye:
         self.seen_from, self.view = seen_from, view
         self.turning = np.asarray(turning, dtype=float)
         lens = CameraView(view.size, view.hfov, view.vfov, height=1.0, pitch=0.0, k1=view.k1)
-        self.grid = _turned(_lens_grid(lens), view.size, self.turning) if self.turning.any() else _lens_grid(lens)
+        self.grid = (
+            _turned(_lens_grid(lens), view.size, self.turning) if self.turning.any() else _lens_grid(lens)
+        )
         self._planes = self._clip_planes()
 
     @property
@@ -183,11 +184,12 @@ class Eye:
         a, b = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
-    def outlines(self, polygons: Sequence[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
+    def outlines(self, polygons: Iterable[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
         """Outlines in whole pixels of convex polygons (N, 3) in the camera's axes; None for one out of view."""
         paths, owners = [], []
         steps = np.linspace(0, 1, _EDGE_PIECES, endpoint=False)[:, None]
-        for i, polygon in enumerate(polygons):
+        shapes = list(polygons)
+        for i, polygon in enumerate(shapes):
             clipped = clip_polygon(polygon, self._planes)
             if len(clipped) < 3:
                 continue
@@ -198,7 +200,7 @@ class Eye:
                 path = (clipped[:, None] + steps * (ahead - clipped)[:, None]).reshape(-1, 3)
             paths.append(path)
             owners.append(i)
-        found: list[npt.NDArray[np.int32] | None] = [None] * len(polygons)
+        found: list[npt.NDArray[np.int32] | None] = [None] * len(shapes)
         if not paths:
             return found
         pixels = np.rint(self.pixels(np.concatenate(paths))).astype(np.int32)
@@ -316,10 +318,14 @@ class Eye:
         right, down = g.right[pixels].astype(float), g.down[pixels].astype(float)
         depth = float(normal @ centre)
 
-        def away(slope: FloatArray, ahead: FloatArray | float, right: FloatArray, down: FloatArray) -> list[FloatArray]:
+        def away(
+            slope: FloatArray, ahead: FloatArray | float, right: FloatArray, down: FloatArray
+        ) -> list[FloatArray]:
             """From the disc's centre to where the ray meets its plane, times normal . ray."""
             rays = (ahead, -right, -down)
-            return [np.asarray(depth * ray - slope * middle) for ray, middle in zip(rays, centre, strict=True)]
+            return [
+                np.asarray(depth * ray - slope * middle) for ray, middle in zip(rays, centre, strict=True)
+            ]
 
         slope = normal[0] - normal[1] * right - normal[2] * down
         here = away(slope, 1.0, right, down)
@@ -327,8 +333,10 @@ class Eye:
 
         def change(right_d: Float32, down_d: Float32) -> FloatArray:
             slope_d = -normal[1] * right_d - normal[2] * down_d
-            there = away(slope_d, 0.0, right_d, down_d)
-            return np.asarray(2 * (radius**2 * slope * slope_d - sum(a * d for a, d in zip(here, there, strict=True))))
+            there = away(slope_d, 0.0, right_d.astype(float), down_d.astype(float))
+            return np.asarray(
+                2 * (radius**2 * slope * slope_d - sum(a * d for a, d in zip(here, there, strict=True)))
+            )
 
         du = change(g.right_du[pixels], g.down_du[pixels])
         dv = change(g.right_dv[pixels], g.down_dv[pixels])
@@ -336,7 +344,9 @@ class Eye:
         area = cut_square(*((x / scale).astype(np.float32) for x in (value, du, dv)))
         return np.where(slope * depth > 0, area, np.float32(0))
 
-    def ring(self, centre: FloatArray, up: FloatArray, radii: tuple[float, float], half: FloatArray | None) -> Covered:
+    def ring(
+        self, centre: FloatArray, up: FloatArray, radii: tuple[float, float], half: FloatArray | None
+    ) -> Covered:
         """Pixels of a flat ring between two radii, or of its half on the positive side of a plane (3,)."""
         outer, inner = (self._round(centre, up, radius, half) for radius in (max(radii), min(radii)))
         filled, holes = self.outlines([outer]), self.outlines([inner])
