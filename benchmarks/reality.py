@@ -1,4 +1,4 @@
-"""Does the library's geometry hold on a real robot's pictures? Each marked point is predicted from the others.
+"""Does the geometry hold on a real robot's pictures? Every hand-marked point is predicted from the others.
 
 The whole field of the 2012 rules is laid over real pictures. Fitted once per set of pictures: camera
 height, both fields of view, lens term and mean pitch offset. Fitted per picture: small corrections of
@@ -41,6 +41,7 @@ SET_VALUES = ("height_m", "hfov", "vfov", "k1", "pitch_offset")
 START = np.array([0.46, NAO_V4.hfov, NAO_V4.vfov, 0.0, np.radians(6.0)])
 LOWEST = np.array([0.30, np.radians(45), np.radians(30), -0.25, np.radians(-15)])
 HIGHEST = np.array([0.60, np.radians(75), np.radians(60), 0.25, np.radians(15)])
+MOST_STEPS = 40  # of a fit; a good one needs about ten, and one that goes nowhere should not take minutes
 HELD = 1e3  # pixels per radian: the weight of what a fit must keep
 LARGEST_CORRECTION = np.radians(20)  # of a picture's angles; a position's prior is in metres and stricter
 
@@ -260,7 +261,16 @@ def _refit(fit: SetFit) -> SetFit:
     room = np.full(fit.corrections.size, LARGEST_CORRECTION)
     bounds = (np.concatenate([LOWEST, -room]), np.concatenate([HIGHEST, room]))
     found = least_squares(
-        residual, start, jacobian, bounds, loss="soft_l1", f_scale=NOISE, x_scale="jac", xtol=1e-6, ftol=1e-6
+        residual,
+        start,
+        jacobian,
+        bounds,
+        loss="soft_l1",
+        f_scale=NOISE,
+        x_scale="jac",
+        xtol=1e-6,
+        ftol=1e-6,
+        max_nfev=MOST_STEPS,
     )
     values, corrections = split(found.x)
     return replace(fit, values=values, corrections=corrections)

@@ -155,7 +155,7 @@ def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[R
     Parameters
     ----------
     name : "scenes" or "straightwalk"
-        64 pictures from nine places in all directions, or 30 along one walk down the field's axis.
+        64 pictures from eight places in eight directions each, or 30 along one walk down the field's axis.
     folder : path, optional
         The folder that holds ``amsterdam_2013``; without it, `data_folder()`.
 

@@ -40,6 +40,16 @@ def test_every_point_is_predicted_from_the_others_within_the_required_pixels(
     assert found["95%"] <= LARGEST_95
 
 
+def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_height(scenes: Case) -> None:
+    height, hfov, vfov, k1, offset = scenes.fit.values
+    assert height == pytest.approx(0.479, abs=0.015)
+    assert hfov == pytest.approx(NAO_V4.hfov, abs=np.radians(2))
+    assert vfov == pytest.approx(NAO_V4.vfov, abs=np.radians(2))
+    assert -0.15 < k1 < -0.03
+    assert 4 < np.degrees(offset) < 8
+    assert np.degrees(np.abs(scenes.fit.corrections[:, :2]).max()) < 3
+
+
 def test_no_marked_point_is_left_out(scenes: Case, walk: Case, data_dir: Path) -> None:
     for case, name in ((scenes, "scenes"), (walk, "straightwalk")):
         enough = [p for p in read_pictures(name, data_dir) if len(p.points) >= 4]  # type: ignore[arg-type]
