@@ -59,7 +59,9 @@ def test_the_axes_turn_the_way_the_conventions_say():
     assert np.allclose(rotation_3d(0, 0, np.pi / 2) @ left, up)
 
 
-@pytest.mark.parametrize("values", [(np.nan, 0, 0), (0, np.inf, 0), (0, 0, np.nan), ("a", 0, 0), (None, 0, 0)])
+@pytest.mark.parametrize(
+    "values", [(np.nan, 0, 0), (0, np.inf, 0), (0, 0, np.nan), ("a", 0, 0), (None, 0, 0)]
+)
 def test_a_pose_refuses_what_is_no_finite_number(values):
     with pytest.raises(ValueError, match="Pose: .* must be a (finite )?number"):
         Pose(*values)

@@ -138,7 +138,9 @@ def test_the_robot_stops_at_the_edge_of_the_carpet_and_its_odometry_does_not_not
 
 def test_a_picture_taken_while_walking_is_smeared_and_one_standing_is_not():
     def sharpness(walking, motion=1.0):
-        nao = SimulatedNao(**(EXACT | {"reality": Reality(**dict.fromkeys(Reality.effects(), 0.0) | {"motion": motion})}))
+        nao = SimulatedNao(
+            **(EXACT | {"reality": Reality(**dict.fromkeys(Reality.effects(), 0.0) | {"motion": motion})})
+        )
         pictures = [nao.take_picture(walking=walking).pixels.astype(float) for _ in range(5)]
         return np.mean([np.abs(np.diff(p, axis=0)).max(axis=0).mean() for p in pictures])
 

@@ -66,7 +66,9 @@ def test_moving_field_and_robot_together_changes_no_picture(half):
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
-    pictures = [render(Field(), Pose(), camera(), rng=np.random.default_rng(s))[0].tobytes() for s in (1, 1, 2)]
+    pictures = [
+        render(Field(), Pose(), camera(), rng=np.random.default_rng(s))[0].tobytes() for s in (1, 1, 2)
+    ]
     assert pictures[0] == pictures[1] != pictures[2]
 
 
@@ -199,7 +201,9 @@ def test_a_camera_that_turns_while_it_reads_leans_posts_and_labels_alike():
         return np.polyfit(rows[keep], columns[keep], 1)[0]
 
     # To the left by .12 rad between first and last row: the picture runs to the right, lower rows farther.
-    assert lean(shaken[1].labels) - lean(still[1].labels) == pytest.approx(0.12 * view.focal[0] / 239, rel=0.25)
+    assert lean(shaken[1].labels) - lean(still[1].labels) == pytest.approx(
+        0.12 * view.focal[0] / 239, rel=0.25
+    )
 
 
 def test_turning_by_nothing_is_standing_still():
