@@ -21,6 +21,7 @@ LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
 KEPT_PICTURES = 60
+NOTHING: tuple[Measurement, ...] = ()
 
 
 def pieces(motion: Motion) -> Iterator[Motion]:
@@ -82,7 +83,11 @@ class Cockpit:
     frames : int
         Pictures taken in all, live ones too.
     message : str
-        What there is to say; `error` holds the student's exception when it speaks of one.
+        What there is to say.
+    alarm : bool
+        Whether the message is a complaint.
+    error : Exception or None
+        What the student's code raised last.
     """
 
     def __init__(
@@ -108,12 +113,13 @@ class Cockpit:
         self.album: deque[Picture] = deque(maxlen=KEPT_PICTURES)
         self.frames = 0
         self.message = ""
+        self.alarm = False
         self.error: Exception | None = None
         self._truths: dict[str, PictureTruth | None] = {}
         for camera in CAMERAS:
             self.photograph(camera)
         self._ask_estimate()
-        if self.error is None:
+        if not self.alarm:
             self.say("Ready.")
 
     # --- commands ---
@@ -128,7 +134,7 @@ class Cockpit:
         """
         done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
         self.odometry.append(self.start @ self.nao.odometry)
-        self.seen = ()
+        self.seen = NOTHING
         if self.slam is None:
             return True
         return self._try("move", lambda: self._slam.move(done)) and self._ask_estimate()
@@ -139,10 +145,8 @@ class Cockpit:
         limits = (self.nao.model.yaw_limits, self.nao.model.pitch_limits)
         reached = [float(np.clip(angle, *limit)) for angle, limit in zip(wanted, limits, strict=True)]
         self.nao.look(*reached)
-        self.seen = ()
-        words = " ".join(
-            f"{name} {np.degrees(angle):.0f}°" for name, angle in zip(("yaw", "pitch"), reached, strict=True)
-        )
+        self.seen = NOTHING
+        words = f"yaw {np.degrees(reached[0]):.0f}°, pitch {np.degrees(reached[1]):.0f}°"
         stuck = not np.allclose(wanted, reached, atol=1e-6)
         self.say(f"Head at {words}: a joint is at its limit." if stuck else f"Head at {words}.")
 
@@ -169,7 +173,7 @@ class Cockpit:
         tuple of Measurement
             What was measured; empty if the student's code failed.
         """
-        self.seen = ()
+        self.seen = NOTHING
         if not self._try("measure", lambda: self._measure(camera, size)):
             return ()
         found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
@@ -188,23 +192,31 @@ class Cockpit:
 
     def say(self, message: str) -> None:
         """Say something that is no complaint."""
-        self.message, self.error = message, None
+        self.message, self.alarm = message, False
+
+    def complain(self, what: str, error: Exception) -> None:
+        """Say what went wrong, and where."""
+        self.error, self.alarm = error, True
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        text = " ".join(str(error).split())
+        text = text if len(text) <= 200 else f"{text[:199]}…"
+        self.message = f"{type(error).__name__} in {what}, line {last.lineno} of {last.name}: {text}"
+
+    def facts(self, show_truth: bool = False) -> list[str]:
+        """Return where the robot is and what it has seen, in short; the truth only if asked for."""
+        yaw, pitch = np.degrees(self.nao.head)
+        facts = [f"odometry {_place(self.odometry[-1])}"]
+        if show_truth and self.truth is not None:
+            facts.append(f"truth {_place(self.truth.pose)}")
+        if self.slam is not None:
+            facts.append(f"{type(self.slam).__name__} {_knows(self.estimate)}")
+        facts.append(f"head yaw {yaw:.0f}°, pitch {pitch:.0f}°")
+        facts.append(f"{self.frames} pictures, {len(self.album)} kept")
+        return facts
 
     def summary(self, show_truth: bool = False) -> str:
-        """Return where the robot is and what it has seen, in words; the truth only if asked for."""
-        yaw, pitch = np.degrees(self.nao.head)
-        lines = [
-            f"{self.nao.model.name}: odometry {_place(self.odometry[-1])}; head yaw {yaw:.0f}°, pitch {pitch:.0f}°.",
-            f"Pictures: {self.frames} in all, {len(self.album)} kept.",
-        ]
-        if show_truth and self.truth is not None:
-            lines.append(f"Truth: {_place(self.truth.pose)}.")
-        if self.slam is not None:
-            known = "no estimate yet" if self.estimate is None else _knows(self.estimate)
-            lines.append(f"{type(self.slam).__name__}: {known}.")
-        if self.seen:
-            lines.append(f"Measured from here: {len(self.seen)}.")
-        return "\n".join([*lines, f"Status: {self.message}"])
+        """Return the facts and what was said last, a line each."""
+        return "\n".join([self.nao.model.name, *self.facts(show_truth), f"status: {self.message}"])
 
     # --- the student's code, at arm's length ---
 
@@ -242,11 +254,7 @@ class Cockpit:
         try:
             call()
         except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
-            self.error = error
-            last = traceback.extract_tb(error.__traceback__)[-1]
-            text = " ".join(str(error).split())
-            text = text if len(text) <= 200 else f"{text[:199]}…"
-            self.message = f"{type(error).__name__} in {what}(), line {last.lineno} of {last.name}: {text}"
+            self.complain(f"{what}()", error)
             return False
         return True
 
@@ -255,8 +263,10 @@ def _place(pose: Pose) -> str:
     return f"({pose.x:.2f}, {pose.y:.2f}) m, heading {np.degrees(pose.theta):.0f}°"
 
 
-def _knows(estimate: Estimate) -> str:
-    return f"robot {_place(estimate.pose)}, {len(estimate.landmarks)} landmarks"
+def _knows(estimate: Estimate | None) -> str:
+    return (
+        "no estimate" if estimate is None else f"{_place(estimate.pose)}, {len(estimate.landmarks)} landmarks"
+    )
 
 
 def _check_parts(nao: object, truth: object, slam: object, measure: object) -> None:

@@ -25,11 +25,12 @@ from nao_course.plotting import (
     style_of,
 )
 from nao_course.sim import Field
-from nao_course.slam import Estimate, Measurement
+from nao_course.slam import KINDS, Estimate, Measurement
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
 HEADING = 0.32  # m, length of the line that shows where a robot looks
+_NO_POINTS = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,6 @@ class MapContents:
         In the world, by source; the robot is drawn at the last pose.
     estimate : Estimate or None
         In the world; its landmarks and ellipses are drawn.
-    source : str
-        Whose colours the estimate gets.
     seen : sequence of Measurement
         Drawn from the robot of `observer`.
     observer : str
@@ -52,7 +51,6 @@ class MapContents:
 
     paths: Mapping[str, Sequence[Pose]]
     estimate: Estimate | None = None
-    source: str = "ekf"
     seen: Sequence[Measurement] = ()
     observer: str = "odometry"
 
@@ -64,24 +62,33 @@ class LiveMap:
     ----------
     field : Field
         The ground.
-    sources : sequence of str
-        Whose paths may appear, in the order they are drawn.
+    sources : mapping of str to str
+        Whose paths may appear, in the order they are drawn, with their names for the legend. The last one's
+        colours are the estimate's.
     """
 
-    def __init__(self, field: Field, sources: Sequence[str]) -> None:
-        """Draw the field once."""
-        self._sources = tuple(sources)
+    def __init__(self, field: Field, sources: Mapping[str, str]) -> None:
+        """Draw the field once, and make what will move."""
         with course_style():
-            self._figure = Figure(figsize=_size(field), dpi=DPI)
-            self._canvas = FigureCanvasAgg(self._figure)
-            self._ax = self._figure.add_subplot()
+            figure = Figure(figsize=_size(field), dpi=DPI)
+            self._canvas = _agg(figure)
+            self._ax = figure.add_subplot()
             self._ax.tick_params(labelsize=9)
             plot_field(field, self._ax)
-            self._keys = [self.key(source) for source in self._sources]
-            self._figure.legend(handles=self._keys, loc="outside lower center", ncols=3, fontsize=9.5)
+            keys = [legend_key(source, label) for source, label in sources.items()]
+            figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize=9.5)
             self._canvas.draw()
-        self._background: Any = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[attr-defined]
-        self._figure.set_layout_engine("none")
+        self._background = self._canvas.copy_from_bbox(figure.bbox)
+        figure.set_layout_engine("none")
+        self._estimate = _EstimateArtists(style_of(list(sources)[-1]).colour)
+        self._robots = {source: _RobotArtists(source) for source in sources}
+        self._sight = _SightArtists()
+        self._artists = (
+            self._estimate.all + [a for each in self._robots.values() for a in each.all] + self._sight.all
+        )
+        for artist in self._artists:
+            artist.set_animated(True)
+            self._ax.add_artist(artist)
 
     def draw(self, contents: MapContents) -> npt.NDArray[np.uint8]:
         """Return the map as an RGB picture.
@@ -96,32 +103,27 @@ class LiveMap:
         ndarray of uint8, shape (H, W, 3)
             RGB.
         """
-        self._canvas.restore_region(self._background)  # type: ignore[attr-defined]
-        for artist in self._artists(contents):
-            self._ax.add_artist(artist)
+        self._estimate.show(contents.estimate)
+        for source, robot in self._robots.items():
+            robot.show(as_path(list(contents.paths.get(source, ()))))
+        observer = contents.paths.get(contents.observer) or [Pose()]
+        self._sight.show(contents.seen, observer[-1], contents.observer)
+        self._canvas.restore_region(self._background)
+        for artist in self._artists:
             self._ax.draw_artist(artist)
-            artist.remove()
-        return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
+        return np.array(self._canvas.buffer_rgba())[:, :, :3]
 
-    def _artists(self, contents: MapContents) -> list[Any]:
-        """All that moves, the lowest first."""
-        artists: list[Any] = []
-        if contents.estimate is not None:
-            artists += _estimate(contents.estimate, contents.source)
-        for source in self._sources:
-            path = as_path(list(contents.paths.get(source, ())))
-            if len(path):
-                artists += _path(path, source)
-        if contents.seen and contents.paths.get(contents.observer):
-            artists += _rays(contents.seen, contents.paths[contents.observer][-1], contents.observer)
-        return artists
 
-    @staticmethod
-    def key(source: str) -> Line2D:
-        """Entry of the legend for a source."""
-        style = style_of(source)
-        look = {"color": style.colour, "ls": style.line, "marker": style.marker, "mec": "white"}
-        return Line2D([], [], lw=1.8, ms=8, label=style.label, **look)
+def legend_key(source: str, label: str | None = None) -> Line2D:
+    """Entry of a legend for a source, under its own name or another."""
+    style = style_of(source)
+    look: dict[str, Any] = {"color": style.colour, "ls": style.line, "marker": style.marker, "mec": "white"}
+    return Line2D([], [], lw=1.8, ms=8, label=label or style.label, **look)
+
+
+def _agg(figure: Figure) -> Any:
+    """A canvas in memory; matplotlib gives its methods no types."""
+    return FigureCanvasAgg(figure)
 
 
 def _size(field: Field) -> tuple[float, float]:
@@ -131,51 +133,73 @@ def _size(field: Field) -> tuple[float, float]:
     return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 0.85, 2)
 
 
-def _estimate(estimate: Estimate, source: str) -> list[Any]:
-    colour = style_of(source).colour
-    outlines = estimate_outlines(estimate)
-    sound = outlines[np.isfinite(outlines).all(axis=(1, 2))]
-    shapes = PolyCollection(
-        list(sound), facecolors=[to_rgba(colour, 0.18)], edgecolors=[to_rgba(colour, 0.9)]
-    )
-    marks = [
-        Line2D(
-            *_of_kind(estimate.landmarks, estimate.kinds, kind).T,
-            marker=marker,
-            ms=7,
-            ls="",
-            color=colour,
-            mec="white",
-        )
-        for kind, marker in LANDMARK_MARKERS.items()
-        if kind in estimate.kinds
-    ]
-    return [shapes, *marks]
-
-
 def _of_kind(points: FloatArray, kinds: Sequence[str], kind: str) -> FloatArray:
-    return points[np.array([each == kind for each in kinds], dtype=bool)]
+    chosen: FloatArray = (
+        points[np.array([each == kind for each in kinds], dtype=bool)] if len(points) else points
+    )
+    return chosen
 
 
-def _path(path: FloatArray, source: str) -> list[Line2D]:
-    style = style_of(source)
-    x, y, theta = path[-1]
-    tip = (x + HEADING * np.cos(theta), y + HEADING * np.sin(theta))
-    return [
-        Line2D(path[:, 0], path[:, 1], color=style.colour, ls=style.line, lw=1.6),
-        Line2D([x, tip[0]], [y, tip[1]], color=style.colour, lw=2.4),
-        Line2D([x], [y], color=style.colour, marker=style.marker, ms=10, mec="white", mew=1.2, ls=""),
-    ]
+class _RobotArtists:
+    """A path, and the robot at its end."""
+
+    def __init__(self, source: str) -> None:
+        style = style_of(source)
+        self._path = Line2D([], [], color=style.colour, ls=style.line, lw=1.6)
+        self._heading = Line2D([], [], color=style.colour, lw=2.4)
+        self._body = Line2D(
+            [], [], color=style.colour, marker=style.marker, ms=10, mec="white", mew=1.2, ls=""
+        )
+        self.all: list[Any] = [self._path, self._heading, self._body]
+
+    def show(self, path: FloatArray) -> None:
+        """Show poses (N, 3); none of them hides everything."""
+        x, y, theta = path[-1:].T
+        self._path.set_data(path[:, 0], path[:, 1])
+        self._heading.set_data(
+            np.concatenate([x, x + HEADING * np.cos(theta)]), np.concatenate([y, y + HEADING * np.sin(theta)])
+        )
+        self._body.set_data(x, y)
 
 
-def _rays(seen: Sequence[Measurement], pose: Pose, source: str) -> list[Line2D]:
-    colour = style_of(source).colour
-    ends = measured_points(seen, pose)
-    rays = [Line2D([pose.x, x], [pose.y, y], color=colour, lw=0.8, alpha=0.7) for x, y in ends]
-    kinds = [each.kind for each in seen]
-    marks = [
-        Line2D(*_of_kind(ends, kinds, kind).T, marker=marker, ls="", ms=9, mfc="none", mec=colour, mew=1.4)
-        for kind, marker in LANDMARK_MARKERS.items()
-        if kind in kinds
-    ]
-    return rays + marks
+class _EstimateArtists:
+    """Landmarks and ellipses of an estimate."""
+
+    def __init__(self, colour: str) -> None:
+        self._shapes = PolyCollection(
+            [], facecolors=[to_rgba(colour, 0.18)], edgecolors=[to_rgba(colour, 0.9)]
+        )
+        self._marks = {
+            kind: Line2D([], [], marker=LANDMARK_MARKERS[kind], ms=8, ls="", color=colour, mec="white")
+            for kind in KINDS
+        }
+        self.all: list[Any] = [self._shapes, *self._marks.values()]
+
+    def show(self, estimate: Estimate | None) -> None:
+        """Show an estimate, or none."""
+        outlines = np.empty((0, 1, 2)) if estimate is None else estimate_outlines(estimate)
+        self._shapes.set_verts(list(outlines[np.isfinite(outlines).all(axis=(1, 2))]))
+        for kind, marks in self._marks.items():
+            chosen = _NO_POINTS if estimate is None else _of_kind(estimate.landmarks, estimate.kinds, kind)
+            marks.set_data(chosen[:, 0], chosen[:, 1])
+
+
+class _SightArtists:
+    """Rays to what was measured, open markers at their ends."""
+
+    def __init__(self) -> None:
+        self._rays = Line2D([], [], lw=0.8, alpha=0.7)
+        self._ends = {
+            kind: Line2D([], [], marker=LANDMARK_MARKERS[kind], ls="", ms=9, mfc="none", mew=1.4)
+            for kind in KINDS
+        }
+        self.all: list[Any] = [self._rays, *self._ends.values()]
+
+    def show(self, seen: Sequence[Measurement], pose: Pose, source: str) -> None:
+        """Show measurements taken at `pose`, in their observer's colour."""
+        ends, colour = measured_points(seen, pose), style_of(source).colour
+        rays = np.full((len(ends), 3, 2), np.nan)  # robot, landmark, gap
+        rays[:, 0], rays[:, 1] = (pose.x, pose.y), ends
+        self._rays.set(data=rays.reshape(-1, 2).T, color=colour)
+        for kind, marks in self._ends.items():
+            marks.set(data=_of_kind(ends, [each.kind for each in seen], kind).T, markeredgecolor=colour)

@@ -15,6 +15,7 @@ import cv2
 import ipywidgets
 import numpy as np
 import numpy.typing as npt
+import traitlets
 from matplotlib.figure import Figure
 
 from nao_course.geometry import Pose
@@ -32,7 +33,7 @@ from nao_course.plotting import (
 from nao_course.sim import Picture, SimulatedNao, Truth
 from nao_course.slam import Measurement, Motion, SlamAlgorithm
 from nao_course.widgets.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure, pieces
-from nao_course.widgets.live_map import LiveMap, MapContents
+from nao_course.widgets.live_map import LiveMap, MapContents, legend_key
 
 PERIOD = 0.05  # s between two steps of a drive: 20 Hz, what a notebook shows without dropping frames
 BREATH = 0.01  # s that every step leaves for the buttons
@@ -73,7 +74,8 @@ _CSS = """<style>
 .nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
   box-sizing: border-box; border: 3px solid transparent; margin: 0; }
 .nao-panel .nao-chosen img { border-color: #0b5fa5; }
-.nao-panel .nao-caption { line-height: 18px; height: 18px; margin: 0; }
+.nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
+.nao-panel .nao-caption .widget-html-content { line-height: 18px; }
 .nao-panel .nao-controls { gap: 12px; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 62px); gap: 3px; overflow: visible; }
 .nao-panel .nao-pad button, .nao-panel .nao-actions button { margin: 0; width: auto; padding: 0 4px; }
@@ -84,6 +86,7 @@ _CSS = """<style>
 .nao-panel .nao-settings .widget-label { min-width: 54px; width: 54px; }
 .nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }
+.nao-panel .nao-actions .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
 .nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 8px;
   border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb); background: var(--jp-layout-color1, white);
   color: var(--jp-ui-font-color1, black); caret-color: transparent; }
@@ -91,11 +94,18 @@ _CSS = """<style>
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
 .nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 20px; min-height: 20px;
   background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
+.nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
 .nao-panel .nao-alarm { border-left-color: #c84b00; }
 .nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 </style>"""
 
 _LIVE: WeakSet[ControlPanel] = WeakSet()  # panels of this kernel: a new one stops what older ones still drive
+
+
+class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
+    """A picture with a tooltip, its name for screen readers: ipywidgets looks for a description beside it."""
+
+    description = traitlets.Unicode("").tag(sync=True)
 
 
 class ControlPanel:
@@ -135,9 +145,11 @@ class ControlPanel:
     >>> panel.forward(0.2)
     >>> panel.left(np.radians(15))
     >>> print(panel.summary())
-    NAO V4: odometry (0.20, 0.00) m, heading 15°; head yaw 0°, pitch -31°.
-    Pictures: 16 in all, 0 kept.
-    Status: Ready.
+    NAO V4
+    odometry (0.20, 0.00) m, heading 15°
+    head yaw 0°, pitch -31°
+    16 pictures, 0 kept
+    status: Turn 15° left: done.
     """
 
     def __init__(
@@ -247,7 +259,7 @@ class ControlPanel:
 
     @property
     def error(self) -> Exception | None:
-        """The exception the status speaks of; ``raise panel.error`` shows where in your code it came from."""
+        """What your code raised last; ``raise panel.error`` shows where it came from."""
         return self.cockpit.error
 
     @property
@@ -307,9 +319,9 @@ class ControlPanel:
                 ax.set_title(f"{camera} camera", fontsize=11)
             ax = figure.add_subplot(grid[:, 1])
             self._plot_map(ax)
-            handles = [self._map.key(source) for source in self._contents().paths]
+            handles = [legend_key(source, self._names[source]) for source in self._contents().paths]
             figure.legend(handles=handles, loc="outside lower center", ncols=3)
-        return Drawing(figure, f"Control panel. {' '.join(self.summary().splitlines())}", photo=True)
+        return Drawing(figure, f"Control panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def _plot_map(self, ax: Any) -> None:
         contents = self._contents()
@@ -369,16 +381,28 @@ class ControlPanel:
                     return
             upcoming, self._next = self._next, None
 
+    def _guarded(self, action: Callable[[], object]) -> None:
+        """Do what a button asks; a mistake, even one of ours, is a message and leaves the panel alive."""
+        if self.closed:
+            return
+        try:
+            action()
+        except Exception as error:  # noqa: BLE001 - a callback has nobody above it who could catch this
+            self.cockpit.complain("the panel", error)
+            self._show_status()
+
     def _steps(self, motion: Motion) -> Iterator[None]:
-        """Do a motion step by step, with new pictures and a new map after each."""
-        if self.cockpit.error is None:
-            self.cockpit.say("Ready.")
+        """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""
+        self.cockpit.say(f"{_in_words(motion)} …")
         for part in pieces(motion):
             went_well = self.cockpit.move(part)
             self._look()
             if not went_well:
                 return
             yield
+        if not self.cockpit.alarm:
+            self.cockpit.say(f"{_in_words(motion)}: done.")
+            self._show_status()
 
     def _look(self) -> None:
         """Take both live pictures, the chosen camera's first, and show everything."""
@@ -409,11 +433,15 @@ class ControlPanel:
 
     def _show_status(self) -> None:
         cockpit = self.cockpit
-        alarm = "nao-alarm" if cockpit.error is not None else ""
+        alarm = "nao-alarm" if cockpit.alarm else ""
         words = html.escape(cockpit.message)
-        if cockpit.error is not None:
+        if cockpit.alarm:
             words += " <i>(raise panel.error shows where)</i>"
-        status = f'<div class="nao-status {alarm}" role="status" aria-live="polite">{words}</div>'
+        facts = html.escape(" · ".join(cockpit.facts(self.show_truth)))
+        status = (
+            f'<div class="nao-status {alarm}"><div role="status" aria-live="polite">{words}</div>'
+            f'<div class="nao-facts">{facts}</div></div>'
+        )
         if self._status.value != status:
             self._status.value = status
 
@@ -426,7 +454,7 @@ class ControlPanel:
         if cockpit.slam is not None:
             paths[self.source] = cockpit.estimated
         observer = self.source if cockpit.estimated else "odometry"
-        return MapContents(paths, cockpit.estimate, self.source, cockpit.seen, observer)
+        return MapContents(paths, cockpit.estimate, cockpit.seen, observer)
 
     def _refuse_if_closed(self) -> None:
         if self.closed:
@@ -438,11 +466,11 @@ class ControlPanel:
         self._first_head = self.cockpit.nao.head
         self._controls: list[Any] = []
         self._status = ipywidgets.HTML()
-        self._images = {camera: self._image(f"Picture of the {camera} camera", "jpeg") for camera in CAMERAS}
+        self._images = {camera: self._image(camera, "jpeg") for camera in CAMERAS}
         self._captions = {camera: _html("", "nao-caption") for camera in CAMERAS}
         boxes = [_box("V", "nao-camera", self._captions[camera], self._images[camera]) for camera in CAMERAS]
         self._camera_boxes = dict(zip(CAMERAS, boxes, strict=True))
-        self._map_image = self._image("Map of the field from above", "png")
+        self._map_image = self._image("map", "png")
         self._map_image.add_class("nao-map")
         controls = _box("H", "nao-controls", self._drive_pad(), self._head_pad(), self._settings())
         left = _box("V", "nao-left", _box("H", "nao-cameras", *boxes), controls, self._actions(show_truth))
@@ -450,12 +478,13 @@ class ControlPanel:
         main.layout.flex_flow = "row wrap"
         self.widget = _box("V", "nao-panel", ipywidgets.HTML(_CSS), main, self._status)
         self._camera.observe(lambda change: self._mark_camera(), "value")
-        self._show_truth.observe(lambda change: self._show_map(), "value")
+        self._show_truth.observe(lambda change: self._show(), "value")
         self._mark_camera()
 
-    def _image(self, label: str, kind: str) -> Any:
-        image = ipywidgets.Image(format=kind)
-        image.tooltip = label
+    def _image(self, name: str, kind: str) -> Any:
+        labels = {"map": "Map of the field from above; what it shows stands in words below"}
+        image = LabelledImage(format=kind, tooltip=labels.get(name, f"Live picture of the {name} camera"))
+        image.add_class(f"nao-image-{name}")
         return image
 
     def _button(
@@ -466,7 +495,7 @@ class ControlPanel:
         )
         button = ipywidgets.Button(description=label, tooltip=f"{tooltip} (key: {keys})", icon=icon)
         button.add_class(f"nao-do-{name}")
-        button.on_click(lambda _: None if self.closed else action())
+        button.on_click(lambda _: self._guarded(action))
         self._controls.append(button)
         return button
 
@@ -563,9 +592,19 @@ def _keyboard() -> str:
     words = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
     return (
         f'<input class="nao-keys" type="text" autocomplete="off" spellcheck="false" aria-label="{words}, M measures, '
-        f'X stops, H looks ahead" title="{words}" placeholder="Click here to drive with keys: WASD, IJKL, space" '
+        f'X stops, H looks ahead" title="{words}" placeholder="Keys: click, then WASD, IJKL, space" '
         f'oninput="this.value=\'\'" onkeydown="{handler}">'
     )
+
+
+def _in_words(motion: Motion) -> str:
+    """A command in a few words."""
+    parts = []
+    if motion.distance:
+        parts.append(f"Walk {abs(motion.distance):.2f} m {'ahead' if motion.distance > 0 else 'back'}")
+    if motion.turn:
+        parts.append(f"Turn {abs(np.degrees(motion.turn)):.0f}° {'left' if motion.turn > 0 else 'right'}")
+    return ", ".join(parts) or "Stand still"
 
 
 def _html(text: str, name: str) -> Any:

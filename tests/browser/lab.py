@@ -1,0 +1,181 @@
+"""JupyterLab and Chromium for tests and benchmarks: started here, stopped here, nothing left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import psutil
+
+PROJECT = Path(__file__).resolve().parents[2]
+LAPTOP = {"width": 1366, "height": 768}
+CHROMIUM_OPTIONS = [
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+QUIET = {  # settings of a JupyterLab that asks nothing of the network
+    "apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False, "doNotDisturbMode": True},
+    "extensionmanager-extension/plugin": {"enabled": False},
+}
+
+
+@dataclass
+class Lab:
+    """A running JupyterLab."""
+
+    url: str
+    folder: Path
+    log: Path
+    console: list[str] = field(default_factory=list)
+
+    def kernels(self) -> list[dict[str, Any]]:
+        """What the server says of its kernels."""
+        with urllib.request.urlopen(f"{self.url}/api/kernels", timeout=10) as answer:
+            return list(json.load(answer))
+
+    def write(self, name: str, *cells: str) -> None:
+        """Write a notebook with code cells."""
+        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+        notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        nbformat.write(notebook, self.folder / name)
+
+    def open(self, page: Any, name: str) -> None:
+        """Open a notebook as a student does, and wait until its kernel is connected and idle."""
+        page.on("console", lambda message: self.console.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: self.console.append(f"error: {error}"))
+        page.goto(f"{self.url}/lab/tree/{name}?reset")
+        page.wait_for_selector(".jp-NotebookPanel .jp-Cell", timeout=90_000)
+        wait_for(self._is_ready, "a kernel that is connected and idle", 90)
+
+    def _is_ready(self) -> bool:
+        return any(each["connections"] > 0 and each["execution_state"] == "idle" for each in self.kernels())
+
+    def run_all(self, page: Any, timeout: float = 120) -> None:
+        """Run all cells and wait for the last; repeated, because JupyterLab can lose the first command."""
+        prompts = page.locator(".jp-NotebookPanel .jp-CodeCell .jp-InputPrompt")
+        last = prompts.nth(prompts.count() - 1)
+
+        def started() -> bool:
+            return any(text.strip() != "[ ]:" for text in prompts.all_inner_texts())
+
+        for _ in range(10):
+            page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
+            if wait_for(started, None, 3):
+                break
+        wait_for(lambda: last.inner_text().strip("[]: ").isdigit(), "the last cell's number", timeout)
+
+    def our_errors(self) -> list[str]:
+        """Errors of the browser's console that may be ours: not those of files that JupyterLab itself misses."""
+        foreign = ("favicon", "Failed to load resource", "ERR_", "preload", "service worker")
+        return [line for line in self.console if line.startswith("error") and not any(word in line for word in foreign)]
+
+
+def wait_for(condition: Any, what: str | None, seconds: float) -> bool:
+    """Poll until a condition holds; if `what` is None its failure is no error."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.05)
+    if what is not None:
+        raise TimeoutError(f"no {what} within {seconds:.0f} s")
+    return False
+
+
+@contextmanager
+def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
+    """Serve a folder with this interpreter's JupyterLab, on 127.0.0.1 only; `settings` keeps what it writes."""
+    for name, values in QUIET.items():
+        extension, plugin = name.split("/")
+        path = settings / "user" / "@jupyterlab" / extension / f"{plugin}.jupyterlab-settings"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(values))
+    environment = {
+        **os.environ,
+        "JUPYTER_CONFIG_DIR": str(settings / "config"),
+        "JUPYTER_DATA_DIR": str(settings / "data"),
+        "JUPYTER_RUNTIME_DIR": str(settings / "runtime"),
+        "JUPYTERLAB_SETTINGS_DIR": str(settings / "user"),
+        "JUPYTERLAB_WORKSPACES_DIR": str(settings / "workspaces"),
+        "IPYTHONDIR": str(settings / "ipython"),
+        "PYTHONPATH": os.pathsep.join([str(PROJECT), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep),
+        "MPLBACKEND": "Agg",
+    }
+    port = _free_port()
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--ServerApp.port={port}"]
+    command += ["--ServerApp.ip=127.0.0.1", "--ServerApp.port_retries=0", "--IdentityProvider.token="]
+    command += [f"--ServerApp.root_dir={folder}", "--LabApp.expose_app_in_browser=True"]
+    command += ["--LabApp.extension_manager=readonly", "--LabApp.collaborative=False"]
+    log = settings / "server.log"
+    with log.open("w") as output:
+        server = subprocess.Popen(command, env=environment, cwd=folder, stdout=output, stderr=subprocess.STDOUT)
+    lab = Lab(f"http://127.0.0.1:{port}", folder, log)
+    try:
+        wait_for(lambda: _answers(lab.url, server, log), "JupyterLab that answers", 90)
+        yield lab
+    finally:
+        _stop(server, lab.url)
+
+
+def _answers(url: str, server: subprocess.Popen[bytes], log: Path) -> bool:
+    if server.poll() is not None:
+        raise RuntimeError(f"JupyterLab ended at once:\n{log.read_text()[-3000:]}")
+    try:
+        with urllib.request.urlopen(f"{url}/api/status", timeout=2):
+            return True
+    except (urllib.error.URLError, OSError):
+        return False
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _stop(server: subprocess.Popen[bytes], url: str) -> None:
+    """Ask the server to go, then make sure: its kernels are processes of their own."""
+    try:
+        family = psutil.Process(server.pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        family = []
+    try:
+        urllib.request.urlopen(urllib.request.Request(f"{url}/api/shutdown", method="POST"), timeout=10).close()
+        server.wait(15)
+    except (urllib.error.URLError, OSError, subprocess.TimeoutExpired):
+        server.kill()
+        server.wait(10)
+    _, alive = psutil.wait_procs(family, timeout=10)
+    for process in alive:
+        process.kill()
+    psutil.wait_procs(alive, timeout=5)
+
+
+@contextmanager
+def browser_page(executable: str) -> Iterator[Any]:
+    """A page of Chromium, as large as a laptop's."""
+    from playwright.sync_api import sync_playwright
+
+    root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=[*CHROMIUM_OPTIONS, *root])
+        try:
+            yield browser.new_page(viewport=LAPTOP)
+        finally:
+            browser.close()
