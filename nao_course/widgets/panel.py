@@ -172,12 +172,9 @@ class ControlPanel:
         self._task: asyncio.Task[None] | None = None
         self._next: Motion | None = None
         self._stopping = False
-        sources = [
-            *(["truth"] if truth is not None else []),
-            "odometry",
-            *([source] if slam is not None else []),
-        ]
-        self._map = LiveMap(nao.field, sources)
+        self._names = {"truth": "truth"} if truth is not None else {}
+        self._names |= {"odometry": "odometry"} | ({source: type(slam).__name__} if slam is not None else {})
+        self._map = LiveMap(nao.field, self._names)
         self._build(truth is not None if show_truth is None else bool(show_truth))
         for older in list(_LIVE):
             older.stop()
