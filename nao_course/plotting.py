@@ -66,7 +66,7 @@ STYLES: Mapping[str, Style] = MappingProxyType(
         "truth": Style("truth", "#1a1a1a", "o", "-"),
         "odometry": Style("odometry", "#c84b00", "s", (0, (5, 2))),
         "ekf": Style("EKF", "#0b5fa5", "^", (0, (7, 1.5, 1, 1.5))),
-        "graph": Style("graph", "#a3237f", "D", (0, (1.2, 1.2))),
+        "graph": Style("graph", "#a14566", "D", (0, (1.2, 1.2))),
     }
 )
 LANDMARK_MARKERS: Mapping[str, str] = MappingProxyType({"corner": "P", "post": "o", "cross": "x"})
@@ -113,6 +113,12 @@ class Drawing:
     figure: Figure
     alt: str
     photo: bool = False
+
+    def __post_init__(self) -> None:
+        """Lay the figure out once and for all: matplotlib's layout goes on moving at every drawing."""
+        with course_style():
+            self.figure.draw_without_rendering()
+            self.figure.set_layout_engine("none")
 
     def image(self, kind: str = "png") -> bytes:
         """Return the figure as a "png", "jpeg" or "svg" file; the same figure gives the same bytes."""
@@ -1143,7 +1149,7 @@ def _name(ax: Axes, at: npt.ArrayLike, label: str, colour: str, **options: Any) 
     ax.text(x, y, label, color=colour, zorder=8, path_effects=_HALO, **({"va": "center"} | options))
 
 
-_FIELD_FRAME, _ROBOT_FRAME, _SIGHT = "#1a1a1a", "#0b5fa5", "#a3237f"
+_FIELD_FRAME, _ROBOT_FRAME, _SIGHT = "#1a1a1a", "#0b5fa5", "#a14566"
 
 
 def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing:

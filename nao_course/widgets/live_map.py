@@ -76,7 +76,15 @@ class LiveMap:
             self._ax.tick_params(labelsize=9)
             plot_field(field, self._ax)
             keys = [legend_key(source, label) for source, label in sources.items()]
-            figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize=9.5)
+            figure.legend(
+                handles=keys,
+                loc="outside lower center",
+                ncols=3,
+                fontsize=9,
+                handlelength=1.9,
+                handletextpad=0.4,
+                columnspacing=0.9,
+            )
             self._canvas.draw()
         self._background = self._canvas.copy_from_bbox(figure.bbox)
         figure.set_layout_engine("none")

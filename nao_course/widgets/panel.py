@@ -173,7 +173,9 @@ class ControlPanel:
         self._next: Motion | None = None
         self._stopping = False
         self._names = {"truth": "truth"} if truth is not None else {}
-        self._names |= {"odometry": "odometry"} | ({source: type(slam).__name__} if slam is not None else {})
+        self._names |= {"odometry": "odometry"} | (
+            {source: _short(type(slam).__name__)} if slam is not None else {}
+        )
         self._map = LiveMap(nao.field, self._names)
         self._build(truth is not None if show_truth is None else bool(show_truth))
         for older in list(_LIVE):
@@ -592,6 +594,10 @@ def _keyboard() -> str:
         f'X stops, H looks ahead" title="{words}" placeholder="Keys: click, then WASD, IJKL, space" '
         f'oninput="this.value=\'\'" onkeydown="{handler}">'
     )
+
+
+def _short(name: str, letters: int = 14) -> str:
+    return name if len(name) <= letters else f"{name[: letters - 1]}…"
 
 
 def _in_words(motion: Motion) -> str:
