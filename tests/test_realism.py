@@ -1,0 +1,290 @@
+"""The instruments that compare simulated with real pictures read a known noise, edge, width and colour correctly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from benchmarks import paper_detector as paper
+from benchmarks import realism
+from benchmarks.realism import Geometry, Picture, measure
+from nao_course.datasets import data_folder
+from nao_course.geometry import Pose
+from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
+
+FIELD = Field(2012, half=False)
+VIEW = replace(NAO_V4.view("bottom", 0.0, -0.45), roll=0.0, k1=-0.08)
+AT_CENTRE_LINE = Pose(0.0, 0.9, np.pi / 2)  # the halfway line runs ahead: a near, wide line
+CARPET = (84, 144, 86)
+
+
+@pytest.fixture
+def data_dir() -> None:
+    """Skip without the recorded real data."""
+    try:
+        data_folder()
+    except FileNotFoundError as error:
+        pytest.skip(str(error))
+
+
+def painted(
+    pose: Pose,
+    blur: float = 0.0,
+    line: float = 235.0,
+    size: tuple[int, int] = (320, 240),
+    width: float = 0.05,
+) -> tuple[np.ndarray, Geometry]:
+    """Paint the field's lines, grey in gamma values, by brute force in samples, then blur by a Gaussian (px)."""
+    view = VIEW.at_size(size)
+    n = 5 if size[0] < 1000 else 2
+    fine = Geometry(view.at_size((size[0] * n, size[1] * n)), pose, FIELD)
+    x, y = fine.ground[..., 0], fine.ground[..., 1]
+    white = np.zeros(x.shape, dtype=bool)
+    for x0, y0, x1, y1 in FIELD.lines:
+        white |= (np.maximum(np.maximum(x0 - x, x - x1), np.maximum(y0 - y, y - y1))) < width / 2
+    for cx, cy, radius, *_ in FIELD.arcs:
+        white |= np.abs(np.hypot(x - cx, y - cy) - radius) < width / 2
+    area = white.reshape(size[1], n, size[0], n).mean(axis=(1, 3))
+    if blur:
+        area = ndimage.gaussian_filter(area, blur)
+    pixels = np.array(CARPET) + area[..., None] * (np.array([line] * 3) - CARPET)
+    return np.rint(pixels).astype(np.uint8), Geometry(view, pose, FIELD)
+
+
+def plain(
+    colour: tuple[int, int, int] = CARPET, size: tuple[int, int] = (320, 240)
+) -> tuple[np.ndarray, Geometry]:
+    """One colour everywhere, with the geometry of a view over empty carpet."""
+    pixels = np.full((size[1], size[0], 3), colour, dtype=float)
+    return pixels, Geometry(VIEW.at_size(size), Pose(1.2, 0.9, 0.2), FIELD)
+
+
+def as_picture(values: np.ndarray) -> np.ndarray:
+    """Round to a camera's whole numbers."""
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
+
+
+# --- noise ---
+
+
+@pytest.mark.parametrize("sd", [1.5, 3.3, 8.0])
+def test_white_noise_is_read_as_what_it_is_at_every_scale(sd: float) -> None:
+    pixels, geometry = plain()
+    noisy = as_picture(pixels + np.random.default_rng(1).normal(0, sd, pixels.shape))
+    found = measure(noisy, geometry)
+    for channel in ("red", "green", "blue"):
+        assert found[f"noise sd {channel}"] == pytest.approx(np.hypot(sd, 0.29), rel=0.05)
+    grey = as_picture(
+        np.repeat(pixels[..., :1] + np.random.default_rng(2).normal(0, sd, pixels.shape[:2])[..., None], 3, 2)
+    )
+    light = Picture(grey).lightness
+    mask = np.ones(light.shape, dtype=bool)
+    for block in (1, 2, 4, 8):
+        assert realism.noise_sd(light, mask, block) == pytest.approx(np.hypot(sd, 0.29) / block, rel=0.08)
+
+
+def test_noise_sees_neither_a_slope_nor_what_is_outside_the_mask() -> None:
+    rng = np.random.default_rng(3)
+    v, u = np.mgrid[:240, :320]
+    slope = 0.3 * u + 0.2 * v + rng.normal(0, 2.0, u.shape)
+    mask = u < 160
+    slope[:, 170:] += rng.normal(0, 40.0, (240, 150))
+    assert realism.noise_sd(slope, mask) == pytest.approx(2.0, rel=0.05)
+
+
+def test_correlated_noise_shows_its_correlation_and_independent_channels_none() -> None:
+    pixels, geometry = plain()
+    rng = np.random.default_rng(4)
+    grain = rng.normal(0, 6.0, (240, 320))
+    along = (grain + np.roll(grain, 1, axis=1)) / np.sqrt(
+        2
+    )  # correlation .5 with the next column, 0 with the next row
+    found = measure(as_picture(pixels + along[..., None]), geometry)
+    assert found["correlation next column"] == pytest.approx(0.5, abs=0.05)
+    assert found["correlation next row"] == pytest.approx(0.0, abs=0.05)
+    assert found["correlation red-blue"] > 0.95
+    found = measure(as_picture(pixels + rng.normal(0, 6.0, pixels.shape)), geometry)
+    assert found["correlation red-green"] == pytest.approx(0.0, abs=0.05)
+    assert found["correlation next column"] == pytest.approx(0.0, abs=0.05)
+
+
+# --- edges and widths ---
+
+
+@pytest.mark.parametrize(("sigma", "width"), [(0.6, 320), (0.8, 320), (1.1, 320), (1.2, 1280)])
+def test_a_gaussian_edge_rises_as_the_formula_says(sigma: float, width: int) -> None:
+    size = (width, width * 3 // 4)
+    pixels, geometry = painted(AT_CENTRE_LINE, sigma, size=size)
+    # 10 to 90 % of a Gaussian is 2.563 sigma; a pixel's own width adds a variance of 1 / 12.
+    expected = 2.563 * np.sqrt(sigma**2 + 1 / 12)
+    found = realism.line_edges(Picture(pixels), geometry)
+    assert found["rise px"] == pytest.approx(expected, rel=0.06)
+    assert found["overshoot on the line"] < 0.02
+    assert found["undershoot on the carpet"] < 0.02
+
+
+def test_noise_does_not_widen_a_measured_edge() -> None:
+    pixels, geometry = painted(AT_CENTRE_LINE, 0.8)
+    noisy = as_picture(pixels + np.random.default_rng(5).normal(0, 3.3, pixels.shape))
+    clean, found = (realism.line_edges(Picture(p), geometry)["rise px"] for p in (pixels, noisy))
+    assert found == pytest.approx(clean, rel=0.05)
+
+
+def test_a_sharpening_halo_is_seen() -> None:
+    pixels, geometry = painted(AT_CENTRE_LINE, 0.7, line=220.0)
+    soft = ndimage.gaussian_filter(pixels.astype(float), (1.2, 1.2, 0))
+    found = realism.line_edges(Picture(as_picture(pixels + 0.6 * (pixels - soft))), geometry)
+    assert found["overshoot on the line"] > 0.02
+    assert found["undershoot on the carpet"] > 0.02
+
+
+@pytest.mark.parametrize("centimetres", [4.0, 5.0])
+def test_the_width_of_near_lines_is_read_in_centimetres(centimetres: float) -> None:
+    pixels, geometry = painted(AT_CENTRE_LINE, 0.6, width=centimetres / 100)
+    found = realism.line_edges(Picture(pixels), geometry)["line width cm"]
+    assert np.median(found) == pytest.approx(centimetres, rel=0.04)
+
+
+def test_a_far_lines_width_is_that_of_the_blur_and_its_peak_what_it_covers() -> None:
+    sigma = 1.0
+    pixels, geometry = painted(Pose(-1.0, 0.6, 0.0), sigma)
+    found = realism.lines_by_distance(Picture(pixels), geometry)
+    name = "3-4 m"
+    true = np.median(found[f"true width px, {name}"])
+    assert true < 1.2
+    expected = 2.355 * np.sqrt(sigma**2 + 1 / 12 + true**2 / 12)
+    assert np.median(found[f"width px, {name}"]) == pytest.approx(expected, rel=0.06)
+    each = (235 - 114) * found[f"true width px, {name}"] / (expected / 2.355 * np.sqrt(2 * np.pi))
+    assert np.median(found[f"contrast, {name}"] / each) == pytest.approx(1.0, rel=0.08)
+
+
+def test_red_that_is_magnified_lies_outwards() -> None:
+    pixels, geometry = painted(Pose(-1.3, 0.0, 0.0), 0.7)
+    scale = 1.003
+    middle = geometry.view.centre
+    matrix = np.array([[scale, 0, (1 - scale) * middle[0]], [0, scale, (1 - scale) * middle[1]]])
+    shifted = pixels.copy()
+    shifted[..., 0] = cv2.warpAffine(
+        pixels[..., 0], matrix, (320, 240), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    found = realism.fringes(Picture(shifted), geometry)
+    assert np.median(found["red edge outwards, px"]) == pytest.approx(0.003 * 160, rel=0.25)
+    assert np.median(found["blue edge outwards, px"]) == pytest.approx(0.0, abs=0.05)
+
+
+# --- colour and light ---
+
+
+def test_the_carpets_colour_is_read_back() -> None:
+    pixels, geometry = plain((60, 150, 90))
+    found = measure(as_picture(pixels), geometry)
+    hue, lightness, saturation = cv2.cvtColor(np.uint8([[[60, 150, 90]]]), cv2.COLOR_RGB2HLS)[0, 0]
+    assert [found[f"hue {q} %"].item() for q in (1, 50, 99)] == [hue] * 3
+    assert found["lightness 50 %"] == lightness
+    assert found["saturation mean"] == pytest.approx(saturation)
+    assert found["picture's mean lightness"] == pytest.approx(lightness)
+    assert [found[c].item() for c in ("red", "green", "blue")] == [60, 150, 90]
+
+
+def test_dark_sides_are_read_as_a_fraction_of_the_centre() -> None:
+    pixels, geometry = plain()
+    across = np.abs(np.linspace(-1, 1, 320))
+    found = measure(as_picture(pixels * (1 - 0.2 * (across > 0.5))[None, :, None]), geometry)
+    for name in ("left / centre", "right / centre", "sides / centre"):
+        assert found[name] == pytest.approx(0.8, abs=0.02)
+
+
+def test_objects_on_the_carpet_are_left_out() -> None:
+    pixels, geometry = plain()
+    pixels[150:200, 100:160] = (200, 30, 40)
+    found = measure(as_picture(pixels), geometry)
+    assert found["lightness 95 %"] == found["lightness 5 %"]
+    assert found["foreign on carpet %"] > 3
+
+
+# --- geometry ---
+
+
+def test_lines_lie_where_the_renderer_paints_them() -> None:
+    pose = Pose(-0.6, 0.3, 0.4)
+    pixels, _ = render(FIELD, pose, VIEW, Reality.clean())
+    geometry = Geometry(VIEW, pose, FIELD)
+    lines = geometry.lines.chosen(geometry.lines.clear & (geometry.lines.half_width > 1.5))
+    profiles = realism.line_profiles(Picture(pixels), lines, 1.0, search=2.5)
+    assert profiles.good.mean() > 0.9
+    assert np.abs(profiles.centre[profiles.good]).max() < 0.2
+
+
+def test_the_ground_under_a_pixel_projects_back_to_it() -> None:
+    geometry = Geometry(VIEW, Pose(0.4, -0.7, 2.0), FIELD)
+    for v, u in ((120, 20), (200, 160), (239, 319)):
+        assert VIEW.project(geometry.ground[v, u][None], geometry.pose)[0] == pytest.approx((u, v), abs=1e-6)
+
+
+# --- the paper's detector ---
+
+
+def test_a_perfect_corner_is_found_and_matched_one_to_one() -> None:
+    labels = np.full((240, 320), paper.GREEN, np.uint8)
+    labels[100:105, 60:250] = paper.WHITE
+    labels[100:220, 60:65] = paper.WHITE
+    found = paper.find_corners(labels)
+    assert len(found) >= 1
+    assert paper.match(found, np.array([[62.0, 102.0]])) == 1
+    assert paper.match(np.array([[62.0, 102.0], [63.0, 102.0]]), np.array([[62.0, 102.0]])) == 1
+
+
+def test_the_cost_is_the_papers_table() -> None:
+    grid = paper.Grid(np.full((27, 1), 3), np.full((27, 1), 2), np.array([4]))
+    assert grid.mean_costs == pytest.approx(np.full(27, -1.333 * 2 + 5 * 1 + 1 * 2))
+
+
+def test_erasing_stops_at_the_first_seven_green_in_a_column() -> None:
+    labels = np.full((20, 2), paper.WHITE, np.uint8)
+    labels[5:11, 0] = paper.GREEN  # six are too few
+    labels[5:12, 1] = paper.GREEN
+    kept = paper.erase_background(labels)
+    assert not kept[:, 0].any()
+    assert not kept[:5, 1].any()
+    assert (kept[5:, 1] == labels[5:, 1]).all()
+
+
+def test_the_seeds_table_has_its_best_where_the_paper_says() -> None:
+    assert paper.SETTINGS[int(np.argmin(paper.PAPER_COSTS))] == paper.BEST
+
+
+# --- real numbers ---
+
+
+@pytest.mark.usefixtures("data_dir")
+def test_real_pictures_are_aligned_with_their_lines_and_give_the_known_numbers() -> None:
+    scenes = realism.real_scenes()
+    assert len(scenes) == 94
+    measured = [measure(s.picture.pixels, s.geometry()) for s in scenes[:: realism.QUICK]]
+    found = realism.summarise(measured)
+    assert found["hue 50 %"].middle == pytest.approx(61, abs=2)
+    assert found["picture's mean lightness"].middle == pytest.approx(117, abs=4)
+    assert found["rise px"].middle == pytest.approx(1.3, abs=0.15)
+    assert found["peak, 1-1.5 m"].middle == 255
+    assert found["above threshold %, 2-3 m"].middle > 97
+
+
+@pytest.mark.usefixtures("data_dir")
+def test_the_papers_detector_gets_little_from_real_scenes() -> None:
+    scenes = [paper.Scene(s.picture.pixels, s.corners) for s in realism.real_scenes()[:64]]
+    assert sum(len(scene.corners) for scene in scenes) == 128
+    best = paper.run_grid(scenes, paper.Hues(min_saturation=0.0)).at()
+    assert best["hits"] < 30
+    assert 1.5 < best["cost"] < 2.6
+
+
+def test_a_view_of_another_size_measures_in_its_own_pixels() -> None:
+    small, large = (
+        Geometry(CameraView(s, 1.06, 0.83, 0.48, 0.25), Pose(), FIELD) for s in ((320, 240), (1280, 960))
+    )
+    assert large.scale == 4 * small.scale
+    assert large.carpet.sum() == pytest.approx(16 * small.carpet.sum(), rel=0.03)
