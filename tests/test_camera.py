@@ -95,9 +95,13 @@ def test_a_lean_to_the_side_rolls_a_camera_that_looks_ahead_and_pitches_one_that
     assert ahead.offset[1] < 0
 
 
-def test_v6_sees_less_wide_than_v4():
-    assert np.degrees(NAO_V6.hfov) == pytest.approx(56.3)
-    assert NAO_V6.hfov < NAO_V4.hfov
+@pytest.mark.parametrize(("model", "hfov_deg", "vfov_deg"), [(NAO_V4, 60.97, 47.64), (NAO_V6, 56.3, 43.7)])
+def test_the_ray_at_the_edge_of_the_picture_has_the_makers_angle(model, hfov_deg, vfov_deg):
+    v = model.view("top")
+    right = v.undistort([v.size[0] - 0.5, v.centre[1]])[0, 0]
+    below = v.undistort([v.centre[0], v.size[1] - 0.5])[0, 1]
+    assert 2 * np.degrees(np.arctan((right - v.centre[0]) / v.focal[0])) == pytest.approx(hfov_deg)
+    assert 2 * np.degrees(np.arctan((below - v.centre[1]) / v.focal[1])) == pytest.approx(vfov_deg)
 
 
 def test_a_phones_square_pixels_give_the_vertical_field_of_view():

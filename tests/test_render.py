@@ -163,22 +163,43 @@ def test_each_effect_alone_changes_the_picture_and_at_zero_does_not(effect):
 
     clean = picture(CLEAN)
     assert picture(replace(Reality.clean(seed=5), **{effect: 0.0})).tobytes() == clean.tobytes()
-    strong = {"seams": 1.0, "vignette": 0.3, "gradient": 0.5, "glare": 0.5, "white_balance": 0.1}
+    strong = {"seams": 1.0, "vignette": 0.3, "gradient": 0.5, "glare": 0.5, "white_balance": 0.1, "exposure": 1.0}
     assert (picture(replace(CLEAN, **{effect: strong.get(effect, 10.0)})) != clean).mean() > 0.0005
 
 
 @pytest.mark.parametrize("preset", ["lab", "dark", "harsh"])
-def test_labels_and_landmarks_are_the_same_under_every_preset(preset):
+def test_labels_and_landmarks_are_the_same_under_every_preset_but_for_what_lies_on_the_carpet(preset):
     pose, view = Pose(0.4, 0.3, 0.1), camera()
+    reality = getattr(Reality, preset)()
     _, clean = render(Field(), pose, view, CLEAN)
-    _, real = render(Field(), pose, view, getattr(Reality, preset)(), np.random.default_rng(0))
+    _, real = render(Field(), pose, view, replace(reality, litter=0.0), np.random.default_rng(0))
     assert clean.labels.tobytes() == real.labels.tobytes()
     assert clean.landmarks == real.landmarks
+    _, littered = render(Field(), pose, view, replace(reality, litter=2.0), np.random.default_rng(0))
+    changed = littered.labels != clean.labels
+    assert 0 < changed.mean() < 0.1
+    assert (littered.labels[changed] == OTHER).all()
+    assert [m.pixel for m in littered.landmarks] == [m.pixel for m in clean.landmarks]
+
+
+def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_goal():
+    field, hidden = Field(), 0
+    for seed in range(12):
+        reality = replace(CLEAN, litter=4.0, seed=seed)
+        view = camera()
+        for pose in (Pose(0.2, 1.2, -0.2), Pose(2.0, 0.0, 0.0), Pose(3.6, -0.3, np.pi - 0.6)):
+            _, clean = render(field, pose, view, CLEAN)
+            pixels, truth = render(field, pose, view, reality)
+            hidden += sum(m.occluded for m in truth.landmarks) - sum(m.occluded for m in clean.landmarks)
+            if pose.x < 3:  # everything that lies there lies behind the goal
+                assert ((truth.labels == YELLOW) == (clean.labels == YELLOW)).all()
+    assert hidden > 0
 
 
 def test_another_room_has_other_furniture_and_the_same_field():
     pose, view = Pose(0.4, 0.3, 0.1), camera()
-    rooms = [render(Field(), pose, view, Reality.lab(s), np.random.default_rng(0)) for s in (0, 1)]
+    lab = replace(Reality.lab(), litter=0.0)
+    rooms = [render(Field(), pose, view, replace(lab, seed=s), np.random.default_rng(0)) for s in (0, 1)]
     assert (rooms[0][0] != rooms[1][0]).mean() > 0.5
     assert rooms[0][1].labels.tobytes() == rooms[1][1].labels.tobytes()
 
@@ -249,7 +270,7 @@ def test_an_effect_is_zero_or_more(noise):
 
 
 def test_a_fraction_beyond_one_and_a_broken_seed_are_refused():
-    with pytest.raises(ValueError, match="fractions, at most 1"):
+    with pytest.raises(ValueError, match="seams is a fraction, at most 1"):
         Reality(seams=2.0)
     with pytest.raises(ValueError, match="seed must be a whole number"):
         Reality(seed=-1)

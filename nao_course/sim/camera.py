@@ -203,12 +203,18 @@ class CameraView:
     @property
     def lens_limit(self) -> float:
         """Beyond this radius (in focal lengths) a barrel lens would fold the picture back onto itself."""
-        return float("inf") if self.k1 >= 0 else float(1 / np.sqrt(-3 * self.k1))
+        return 1e6 if self.k1 > -1e-12 else float(1 / np.sqrt(-3 * self.k1))
 
     def _distorted(self, rays: FloatArray) -> FloatArray:
         """Apply the lens to (N, 2) coordinates in focal lengths."""
         r2 = (rays**2).sum(axis=1, keepdims=True)
         return np.where(r2 <= self.lens_limit**2, rays * (1 + self.k1 * r2), np.nan)
+
+
+def _without_lens(fov: float, k1: float) -> float:
+    """Field of view (rad) that the same picture would have without its lens term."""
+    edge = np.tan(fov / 2)
+    return float(2 * np.arctan(edge * (1 + k1 * edge**2)))
 
 
 @dataclass(frozen=True)
@@ -229,7 +235,7 @@ class NaoModel:
     name : str
         The maker's name of the generation.
     hfov, vfov, k1 : float
-        Of both cameras: fields of view (rad) and lens term.
+        Of both cameras: fields of view as the maker gives them, lens included (rad), and lens term.
     neck_offset, hip_offset, thigh, tibia, foot : float
         The maker's NeckOffsetZ, HipOffsetZ, ThighLength, TibiaLength and FootHeight, metres.
     crouch : float
@@ -347,8 +353,8 @@ class NaoModel:
         angles = yaw_pitch_roll(torso @ head @ rotation_3d(0.0, mount.pitch, 0.0))
         return CameraView(
             size,
-            self.hfov,
-            self.vfov,
+            _without_lens(self.hfov, self.k1),
+            _without_lens(self.vfov, self.k1),
             height=float(z),
             yaw=angles[0],
             pitch=angles[1],

@@ -17,26 +17,32 @@ import numpy.typing as npt
 from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.field import Field, Landmark
-from nao_course.sim.room import TEXEL, Wear, carpet_levels, furnish, paint_furniture
+from nao_course.sim.room import TEXEL, Furniture, Wear, carpet_levels, furnish, paint_furniture, scatter
 from nao_course.sim.shapes import Covered, Eye, Float32
+
+Labels = npt.NDArray[np.uint8]
 
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 LABELS = ("other", "green", "yellow", "white")
 
 # Colours as the camera shows them (0..255): typical of the real pictures of 2013, see docs/real_data.md.
 _SHOWN = {
-    "carpet": (76, 136, 80),
-    "line": (243, 248, 246),
-    "yellow": (214, 204, 40),
-    "white": (243, 248, 246),
-    "floor": (206, 200, 192),
-    "wall": (226, 226, 222),
+    "carpet": (97, 152, 94),
+    "line": (245, 248, 247),
+    "yellow": (212, 204, 54),
+    "white": (245, 248, 247),
+    "floor": (226, 218, 209),
+    "wall": (186, 186, 184),
 }
 # The camera's tone curve is not published; a square root is within its plausible range and quick to apply.
 _LINEAR = (np.arange(256, dtype=np.float32) / 255) ** 2
 _COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in _SHOWN.items()}
 _ROOM_MARGIN = 1.5  # metres of floor between the carpet and the wall
 _COARSE = 8  # light changes so slowly over the picture that every 8th pixel is enough
+_MEAN_LIGHTNESS = 117.0  # of 255: what the real camera's automatic exposure holds, whatever it sees
+_CHANNEL_NOISE = np.array(
+    [1.05, 0.78, 1.17], dtype=np.float32
+)  # red, green, blue beside their mean, measured
 
 
 @dataclass(frozen=True)
@@ -47,30 +53,40 @@ class Reality:
 
     Parameters
     ----------
+    grain : float
+        Carpet: standard deviation of its brightness from fibre to fibre, in levels of 255.
     mottle : float
-        Carpet: standard deviation of its brightness from patch to patch, in levels of 255.
+        Carpet: the same from patch to patch, some decimetres wide.
     seams : float
-        Carpet: how dark the joints between its strips are, 0 to 1.
+        Carpet: how open the joints between its strips are, 0 to 1.
     specks : float
-        Carpet: light specks a square metre.
+        Carpet: pale and dark specks a square metre.
     crumbs : float
         Carpet: clusters of crumbs a square metre.
     tape : float
-        Carpet: dark patches of tape, on the whole of it.
+        Carpet: dark patches of tape a metre along the outer lines.
+    pile : float
+        Carpet: how much darker and greener it is seen from above than from the side; 1 is a real one.
     glare : float
-        How bright lamps and windows shine back from the carpet, as a fraction of full light.
+        How bright lamps and windows shine back from the ground, as a fraction of full light.
     clutter : float
         How crowded the room behind the field is; 1 is a laboratory.
+    litter : float
+        Things that lie on the carpet beyond the lines, a metre of the outer lines.
     gradient : float
         How much the light falls off across the field, as a fraction.
     white_balance : float
         Standard deviation of the colour channels' gains from room to room.
+    exposure : float
+        How far the camera corrects its exposure so that every picture is equally bright on average; 1 is fully.
+    overexposure : float
+        How far white lines lie beyond the brightest light the camera can show, as a fraction.
+    vignette : float
+        How much darker the picture's corners are than its middle, as a fraction of lightness.
     blur : float
         Of lens and sensor, in units of the real camera's.
-    vignette : float
-        How much darker the picture's left and right sides are than its middle, as a fraction.
     noise : float
-        Standard deviation of the sensor's noise in levels of 255.
+        Standard deviation of the sensor's noise in levels of 255, mean over the channels.
     motion : float
         How much the camera shakes in pictures taken while walking, in units of a NAO's.
     seed : int
@@ -82,18 +98,23 @@ class Reality:
         If a strength is negative or no number.
     """
 
-    mottle: float = 6.0
-    seams: float = 0.5
-    specks: float = 5.0
-    crumbs: float = 0.4
-    tape: float = 6.0
-    glare: float = 0.08
+    grain: float = 6.5
+    mottle: float = 3.5
+    seams: float = 0.6
+    specks: float = 9.0
+    crumbs: float = 0.15
+    tape: float = 0.7
+    pile: float = 1.0
+    glare: float = 0.05
     clutter: float = 1.0
-    gradient: float = 0.15
+    litter: float = 0.35
+    gradient: float = 0.1
     white_balance: float = 0.03
+    exposure: float = 1.0
+    overexposure: float = 0.5
+    vignette: float = 0.29
     blur: float = 1.0
-    vignette: float = 0.12
-    noise: float = 3.3
+    noise: float = 1.4
     motion: float = 1.0
     seed: int = 0
 
@@ -102,8 +123,9 @@ class Reality:
         for name in self.effects():
             if finite(f"Reality: {name}", getattr(self, name)) < 0:
                 raise ValueError(f"Reality: {name} must be 0 (off) or more, got {getattr(self, name)}")
-        if self.seams > 1 or self.vignette > 1 or self.gradient > 1:
-            raise ValueError("Reality: seams, vignette and gradient are fractions, at most 1")
+        for name in ("seams", "gradient", "exposure", "vignette"):
+            if getattr(self, name) > 1:
+                raise ValueError(f"Reality: {name} is a fraction, at most 1; got {getattr(self, name)}")
         if finite("Reality: seed", self.seed) < 0 or int(self.seed) != self.seed:
             raise ValueError(f"Reality: seed must be a whole number from 0, got {self.seed!r}")
 
@@ -125,7 +147,16 @@ class Reality:
     @classmethod
     def dark(cls, seed: int = 0) -> Reality:
         """An evening with few lamps: uneven light and a noisy sensor."""
-        return cls(gradient=0.6, vignette=0.3, noise=8.0, white_balance=0.08, glare=0.03, blur=1.2, seed=seed)
+        return cls(
+            gradient=0.6,
+            exposure=0.5,
+            vignette=0.45,
+            noise=6.0,
+            white_balance=0.08,
+            overexposure=0,
+            blur=1.4,
+            seed=seed,
+        )
 
     @classmethod
     def harsh(cls, seed: int = 0) -> Reality:
@@ -157,7 +188,7 @@ class VisibleLandmark:
     bearing : float
         In the robot frame, radians, positive left.
     occluded : bool
-        Whether a goal post stands before it.
+        Whether a goal post, or a thing on the carpet, is before it.
     """
 
     landmark: Landmark
@@ -232,9 +263,8 @@ def render(
         raise ValueError("a picture with noise needs rng, such as numpy.random.default_rng(0)")
     eye = Eye(_relative(field, pose), view, turning)
     light, labels = _paint(field, eye, reality)
-    light = _lit(light, labels, field, eye, reality)
     pixels = _develop(light, eye, reality, rng)
-    return pixels, PictureTruth(labels, _visible(field, eye), pose, view)
+    return pixels, PictureTruth(labels, _visible(field, eye, labels), pose, view)
 
 
 def visible_landmarks(field: Field, pose: Pose, view: CameraView) -> tuple[VisibleLandmark, ...]:
@@ -257,13 +287,16 @@ def visible_landmarks(field: Field, pose: Pose, view: CameraView) -> tuple[Visib
     return _visible(field, Eye(_relative(field, pose), view))
 
 
-def _visible(field: Field, eye: Eye) -> tuple[VisibleLandmark, ...]:
+def _visible(field: Field, eye: Eye, labels: Labels | None = None) -> tuple[VisibleLandmark, ...]:
     positions = np.array([(mark.x, mark.y) for mark in field.landmarks])
     seen = eye.to_camera(np.column_stack([positions, np.zeros(len(positions))]))
     pixels = eye.pixels(seen)
     inside = eye.view.contains(pixels) & (seen[:, 0] > 1e-6)
     local = eye.seen_from.to_local(positions)
     hidden = _behind_posts(field, positions, eye.ground_position, eye.view.height)
+    if labels is not None:  # only what lies on the carpet makes a landmark's own pixel "other"
+        columns, rows = np.clip(np.rint(pixels), 0, np.array(eye.view.size) - 1).astype(int).T
+        hidden |= labels[rows, columns] == OTHER
     return tuple(
         VisibleLandmark(
             landmark=field.landmarks[i],
@@ -299,7 +332,7 @@ def _behind_posts(field: Field, points: FloatArray, eye: FloatArray, height: flo
 # --- from the background forwards ---
 
 
-def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, npt.NDArray[np.uint8]]:
+def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
     """Light (H, W, 3) under even lighting, and labels (H, W)."""
     width, height = eye.view.size
     x0, y0, x1, y1 = field.carpet
@@ -318,19 +351,55 @@ def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, npt.NDArr
     flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # an inside pixel's mask is 1, the label of green
     flat[rim.rim] = under + rim.area[:, None] * (_LINEAR[carpet.reshape(-1, 3)[rim.rim]] - under)
     labels[rim.rim[rim.area >= 0.5]] = GREEN
-    _paint_lines(field, eye, flat, labels)
-    _paint_goals(field, eye, flat, labels)
+    lamps = _Lamps(field, eye, reality)
+    lamps.light_ground(light)
+    _paint_lines(field, eye, flat, labels, lamps)
+    _paint_standing(field, eye, light, mask, lamps)
     return light, mask
+
+
+def _paint_standing(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: _Lamps) -> None:
+    """Goals and what lies on the carpet, the farthest first."""
+    (x0, x1), (y0, y1) = field.x_range, field.y_range
+    amount, d = lamps.reality.litter, field.dimensions
+    things = scatter((x0, y0, x1, y1), d.border, amount, lamps.reality.seed) if amount else None
+    middles = field.bars[:, :, :2].mean(axis=1)
+    distances = np.hypot(*(middles - eye.ground_position).T)
+    beyond = np.inf
+    for goal in np.argsort(-distances):
+        if things is not None:
+            _paint_litter(things, (distances[goal], beyond), eye, light, labels, lamps)
+        _paint_goal(field, int(goal), eye, light, labels, lamps)
+        beyond = distances[goal]
+    if things is not None:
+        _paint_litter(things, (0.0, beyond), eye, light, labels, lamps)
+
+
+def _paint_litter(
+    things: Furniture, between: tuple[float, float], eye: Eye, light: Float32, labels: Labels, lamps: _Lamps
+) -> None:
+    """What lies on the carpet is "other", and hides what is behind it."""
+    picture, covered = np.zeros((*labels.shape, 3), dtype=np.uint8), np.zeros_like(labels)
+    paint_furniture(eye, things, picture, covered, between)
+    touched = np.flatnonzero(covered)
+    area = covered.reshape(-1)[touched, None].astype(np.float32) / 255
+    # The picture was black before, so its colours are already weighted by the area they cover.
+    shown = np.minimum(picture.reshape(-1, 3)[touched] / np.maximum(area, 0.05), 255)
+    paint = (shown / 255) ** 2 * lamps.at(touched)
+    flat = light.reshape(-1, 3)
+    flat[touched] += area * (paint - flat[touched])
+    labels[covered >= 128] = OTHER
 
 
 def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     """The carpet's colours (H, W, 3) wherever a ray meets the ground."""
     width, height = eye.view.size
-    wear = Wear(reality.mottle, reality.seams, reality.specks, reality.crumbs, reality.tape)
+    wear = Wear(*(getattr(reality, each.name) for each in fields(Wear)))
     picture = np.full((height, width, 3), _SHOWN["carpet"], dtype=np.uint8)
-    if wear == Wear(0, 0, 0, 0, 0):
+    if wear == Wear(0, 0, 0, 0, 0, 0):
         return picture
-    levels = carpet_levels(field.carpet, _SHOWN["carpet"], wear, reality.seed)
+    (x0, x1), (y0, y1) = field.x_range, field.y_range
+    levels = carpet_levels(field.carpet, (x0, y0, x1, y1), _SHOWN["carpet"], wear, reality.seed)
     ahead, left, up = eye.field_rays()
     with np.errstate(divide="ignore"):
         reach = np.float32(eye.view.height) / np.maximum(-up, np.float32(1e-4))
@@ -352,60 +421,102 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     return picture
 
 
-def _paint_lines(field: Field, eye: Eye, light: Float32, labels: npt.NDArray[np.uint8]) -> None:
+def _paint_lines(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: _Lamps) -> None:
     bare = np.ones(len(labels), dtype=np.float32)
     for shape in _line_shapes(field, eye):
         shape.add_to(bare)
     touched = np.flatnonzero(bare < 1)
     area = 1 - bare[touched]
-    light[touched] += area[:, None] * (_COLOURS["line"] - light[touched])
+    paint = _COLOURS["line"] * lamps.at(touched) * np.float32(1 + lamps.reality.overexposure)
+    light[touched] += area[:, None] * (paint - light[touched])
     labels[touched[area >= 0.5]] = WHITE
 
 
-def _paint_goals(field: Field, eye: Eye, light: Float32, labels: npt.NDArray[np.uint8]) -> None:
+def _paint_goal(field: Field, goal: int, eye: Eye, light: Float32, labels: Labels, lamps: _Lamps) -> None:
     colour = field.dimensions.goal_colour
-    bare = np.ones(len(labels), dtype=np.float32)
-    for shape, facing_inside, facing_rim in _goal_shapes(field, eye):
+    flat, flat_labels = light.reshape(-1, 3), labels.reshape(-1)
+    bare = np.ones(len(flat_labels), dtype=np.float32)
+    for shape, facing_inside, facing_rim in _goal_shapes(field, goal, eye):
         for pixels, facing in ((shape.inside, facing_inside), (shape.rim, facing_rim)):
-            paint = _COLOURS[colour] * (0.55 + 0.45 * facing[:, None])
+            paint = _COLOURS[colour] * lamps.at(pixels) * (0.8 + 0.2 * facing[:, None])
             area = np.float32(1) if pixels is shape.inside else shape.area[:, None]
-            light[pixels] += area * (paint - light[pixels])
+            flat[pixels] += area * (paint - flat[pixels])
         shape.add_to(bare)
-    labels[bare <= 0.5] = YELLOW if colour == "yellow" else WHITE
+    flat_labels[bare <= 0.5] = YELLOW if colour == "yellow" else WHITE
 
 
 # --- light, lens and sensor ---
 
 
-def _lit(light: Float32, labels: npt.NDArray[np.uint8], field: Field, eye: Eye, reality: Reality) -> Float32:
-    """Uneven light, colour cast, darker sides, and lamps that shine back from the ground."""
-    width, height = eye.view.size
-    rng = np.random.default_rng([reality.seed, 3])
-    towards, cast = rng.uniform(-np.pi, np.pi), rng.normal(0, 1, 3)
-    lamps = rng.uniform((-np.pi, 0.10, 0.05, 0.4), (np.pi, 0.45, 0.16, 1.0), (5, 4))
-    rays = eye.field_rays(_COARSE)
-    down = np.maximum(-rays[2], np.float32(0.02))
-    if reality.gradient or reality.vignette or reality.white_balance:
-        gain = np.ones(rays.shape[1:], dtype=np.float32)
+class _Lamps:
+    """How bright each part of the picture is, on a coarse grid: uneven light, colour cast, darker corners."""
+
+    def __init__(self, field: Field, eye: Eye, reality: Reality) -> None:
+        self.reality, self.width = reality, eye.view.size[0]
+        rng = np.random.default_rng([reality.seed, 3])
+        towards, cast = rng.uniform(-np.pi, np.pi), rng.normal(0, 1, 3)
+        self._lamps = rng.uniform((-np.pi, 0.12, 0.25, 0.4), (np.pi, 0.40, 0.60, 1.0), (6, 4))
+        rays = eye.field_rays(_COARSE)
+        rays /= np.sqrt((rays**2).sum(axis=0))
+        down = np.maximum(-rays[2], np.float32(0.02))
+        gain = np.ones((*rays.shape[1:], 3), dtype=np.float32)
         if reality.gradient:
             where = eye.ground_position[:, None, None] + rays[:2] * (eye.view.height / down)
             across = where[0] * np.cos(towards) + where[1] * np.sin(towards)
-            gain *= 1 + reality.gradient * np.tanh(across / 3).astype(np.float32)
-        if reality.vignette:
-            aside = eye.grid.right.reshape(height, width)[::_COARSE, ::_COARSE] / np.tan(eye.view.hfov / 2)
-            gain *= 1 - reality.vignette * aside.astype(np.float32) ** 2
-        channels = np.float32(1 + reality.white_balance * (cast - cast.mean()))
-        gains = gain[..., None] * channels
-        light = cv2.multiply(light, cv2.resize(gains, (width, height), interpolation=cv2.INTER_LINEAR))
-    if reality.glare:
-        azimuth, dip = np.arctan2(rays[1], rays[0]), np.arctan2(down, np.hypot(rays[0], rays[1]))
-        shine = np.zeros(rays.shape[1:], dtype=np.float32)
-        for where, low, wide, strength in lamps:
-            off = (azimuth - where + np.pi) % (2 * np.pi) - np.pi
-            shine += strength * np.exp(-((off / wide) ** 2) - ((dip - low) / 0.22) ** 2)
-        shine = reality.glare * cv2.resize(shine, (width, height), interpolation=cv2.INTER_LINEAR)
-        light += np.where(labels == GREEN, shine, 0)[..., None]
-    return light
+            gain *= 1 + np.float32(reality.gradient) * np.tanh(across / 3).astype(np.float32)[..., None]
+        if reality.vignette:  # quadratic in lightness, so squared in light; red falls off most
+            side = (eye.view.size[1], eye.view.size[0])
+            right, below = (a.reshape(side)[::_COARSE, ::_COARSE] for a in (eye.grid.right, eye.grid.down))
+            corner = np.tan(eye.view.hfov / 2) ** 2 + np.tan(eye.view.vfov / 2) ** 2
+            fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * (1.15, 1.0, 0.92)
+            gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
+        if reality.white_balance:
+            gain *= (1 + reality.white_balance * (cast - cast.mean())).astype(np.float32)
+        self._gain, self._rays, self._down = gain, rays, down
+
+    @property
+    def even(self) -> bool:
+        """Whether the light is the same everywhere."""
+        r = self.reality
+        return not (r.gradient or r.vignette or r.white_balance)
+
+    def at(self, pixels: npt.NDArray[np.intp]) -> Float32:
+        """Gains (N, 3) at flat pixels (N,)."""
+        rows, columns = np.divmod(pixels, self.width)
+        return self._gain[rows // _COARSE, columns // _COARSE]
+
+    def light_ground(self, light: Float32) -> None:
+        """Light a picture (H, W, 3) of ground and room: gains, the pile of the carpet, and what shines back."""
+        r, size = self.reality, light.shape[1::-1]
+        gain = self._gain
+        if r.pile:  # from above one looks between the fibres: red and blue lose most
+            steep = np.maximum(self._down - np.float32(0.16), 0)[..., None]
+            gain = gain * np.maximum(1 - r.pile * steep * (1.25, 0.41, 0.9), 0.05).astype(np.float32)
+        if r.pile or not self.even:
+            cv2.multiply(light, _enlarged(gain, size), dst=light)
+        if r.glare:
+            azimuth = np.arctan2(self._rays[1], self._rays[0])
+            dip = np.arcsin(np.clip(-self._rays[2], 0, 1))
+            shine = np.zeros_like(dip)
+            for where, low, wide, strength in self._lamps:
+                off = (azimuth - where + np.pi) % (2 * np.pi) - np.pi
+                shine += np.float32(strength) * np.exp(
+                    -((off / wide) ** 2) - ((dip - low) / 0.2) ** 2
+                ).astype(np.float32)
+            shine *= np.clip(dip / 0.06, 0, 1) * np.float32(r.glare)  # only the ground shines
+            cv2.add(light, _enlarged(np.repeat(shine[..., None], 3, axis=2), size), dst=light)
+
+
+def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
+    """A coarse grid (h, w, 3), whose points are every 8th pixel, at a picture's full (width, height)."""
+    width, height = size
+    whole = (coarse.shape[1] * _COARSE, coarse.shape[0] * _COARSE)
+    shift = np.array([[_COARSE, 0, 0], [0, _COARSE, 0]], dtype=np.float64)
+    if min(coarse.shape[:2]) > 1 and width == whole[0] and height == whole[1]:
+        return cv2.warpAffine(
+            coarse, shift, (width, height), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+    return cv2.resize(coarse, whole, interpolation=cv2.INTER_LINEAR)[:height, :width]
 
 
 def _develop(
@@ -414,13 +525,31 @@ def _develop(
     """Blur, tone curve and noise: from light (H, W, 3) to a picture."""
     if eye.turning.any():
         light = _smear(light, eye)
+    if reality.exposure:
+        light *= _exposure(light, reality, rng)
+    np.minimum(light, 1, out=light)
     if reality.blur:
-        sigma = reality.blur * np.hypot(0.52, 0.30 * eye.view.size[0] / 320)
+        sigma = reality.blur * np.hypot(0.27, 0.27 * eye.view.size[0] / 320)
         light = cv2.GaussianBlur(light, (0, 0), float(sigma))
     shown = cv2.sqrt(light)
     if reality.noise and rng is not None:
         _add_noise(shown, reality.noise / 255, rng)
     return cv2.convertScaleAbs(np.maximum(shown, 0, out=shown), alpha=255.0)
+
+
+def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None) -> np.float32:
+    """Gain that brings a picture's mean lightness near to what the camera's automatic exposure holds."""
+    some = np.sqrt(light[_COARSE // 2 :: _COARSE, _COARSE // 2 :: _COARSE].reshape(-1, 3))
+    if not len(some):
+        return np.float32(1)
+    brightest, darkest = some.max(axis=1), some.min(axis=1)
+    wanted = _MEAN_LIGHTNESS + (rng.normal(0, 4) if rng is not None else 0.0)
+    low, high = 0.4, 1.8  # gain of the shown values
+    for _ in range(14):
+        gain = (low + high) / 2
+        mean = 127.5 * (np.minimum(gain * brightest, 1) + np.minimum(gain * darkest, 1)).mean()
+        low, high = (gain, high) if mean < wanted else (low, gain)
+    return np.float32(gain ** (2 * reality.exposure))
 
 
 def _smear(light: Float32, eye: Eye) -> Float32:
@@ -449,7 +578,9 @@ def _add_noise(shown: Float32, sigma: float, rng: np.random.Generator) -> None:
         for column in range(0, shown.shape[1], 256):
             block = shown[row : row + 256, column : column + 256]
             i, j = rng.integers(0, 257, 2)
-            block += np.float32(sigma) * tile[i : i + block.shape[0], j : j + block.shape[1]]
+            block += tile[i : i + block.shape[0], j : j + block.shape[1]] * (
+                np.float32(sigma) * _CHANNEL_NOISE
+            )
 
 
 # --- the field's shapes ---
@@ -481,12 +612,14 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
         yield eye.ring(centre, above - centre, (radius - half, radius + half), part)
 
 
-def _goal_shapes(field: Field, eye: Eye) -> Iterator[tuple[Covered, Float32, Float32]]:
-    """Every bar and post, the farthest first."""
+def _goal_shapes(field: Field, goal: int, eye: Eye) -> Iterator[tuple[Covered, Float32, Float32]]:
+    """A goal's bar and posts, the farthest first."""
     d = field.dimensions
-    solids = [(*eye.to_camera(ends), d.bar_diameter / 2) for ends in field.bars]
-    for x, y in field.posts:
-        solids.append((*eye.to_camera([(x, y, 0.0), (x, y, d.post_height)]), d.post_diameter / 2))
+    bar = field.bars[goal]
+    top = d.post_height + d.bar_diameter / 2  # flush with the bar's upper side
+    solids = [(*eye.to_camera(bar), d.bar_diameter / 2)]
+    for x, y, _ in bar:
+        solids.append((*eye.to_camera([(x, y, 0.0), (x, y, top)]), d.post_diameter / 2))
     solids.sort(key=lambda solid: -float(np.linalg.norm(solid[0] + solid[1])))
     for start, end, radius in solids:
         yield eye.cylinder(start, end, radius)
