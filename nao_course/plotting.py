@@ -253,10 +253,10 @@ def ellipse_outlines(
     matrices = np.asarray(covariances, dtype=float).reshape(-1, 2, 2)
     if len(matrices) != len(middle):
         raise ValueError(f"{len(middle)} centres need covariances of shape ({len(middle)}, 2, 2)")
-    trace = matrices[:, 0, 0] + matrices[:, 1, 1]
-    determinant = matrices[:, 0, 0] * matrices[:, 1, 1] - matrices[:, 0, 1] * matrices[:, 1, 0]
-    tolerance = 1e-9 * np.maximum(trace, 1e-300) ** 2
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
+        trace = matrices[:, 0, 0] + matrices[:, 1, 1]
+        tolerance = 1e-9 * np.maximum(trace, 1e-300) ** 2
+        determinant = matrices[:, 0, 0] * matrices[:, 1, 1] - matrices[:, 0, 1] * matrices[:, 1, 0]
         sound = np.isfinite(matrices).all(axis=(1, 2)) & (np.diagonal(matrices, axis1=1, axis2=2) >= 0).all(
             axis=1
         )
@@ -546,13 +546,14 @@ def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
         return estimate
     c, s = np.cos(frame.theta), np.sin(frame.theta)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return Estimate(
-        frame @ estimate.pose,
-        turn @ estimate.covariance @ turn.T,
-        frame.to_parent(estimate.landmarks),
-        turn[:2, :2] @ estimate.landmark_covariances @ turn[:2, :2].T,
-        estimate.kinds,
-    )
+    with np.errstate(invalid="ignore", over="ignore"):  # what is no number stays none
+        return Estimate(
+            frame @ estimate.pose,
+            turn @ estimate.covariance @ turn.T,
+            frame.to_parent(estimate.landmarks),
+            turn[:2, :2] @ estimate.landmark_covariances @ turn[:2, :2].T,
+            estimate.kinds,
+        )
 
 
 def estimate_outlines(estimate: Estimate, probability: float = 0.95) -> FloatArray:

@@ -367,6 +367,13 @@ class ControlPanel:
         self._task = loop.create_task(self._drive(motion))
 
     async def _drive(self, motion: Motion) -> None:
+        """Drive with nobody above who could catch a mistake."""
+        try:
+            await self._drive_on(motion)
+        except Exception as error:  # noqa: BLE001 - see _guarded
+            self._admit(error)
+
+    async def _drive_on(self, motion: Motion) -> None:
         """Drive, and then what was asked for meanwhile; at most one step each `PERIOD`."""
         upcoming: Motion | None = motion
         while upcoming is not None:
@@ -375,7 +382,8 @@ class ControlPanel:
                 await asyncio.sleep(max(BREATH, PERIOD - (time.perf_counter() - began)))
                 began = time.perf_counter()
                 if self._stopping:
-                    self.cockpit.say("Stopped.")
+                    if not self.closed:
+                        self.cockpit.say("Stopped.")
                     self._show_status()
                     return
             upcoming, self._next = self._next, None
@@ -387,8 +395,11 @@ class ControlPanel:
         try:
             action()
         except Exception as error:  # noqa: BLE001 - a callback has nobody above it who could catch this
-            self.cockpit.complain("the panel", error)
-            self._show_status()
+            self._admit(error)
+
+    def _admit(self, error: Exception) -> None:
+        self.cockpit.complain("the panel", error)
+        self._show_status()
 
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""

@@ -1,0 +1,516 @@
+"""The control panel: what happens on each command, what it shows, and what it must not show."""
+
+import asyncio
+import threading
+import time
+
+import ipywidgets
+import nbformat
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import Field, Reality, SimulatedNao, Truth
+from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm
+from nao_course.widgets import ControlPanel
+from nao_course.widgets.cockpit import STEP, TURN_STEP, Cockpit, pieces
+from nao_course.widgets.live_map import LiveMap, MapContents
+from nao_course.widgets.panel import KEYS, PERIOD
+
+
+class Recorder(DeadReckoning):
+    """Remembers what it was told."""
+
+    def __init__(self, start=None):
+        super().__init__(start)
+        self.motions, self.seen = [], []
+
+    def move(self, motion):
+        self.motions.append(motion)
+        super().move(motion)
+
+    def observe(self, measurements):
+        self.seen.append(tuple(measurements))
+
+
+class Failing(Recorder):
+    """Raises where it is told to."""
+
+    def __init__(self, where):
+        super().__init__()
+        self.where = where
+
+    def move(self, motion):
+        super().move(motion)
+        if self.where == "move":
+            raise IndexError("index 9 is out of bounds <b>for</b> axis 0")
+
+    def observe(self, measurements):
+        if self.where == "observe":
+            raise ZeroDivisionError("division by zero")
+
+    def estimate(self):
+        return None if self.where == "estimate" else super().estimate()
+
+
+def clean_nao(seed=1, **options):
+    return SimulatedNao(rng=seed, reality=Reality.clean(), **options)
+
+
+def press(panel, name):
+    """Press the button that the browser would press."""
+
+    def find(widget):
+        if f"nao-do-{name}" in widget._dom_classes:
+            return widget
+        return next(filter(None, map(find, getattr(widget, "children", ()))), None)
+
+    find(panel.widget).click()
+
+
+def all_widgets(widget):
+    yield widget
+    for child in getattr(widget, "children", ()):
+        yield from all_widgets(child)
+
+
+# --- the cockpit: commands without buttons ---
+
+
+@pytest.mark.parametrize(
+    "motion", [Motion(0.2), Motion(-0.33, 1.0), Motion(0.0, -np.pi), Motion(), Motion(1e-9)]
+)
+def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
+    parts = list(pieces(motion))
+    assert sum(part.distance for part in parts) == pytest.approx(motion.distance)
+    assert sum(part.turn for part in parts) == pytest.approx(motion.turn)
+    assert all(abs(part.distance) <= STEP + 1e-9 and abs(part.turn) <= TURN_STEP + 1e-9 for part in parts)
+
+
+def test_slam_gets_every_motion_and_believes_what_odometry_believes():
+    nao, slam = clean_nao(pose=Pose(0.5, -0.5, 0.4)), Recorder()
+    panel = ControlPanel(nao, Truth(nao), slam)
+    panel.forward(0.3)
+    panel.left(0.7)
+    panel.back(0.1)
+    assert len(slam.motions) == 6 + 9 + 2
+    assert np.allclose(slam.estimate().pose.as_array(), nao.odometry.as_array())
+    assert np.allclose(panel.cockpit.estimate.pose.as_array(), panel.cockpit.odometry[-1].as_array())
+
+
+def test_the_map_begins_where_the_robot_stands():
+    nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
+    assert np.allclose(ControlPanel(nao, Truth(nao)).cockpit.odometry[0].as_array(), [0.5, -0.5, 0.4])
+    assert np.allclose(ControlPanel(nao).cockpit.odometry[0].as_array(), 0)
+    assert np.allclose(ControlPanel(nao, start=Pose(1, 1, 0)).cockpit.odometry[0].as_array(), [1, 1, 0])
+
+
+def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
+    nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
+    cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
+    cockpit.move(Motion(0.05))
+    assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
+
+
+def test_pictures_are_counted_and_only_those_taken_are_kept():
+    panel = ControlPanel(clean_nao())
+    panel.forward(0.2)
+    assert panel.cockpit.frames == 2 + 4 * 2
+    panel.size = (640, 480)
+    panel.camera = "top"
+    picture = panel.take_picture()
+    assert picture.pixels.shape == (480, 640, 3)
+    assert (picture.camera, panel.picture, panel.pictures) == ("top", picture, (picture,))
+    assert panel.cockpit.frames == 11
+
+
+def test_the_truth_of_a_picture_stays_with_it():
+    nao = clean_nao()
+    truth = Truth(nao)
+    panel = ControlPanel(nao, truth)
+    panel.camera = "bottom"
+    panel.forward(0.1)
+    labels = panel.cockpit.picture_truth("bottom").labels
+    assert truth.picture is panel.cockpit.picture_truth("top")  # the camera that was not chosen came last
+    assert labels is not truth.picture.labels
+    assert ControlPanel(clean_nao()).cockpit.picture_truth("bottom") is None
+
+
+def test_the_head_stops_at_its_joints_with_a_message_and_no_exception():
+    panel = ControlPanel(clean_nao())
+    for _ in range(20):
+        press(panel, "look-down")
+        press(panel, "look-right")
+    assert np.allclose(np.degrees(panel.cockpit.nao.head), [-119.5, 29.5])
+    assert "limit" in panel.cockpit.message
+    press(panel, "look-ahead")
+    assert np.allclose(np.degrees(panel.cockpit.nao.head), [0, -31])
+
+
+def test_the_same_seed_gives_the_same_drive():
+    first, second = (ControlPanel(SimulatedNao(rng=5)) for _ in range(2))
+    for panel in (first, second):
+        panel.forward()
+        panel.turn_head(0.2)
+        panel.run_slam()
+    assert first.summary() == second.summary()
+    assert np.array_equal(first.cockpit.pictures["top"].pixels, second.cockpit.pictures["top"].pixels)
+
+
+# --- the truth, shown or not ---
+
+
+def test_a_hidden_truth_is_neither_in_words_nor_in_the_map():
+    nao = clean_nao()
+    truth = Truth(nao)
+    panel = ControlPanel(nao, truth, show_truth=False)
+    panel.forward(0.3)
+    before = panel._map_image.value
+    truth.place(Pose(2.0, 1.0, 2.0))
+    panel._show_map()
+    assert panel._map_image.value == before
+    assert "truth" not in panel.summary()
+    assert "truth" not in repr(panel._repr_mimebundle_()["text/html"])
+    panel.show_truth = True
+    assert panel._map_image.value != before
+    assert "truth (2.00, 1.00) m" in panel.summary()
+
+
+def test_a_panel_without_truth_cannot_show_it():
+    panel = ControlPanel(clean_nao())
+    assert not panel.show_truth
+    with pytest.raises(ValueError, match="truth=Truth"):
+        panel.show_truth = True
+
+
+# --- the student's code ---
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("move", "IndexError in move(), line"),
+        ("observe", "ZeroDivisionError in observe(), line"),
+        ("estimate", "TypeError in estimate(), line"),
+    ],
+)
+def test_an_exception_in_slam_is_a_message_and_the_panel_lives(where, said):
+    nao = clean_nao()
+    panel = ControlPanel(nao, slam=Failing(where))
+    panel.forward(0.2)
+    panel.run_slam()
+    panel.forward(0.2)
+    panel.run_slam()
+    assert said in panel.cockpit.message or where == "move"
+    assert isinstance(panel.error, Exception)
+    panel.turn_head(0.1)
+    assert "Head at" in panel.cockpit.message
+
+
+def test_a_failing_move_ends_the_drive_and_says_where():
+    nao = clean_nao()
+    panel = ControlPanel(nao, slam=Failing("move"))
+    panel.forward(0.5)
+    assert nao.odometry.x == pytest.approx(STEP)
+    assert "of move: index 9 is out of bounds" in panel.cockpit.message
+    assert "&lt;b&gt;" in panel._status.value
+    assert "nao-alarm" in panel._status.value
+    with pytest.raises(IndexError):
+        raise panel.error
+
+
+def test_measure_gets_the_picture_and_its_view_and_slam_what_it_returns():
+    got = []
+
+    def measure(pixels, view):
+        got.append((pixels.shape, view))
+        pixels[:] = 0
+        return [Measurement(0.1, 2.0)]
+
+    slam = Recorder()
+    panel = ControlPanel(clean_nao(), slam=slam, measure=measure)
+    panel.size = (640, 480)
+    assert panel.run_slam() == (Measurement(0.1, 2.0),)
+    assert slam.seen == [(Measurement(0.1, 2.0),)]
+    assert got == [((480, 640, 3), panel.cockpit.pictures["bottom"].view)]
+    assert panel.cockpit.pictures["bottom"].pixels.any()
+
+
+@pytest.mark.parametrize("returned", [None, 3, [(0.1, 2.0)], Measurement(0.1, 2.0)])
+def test_a_measure_that_returns_something_else_is_told_so(returned):
+    slam = Recorder()
+    panel = ControlPanel(clean_nao(), slam=slam, measure=lambda pixels, view: returned)
+    assert panel.run_slam() == ()
+    assert "Measurement" in panel.cockpit.message
+    assert slam.seen == []
+
+
+def test_without_measure_the_ideal_detector_measures():
+    panel = ControlPanel(clean_nao(), slam=(slam := Recorder()))
+    seen = panel.run_slam()
+    assert len(seen) >= 3
+    assert slam.seen == [seen]
+    panel.forward(0.05)
+    assert panel.cockpit.seen == ()
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ({"nao": 3}, "SimulatedNao"),
+        ({"slam": DeadReckoning}, r"DeadReckoning\(\.\.\.\)"),
+        ({"slam": object()}, "move, observe and estimate"),
+        ({"measure": 5}, "measure must be a function"),
+        ({"truth": True}, "Truth"),
+        ({"source": "lidar"}, "source must be one of"),
+    ],
+)
+def test_a_part_that_cannot_work_is_refused_in_words(parts, said):
+    with pytest.raises(ValueError, match=said):
+        ControlPanel(**{"nao": clean_nao(), **parts})
+
+
+def test_strange_estimates_are_drawn_without_complaint():
+    class Strange(SlamAlgorithm):
+        def move(self, motion):
+            """Nothing."""
+
+        def observe(self, measurements):
+            """Nothing."""
+
+        def estimate(self):
+            landmarks = np.array([[np.nan, 1.0], [1e12, 0.0], [1.0, 1.0]])
+            covariances = np.array([np.full((2, 2), np.nan), -np.eye(2), 1e9 * np.eye(2)])
+            return Estimate(
+                Pose(), np.full((3, 3), np.inf), landmarks, covariances, ("post", "corner", "corner")
+            )
+
+    panel = ControlPanel(clean_nao(), slam=Strange())
+    panel.forward(0.1)
+    assert not panel.cockpit.alarm
+    assert panel.drawing().image()
+
+
+# --- driving in a kernel's loop ---
+
+
+def in_a_loop(scenario):
+    return asyncio.run(scenario())
+
+
+async def until_it_stands(panel):
+    while panel.driving:
+        await asyncio.sleep(0.01)
+
+
+def test_buttons_and_code_drive_alike():
+    by_code, by_button = (ControlPanel(SimulatedNao(rng=3)) for _ in range(2))
+
+    async def scenario():
+        press(by_button, "forward")
+        assert by_button.driving
+        assert by_button.cockpit.nao.odometry == Pose()
+        await until_it_stands(by_button)
+
+    in_a_loop(scenario)
+    by_code.forward()
+    assert by_code.summary() == by_button.summary()
+    assert np.array_equal(by_code.cockpit.pictures["top"].pixels, by_button.cockpit.pictures["top"].pixels)
+
+
+def test_without_a_loop_buttons_drive_to_the_end():
+    panel = ControlPanel(clean_nao())
+    press(panel, "forward")
+    assert not panel.driving
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+
+
+def test_a_drive_is_paced():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        began = time.perf_counter()
+        press(panel, "forward")
+        await until_it_stands(panel)
+        return time.perf_counter() - began
+
+    assert in_a_loop(scenario) >= 4 * PERIOD * 0.95
+
+
+def test_stop_stops_after_the_present_step_and_forgets_what_was_to_come():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        press(panel, "left")
+        await asyncio.sleep(0)
+        press(panel, "stop")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(STEP)
+    assert panel.cockpit.nao.odometry.theta == 0
+    assert panel.cockpit.message == "Stopped."
+
+
+def test_stop_while_standing_stops_no_later_drive():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "stop")
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+
+
+def test_during_a_drive_the_newest_command_waits_and_the_head_obeys_at_once():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        await asyncio.sleep(0)
+        press(panel, "back")
+        press(panel, "left")
+        press(panel, "look-up")
+        assert np.degrees(panel.cockpit.nao.head[1]) == pytest.approx(-36)
+        assert panel.cockpit.nao.odometry.theta == 0
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+    assert np.degrees(panel.cockpit.nao.odometry.theta) == pytest.approx(15)
+
+
+def test_a_picture_can_be_taken_during_a_drive():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        await asyncio.sleep(0.01)
+        press(panel, "picture")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert len(panel.pictures) == 1
+
+
+def test_a_newer_panel_closes_the_older_and_leaves_no_task():
+    nao = clean_nao()
+
+    async def scenario():
+        older = ControlPanel(nao)
+        press(older, "forward")
+        await asyncio.sleep(0)
+        newer = ControlPanel(nao)
+        await until_it_stands(older)
+        assert asyncio.all_tasks() == {asyncio.current_task()}
+        return older, newer
+
+    older, newer = in_a_loop(scenario)
+    moved = nao.odometry.x
+    assert moved == pytest.approx(STEP)
+    press(older, "forward")
+    assert nao.odometry.x == moved
+    assert older.closed and not newer.closed
+    assert "newer panel" in older.cockpit.message
+    with pytest.raises(ValueError, match="closed"):
+        older.forward()
+
+
+def test_a_panel_of_another_robot_stops_what_still_drives_but_closes_nothing():
+    async def scenario():
+        older = ControlPanel(clean_nao())
+        press(older, "forward")
+        await asyncio.sleep(0)
+        ControlPanel(clean_nao())
+        await until_it_stands(older)
+        return older
+
+    older = in_a_loop(scenario)
+    assert older.cockpit.nao.odometry.x == pytest.approx(STEP)
+    assert not older.closed
+
+
+def test_a_mistake_of_the_panel_itself_is_a_message_too(monkeypatch):
+    panel = ControlPanel(clean_nao())
+    monkeypatch.setattr(panel, "_look", lambda: 1 / 0)
+    press(panel, "forward")
+    press(panel, "look-up")
+    assert "ZeroDivisionError in the panel" in panel.cockpit.message
+
+    async def scenario():
+        panel.cockpit.say("")
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert "ZeroDivisionError in the panel" in panel.cockpit.message
+
+
+def test_the_panel_starts_no_thread():
+    before = threading.active_count()
+    panel = ControlPanel(clean_nao())
+    panel.forward(0.1)
+    assert threading.active_count() == before
+
+
+# --- what the browser gets, and what stays where it cannot live ---
+
+
+def test_every_control_has_a_name_and_says_its_key():
+    panel = ControlPanel(clean_nao())
+    for widget in all_widgets(panel.widget):
+        if isinstance(widget, ipywidgets.Button):
+            assert widget.description and "key:" in widget.tooltip
+        elif isinstance(widget, ipywidgets.Dropdown | ipywidgets.Checkbox):
+            assert widget.description
+        elif isinstance(widget, ipywidgets.Image):
+            assert widget.tooltip
+
+
+def test_every_key_presses_one_button_and_none_belongs_to_two():
+    classes = [
+        name for widget in all_widgets(ControlPanel(clean_nao()).widget) for name in widget._dom_classes
+    ]
+    assert all(classes.count(f"nao-do-{name}") == 1 for name in KEYS)
+    keys = [key for several in KEYS.values() for key in several]
+    assert len(keys) == len(set(keys))
+
+
+def test_where_no_widget_can_live_a_picture_and_words_remain():
+    panel = ControlPanel(clean_nao())
+    bundle = panel._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"].startswith("ControlPanel: NAO V4")
+    assert '<img alt="Control panel: NAO V4; odometry (0.00, 0.00) m' in bundle["text/html"]
+
+
+def test_a_notebook_exported_without_widget_state_shows_the_picture():
+    nbconvert = pytest.importorskip("nbconvert")
+    output = nbformat.v4.new_output(
+        "execute_result", ControlPanel(clean_nao())._repr_mimebundle_(), execution_count=1
+    )
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("panel", outputs=[output])])
+    page, _ = nbconvert.HTMLExporter().from_notebook_node(notebook)
+    assert '<img alt="Control panel' in page
+
+
+def test_the_live_map_of_a_whole_field_is_a_picture():
+    pixels = LiveMap(Field(2025, half=False), {"odometry": "odometry"}).draw(
+        MapContents({"odometry": [Pose()]})
+    )
+    assert pixels.dtype == np.uint8
+    assert pixels.shape[2] == 3
+
+
+def test_the_live_map_forgets_what_it_drew_before():
+    chart = LiveMap(Field(), {"truth": "truth", "odometry": "odometry", "ekf": "EKF"})
+    empty = chart.draw(MapContents({}))
+    estimate = Estimate(Pose(), np.eye(3), np.array([[1.0, 1.0]]), np.eye(2)[None], ("post",))
+    full = chart.draw(
+        MapContents({"truth": [Pose(), Pose(1, 0, 0)]}, estimate, [Measurement(0.1, 1.0)], "truth")
+    )
+    assert not np.array_equal(full, empty)
+    assert np.array_equal(chart.draw(MapContents({})), empty)
