@@ -581,7 +581,7 @@ def noise_sd(channel: FloatArray, mask: Mask, block: int = 1) -> float:
         height, width = (n // block * block for n in channel.shape)
         shape = (height // block, block, width // block, block)
         channel = channel[:height, :width].reshape(shape).mean(axis=(1, 3))
-        mask = mask[:height, :width].reshape(shape).all(axis=(1, 3))
+        mask = np.asarray(mask[:height, :width].reshape(shape).all(axis=(1, 3)))
     whole = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
     if whole.sum() < 60:
         return float("nan")
@@ -771,11 +771,9 @@ def _mean_edge(picture: Picture, lines: Lines, scale: float, chroma: bool) -> Ed
         return None
     # Levels again, from the mean: single profiles are noisy, and a shift moves their windows.
     mean = np.median(shifted, axis=0)
-    inner, outer = (
-        float(np.median(mean[m]))
-        for m in ((offsets < -2 * scale) & (offsets > -3.4 * scale), (offsets > 2.2 * scale))
-    )
-    mean = (mean - outer) / (inner - outer)
+    plateau = float(np.median(mean[(offsets < -2 * scale) & (offsets > -3.4 * scale)]))
+    ground = float(np.median(mean[offsets > 2.2 * scale]))
+    mean = (mean - ground) / (plateau - ground)
     start = np.array([int(np.argmin(np.abs(offsets + 2.5 * scale)))])
     ends = [float(_crossing(offsets, mean[None], start, np.array([q]), 1)[0]) for q in (0.9, 0.1)]
     inside = mean[(offsets > -2 * scale) & (offsets < 0)]
@@ -1264,7 +1262,12 @@ def compare_detector(
     for name, chosen in zip(("real", "simulated"), detector_scenes(scenes, reality_, seed), strict=True):
         grid = paper.run_grid(chosen, hues)
         costs[name] = grid.mean_costs
-        values[name] = {**grid.at(), "costs": costs[name].tolist(), "funnel": paper.funnel(chosen, hues)}
+        values[name] = {
+            **grid.at(),
+            "rank correlation of halves": paper.reliability(grid),
+            "costs": costs[name].tolist(),
+            "funnel": paper.funnel(chosen, hues),
+        }
     values["rank correlation"] = paper.rank_correlation(costs["real"], costs["simulated"])
     table_a1 = np.array(paper.PAPER_COSTS)
     for name, each in costs.items():
@@ -1298,7 +1301,14 @@ def _cells(name: str, row: Mapping[str, Any]) -> tuple[object, ...]:
 
 def detector_table(values: Mapping[str, Any]) -> Table:
     """The paper's detector on real and simulated scenes."""
-    names = ("corners", "hits", "false", "cost", "rank correlation with Table A.1")
+    names = (
+        "corners",
+        "hits",
+        "false",
+        "cost",
+        "rank correlation with Table A.1",
+        "rank correlation of halves",
+    )
     rows = [(name, *(values[side][name] for side in ("real", "simulated"))) for name in names]
     rows += [
         (f"true corners {stage}", *(values[s]["funnel"][stage] for s in ("real", "simulated")))
@@ -1354,9 +1364,9 @@ def main() -> Result:
     save_pairs(BUILD / "realism_all_pairs.png", scenes)
     save_pairs(BUILD / "realism_12_pairs.png", [scenes[i] for i in CLOSE_LOOK], columns=2, zoom=2.0)
     values = {
-        "all 94 pictures": rows,
-        "8 pictures of 1280 x 960": large,
-        **by_set,
+        "all 94 pictures": _brief(rows, spread=True),
+        "8 pictures of 1280 x 960": _brief(large),
+        **{name: _brief(each) for name, each in by_set.items()},
         "detector": detector,
         "annotations": annotation_reach(scenes),
     }
@@ -1368,6 +1378,18 @@ def main() -> Result:
         "Pairs of pictures, real left: build/realism_all_pairs.png, build/realism_12_pairs.png (not ours to pass on).",
     )
     return Result("realism", values, tuple(shown), notes)
+
+
+def _brief(rows: Mapping[str, Mapping[str, Any]], spread: bool = False) -> dict[str, dict[str, float | None]]:
+    """What is worth keeping of a comparison: the middles, and if asked for the pictures' spread."""
+    kept: dict[str, dict[str, float | None]] = {}
+    for name, row in rows.items():
+        sides = {side: row[side] for side in ("real", "simulated")}
+        kept[name] = {side: values and values["middle"] for side, values in sides.items()}
+        for side, values in sides.items():
+            if spread and values:
+                kept[name] |= {f"{side} 10 %": values["low"], f"{side} 90 %": values["high"]}
+    return kept
 
 
 CLOSE_LOOK = (0, 1, 6, 10, 16, 21, 29, 34, 46, 52, 65, 84)
