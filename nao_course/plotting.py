@@ -72,7 +72,7 @@ STYLES: Mapping[str, Style] = MappingProxyType(
 LANDMARK_MARKERS: Mapping[str, str] = MappingProxyType({"corner": "P", "post": "o", "cross": "x"})
 
 _CARPET, _LINE, _YELLOW, _GREY = "#b5d1ac", "#ffffff", "#f0c419", "#6b7280"
-_LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
+LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
 _HALO = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
 _OWN_STYLE = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same letters on every machine
@@ -919,11 +919,11 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
         figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + 1.1))
         ax = figure.add_subplot()
         plot_picture(
-            array, ax, cmap=ListedColormap(_LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
+            array, ax, cmap=ListedColormap(LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
         )
         keys = [
             Patch(facecolor=colour, edgecolor="#333333", label=f"{label} {name} ({part:.1%})")
-            for label, (name, colour, part) in enumerate(zip(LABELS, _LABEL_COLOURS, parts, strict=True))
+            for label, (name, colour, part) in enumerate(zip(LABELS, LABEL_COLOURS, parts, strict=True))
         ]
         _legend_below(figure, keys)
         ax.set_title(title or "")
