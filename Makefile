@@ -16,7 +16,7 @@ LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-v
 	--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help lab test lint test-quick test-slow test-all bench build demo lock clean
+.PHONY: help lab test lint test-quick test-slow test-all bench build lock clean
 .NOTPARALLEL:
 
 help:  ## say what there is
@@ -44,11 +44,8 @@ test-all: test test-slow  ## everything: the quick tier, then the slow tests and
 bench: .venv/dev.stamp  ## measure the course against its peers
 	$(PY) -m benchmarks $(BENCH_ARGS)
 
-build: .venv/dev.stamp  ## make student copies and executed solutions from solutions/*.md
+build: .venv/dev.stamp  ## make the students' notebooks from solutions/*.md
 	$(PY) solutions/build.py
-
-demo: .venv/dev.stamp  ## see the course's own solutions drive the robot
-	$(PY) -m nao_course.cli demo
 
 lock: .venv/dev.stamp  ## renew both lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
