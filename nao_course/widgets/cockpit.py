@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sysconfig
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,10 @@ LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
 KEPT_PICTURES = 60
+_LIBRARIES = (
+    str(Path(__file__).parents[1]),
+    *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
+)
 NOTHING: tuple[Measurement, ...] = ()
 
 
@@ -197,10 +203,9 @@ class Cockpit:
     def complain(self, what: str, error: Exception) -> None:
         """Say what went wrong, and where."""
         self.error, self.alarm = error, True
-        last = traceback.extract_tb(error.__traceback__)[-1]
         text = " ".join(str(error).split())
         text = text if len(text) <= 200 else f"{text[:199]}…"
-        self.message = f"{type(error).__name__} in {what}, line {last.lineno} of {last.name}: {text}"
+        self.message = f"{type(error).__name__} in {what}, line {_line_of(error)}: {text}"
 
     def facts(self, show_truth: bool = False) -> list[str]:
         """Return where the robot is and what it has seen, in short; the truth only if asked for."""
@@ -257,6 +262,13 @@ class Cockpit:
             self.complain(f"{what}()", error)
             return False
         return True
+
+
+def _line_of(error: Exception) -> int | None:
+    """Line of the student's code an exception came through last; of any code, if it met none of theirs."""
+    frames = traceback.extract_tb(error.__traceback__)
+    theirs = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
+    return (theirs or frames)[-1].lineno
 
 
 def _place(pose: Pose) -> str:

@@ -30,7 +30,11 @@ CHROMIUM_OPTIONS = [
     "--disable-sync",
 ]
 QUIET = {  # settings of a JupyterLab that asks nothing of the network
-    "apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False, "doNotDisturbMode": True},
+    "apputils-extension/notification": {
+        "fetchNews": "false",
+        "checkForUpdates": False,
+        "doNotDisturbMode": True,
+    },
     "extensionmanager-extension/plugin": {"enabled": False},
 }
 
@@ -43,20 +47,30 @@ class Lab:
     folder: Path
     log: Path
     console: list[str] = field(default_factory=list)
+    opened: str = ""
 
-    def kernels(self) -> list[dict[str, Any]]:
-        """What the server says of its kernels."""
-        with urllib.request.urlopen(f"{self.url}/api/kernels", timeout=10) as answer:
-            return list(json.load(answer))
+    def kernel(self) -> dict[str, Any]:
+        """What the server says of the open notebook's kernel; nothing while it is being made."""
+        try:
+            with urllib.request.urlopen(f"{self.url}/api/sessions", timeout=10) as answer:
+                sessions = json.load(answer)
+        except urllib.error.HTTPError:  # the server stumbles over kernels that are just being born
+            return {}
+        return next((each["kernel"] for each in sessions if each["path"] == self.opened), {})
 
     def write(self, name: str, *cells: str) -> None:
         """Write a notebook with code cells."""
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
-        notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        notebook.metadata["kernelspec"] = {
+            "name": "python3",
+            "display_name": "Python 3",
+            "language": "python",
+        }
         nbformat.write(notebook, self.folder / name)
 
     def open(self, page: Any, name: str) -> None:
         """Open a notebook as a student does, and wait until its kernel is connected and idle."""
+        self.opened = name
         page.on("console", lambda message: self.console.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: self.console.append(f"error: {error}"))
         page.goto(f"{self.url}/lab/tree/{name}?reset")
@@ -64,26 +78,54 @@ class Lab:
         wait_for(self._is_ready, "a kernel that is connected and idle", 90)
 
     def _is_ready(self) -> bool:
-        return any(each["connections"] > 0 and each["execution_state"] == "idle" for each in self.kernels())
+        kernel = self.kernel()
+        return kernel.get("connections", 0) > 0 and kernel.get("execution_state") == "idle"
 
     def run_all(self, page: Any, timeout: float = 120) -> None:
         """Run all cells and wait for the last; repeated, because JupyterLab can lose the first command."""
-        prompts = page.locator(".jp-NotebookPanel .jp-CodeCell .jp-InputPrompt")
-        last = prompts.nth(prompts.count() - 1)
+        before = max((count or 0 for count in self.counts(page)), default=0)
 
         def started() -> bool:
-            return any(text.strip() != "[ ]:" for text in prompts.all_inner_texts())
+            return any((count or 0) > before for count in self.counts(page)) or not self._is_ready()
 
         for _ in range(10):
-            page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
+            page.evaluate(
+                "() => window.jupyterapp.commands.execute('notebook:run-all-cells').then(() => null)"
+            )
             if wait_for(started, None, 3):
                 break
-        wait_for(lambda: last.inner_text().strip("[]: ").isdigit(), "the last cell's number", timeout)
+        wait_for(lambda: all((n or 0) > before for n in self.counts(page)), "number at each cell", timeout)
+
+    @staticmethod
+    def counts(page: Any) -> list[int | None]:
+        """Execution counts of the open notebook's code cells; off-screen cells are in its model only."""
+        return list(
+            page.evaluate(
+                """() => [...window.jupyterapp.shell.currentWidget.content.model.cells]
+                .filter(cell => cell.type === 'code' && cell.sharedModel.getSource().trim())
+                .map(cell => cell.executionCount)"""
+            )
+        )
+
+    @staticmethod
+    def errors(page: Any) -> list[str]:
+        """Exceptions in the open notebook's outputs."""
+        return list(
+            page.evaluate(
+                """() => [...window.jupyterapp.shell.currentWidget.content.model.cells]
+                .filter(cell => cell.type === 'code').flatMap(cell => cell.outputs.toJSON())
+                .filter(output => output.output_type === 'error').map(output => output.ename + ': ' + output.evalue)"""
+            )
+        )
 
     def our_errors(self) -> list[str]:
         """Errors of the browser's console that may be ours: not those of files that JupyterLab itself misses."""
         foreign = ("favicon", "Failed to load resource", "ERR_", "preload", "service worker")
-        return [line for line in self.console if line.startswith("error") and not any(word in line for word in foreign)]
+        return [
+            line
+            for line in self.console
+            if line.startswith("error") and not any(word in line for word in foreign)
+        ]
 
 
 def wait_for(condition: Any, what: str | None, seconds: float) -> bool:
@@ -124,7 +166,9 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     command += ["--LabApp.extension_manager=readonly", "--LabApp.collaborative=False"]
     log = settings / "server.log"
     with log.open("w") as output:
-        server = subprocess.Popen(command, env=environment, cwd=folder, stdout=output, stderr=subprocess.STDOUT)
+        server = subprocess.Popen(
+            command, env=environment, cwd=folder, stdout=output, stderr=subprocess.STDOUT
+        )
     lab = Lab(f"http://127.0.0.1:{port}", folder, log)
     try:
         wait_for(lambda: _answers(lab.url, server, log), "JupyterLab that answers", 90)
@@ -156,7 +200,9 @@ def _stop(server: subprocess.Popen[bytes], url: str) -> None:
     except psutil.NoSuchProcess:
         family = []
     try:
-        urllib.request.urlopen(urllib.request.Request(f"{url}/api/shutdown", method="POST"), timeout=10).close()
+        urllib.request.urlopen(
+            urllib.request.Request(f"{url}/api/shutdown", method="POST"), timeout=10
+        ).close()
         server.wait(15)
     except (urllib.error.URLError, OSError, subprocess.TimeoutExpired):
         server.kill()
