@@ -27,7 +27,7 @@ LABELS = ("other", "green", "yellow", "white")
 
 # Colours as the camera shows them (0..255): typical of the real pictures of 2013, see docs/real_data.md.
 _SHOWN = {
-    "carpet": (97, 152, 94),
+    "carpet": (99, 152, 90),
     "line": (245, 248, 247),
     "yellow": (212, 204, 54),
     "white": (245, 248, 247),
@@ -40,9 +40,10 @@ _COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in _SHOWN.items()}
 _ROOM_MARGIN = 1.5  # metres of floor between the carpet and the wall
 _COARSE = 8  # light changes so slowly over the picture that every 8th pixel is enough
 _MEAN_LIGHTNESS = 117.0  # of 255: what the real camera's automatic exposure holds, whatever it sees
-_CHANNEL_NOISE = np.array(
-    [1.05, 0.78, 1.17], dtype=np.float32
-)  # red, green, blue beside their mean, measured
+_BLUR_SMALL, _BLUR_WIDE = 0.38, 0.38  # px: sigma of the picture's scaling, and of the lens at 320 wide
+_FALL_OFF = (1.4, 1.0, 0.7)  # of red, green, blue towards the corners, beside green's: measured
+# Noise of red, green and blue, beside their mean: measured.
+_CHANNEL_NOISE: Float32 = np.array([1.05, 0.78, 1.17], dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class Reality:
         If a strength is negative or no number.
     """
 
-    grain: float = 6.5
+    grain: float = 7.5
     mottle: float = 3.5
     seams: float = 0.6
     specks: float = 9.0
@@ -111,10 +112,10 @@ class Reality:
     gradient: float = 0.1
     white_balance: float = 0.03
     exposure: float = 1.0
-    overexposure: float = 0.5
+    overexposure: float = 0.2
     vignette: float = 0.29
     blur: float = 1.0
-    noise: float = 1.4
+    noise: float = 1.55
     motion: float = 1.0
     seed: int = 0
 
@@ -406,9 +407,10 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     x, y = eye.ground_position - field.carpet[:2]
     columns = (ahead * reach + np.float32(x)) / np.float32(TEXEL)
     rows = (left * reach + np.float32(y)) / np.float32(TEXEL)
-    # A pixel covers reach / focal metres across and more along: its copy of the carpet is as coarse as it is.
+    # A pixel covers reach / focal metres across, and more along; but pile stands up, so that its grain shows from
+    # the side too: the copy is chosen hardly coarser than a pixel is across.
     middle = np.minimum(reach[:, width // 2], 30.0)
-    footprint = middle / eye.view.focal[0] * np.sqrt(np.maximum(middle / eye.view.height, 1.0)) / TEXEL
+    footprint = middle / eye.view.focal[0] * np.maximum(middle / eye.view.height, 1.0) ** 0.2 / TEXEL
     level = np.clip(np.round(np.log2(np.maximum(footprint, 1.0))), 0, len(levels) - 1).astype(int)
     edges = np.flatnonzero(np.diff(level)) + 1
     for first, last in zip([0, *edges], [*edges, height], strict=True):
@@ -464,11 +466,11 @@ class _Lamps:
             where = eye.ground_position[:, None, None] + rays[:2] * (eye.view.height / down)
             across = where[0] * np.cos(towards) + where[1] * np.sin(towards)
             gain *= 1 + np.float32(reality.gradient) * np.tanh(across / 3).astype(np.float32)[..., None]
-        if reality.vignette:  # quadratic in lightness, so squared in light; red falls off most
+        if reality.vignette:  # quadratic in lightness, so squared in light
             side = (eye.view.size[1], eye.view.size[0])
             right, below = (a.reshape(side)[::_COARSE, ::_COARSE] for a in (eye.grid.right, eye.grid.down))
             corner = np.tan(eye.view.hfov / 2) ** 2 + np.tan(eye.view.vfov / 2) ** 2
-            fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * (1.15, 1.0, 0.92)
+            fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * _FALL_OFF
             gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
         if reality.white_balance:
             gain *= (1 + reality.white_balance * (cast - cast.mean())).astype(np.float32)
@@ -522,34 +524,32 @@ def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
 def _develop(
     light: Float32, eye: Eye, reality: Reality, rng: np.random.Generator | None
 ) -> npt.NDArray[np.uint8]:
-    """Blur, tone curve and noise: from light (H, W, 3) to a picture."""
+    """Blur, exposure, tone curve, noise and clipping, in the camera's order: from light (H, W, 3) to a picture."""
+    gain = _exposure(light, reality, rng) if reality.exposure else 1.0
     if eye.turning.any():
         light = _smear(light, eye)
-    if reality.exposure:
-        light *= _exposure(light, reality, rng)
-    np.minimum(light, 1, out=light)
     if reality.blur:
-        sigma = reality.blur * np.hypot(0.27, 0.27 * eye.view.size[0] / 320)
+        sigma = reality.blur * np.hypot(_BLUR_SMALL, _BLUR_WIDE * eye.view.size[0] / 320)
         light = cv2.GaussianBlur(light, (0, 0), float(sigma))
     shown = cv2.sqrt(light)
     if reality.noise and rng is not None:
-        _add_noise(shown, reality.noise / 255, rng)
-    return cv2.convertScaleAbs(np.maximum(shown, 0, out=shown), alpha=255.0)
+        return _with_noise(shown, 255 * gain, reality.noise, rng)
+    return cv2.convertScaleAbs(shown, alpha=255 * gain)
 
 
-def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None) -> np.float32:
-    """Gain that brings a picture's mean lightness near to what the camera's automatic exposure holds."""
+def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None) -> float:
+    """Gain of the shown values that brings their mean lightness to what the camera's automatic exposure holds."""
     some = np.sqrt(light[_COARSE // 2 :: _COARSE, _COARSE // 2 :: _COARSE].reshape(-1, 3))
     if not len(some):
-        return np.float32(1)
+        return 1.0
     brightest, darkest = some.max(axis=1), some.min(axis=1)
     wanted = _MEAN_LIGHTNESS + (rng.normal(0, 4) if rng is not None else 0.0)
-    low, high = 0.4, 1.8  # gain of the shown values
+    low, high = 0.4, 1.8
     for _ in range(14):
         gain = (low + high) / 2
         mean = 127.5 * (np.minimum(gain * brightest, 1) + np.minimum(gain * darkest, 1)).mean()
         low, high = (gain, high) if mean < wanted else (low, gain)
-    return np.float32(gain ** (2 * reality.exposure))
+    return float(gain**reality.exposure)
 
 
 def _smear(light: Float32, eye: Eye) -> Float32:
@@ -567,20 +567,22 @@ def _smear(light: Float32, eye: Eye) -> Float32:
 
 @lru_cache(maxsize=1)
 def _noise_tile() -> Float32:
-    """A tile (512, 512, 3) of noise with unit deviation."""
-    return np.random.default_rng(33).standard_normal((512, 512, 3), dtype=np.float32)
+    """A tile (512, 512, 3) of noise with unit deviation, mean over the channels."""
+    return np.random.default_rng(33).standard_normal((512, 512, 3), dtype=np.float32) * _CHANNEL_NOISE
 
 
-def _add_noise(shown: Float32, sigma: float, rng: np.random.Generator) -> None:
+def _with_noise(shown: Float32, gain: float, sigma: float, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
     """Add noise from random places of the tile: drawing every number anew would take as long as all the rest."""
-    tile = _noise_tile()
+    tile, picture = _noise_tile(), np.empty(shown.shape, dtype=np.uint8)
     for row in range(0, shown.shape[0], 256):
         for column in range(0, shown.shape[1], 256):
             block = shown[row : row + 256, column : column + 256]
             i, j = rng.integers(0, 257, 2)
-            block += tile[i : i + block.shape[0], j : j + block.shape[1]] * (
-                np.float32(sigma) * _CHANNEL_NOISE
+            noise = tile[i : i + block.shape[0], j : j + block.shape[1]]
+            picture[row : row + 256, column : column + 256] = cv2.addWeighted(
+                block, gain, noise, sigma, 0, dtype=cv2.CV_8U
             )
+    return picture
 
 
 # --- the field's shapes ---

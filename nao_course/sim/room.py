@@ -67,9 +67,10 @@ def carpet_levels(
     rng = np.random.default_rng([seed, 1])
     shape = tuple(int(np.ceil((extent[i + 2] - extent[i]) / TEXEL)) for i in (1, 0))
     light = wear.mottle * (0.7 * _cloud(shape, 0.6, rng) + 0.7 * _cloud(shape, 0.2, rng))
-    light += wear.grain * (0.75 * _cloud(shape, 0.012, rng) + 0.65 * _cloud(shape, TEXEL, rng))
-    warm = 0.35 * wear.mottle * _cloud(shape, 0.7, rng) + 0.12 * wear.grain * _cloud(shape, 0.01, rng)
-    carpet = np.stack([light + warm, light, light - warm], axis=2) + np.array(colour, dtype=np.float32)
+    light += wear.grain * (0.3 * _cloud(shape, 0.012, rng) + _cloud(shape, TEXEL, rng))
+    warm = 0.9 * wear.mottle * _cloud(shape, 0.7, rng) + 0.12 * wear.grain * _cloud(shape, 0.01, rng)
+    carpet: Float32 = np.stack([light + warm, light, light - warm], axis=2)
+    carpet += np.array(colour, dtype=np.float32)
     brush = _Brush(carpet, extent, rng)
     _add_seams(brush, wear)
     _add_tape(brush, wear, lines)
@@ -114,7 +115,7 @@ class _Brush:
 
     def shift(self, points: npt.ArrayLike, change: npt.ArrayLike) -> None:
         """Fill a polygon with the carpet's colour there, changed."""
-        pixel = ((np.mean(points, axis=0) - self.extent[:2]) / TEXEL).astype(int)
+        pixel = ((np.mean(np.asarray(points), axis=0) - self.extent[:2]) / TEXEL).astype(int)
         column, row = np.clip(pixel, 0, np.array(self.carpet.shape[1::-1]) - 1)
         self.fill(points, self.carpet[row, column] + np.asarray(change, dtype=float))
 
@@ -344,7 +345,9 @@ def _desk(w: _Workshop) -> None:
     for x in w.rng.uniform(-0.55, 0.55, w.rng.integers(1, 4)):
         w.box(x, 0.0, (0.19, 0.42, w.rng.uniform(0.3, 0.46)), w.rng.choice([_BLACK, _DARK, _GREY]), 0.1)
     for x in w.rng.uniform(-0.6, 0.6, 3):
-        w.limb([(x, 0.7), (x + w.rng.normal(0, 0.1), 0.3), (x + w.rng.normal(0, 0.2), 0.02)], 0.015, _STEEL, 0.05)
+        w.limb(
+            [(x, 0.7), (x + w.rng.normal(0, 0.1), 0.3), (x + w.rng.normal(0, 0.2), 0.02)], 0.015, _STEEL, 0.05
+        )
     w.box(0.0, 0.70, (1.6, 0.75, 0.04), top)
     for x in w.rng.uniform(-0.55, 0.55, w.rng.integers(1, 4)):
         w.limb([(x, 0.74), (x, 0.86)], 0.06, _BLACK, 0.4)
@@ -394,7 +397,13 @@ def _coats(w: _Workshop) -> None:
     """Coats that hang from a rack or a chair."""
     w.limb([(-0.5, 1.5), (0.5, 1.5)], 0.03, _STEEL)
     for x in np.arange(-0.45, 0.46, 0.18):
-        w.blob(x, w.rng.uniform(0.2, 0.6), 0.26, w.rng.uniform(0.8, 1.2), w.rng.choice([_BLACK, _DARK, (40, 44, 60)]))
+        w.blob(
+            x,
+            w.rng.uniform(0.2, 0.6),
+            0.26,
+            w.rng.uniform(0.8, 1.2),
+            w.rng.choice([_BLACK, _DARK, (40, 44, 60)]),
+        )
     for side in (-0.5, 0.5):
         w.limb([(side, 0.0), (side, 1.5)], 0.03, _STEEL, -0.02)
 
@@ -495,7 +504,10 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> Furniture:
         for _ in range(w.rng.poisson(3.6 * amount * length)):
             build = builders[_chosen(w.rng, often)]
             away = w.rng.uniform(*_PIECES[build][1])
-            w.place(start + along * w.rng.uniform(-0.6, length + 0.6) + outwards * away, facing + w.rng.normal(0, 0.3))
+            w.place(
+                start + along * w.rng.uniform(-0.6, length + 0.6) + outwards * away,
+                facing + w.rng.normal(0, 0.3),
+            )
             build(w)
     return w.done()
 
