@@ -1,5 +1,39 @@
-"""What an exercise is, and what a lesson does with a student's code."""
+"""What an exercise is, how it is checked, and what a lesson does with a student's code."""
 
-from nao_course.exercises.trying import try_out
+from nao_course.exercises.asking import predict
+from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
+from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
+from nao_course.exercises.comparisons import Between, Close, Exact, Points, Verdict
+from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question
+from nao_course.exercises.running import Outcome, call
+from nao_course.exercises.trying import Message, try_out
 
-__all__ = ["try_out"]
+__all__ = [
+    "Between",
+    "Case",
+    "CheckFailed",
+    "Checks",
+    "Close",
+    "CodecError",
+    "Definitions",
+    "Exact",
+    "Exercise",
+    "LessonPlan",
+    "Limits",
+    "Message",
+    "Mistake",
+    "Outcome",
+    "Points",
+    "Question",
+    "Report",
+    "Verdict",
+    "call",
+    "decode",
+    "encode",
+    "lesson",
+    "load_definitions",
+    "predict",
+    "register",
+    "try_out",
+]

@@ -1,0 +1,321 @@
+"""What a lesson calls: `check`, `hint`, questions and predictions."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from html import escape
+from importlib import resources
+from typing import Any, Literal
+
+from nao_course.exercises import running
+from nao_course.exercises.codec import Limits, decode, encode
+from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.exercise import PublicExercise, PublicLesson
+from nao_course.exercises.running import Outcome
+from nao_course.exercises.trying import Message
+
+State = Literal["right", "not attempted", "wrong", "raised", "interrupted"]
+_COLOURS = {
+    "right": "#1a7f37",
+    "not attempted": "#6e7781",
+    "wrong": "#9a6700",
+    "raised": "#9a6700",
+    "interrupted": "#6e7781",
+}
+_MARKS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
+_DATA = "checks"
+
+
+class CheckFailed(AssertionError):  # noqa: N818 - it reads as a sentence in a traceback
+    """Raised by a check that is not passed, where something must notice: in tests and under nbgrader."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check found; shown by being a cell's last line.
+
+    Parameters
+    ----------
+    name : str
+        Of the exercise.
+    state : str
+        right, not attempted, wrong, raised or interrupted.
+    lines : tuple of str
+        What to say, the most important first.
+    """
+
+    name: str
+    state: State
+    lines: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        """Whether the exercise is right, as far as the public checks can tell."""
+        return self.state == "right"
+
+    def __repr__(self) -> str:
+        """Return the lines as text."""
+        return "\n".join((f"{_MARKS[self.state]} {self.lines[0]}", *(f"  {line}" for line in self.lines[1:])))
+
+    def _repr_html_(self) -> str:
+        """Return the lines in a box whose colour is also said by a sign."""
+        first, *rest = (escape(line) for line in self.lines)
+        colour = _COLOURS[self.state]
+        body = "".join(f"<div>{line}</div>" for line in rest)
+        return (
+            f'<div role="status" data-check="{escape(self.name)}" data-state="{self.state}" '
+            f'style="border-left: 4px solid {colour}; padding: 0.4em 0.8em; margin: 0.3em 0">'
+            f'<div><strong style="color: {colour}">{_MARKS[self.state]} {first}</strong></div>{body}</div>'
+        )
+
+
+def read_public(name: str) -> PublicLesson:
+    """Read the data of a lesson's checks.
+
+    Parameters
+    ----------
+    name : str
+        Such as "01_hsl_filtering".
+
+    Returns
+    -------
+    PublicLesson
+        Exercises and questions.
+
+    Raises
+    ------
+    ValueError
+        If there is no such lesson.
+    """
+    folder = resources.files("nao_course.exercises") / _DATA
+    there = sorted(each.name.removesuffix(".bin") for each in folder.iterdir() if each.name.endswith(".bin"))
+    if name not in there:
+        raise ValueError(f"there is no lesson {name!r} with checks; there are {there}")
+    return unpack((folder / f"{name}.bin").read_bytes())
+
+
+def pack(lesson: PublicLesson) -> bytes:
+    """Turn a lesson's public data into the bytes of its file, the same each time."""
+    return zlib.compress(encode(lesson), 9)
+
+
+def unpack(data: bytes) -> PublicLesson:
+    """Turn the bytes of a data file back into a lesson."""
+    frame = zlib.decompressobj().decompress(data, 64 * 2**20)
+    lesson = decode(frame, Limits(size=64 * 2**20))
+    if not isinstance(lesson, PublicLesson):
+        raise ValueError("not a lesson's check data")
+    return lesson
+
+
+def grade_public(exercise: PublicExercise, function: Any) -> Report:
+    """Run an exercise's public cases on a function.
+
+    Parameters
+    ----------
+    exercise : PublicExercise
+        What is asked for.
+    function : callable
+        What the student wrote.
+
+    Returns
+    -------
+    Report
+        What came of it.
+    """
+    title = f"{exercise.number} {exercise.name}"
+    if not (callable(function) or exercise.driver):
+        kind = type(function).__name__
+        return Report(exercise.name, "wrong", (f"{title}: a function is wanted, got a {kind}.",))
+    outcomes = running.call_all(function, exercise.cases, exercise.driver)
+    last = outcomes[-1]
+    if last.came == "not attempted":
+        return Report(exercise.name, "not attempted", (f"{title}: not written yet.",))
+    if last.came == "interrupted":
+        text = f"{title}: stopped by you. Does it have a loop that never ends?"
+        return Report(exercise.name, "interrupted", (text,))
+    verdicts = [
+        exercise.comparison.compare(case.expected, outcome.value) if outcome.came == "value" else None
+        for case, outcome in zip(exercise.cases, outcomes, strict=True)
+    ]
+    wrong = [i for i, verdict in enumerate(verdicts) if not verdict]
+    changed = any(outcome.changed for outcome in outcomes)
+    if not wrong and not (changed and exercise.in_place):
+        lines = [
+            f"{title}: all {len(verdicts)} public checks pass.",
+            "The grader has others, with other inputs.",
+        ]
+        if changed:
+            lines.append("One thing: your function changes its input. Return a new array instead.")
+        return Report(exercise.name, "right", tuple(lines))
+    if not wrong:
+        text = f"{title}: right answers, but the function changes its input. Return a new array instead."
+        return Report(exercise.name, "wrong", (text,))
+    return _explain(exercise, title, outcomes, verdicts, wrong)
+
+
+def _explain(
+    exercise: PublicExercise,
+    title: str,
+    outcomes: list[Outcome],
+    verdicts: list[Verdict | None],
+    wrong: list[int],
+) -> Report:
+    """Tell about the first case that is wrong, and the mistake that all of them look like."""
+    first = wrong[0]
+    outcome, verdict = outcomes[first], verdicts[first]
+    about = f" ({exercise.cases[first].name})" if exercise.cases[first].name else ""
+    passed = f"{len(verdicts) - len(wrong)} of {len(verdicts)} public checks pass"
+    if verdict is None:
+        lines = [f"{title}: {passed}; one raises {outcome.text}{about}."]
+        if outcome.line:
+            lines.append(outcome.line)
+    else:
+        lines = [f"{title}: {passed}. Wrong is the {verdict.kind}{about}: {verdict.text}."]
+    lines += _recognised(exercise, outcomes, wrong)
+    return Report(exercise.name, "raised" if verdict is None else "wrong", tuple(lines))
+
+
+def _recognised(exercise: PublicExercise, outcomes: list[Outcome], wrong: list[int]) -> Iterator[str]:
+    """The message of the first mistake that gives all the wrong answers and no others."""
+    for mistake in exercise.mistakes:
+        if sorted(map(int, mistake.answers)) != wrong:
+            continue
+        if all(_same(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong):
+            yield mistake.message
+            return
+
+
+def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
+    if isinstance(answer, dict) and set(answer) == {"raises"}:
+        return outcome.came == "raised" and outcome.text.split(":")[0] == answer["raises"]
+    if outcome.came != "value":
+        return False
+    if isinstance(exercise.cases[0].expected, tuple) and type(exercise.comparison).__name__ == "Between":
+        return isinstance(outcome.value, int | float) and abs(float(outcome.value) - answer) <= 0.02 * abs(
+            answer
+        )
+    return bool(exercise.comparison.compare(answer, outcome.value))
+
+
+@dataclass
+class Checks:
+    """A lesson's `check`: call it with an exercise's name and your function.
+
+    Parameters
+    ----------
+    lesson : PublicLesson
+        What it checks.
+    """
+
+    lesson: PublicLesson
+    _hints_given: dict[str, int] = field(default_factory=dict)
+
+    def exercise(self, name: str) -> PublicExercise:
+        """Return an exercise by its name.
+
+        Raises
+        ------
+        ValueError
+            If the lesson has none of that name.
+        """
+        for exercise in self.lesson.exercises:
+            if exercise.name == name:
+                return exercise
+        names = [each.name for each in self.lesson.exercises]
+        raise ValueError(f"lesson {self.lesson.name} has no exercise {name!r}; it has {names}")
+
+    def __call__(self, name: str, function: Any) -> Report | Message:
+        """Check what you wrote.
+
+        Parameters
+        ----------
+        name : str
+            Of the exercise.
+        function : callable
+            Your function.
+
+        Returns
+        -------
+        Report
+            Shown below the cell.
+
+        Raises
+        ------
+        CheckFailed
+            If it is not right, and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
+        """
+        try:
+            report: Report | Message = grade_public(self.exercise(name), function)
+        except ValueError as error:
+            report = Message(str(error))
+        if strict() and not (isinstance(report, Report) and report):
+            raise CheckFailed(repr(report))
+        return report
+
+    def hint(self, name: str) -> Message:
+        """Give an exercise's first hint, and the second when asked again."""
+        try:
+            hints = self.exercise(name).hints
+        except ValueError as error:
+            return Message(str(error))
+        given = self._hints_given.get(name, 0)
+        self._hints_given[name] = given + 1
+        number = min(given, len(hints) - 1)
+        more = " Ask again for the next one." if number + 1 < len(hints) else " There is no further one."
+        return Message(f"Hint {number + 1} of {len(hints)}: {hints[number]}{more}")
+
+    def question(self, name: str, answer: str | None = None) -> Any:
+        """Ask a concept question.
+
+        Parameters
+        ----------
+        name : str
+            Of the question.
+        answer : str, optional
+            One of its choices, or the number of one from 1: for where no buttons can live.
+
+        Returns
+        -------
+        object
+            Buttons, or the reply to an answer.
+        """
+        from nao_course.exercises.asking import ask, reply
+
+        for question in self.lesson.questions:
+            if question.name == name:
+                return ask(question) if answer is None else reply(question, str(answer))
+        return Message(
+            f"there is no question {name!r}; there are {[each.name for each in self.lesson.questions]}"
+        )
+
+
+def strict() -> bool:
+    """Whether a check that is not passed must raise: under nbgrader, and in tests."""
+    return bool(os.environ.get("NBGRADER_EXECUTION") or os.environ.get("NAO_COURSE_STRICT"))
+
+
+def lesson(name: str) -> tuple[Checks, Callable[[str], Message]]:
+    """Return a lesson's `check` and `hint`.
+
+    Parameters
+    ----------
+    name : str
+        Such as "01_hsl_filtering".
+
+    Returns
+    -------
+    check : Checks
+        ``check("rgb_to_hsl", rgb_to_hsl)``.
+    hint : callable
+        ``hint("rgb_to_hsl")``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such lesson.
+    """
+    checks = Checks(read_public(name))
+    return checks, checks.hint

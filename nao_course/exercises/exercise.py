@@ -1,0 +1,231 @@
+"""What an exercise is: declared once, by the instructor; everything else is made from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nao_course.exercises.codec import decode, encode, register
+from nao_course.exercises.comparisons import Close, Comparison
+
+
+@register
+@dataclass(frozen=True)
+class Case:
+    """One call of a student's function.
+
+    Parameters
+    ----------
+    args : tuple
+        Its arguments; each call gets copies of its own.
+    name : str
+        What the case is about, in a few words for the student: "a grey pixel".
+    kwargs : dict
+        Its keyword arguments.
+    expected : object
+        For `Between`, (low, high). Else left out: the reference's answer is expected.
+    """
+
+    args: tuple[Any, ...]
+    name: str = ""
+    kwargs: dict[str, Any] = field(default_factory=dict)
+    expected: Any = None
+
+    def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
+        """Copies of the arguments that the function may do with what it likes."""
+        args, kwargs = decode(encode((self.args, self.kwargs)))
+        return args, kwargs
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A wrong implementation that students write, and what helps them.
+
+    Parameters
+    ----------
+    name : str
+        In a few words: "half degrees".
+    function : callable
+        The wrong implementation.
+    message : str
+        What the check says to a student whose answers are this mistake's.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    message: str
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """An exercise of a lesson.
+
+    Parameters
+    ----------
+    name : str
+        Of the function or class that the student writes; unique in the course.
+    points : float
+        What it is worth.
+    public : callable
+        Makes the public cases, the same each time: list of Case. Their pictures have at most 64 x 48 pixels.
+    hidden : callable
+        Makes hidden cases from a random generator: list of Case.
+    comparison : Comparison
+        How answers are compared: Close, Exact, Points or Between.
+    hints : (str, str)
+        Given one after the other on demand.
+    mistakes : sequence of Mistake
+        At least three.
+    alternatives : mapping of str to callable
+        Right implementations of another shape, at least three.
+    stars : int
+        Difficulty, 1 to 3.
+    uses : sequence of str
+        Earlier exercises of this lesson that the function calls.
+    driver : str
+        Where not empty: name of a library function that runs in the worker and turns what the student wrote, a class or
+        a SymPy expression, into arrays. It is called with the student's object before the case's arguments.
+    in_place : bool
+        Whether a function that changes its input fails; else it is only told so.
+    """
+
+    name: str
+    points: float
+    public: Callable[[], list[Case]]
+    hidden: Callable[[np.random.Generator], list[Case]]
+    hints: tuple[str, str]
+    mistakes: Sequence[Mistake]
+    alternatives: Mapping[str, Callable[..., Any]]
+    comparison: Comparison = field(default_factory=Close)
+    stars: int = 1
+    uses: Sequence[str] = ()
+    driver: str = ""
+    in_place: bool = False
+
+
+@dataclass(frozen=True)
+class Question:
+    """A concept question: every wrong choice has its own answer.
+
+    Parameters
+    ----------
+    name : str
+        Unique in the lesson.
+    text : str
+        The question.
+    choices : mapping of str to str
+        What can be chosen, and the reply to it.
+    right : str
+        The right one among them.
+    """
+
+    name: str
+    text: str
+    choices: Mapping[str, str]
+    right: str
+
+
+@dataclass(frozen=True)
+class LessonPlan:
+    """All exercises and questions of a lesson; a declaration file calls it PLAN.
+
+    Parameters
+    ----------
+    exercises : sequence of Exercise
+        In the order of the lesson.
+    questions : sequence of Question
+        In the order of the lesson.
+    """
+
+    exercises: Sequence[Exercise]
+    questions: Sequence[Question] = ()
+
+    def __getitem__(self, name: str) -> Exercise:
+        """Return an exercise by its name."""
+        for exercise in self.exercises:
+            if exercise.name == name:
+                return exercise
+        raise KeyError(name)
+
+
+# --- what a student's copy carries: inputs and outputs, no code ---
+
+
+@register
+@dataclass(frozen=True)
+class PublicMistake:
+    """A mistake's message, and what it answers to the public cases where that is not the right answer.
+
+    Parameters
+    ----------
+    message : str
+        For the student.
+    answers : dict of str to object
+        By the number of the case, as text; {"raises": name} where it raises.
+    """
+
+    message: str
+    answers: dict[str, Any]
+
+
+@register
+@dataclass(frozen=True)
+class PublicExercise:
+    """An exercise as `check` knows it.
+
+    Parameters
+    ----------
+    name, number : str
+        Of the function, and in the lesson: "1.3".
+    points : float
+        What it is worth.
+    stars : int
+        Difficulty.
+    comparison : Comparison
+        How answers are compared.
+    cases : list of Case
+        With what is expected.
+    mistakes : list of PublicMistake
+        To recognise.
+    hints : list of str
+        Two.
+    driver : str
+        As in Exercise.
+    in_place : bool
+        As in Exercise.
+    """
+
+    name: str
+    number: str
+    points: float
+    stars: int
+    comparison: Comparison
+    cases: list[Case]
+    mistakes: list[PublicMistake]
+    hints: list[str]
+    driver: str
+    in_place: bool
+
+
+@register
+@dataclass(frozen=True)
+class PublicQuestion:
+    """A concept question as the lesson asks it."""
+
+    name: str
+    text: str
+    choices: dict[str, str]
+    right: str
+
+
+@register
+@dataclass(frozen=True)
+class PublicLesson:
+    """What a lesson's checks and questions need: the content of its data file."""
+
+    name: str
+    exercises: list[PublicExercise]
+    questions: list[PublicQuestion]
