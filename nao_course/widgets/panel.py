@@ -92,7 +92,7 @@ _CSS = """<style>
   color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
-.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 20px; min-height: 20px;
+.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
   background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
 .nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
 .nao-panel .nao-alarm { border-left-color: #c84b00; }
@@ -483,16 +483,23 @@ class ControlPanel:
         self._map_image = self._image("map", "png")
         self._map_image.add_class("nao-map")
         controls = _box("H", "nao-controls", self._drive_pad(), self._head_pad(), self._settings())
-        left = _box("V", "nao-left", _box("H", "nao-cameras", *boxes), controls, self._actions(show_truth))
+        left = _box(
+            "V",
+            "nao-left",
+            _box("H", "nao-cameras", *boxes),
+            controls,
+            self._actions(show_truth),
+            self._status,
+        )
         main = _box("H", "nao-main", left, self._map_image)
         main.layout.flex_flow = "row wrap"
-        self.widget = _box("V", "nao-panel", ipywidgets.HTML(_CSS), main, self._status)
+        self.widget = _box("V", "nao-panel", ipywidgets.HTML(_CSS), main)
         self._camera.observe(lambda change: self._mark_camera(), "value")
         self._show_truth.observe(lambda change: self._show(), "value")
         self._mark_camera()
 
     def _image(self, name: str, kind: str) -> Any:
-        labels = {"map": "Map of the field from above; what it shows stands in words below"}
+        labels = {"map": "Map of the field from above; what it shows stands in words beside it"}
         image = LabelledImage(format=kind, tooltip=labels.get(name, f"Live picture of the {name} camera"))
         image.add_class(f"nao-image-{name}")
         return image

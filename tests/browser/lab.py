@@ -163,7 +163,7 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--ServerApp.port={port}"]
     command += ["--ServerApp.ip=127.0.0.1", "--ServerApp.port_retries=0", "--IdentityProvider.token="]
     command += [f"--ServerApp.root_dir={folder}", "--LabApp.expose_app_in_browser=True"]
-    command += ["--LabApp.extension_manager=readonly", "--LabApp.collaborative=False"]
+    command += ["--LabApp.extension_manager=readonly", "--ServerApp.disable_check_xsrf=True"]
     log = settings / "server.log"
     with log.open("w") as output:
         server = subprocess.Popen(

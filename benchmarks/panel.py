@@ -1,0 +1,131 @@
+"""How quick the control panel is in a real browser: from button to new picture, and pictures a second."""
+
+from __future__ import annotations
+
+import json
+import platform
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from tests.browser.lab import Lab, browser_page, jupyter_lab
+
+RESULT = Path(__file__).parent / "results" / "panel.json"
+PRESSES = 40
+DRIVES = 5
+WANTED = {"button_to_picture_ms": 100.0, "pictures_per_second": 12.0}
+PANEL = """from nao_course.sim import SimulatedNao, Truth
+from nao_course.slam import DeadReckoning
+from nao_course.widgets import ControlPanel
+
+nao = SimulatedNao(rng=4)
+panel = ControlPanel(nao, truth=Truth(nao), slam=DeadReckoning())
+panel"""
+
+# In the page's own clock: from the click until the chosen camera's next picture is decoded and its frame painted.
+_PRESS = """name => new Promise(resolve => {
+  const image = document.querySelector('img.nao-image-bottom');
+  const began = performance.now();
+  image.addEventListener('load', () => requestAnimationFrame(() => resolve(performance.now() - began)), {once: true});
+  document.querySelector('.nao-do-' + name).click();
+})"""
+_WATCH = """() => {
+  window.naoLoads = {top: [], bottom: [], map: []};
+  for (const name of Object.keys(window.naoLoads))
+    document.querySelector('img.nao-image-' + name).addEventListener(
+      'load', () => window.naoLoads[name].push(performance.now()));
+}"""
+
+
+def measure(lab: Lab, page: Any) -> dict[str, Any]:
+    """Times of one session, in ms, and frames a second."""
+    lab.write("panel.ipynb", PANEL)
+    lab.open(page, "panel.ipynb")
+    lab.run_all(page)
+    page.wait_for_selector("img.nao-image-bottom")
+    page.wait_for_timeout(2000)
+    results: dict[str, Any] = {}
+    for name, (there, back) in {"head": ("look-left", "look-right"), "walk": ("left", "right")}.items():
+        times = [_press(page, press) for _ in range(PRESSES // 2) for press in (there, back)]
+        results[f"{name}_button_to_picture_ms"] = {
+            "median": round(float(np.median(times)), 1),
+            "p90": round(float(np.quantile(times, 0.9)), 1),
+            "presses": len(times),
+        }
+    page.evaluate(_WATCH)
+    page.locator(".nao-panel select").nth(2).select_option("1 m")
+    rates = {name: [_rate(page, name, drive) for drive in range(DRIVES)] for name in ("bottom",)}["bottom"]
+    results["pictures_per_second"] = {
+        name: round(float(np.median([rate[name] for rate in rates])), 1) for name in rates[0]
+    }
+    results["longest_gap_ms"] = round(max(rate["gap"] for rate in rates), 1)
+    return results
+
+
+def _press(page: Any, name: str) -> float:
+    page.wait_for_timeout(700)  # what was asked before is over
+    return float(page.evaluate(_PRESS, name))
+
+
+def _rate(page: Any, name: str, drive: int) -> dict[str, float]:
+    """Frames a second of each picture during one drive of a metre, there or back."""
+    page.evaluate("() => { for (const times of Object.values(window.naoLoads)) times.length = 0; }")
+    page.locator(f".nao-do-{'back' if drive % 2 else 'forward'}").click()
+    page.wait_for_function(
+        "() => document.querySelector('.nao-status').innerText.includes('done')", timeout=60_000
+    )
+    page.wait_for_timeout(500)
+    loads = page.evaluate("() => window.naoLoads")
+    rates = {image: (len(times) - 1) / (times[-1] - times[0]) * 1000 for image, times in loads.items()}
+    return {**rates, "gap": float(np.diff(loads[name]).max())}
+
+
+def main() -> None:
+    """Measure, show a table, and write benchmarks/results/panel.json."""
+    executable = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
+    if executable is None:
+        sys.exit("no Chromium on this machine (on Debian and Ubuntu: apt install chromium)")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder, settings = Path(scratch) / "notebooks", Path(scratch) / "jupyter"
+        folder.mkdir()
+        with jupyter_lab(folder, settings) as lab, browser_page(executable) as page:
+            results = measure(lab, page)
+    results["wanted"] = WANTED
+    results["machine"] = {"cpu": _processor(), "python": platform.python_version(), "picture": "320 x 240"}
+    RESULT.parent.mkdir(exist_ok=True)
+    RESULT.write_text(json.dumps(results, indent=2) + "\n")
+    _show(results)
+
+
+def _processor() -> str:
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.machine())
+
+
+def _show(results: dict[str, Any]) -> None:
+    table = Table(title="Control panel in JupyterLab and Chromium, pictures of 320 x 240")
+    for column in ("measured", "median", "90 %", "wanted"):
+        table.add_column(column, justify="left" if column == "measured" else "right")
+    for name in ("head", "walk"):
+        times = results[f"{name}_button_to_picture_ms"]
+        wanted = f"<= {WANTED['button_to_picture_ms']:.0f} ms"
+        table.add_row(f"{name} button to new picture", f"{times['median']} ms", f"{times['p90']} ms", wanted)
+    rates = results["pictures_per_second"]
+    for name in ("bottom", "top", "map"):
+        wanted = f">= {WANTED['pictures_per_second']:.0f}" if name == "bottom" else ""
+        table.add_row(f"{name} pictures a second while driving", f"{rates[name]}", "", wanted)
+    table.add_row("longest gap between two pictures of a drive", f"{results['longest_gap_ms']} ms", "", "")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()
