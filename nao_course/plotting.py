@@ -368,8 +368,9 @@ def _metres(ax: Axes, around: FloatArray, margin: float = 0.0) -> None:
     """Equal axes in metres, around points (N, 2)."""
     (left, low), (right, high) = np.nanmin(around, axis=0) - margin, np.nanmax(around, axis=0) + margin
     ax.set(aspect="equal", xlim=(left, right), ylim=(low, high), xlabel="x (m)", ylabel="y (m)")
-    ax.set_xticks(np.arange(np.ceil(left), right + 1e-9))
-    ax.set_yticks(np.arange(np.ceil(low), high + 1e-9))
+    step = 1.0 if max(right - left, high - low) > 3 else 0.5
+    ax.set_xticks(np.arange(np.ceil(left / step) * step, right + 1e-9, step))
+    ax.set_yticks(np.arange(np.ceil(low / step) * step, high + 1e-9, step))
 
 
 def plot_pose(pose: Pose, ax: Axes, source: str = "truth", length: float = 0.35) -> None:
@@ -678,7 +679,7 @@ def draw_map(
             style = style_of(source)
             plot_estimate(placed, ax, source, probability)
             keys += [
-                _key(style, f"{style.label}, {probability:.0%} ellipse"),
+                _key(style, f"{style.label}, {100 * probability:.0f} % ellipse"),
                 *_landmark_keys(placed.kinds, style.colour, style.label),
             ]
             words.append(_say_estimate(placed, style, probability))
@@ -751,8 +752,13 @@ def plot_picture(picture: Picture | npt.ArrayLike, ax: Axes, ticks: bool = True,
     ax.spines[["left", "bottom"]].set_visible(False)
     if ticks:
         ax.set(xlabel="u (px)", ylabel="v (px)")
-        ax.set(xticks=np.linspace(0, width, 5).round(), yticks=np.linspace(0, height, 4).round())
+        ax.set(xticks=_pixel_ticks(width, 4), yticks=_pixel_ticks(height, 3))
         ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+
+
+def _pixel_ticks(length: int, parts: int) -> list[int]:
+    """Round numbers of pixels, and the last pixel."""
+    return [*(length * part // parts for part in range(parts)), length - 1]
 
 
 def _marked(landmarks: Iterable[VisibleLandmark] | npt.ArrayLike) -> tuple[FloatArray, list[str]]:
@@ -1159,7 +1165,7 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
     Parameters
     ----------
     field : Field, optional
-        By default the first seed's half field.
+        Of which rule year; one half of it is drawn. By default the first seed's.
     title : str, optional
         Over the figure.
 
@@ -1168,7 +1174,7 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
     Drawing
         A figure for the first lesson.
     """
-    field = Field() if field is None else field
+    field = Field(2012 if field is None else field.year)
     with course_style():
         figure = Figure(figsize=(10.2, 6.4))
         grid = figure.add_gridspec(2, 2, width_ratios=(1.18, 1.0))
@@ -1190,7 +1196,7 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
 def _frames_on_field(ax: Axes, field: Field) -> str:
     """Field frame, robot frame, and one measurement; returns what is measured."""
     d = field.dimensions
-    plot_field(Field(field.year, field.half), ax)
+    plot_field(field, ax)
     ax.set_title("on the field, from above", fontsize=11)
     unit = 0.8 * d.length / 6
     for axis, label, where in (((unit, 0), "x", (0, -9)), ((0, unit), "y", (-11, 0))):
@@ -1203,9 +1209,9 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
     target = Landmark(d.length / 2 - d.goal_area[0], d.goal_area[1] / 2, "corner", "L")
     local = robot.to_local([target.x, target.y])[0]
     bearing, distance = float(np.arctan2(local[1], local[0])), float(np.hypot(*local))
-    ahead, left = robot.to_parent([[1.5 * unit, 0], [0, unit]])
+    ahead, left = robot.to_parent([[1.7 * unit, 0], [0, unit]])
     ax.plot(
-        [robot.x, robot.x + 1.45 * unit],
+        [robot.x, robot.x + 1.65 * unit],
         [robot.y, robot.y],
         color=_FIELD_FRAME,
         lw=1,
@@ -1220,7 +1226,7 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
         _name(ax, outwards, label, _ROBOT_FRAME, ha="center")
     plot_pose(robot, ax, "ekf", length=0.05)
     _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
-    _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.2 * unit, _FIELD_FRAME, r" heading $\theta$")
+    _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.4 * unit, _FIELD_FRAME, r" heading $\theta$")
     _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, " bearing")
     middle = robot.to_parent(0.62 * local)[0]
     _name(ax, middle + (-0.1, 0.05), "range", _SIGHT, ha="right")
