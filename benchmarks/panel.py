@@ -60,11 +60,11 @@ def measure(lab: Lab, page: Any) -> dict[str, Any]:
         }
     page.evaluate(_WATCH)
     page.locator(".nao-panel select").nth(2).select_option("1 m")
-    rates = {name: [_rate(page, name, drive) for drive in range(DRIVES)] for name in ("bottom",)}["bottom"]
+    rates, gaps = zip(*(_rate(page, drive) for drive in range(DRIVES)), strict=True)
     results["pictures_per_second"] = {
-        name: round(float(np.median([rate[name] for rate in rates])), 1) for name in rates[0]
+        image: round(float(np.median([rate[image] for rate in rates])), 1) for image in rates[0]
     }
-    results["longest_gap_ms"] = round(max(rate["gap"] for rate in rates), 1)
+    results["longest_gap_ms"] = round(max(gaps), 1)
     return results
 
 
@@ -73,17 +73,20 @@ def _press(page: Any, name: str) -> float:
     return float(page.evaluate(_PRESS, name))
 
 
-def _rate(page: Any, name: str, drive: int) -> dict[str, float]:
-    """Frames a second of each picture during one drive of a metre, there or back."""
+def _rate(page: Any, drive: int) -> tuple[dict[str, float], float]:
+    """Frames a second of each picture during one drive of a metre, there or back, and the longest wait for one, ms."""
     page.evaluate("() => { for (const times of Object.values(window.naoLoads)) times.length = 0; }")
     page.locator(f".nao-do-{'back' if drive % 2 else 'forward'}").click()
+    page.wait_for_function(
+        "() => document.querySelector('.nao-status').innerText.includes('…')", timeout=10_000
+    )
     page.wait_for_function(
         "() => document.querySelector('.nao-status').innerText.includes('done')", timeout=60_000
     )
     page.wait_for_timeout(500)
     loads = page.evaluate("() => window.naoLoads")
     rates = {image: (len(times) - 1) / (times[-1] - times[0]) * 1000 for image, times in loads.items()}
-    return {**rates, "gap": float(np.diff(loads[name]).max())}
+    return rates, float(np.diff(loads["bottom"]).max())
 
 
 def main() -> None:
