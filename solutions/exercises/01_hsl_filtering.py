@@ -1,0 +1,697 @@
+"""Lesson 01, HSL filtering: its exercises, what students get wrong in them, and other right ways to write them."""
+
+from __future__ import annotations
+
+import colorsys
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question
+
+Array = npt.NDArray[Any]
+
+
+# --- pictures and hues to try things on ---
+
+
+def picture(rng: np.random.Generator, rows: int, columns: int) -> Array:
+    """A picture of patches that look like grass, goal, line, shadow, wall and nothing in particular."""
+    colours = np.array(
+        [(60, 130, 70), (85, 145, 88), (205, 190, 45), (250, 251, 249), (20, 22, 21), (150, 150, 150)]
+    )
+    kinds = rng.integers(0, len(colours) + 1, (rows, columns))
+    noisy = np.append(colours, [[0, 0, 0]], axis=0)[kinds] + rng.integers(-14, 15, (rows, columns, 3))
+    anything = rng.integers(0, 256, (rows, columns, 3))
+    return np.clip(np.where((kinds == len(colours))[..., None], anything, noisy), 0, 255).astype(np.uint8)
+
+
+def primaries() -> Array:
+    """The corners of the colour cube, some greys, and pinks whose hue is just below 360 degrees."""
+    rows = [
+        [(255, 0, 0), (255, 255, 0), (0, 255, 0), (0, 255, 255)],
+        [(0, 0, 255), (255, 0, 255), (0, 0, 0), (255, 255, 255)],
+        [(128, 128, 128), (200, 10, 60), (255, 0, 30), (130, 90, 110)],
+    ]
+    return np.array(rows, dtype=np.uint8)
+
+
+def hues(rng: np.random.Generator, middle: float, width: float, size: tuple[int, int]) -> Array:
+    """Hues in half degrees about a middle, on the circle."""
+    return np.round(2 * (middle + rng.uniform(-width, width, size))) / 2 % 360
+
+
+# --- 1.1 rgb_to_hsl ---
+
+
+def _hsl(picture: Array, **changed: Any) -> tuple[Array, Array, Array]:
+    """The conversion, with one thing done in another way."""
+    rgb = picture.astype(float) / 255
+    red, green, blue = rgb[..., 0], rgb[..., 1], rgb[..., 2]
+    top, bottom = rgb.max(axis=2), rgb.min(axis=2)
+    spread = top - bottom
+    safe = np.where(spread == 0, 1, spread)
+    hue = np.where(
+        top == red,
+        (green - blue) / safe,
+        np.where(top == green, 2 + (blue - red) / safe, 4 + (red - green) / safe),
+    )
+    hue = np.where(spread == 0, 0, 60 * hue)
+    if not changed.get("negative"):
+        hue = hue % 360
+    lightness = (top + bottom) / 2
+    room = 1 - np.abs(2 * lightness - 1)
+    saturation = np.where(spread == 0, 0, spread / np.where(room == 0, 1, room))
+    if changed.get("hsv"):
+        saturation = spread / np.where(top == 0, 1, top)
+        lightness = top
+    if changed.get("luma"):
+        lightness = rgb @ [0.299, 0.587, 0.114]
+    if changed.get("half"):
+        hue = hue / 2
+    return hue, saturation, lightness * (1.0 if changed.get("unit") else 255.0)
+
+
+def _overflow(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, _ = _hsl(picture)
+    return hue, saturation, ((picture.max(axis=2) + picture.min(axis=2)) // 2).astype(float)
+
+
+def _opencv_order(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return hue, lightness, saturation
+
+
+def _hsl_loop(picture: Array) -> tuple[Array, Array, Array]:
+    out = np.zeros((3, *picture.shape[:2]))
+    for i in range(picture.shape[0]):
+        for j in range(picture.shape[1]):
+            h, l, s = colorsys.rgb_to_hls(*(float(c) / 255 for c in picture[i, j]))  # noqa: E741
+            out[:, i, j] = h * 360, s, l * 255
+    return out[0], out[1], out[2]
+
+
+def _hsl_opencv(picture: Array) -> tuple[Array, Array, Array]:
+    hls = cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS)
+    return hls[..., 0], hls[..., 2], hls[..., 1] * 255
+
+
+def _hsl_float32(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return hue.astype(np.float32), saturation.astype(np.float32), lightness.astype(np.float32)
+
+
+RGB_TO_HSL = Exercise(
+    name="rgb_to_hsl",
+    points=3,
+    stars=1,
+    public=lambda: [
+        Case((primaries(),), "pure colours and greys"),
+        Case((picture(np.random.default_rng(11), 8, 10),), "a picture"),
+    ],
+    hidden=lambda rng: [Case((primaries()[:, ::-1],)), *(Case((picture(rng, 24, 32),)) for _ in range(3))],
+    comparison=Close(rtol=1e-3, atol=2e-3),
+    hints=(
+        "Turn the picture into floats first. Which of the three channels is largest decides which sixth of the colour "
+        "circle a pixel is in.",
+        "With M the largest and m the smallest channel in 0..1: if M is red, the hue is 60 (g - b) / (M - m), taken modulo "
+        "360; green starts at 120 and blue at 240. Lightness is 255 (M + m) / 2. np.where chooses between arrays.",
+    ),
+    mistakes=[
+        Mistake(
+            "half degrees",
+            lambda picture: _hsl(picture, half=True),
+            "Your hues are half of what they should be: OpenCV stores them in units of 2 degrees so that they fit into "
+            "a byte. This course has degrees, 0 to 360.",
+        ),
+        Mistake(
+            "OpenCV's order",
+            _opencv_order,
+            "Saturation and lightness have changed places. OpenCV's HLS has lightness second; here the order is hue, "
+            "saturation, lightness.",
+        ),
+        Mistake(
+            "luma",
+            lambda picture: _hsl(picture, luma=True),
+            "That is the luma, a weighted mean of the three channels. The lightness of HSL is halfway between the "
+            "largest and the smallest channel.",
+        ),
+        Mistake(
+            "uint8 overflow",
+            _overflow,
+            "Bright pixels come out dark: two bytes were added, and 200 + 200 is 144 in a byte. Turn the picture into "
+            "floats before you calculate.",
+        ),
+        Mistake(
+            "negative hue",
+            lambda picture: _hsl(picture, negative=True),
+            "Some hues are negative. Pinks lie just below 360 degrees: take the hue modulo 360.",
+        ),
+        Mistake(
+            "HSV",
+            lambda picture: _hsl(picture, hsv=True),
+            "That is HSV: its value is the largest channel and its saturation is relative to that. HSL's lightness is "
+            "halfway between the largest and the smallest.",
+        ),
+        Mistake(
+            "lightness in 0..1",
+            lambda picture: _hsl(picture, unit=True),
+            "Your lightness lies in 0..1. The paper's equation 4.1 has 255 as its maximum, so this course's lightness "
+            "goes from 0 to 255.",
+        ),
+    ],
+    alternatives={
+        "a loop with colorsys": _hsl_loop,
+        "OpenCV in floats": _hsl_opencv,
+        "float32": _hsl_float32,
+    },
+)
+
+
+# --- 1.2 average_lightness ---
+
+
+def _sample(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
+    return float(rng.choice(lightness.ravel(), n_samples).mean())
+
+
+def _patchy(rng: np.random.Generator, rows: int, columns: int) -> Array:
+    """A skewed picture, bright at its top: mean, median and first rows all differ."""
+    light = rng.uniform(0, 90, (rows, columns))
+    light[: rows // 4] = rng.uniform(180, 255, (rows // 4, columns))
+    return light
+
+
+def _sample_loop(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
+    total = 0.0
+    for _ in range(n_samples):
+        row, column = rng.integers(lightness.shape[0]), rng.integers(lightness.shape[1])
+        total += lightness[row, column]
+    return total / n_samples
+
+
+def _sample_apart(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
+    rows = rng.integers(0, lightness.shape[0], n_samples)
+    columns = rng.integers(0, lightness.shape[1], n_samples)
+    return float(np.mean(lightness[rows, columns]))
+
+
+def _sample_without_replacement(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
+    chosen = rng.permutation(lightness.size)[:n_samples]
+    return float(lightness.reshape(-1)[chosen].mean())
+
+
+AVERAGE_LIGHTNESS = Exercise(
+    name="average_lightness",
+    points=1,
+    stars=1,
+    driver="sampling_law",
+    public=lambda: [Case((_patchy(np.random.default_rng(12), 32, 40), 40, 300), "300 samples of 40 pixels")],
+    hidden=lambda rng: [Case((_patchy(rng, 48, 64), 50, 300)), Case((_patchy(rng, 60, 40), 20, 300))],
+    comparison=Close(rtol=0.25, atol=1e-9),
+    hints=(
+        "The generator draws for you: rng.integers(0, n, size=k) gives k whole numbers from 0 to n - 1, and "
+        "rng.choice(values, k) gives k of the values.",
+        "lightness.ravel() is the picture as one long row. Draw n_samples of its elements and take their mean.",
+    ),
+    mistakes=[
+        Mistake(
+            "all pixels",
+            lambda lightness, n_samples, rng: float(lightness.mean()),
+            "Your answer is the same for every generator. Either it looks at every pixel, where the paper draws a random "
+            "sample, or it draws with a generator of its own instead of rng.",
+        ),
+        Mistake(
+            "the first pixels",
+            lambda lightness, n_samples, rng: float(lightness.ravel()[:n_samples].mean()),
+            "Those are the first pixels, from the top of the picture, where there is no grass. Draw them at random.",
+        ),
+        Mistake(
+            "the sum",
+            lambda lightness, n_samples, rng: n_samples * _sample(lightness, n_samples, rng),
+            "Your answers are n_samples times too large: a sum where a mean is wanted.",
+        ),
+        Mistake(
+            "one pixel",
+            lambda lightness, n_samples, rng: float(rng.choice(lightness.ravel())),
+            "Your answers scatter like a single pixel's. Draw n_samples of them and average.",
+        ),
+        Mistake(
+            "the median",
+            lambda lightness, n_samples, rng: float(np.median(rng.choice(lightness.ravel(), n_samples))),
+            "That is the median. On a picture with a bright wall above dark grass, mean and median are far apart.",
+        ),
+    ],
+    alternatives={
+        "a loop": _sample_loop,
+        "rows and columns apart": _sample_apart,
+        "without replacement": _sample_without_replacement,
+    },
+)
+
+
+# --- 1.3 white_threshold ---
+
+WHITE_THRESHOLD = Exercise(
+    name="white_threshold",
+    points=1,
+    stars=1,
+    public=lambda: [
+        Case((100.0,), "mean 100"),
+        Case((0.0,), "a black picture"),
+        Case((120.0, 110.0), "another beta"),
+        Case((80.0, 120.0, 200.0), "another maximum"),
+    ],
+    hidden=lambda rng: [
+        *(Case((float(rng.uniform(20, 230)),)) for _ in range(3)),
+        *(
+            Case((float(rng.uniform(20, 180)), float(rng.uniform(90, 150)), float(rng.uniform(190, 255))))
+            for _ in range(4)
+        ),
+        Case((90.0,), kwargs={"max_lightness": 240.0}),
+    ],
+    hints=(
+        "It is one line: equation 4.1 with mean_lightness for the average and max_lightness for the maximum.",
+        "The mean decides how far the threshold climbs from beta towards the maximum: beta plus a fraction of (max_lightness "
+        "- beta).",
+    ),
+    mistakes=[
+        Mistake(
+            "beta not added",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                (max_lightness - beta) * mean_lightness / max_lightness
+            ),
+            "A black picture must give beta itself, and you give 0: beta is not added.",
+        ),
+        Mistake(
+            "missing brackets",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                beta + max_lightness - beta * mean_lightness / max_lightness
+            ),
+            "Brackets are missing: the fraction multiplies (max_lightness - beta), not beta alone.",
+        ),
+        Mistake(
+            "inverted fraction",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                beta + (max_lightness - beta) * max_lightness / max(mean_lightness, 1e-9)
+            ),
+            "The fraction is upside down: it is the mean over the maximum, between 0 and 1.",
+        ),
+        Mistake(
+            "255 for the maximum",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                beta + (255.0 - beta) * mean_lightness / 255.0
+            ),
+            "It is right as long as max_lightness is 255. Use the argument instead of the number.",
+        ),
+        Mistake(
+            "120 for beta",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                120.0 + (max_lightness - 120.0) * mean_lightness / max_lightness
+            ),
+            "It is right as long as beta is 120. Use the argument instead of the number.",
+        ),
+    ],
+    alternatives={
+        "a weighted mean": lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+            beta * (1 - mean_lightness / max_lightness) + mean_lightness
+        ),
+        "interpolation": lambda mean_lightness, beta=120.0, max_lightness=255.0: np.interp(
+            mean_lightness, [0, max_lightness], [beta, max_lightness]
+        ),
+        "float32": lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+            np.float32(beta) + np.float32(max_lightness - beta) * np.float32(mean_lightness / max_lightness)
+        ),
+    },
+)
+
+
+# --- 1.4 calibrate_hue ---
+
+
+def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    """Limits on the circle: the widest gap between neighbouring hues is outside."""
+    coloured = np.unique(hue[saturation > 0])
+    gaps = np.diff(coloured, append=coloured[0] + 360)
+    widest = int(gaps.argmax())
+    low, high = coloured[(widest + 1) % len(coloured)], coloured[widest]
+    return float((low - epsilon) % 360), float((high + epsilon) % 360)
+
+
+def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    there = sorted({float(h) for h, s in zip(hue.ravel(), saturation.ravel(), strict=True) if s > 0})
+    best, answer = -1.0, (0.0, 0.0)
+    for i, high in enumerate(there):
+        low = there[(i + 1) % len(there)]
+        gap = (low - high) % 360 or 360.0
+        if gap > best:
+            best, answer = gap, ((low - epsilon) % 360, (high + epsilon) % 360)
+    return answer
+
+
+def _limits_about_mean(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    angles = np.radians(hue[saturation > 0])
+    middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
+    offset = (np.degrees(angles) - middle + 180) % 360 - 180
+    return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
+
+
+def _limits_list(hue: Array, saturation: Array, epsilon: float = 0.0) -> list[np.float32]:
+    return [np.float32(limit) for limit in _limits(hue, saturation, epsilon)]
+
+
+def _grass(rng: np.random.Generator, middle: float, width: float) -> tuple[Array, Array]:
+    """Hues about a middle, with grey pixels whose hue, 0, means nothing."""
+    hue, saturation = hues(rng, middle, width, (8, 10)), rng.uniform(0.1, 0.9, (8, 10))
+    grey = rng.random((8, 10)) < 0.2
+    grey[0, 0] = True
+    hue[grey], saturation[grey] = 0.0, 0.0
+    return hue, saturation
+
+
+CALIBRATE_HUE = Exercise(
+    name="calibrate_hue",
+    points=3,
+    stars=2,
+    public=lambda: [
+        Case((*_grass(np.random.default_rng(13), 125, 20), 0.0), "green grass"),
+        Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
+        Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
+        Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
+    ],
+    hidden=lambda rng: [
+        *(
+            Case((*_grass(rng, float(rng.uniform(60, 300)), float(rng.uniform(8, 30))), e))
+            for e in (0.0, 4.0, 7.5)
+        ),
+        *(Case((*_grass(rng, float(rng.uniform(-6, 6)), float(rng.uniform(10, 30))), e)) for e in (0.0, 4.0)),
+        Case(_grass(rng, 55.0, 10.0)),
+    ],
+    comparison=Close(rtol=0, atol=0.02, period=360.0),
+    hints=(
+        "First leave out the pixels without a colour: a grey pixel has saturation 0, and its hue of 0 means nothing. Then "
+        "start with hues that do not cross 0.",
+        "Sort the hues and look at the gaps between neighbours, also the one from the last through 360 to the first. "
+        "The widest gap is what is outside; low is the hue after it and high the one before it.",
+    ),
+    mistakes=[
+        Mistake(
+            "epsilon inwards",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, -epsilon),
+            "Your limits are narrower than the picture's hues: epsilon is taken away from low and added to high.",
+        ),
+        Mistake(
+            "grey included",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, np.ones_like(saturation), epsilon),
+            "One of your limits comes from grey pixels. They have saturation 0 and no hue: leave them out.",
+        ),
+        Mistake(
+            "no wrap",
+            lambda hue, saturation, epsilon=0.0: (
+                float((hue[saturation > 0].min() - epsilon) % 360),
+                float((hue[saturation > 0].max() + epsilon) % 360),
+            ),
+            "Right for green. Red lies on both sides of 0: there, smallest and largest hue are neighbours, and everything "
+            "but red is between them.",
+        ),
+        Mistake(
+            "swapped",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, epsilon)[::-1],
+            "Low and high have changed places.",
+        ),
+        Mistake(
+            "epsilon forgotten",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation),
+            "The limits are those of the picture itself: epsilon is not used.",
+        ),
+        Mistake(
+            "negative limit",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0] / 2 - epsilon,
+                _limits(hue, saturation)[1] / 2 + epsilon,
+            ),
+            "Your limits are half of what they should be: degrees from 0 to 360, not OpenCV's units of 2 degrees.",
+        ),
+    ],
+    alternatives={
+        "a loop": _limits_loop,
+        "about the mean direction": _limits_about_mean,
+        "a list of float32": _limits_list,
+    },
+)
+
+
+# --- 1.5 hue_mask ---
+
+
+def _mask(hue: Array, low: float, high: float) -> Array:
+    if low <= high:
+        return (hue >= low) & (hue <= high)
+    return (hue >= low) | (hue <= high)
+
+
+HUE_MASK = Exercise(
+    name="hue_mask",
+    points=2,
+    stars=1,
+    public=lambda: [
+        Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
+        Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
+        Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
+    ],
+    hidden=lambda rng: [
+        *(Case((hues(rng, m, 80, (20, 30)), float(m - 25), float(m + 25))) for m in (60, 120, 200)),
+        Case((hues(rng, 0, 90, (20, 30)), 330.0, 15.0)),
+        Case((hues(rng, 10, 60, (20, 30)), 350.0, 40.0)),
+        Case((np.array([0.0, 10.0, 10.5, 349.5, 350.0, 359.5]), 350.0, 10.0)),
+        Case((np.array([[90.0, 90.5, 89.5]]), 90.0, 90.0)),
+    ],
+    comparison=Exact(),
+    hints=(
+        "Two comparisons joined by & (and), each in brackets: (hue >= ...) & (hue <= ...). Both limits belong to it.",
+        "If low is larger than high, the interval goes through 0: then a hue belongs to it if it is above low *or* below "
+        "high.",
+    ),
+    mistakes=[
+        Mistake(
+            "no wrap",
+            lambda hue, low, high: (hue >= low) & (hue <= high),
+            "With low above high your mask is empty. Such limits go through 0: above low *or* below high.",
+        ),
+        Mistake(
+            "limits excluded",
+            lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
+            "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
+        ),
+        Mistake(
+            "or for and",
+            lambda hue, low, high: (hue >= low) | (hue <= high),
+            "Your mask lets everything through: each hue is above low or below high. Both must hold.",
+        ),
+        Mistake(
+            "bytes",
+            lambda hue, low, high: _mask(hue, low, high).astype(np.uint8) * 255,
+            "Your mask has 0 and 255, as OpenCV's do. True and False are wanted: they can be used as an index.",
+        ),
+        Mistake(
+            "inverted",
+            lambda hue, low, high: ~_mask(hue, low, high),
+            "Your mask is exactly the opposite.",
+        ),
+    ],
+    alternatives={
+        "modulo": lambda hue, low, high: (np.asarray(hue) - low) % 360 <= (high - low) % 360,
+        "a loop": lambda hue, low, high: np.array(
+            [low <= h <= high if low <= high else h >= low or h <= high for h in hue.ravel()], dtype=bool
+        ).reshape(hue.shape),
+        "without a branch": lambda hue, low, high: np.logical_or(
+            np.logical_and(hue >= low, hue <= high), (low > high) & ((hue >= low) | (hue <= high))
+        ),
+    },
+)
+
+
+# --- 1.6 color_labels ---
+
+
+def _labels(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+    order: str = "gyw",
+    floor_white: bool = False,
+    luma: bool = False,
+) -> Array:
+    hue, saturation, lightness = _hsl(picture, luma=luma)
+    coloured = saturation >= min_saturation
+    masks = {
+        "g": (_mask(hue, *green) & coloured, 1),
+        "y": (_mask(hue, *yellow) & coloured, 2),
+        "w": ((lightness > threshold) & (coloured if floor_white else True), 3),
+    }
+    labels = np.zeros(picture.shape[:2], dtype=np.uint8)
+    for kind in order:
+        mask, label = masks[kind]
+        labels[mask] = label
+    return labels
+
+
+def _labels_loop(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> list[list[int]]:
+    hue, saturation, lightness = _hsl(picture)
+    rows = []
+    for i in range(picture.shape[0]):
+        row = []
+        for j in range(picture.shape[1]):
+            label = 0
+            if lightness[i, j] > threshold:
+                label = 3
+            elif saturation[i, j] >= min_saturation and _mask(hue[i, j], *yellow):
+                label = 2
+            elif saturation[i, j] >= min_saturation and _mask(hue[i, j], *green):
+                label = 1
+            row.append(label)
+        rows.append(row)
+    return rows
+
+
+def _labels_select(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> Array:
+    hls = cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS)
+    hue, lightness, coloured = hls[..., 0], hls[..., 1] * 255, hls[..., 2] >= min_saturation
+    return np.select(
+        [lightness > threshold, coloured & _mask(hue, *yellow), coloured & _mask(hue, *green)], [3, 2, 1], 0
+    ).astype(np.uint8)
+
+
+def _labels_int(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> Array:
+    return _labels(picture, green, yellow, threshold, min_saturation).astype(np.int64)
+
+
+_GREEN, _YELLOW = (90.0, 150.0), (45.0, 95.0)  # they overlap: yellow wins
+
+COLOR_LABELS = Exercise(
+    name="color_labels",
+    points=3,
+    stars=2,
+    uses=("rgb_to_hsl", "hue_mask"),
+    public=lambda: [
+        Case((picture(np.random.default_rng(19), 12, 16), _GREEN, _YELLOW, 180.0), "a picture"),
+        Case(
+            (picture(np.random.default_rng(20), 12, 16), _GREEN, _YELLOW, 180.0, 0.4712),
+            "a high saturation floor",
+        ),
+        Case(
+            (picture(np.random.default_rng(21), 12, 16), (350.0, 60.0), (40.0, 70.0), 120.0),
+            "green through 0",
+        ),
+    ],
+    hidden=lambda rng: [
+        Case((picture(rng, 30, 40), _GREEN, _YELLOW, 180.0)),
+        Case((picture(rng, 30, 40), _GREEN, _YELLOW, 120.0, 0.3071)),
+        Case((picture(rng, 30, 40), (330.0, 120.0), (40.0, 80.0), 200.0, 0.0)),
+        Case((picture(rng, 30, 40), _GREEN, _YELLOW, 255.0)),
+        Case((primaries(), (60.0, 180.0), (0.0, 60.0), 126.0, 0.9)),
+    ],
+    comparison=Exact(allowed=0.006),
+    hints=(
+        "Begin with np.zeros of the picture's height and width, dtype uint8, and write the labels into it: labels[mask] = 1. "
+        "What is written last wins.",
+        "Your own rgb_to_hsl and hue_mask give three masks: green hue and enough saturation, yellow hue and enough "
+        "saturation, lightness above the threshold. The floor is not for white, which has no colour.",
+    ),
+    mistakes=[
+        Mistake(
+            "green wins",
+            lambda *args: _labels(*args, order="wyg"),
+            "The order of precedence is upside down: white wins over yellow, and yellow over green. Write green first.",
+        ),
+        Mistake(
+            "yellow wins over white",
+            lambda *args: _labels(*args, order="gwy"),
+            "Bright yellow pixels must become white: white is written last.",
+        ),
+        Mistake(
+            "green wins over yellow",
+            lambda *args: _labels(*args, order="ygw"),
+            "Where green's and yellow's hues overlap, yellow wins: write it after green.",
+        ),
+        Mistake(
+            "floor for white",
+            lambda *args: _labels(*args, floor_white=True),
+            "White lines are missing: they have hardly any saturation. The floor is for green and yellow only.",
+        ),
+        Mistake(
+            "no floor",
+            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
+                picture, green, yellow, threshold, 0.0
+            ),
+            "Grey pixels get a colour: min_saturation is not used.",
+        ),
+        Mistake(
+            "floor fixed",
+            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
+                picture, green, yellow, threshold
+            ),
+            "It is right as long as the floor is 0.16. Use the argument min_saturation.",
+        ),
+        Mistake(
+            "luma",
+            lambda *args: _labels(*args, luma=True),
+            "Your white is decided by the luma. Use the lightness of your rgb_to_hsl.",
+        ),
+    ],
+    alternatives={"a loop": _labels_loop, "np.select and OpenCV": _labels_select, "int64": _labels_int},
+)
+
+
+PLAN = LessonPlan(
+    exercises=[RGB_TO_HSL, AVERAGE_LIGHTNESS, WHITE_THRESHOLD, CALIBRATE_HUE, HUE_MASK, COLOR_LABELS],
+    questions=[
+        Question(
+            "why_hsl",
+            "The sun goes behind a cloud and every channel of every pixel is halved. What happens to the carpet's hue?",
+            {
+                "It is halved, too.": "Hue is a ratio of differences of channels: (g - b) / (M - m). Halve them all, and the "
+                "halves cancel.",
+                "It stays as it is.": "The ratio (g - b) / (M - m) does not notice a common factor. That is why the "
+                "paper filters by hue.",
+                "It goes to 0, because the picture becomes grey.": "Grey means that the channels are equal. They keep their "
+                "proportions, and only the differences shrink.",
+            },
+            "It stays as it is.",
+        ),
+        Question(
+            "why_epsilon",
+            "Why does the paper widen green by epsilon, but not yellow?",
+            {
+                "The goal is small, the carpet is everywhere.": "The carpet is seen near and far, in shadow and in glare, "
+                "and the calibration picture shows only one place. There is one goal, in one light.",
+                "Yellow is a brighter colour than green.": "How bright a colour is does not matter to its hue. What matters is "
+                "how much the hue varies from place to place.",
+                "Epsilon makes the filter faster.": "It costs the same: two comparisons for each pixel either way.",
+            },
+            "The goal is small, the carpet is everywhere.",
+        ),
+    ],
+)
