@@ -255,6 +255,20 @@ def test_without_measure_the_ideal_detector_measures():
     assert panel.cockpit.seen == ()
 
 
+def test_what_the_students_code_prints_is_in_the_panel_and_where_it_belongs(capsys):
+    def measure(pixels, view):
+        print("three <corners>")
+        return []
+
+    panel = ControlPanel(clean_nao(), slam=Recorder(), measure=measure)
+    press(panel, "slam")
+    assert panel.cockpit.printed == "three <corners>\n"
+    assert "three &lt;corners&gt;" in panel._status.value
+    assert capsys.readouterr().out == "three <corners>\n"
+    panel.forward(0.05)
+    assert "corners" not in panel._status.value
+
+
 @pytest.mark.parametrize(
     ("parts", "said"),
     [

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import sys
 import sysconfig
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -23,6 +26,7 @@ LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
 KEPT_PICTURES = 60
+KEPT_LETTERS = 1000
 _LIBRARIES = (
     str(Path(__file__).parents[1]),
     *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
@@ -90,6 +94,8 @@ class Cockpit:
         Pictures taken in all, live ones too.
     message : str
         What there is to say.
+    printed : str
+        The end of what the student's code printed during the latest command.
     alarm : bool
         Whether the message is a complaint.
     error : Exception or None
@@ -119,6 +125,7 @@ class Cockpit:
         self.album: deque[Picture] = deque(maxlen=KEPT_PICTURES)
         self.frames = 0
         self.message = ""
+        self.printed = ""
         self.alarm = False
         self.error: Exception | None = None
         self._truths: dict[str, PictureTruth | None] = {}
@@ -179,7 +186,7 @@ class Cockpit:
         tuple of Measurement
             What was measured; empty if the student's code failed.
         """
-        self.seen = NOTHING
+        self.seen, self.printed = NOTHING, ""
         if not self._try("measure", lambda: self._measure(camera, size)):
             return ()
         found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
@@ -256,12 +263,31 @@ class Cockpit:
 
     def _try(self, what: str, call: Callable[[], None]) -> bool:
         """Run a student's code; what it raises becomes the message."""
+        copy = _Copy(sys.stdout)
         try:
-            call()
+            with contextlib.redirect_stdout(copy):
+                call()
         except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
             self.complain(f"{what}()", error)
             return False
+        finally:
+            self.printed = (self.printed + copy.text)[-KEPT_LETTERS:]
         return True
+
+
+class _Copy(io.TextIOBase):
+    """Passes on what is printed and keeps its end: a button's prints have no cell to appear under."""
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self.text = ""
+
+    def write(self, text: str) -> int:
+        self.text = (self.text + text)[-KEPT_LETTERS:]
+        return self._out.write(text)
+
+    def flush(self) -> None:
+        self._out.flush()
 
 
 def _line_of(error: Exception) -> int | None:

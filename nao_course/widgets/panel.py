@@ -95,6 +95,7 @@ _CSS = """<style>
 .nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
   background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
 .nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
+.nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
 .nao-panel .nao-alarm { border-left-color: #c84b00; }
 .nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 </style>"""
@@ -404,6 +405,7 @@ class ControlPanel:
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""
         self.cockpit.say(f"{_in_words(motion)} …")
+        self.cockpit.printed = ""
         for part in pieces(motion):
             went_well = self.cockpit.move(part)
             self._look()
@@ -447,6 +449,8 @@ class ControlPanel:
         words = html.escape(cockpit.message)
         if cockpit.alarm:
             words += " <i>(raise panel.error shows where)</i>"
+        if cockpit.printed.strip():
+            words += f'<pre class="nao-printed">{html.escape(cockpit.printed.rstrip())}</pre>'
         facts = html.escape(" · ".join(cockpit.facts(self.show_truth)))
         status = (
             f'<div class="nao-status {alarm}"><div role="status" aria-live="polite">{words}</div>'

@@ -30,6 +30,7 @@ from nao_course.widgets import ControlPanel
 
 class Mine(DeadReckoning):
     def observe(self, measurements):
+        print(f"I see {len(measurements)}")
         measurements[99]
 
 panel = ControlPanel(SimulatedNao(rng=4), slam=Mine())
@@ -169,7 +170,8 @@ def test_stop_stops_a_long_drive(lab, page):
 def test_an_exception_of_the_students_is_a_line_in_the_panel(lab, page):
     panel = open_panel(lab, page, "failing.ipynb", FAILING)
     panel.press("slam")
-    panel.expect("IndexError in observe(), line 7: tuple index out of range")
+    panel.expect("IndexError in observe(), line 8: tuple index out of range")
+    panel.expect("I see")
     panel.screenshot("panel_with_a_students_mistake")
     panel.press("forward")
     panel.expect("Walk 0.20 m ahead: done")
