@@ -87,6 +87,8 @@ class Panel:
 
     def screenshot(self, name):
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
+        self.page.wait_for_timeout(300)
         self.page.screenshot(path=SCREENSHOTS / f"{name}.png")
 
 
