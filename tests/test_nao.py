@@ -54,7 +54,7 @@ def test_what_is_measured_comes_from_right_to_left_so_that_order_names_no_landma
     assert bearings == sorted(bearings)
 
 
-@pytest.mark.parametrize("motion", [Motion(1.0, 0.0), Motion(0.0, 1.2), Motion(-0.5, 0.0)])
+@pytest.mark.parametrize("motion", [Motion(0.8, 0.5), Motion(0.0, 1.2), Motion(-0.5, 0.0)])
 def test_odometry_scatters_in_the_robot_frame_as_its_covariance_says(motion):
     heading = 0.7
     noise = OdometryNoise()
@@ -67,6 +67,24 @@ def test_odometry_scatters_in_the_robot_frame_as_its_covariance_says(motion):
     expected = np.sqrt(np.diag(noise.covariance(motion)))
     assert np.allclose(errors.std(axis=0), expected, rtol=0.08, atol=1e-12)
     assert np.abs(errors.mean(axis=0)).max() < 0.01
+
+
+def test_the_covariance_of_a_motion_is_along_across_and_turn_and_grows_with_the_way():
+    noise = OdometryNoise(along=0.06, across=0.04, turn=0.08, turn_per_turn=0.12)
+    assert np.allclose(noise.covariance(Motion(2.0, 0.0)), np.diag([0.06**2, 0.04**2, 0.08**2]) * 2)
+    assert np.allclose(noise.covariance(Motion(0.0, -0.5)), np.diag([0, 0, 0.12**2]) * 0.5)
+
+
+def test_what_a_post_hides_is_not_measured():
+    post, corner = np.array([3.0, 0.7]), np.array([3.0, 1.1])
+    eye = post + (post - corner) / np.linalg.norm(post - corner)
+    nao = SimulatedNao(pose=Pose(eye[0], eye[1], np.pi / 2), **EXACT)
+    nao.look(0.0, np.radians(-31))
+    seen = [
+        (round(m.range * np.sin(m.bearing), 2), round(m.range * np.cos(m.bearing), 2)) for m in nao.sense()
+    ]
+    assert (0.0, 1.0) in seen  # the post itself, straight ahead
+    assert (0.0, 1.4) not in seen  # the corner behind it
 
 
 def test_many_short_steps_scatter_like_one_long_walk(rng):

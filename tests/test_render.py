@@ -65,6 +65,17 @@ def test_moving_field_and_robot_together_changes_no_picture(half):
     assert len(here[1].landmarks) == len(there[1].landmarks) > 0
 
 
+def test_no_move_of_the_world_shows_in_any_of_many_pictures(rng):
+    for _ in range(25):
+        robot = Pose(*rng.uniform([0, -2, -3], [3, 2, 3]))
+        moved = Pose(*rng.uniform([-50, -50, -3], [50, 50, 3]))
+        here, there = (
+            render(field, pose, camera((160, 120)), CLEAN)[0]
+            for field, pose in ((Field(), robot), (Field(pose=moved), moved @ robot))
+        )
+        assert here.tobytes() == there.tobytes()
+
+
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
     pictures = [
         render(Field(), Pose(), camera(), rng=np.random.default_rng(s))[0].tobytes() for s in (1, 1, 2)
@@ -163,7 +174,14 @@ def test_each_effect_alone_changes_the_picture_and_at_zero_does_not(effect):
 
     clean = picture(CLEAN)
     assert picture(replace(Reality.clean(seed=5), **{effect: 0.0})).tobytes() == clean.tobytes()
-    strong = {"seams": 1.0, "vignette": 0.3, "gradient": 0.5, "glare": 0.5, "white_balance": 0.1, "exposure": 1.0}
+    strong = {
+        "seams": 1.0,
+        "vignette": 0.3,
+        "gradient": 0.5,
+        "glare": 0.5,
+        "white_balance": 0.1,
+        "exposure": 1.0,
+    }
     assert (picture(replace(CLEAN, **{effect: strong.get(effect, 10.0)})) != clean).mean() > 0.0005
 
 
