@@ -207,7 +207,7 @@ def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_go
         view = camera()
         for pose in (Pose(0.2, 1.2, -0.2), Pose(2.0, 0.0, 0.0), Pose(3.6, -0.3, np.pi - 0.6)):
             _, clean = render(field, pose, view, CLEAN)
-            pixels, truth = render(field, pose, view, reality)
+            _, truth = render(field, pose, view, reality)
             hidden += sum(m.occluded for m in truth.landmarks) - sum(m.occluded for m in clean.landmarks)
             if pose.x < 3:  # everything that lies there lies behind the goal
                 assert ((truth.labels == YELLOW) == (clean.labels == YELLOW)).all()
