@@ -17,8 +17,17 @@ import numpy.typing as npt
 from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.field import Field, Landmark
-from nao_course.sim.room import TEXEL, Furniture, Wear, carpet_levels, furnish, paint_furniture, scatter
-from nao_course.sim.shapes import Covered, Eye, Float32
+from nao_course.sim.room import (
+    TEXEL,
+    Furniture,
+    Wear,
+    carpet_levels,
+    furnish,
+    paint_curtains,
+    paint_furniture,
+    scatter,
+)
+from nao_course.sim.shapes import Covered, Eye, Float32, middles
 
 Labels = npt.NDArray[np.uint8]
 
@@ -31,17 +40,21 @@ _SHOWN = {
     "line": (245, 248, 247),
     "yellow": (212, 204, 54),
     "white": (245, 248, 247),
-    "floor": (226, 218, 209),
+    "floor": (240, 233, 225),
     "wall": (186, 186, 184),
 }
 # The camera's tone curve is not published; a square root is within its plausible range and quick to apply.
 _LINEAR = (np.arange(256, dtype=np.float32) / 255) ** 2
 _COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in _SHOWN.items()}
-_ROOM_MARGIN = 1.5  # metres of floor between the carpet and the wall
+# The floor around the carpet: to which distance (m), how bright. Under the furniture it is dark.
+_FLOOR = ((1.5, 1.0), (1.1, 0.75), (0.8, 0.87), (0.55, 0.95), (0.3, 1.03))
 _COARSE = 8  # light changes so slowly over the picture that every 8th pixel is enough
 _MEAN_LIGHTNESS = 117.0  # of 255: what the real camera's automatic exposure holds, whatever it sees
 _BLUR_SMALL, _BLUR_WIDE = 0.38, 0.38  # px: sigma of the picture's scaling, and of the lens at 320 wide
-_FALL_OFF = (1.4, 1.0, 0.7)  # of red, green, blue towards the corners, beside green's: measured
+_FALL_OFF = (1.3, 1.0, 0.75)  # of red, green, blue towards the corners, beside green's: measured
+_TAPE = np.float32(
+    12
+)  # how much more lines are overexposed the steeper they are seen: 255 even in dark corners
 # Noise of red, green and blue, beside their mean: measured.
 _CHANNEL_NOISE: Float32 = np.array([1.05, 0.78, 1.17], dtype=np.float32)
 
@@ -112,7 +125,7 @@ class Reality:
     gradient: float = 0.1
     white_balance: float = 0.03
     exposure: float = 1.0
-    overexposure: float = 0.2
+    overexposure: float = 0.17
     vignette: float = 0.29
     blur: float = 1.0
     noise: float = 1.55
@@ -335,28 +348,37 @@ def _behind_posts(field: Field, points: FloatArray, eye: FloatArray, height: flo
 
 def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
     """Light (H, W, 3) under even lighting, and labels (H, W)."""
-    width, height = eye.view.size
-    x0, y0, x1, y1 = field.carpet
-    m = _ROOM_MARGIN
-    behind = np.full((height, width, 3), _SHOWN["wall"], dtype=np.uint8)
-    floor = eye.outlines([_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m)])[0]
-    if floor is not None:
-        cv2.fillPoly(behind, [floor], _SHOWN["floor"], cv2.LINE_AA)
-    if reality.clutter:
-        paint_furniture(eye, furnish(field.carpet, reality.clutter, reality.seed), behind)
-    carpet = _carpet(field, eye, reality)
-    mask, rim = eye.large_quad(_rectangle(eye, x0, y0, x1, y1))
+    picture = _carpet(field, eye, reality)
+    mask, rim = eye.large_quad(_rectangle(eye, *field.carpet))
+    behind = _room(field, eye, reality, mask)
     under = _LINEAR[behind.reshape(-1, 3)[rim.rim]]
-    cv2.copyTo(carpet, mask, behind)
-    light = cv2.LUT(behind, _LINEAR)
+    edge = _LINEAR[picture.reshape(-1, 3)[rim.rim]]
+    cv2.copyTo(behind, 1 - mask[: len(behind)], picture[: len(behind)])
+    light = cv2.LUT(picture, _LINEAR)
     flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # an inside pixel's mask is 1, the label of green
-    flat[rim.rim] = under + rim.area[:, None] * (_LINEAR[carpet.reshape(-1, 3)[rim.rim]] - under)
+    flat[rim.rim] = under + rim.area[:, None] * (edge - under)
     labels[rim.rim[rim.area >= 0.5]] = GREEN
     lamps = _Lamps(field, eye, reality)
     lamps.light_ground(light)
     _paint_lines(field, eye, flat, labels, lamps)
     _paint_standing(field, eye, light, mask, lamps)
     return light, mask
+
+
+def _room(field: Field, eye: Eye, reality: Reality, carpet: Labels) -> npt.NDArray[np.uint8]:
+    """The picture's upper rows (rows, W, 3), as far down as the carpet does not cover them, without the carpet."""
+    rows = 1 + int(np.flatnonzero(cv2.reduce(carpet, 1, cv2.REDUCE_MIN) == 0).max(initial=0))
+    behind = np.empty((rows, eye.view.size[0], 3), dtype=np.uint8)
+    behind[:] = _SHOWN["wall"]
+    x0, y0, x1, y1 = field.carpet
+    for margin, light in _FLOOR if reality.clutter else _FLOOR[:1]:
+        m = margin
+        floor = eye.outlines([_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m)])[0]
+        if floor is not None:
+            cv2.fillPoly(behind, [floor], [round(light * shade) for shade in _SHOWN["floor"]], cv2.LINE_AA)
+    if reality.clutter:
+        paint_curtains(eye, furnish(field.carpet, reality.clutter, reality.seed), behind)
+    return behind
 
 
 def _paint_standing(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: _Lamps) -> None:
@@ -429,7 +451,7 @@ def _paint_lines(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: 
         shape.add_to(bare)
     touched = np.flatnonzero(bare < 1)
     area = 1 - bare[touched]
-    paint = _COLOURS["line"] * lamps.at(touched) * np.float32(1 + lamps.reality.overexposure)
+    paint = _COLOURS["line"] * lamps.at(touched) * lamps.overexposed(touched)
     light[touched] += area[:, None] * (paint - light[touched])
     labels[touched[area >= 0.5]] = WHITE
 
@@ -468,13 +490,15 @@ class _Lamps:
             gain *= 1 + np.float32(reality.gradient) * np.tanh(across / 3).astype(np.float32)[..., None]
         if reality.vignette:  # quadratic in lightness, so squared in light
             side = (eye.view.size[1], eye.view.size[0])
-            right, below = (a.reshape(side)[::_COARSE, ::_COARSE] for a in (eye.grid.right, eye.grid.down))
+            some = np.ix_(*(middles(n, _COARSE) for n in side))
+            right, below = (a.reshape(side)[some] for a in (eye.grid.right, eye.grid.down))
             corner = np.tan(eye.view.hfov / 2) ** 2 + np.tan(eye.view.vfov / 2) ** 2
             fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * _FALL_OFF
             gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
         if reality.white_balance:
             gain *= (1 + reality.white_balance * (cast - cast.mean())).astype(np.float32)
-        self._gain, self._rays, self._down = gain, rays, down
+        self._gain, self._rays = gain, rays
+        self._steep = np.maximum(down - np.float32(0.16), 0)[..., None]  # beyond 3 m nothing changes any more
 
     @property
     def even(self) -> bool:
@@ -487,13 +511,18 @@ class _Lamps:
         rows, columns = np.divmod(pixels, self.width)
         return self._gain[rows // _COARSE, columns // _COARSE]
 
+    def overexposed(self, pixels: npt.NDArray[np.intp]) -> Float32:
+        """How far (N, 1) lines at flat pixels (N,) are overexposed: least seen from the side, between the pile."""
+        rows, columns = np.divmod(pixels, self.width)
+        steep = self._steep[rows // _COARSE, columns // _COARSE]
+        return 1 + np.float32(self.reality.overexposure) * (1 + _TAPE * steep)
+
     def light_ground(self, light: Float32) -> None:
         """Light a picture (H, W, 3) of ground and room: gains, the pile of the carpet, and what shines back."""
         r, size = self.reality, light.shape[1::-1]
         gain = self._gain
         if r.pile:  # from above one looks between the fibres: red and blue lose most
-            steep = np.maximum(self._down - np.float32(0.16), 0)[..., None]
-            gain = gain * np.maximum(1 - r.pile * steep * (1.25, 0.41, 0.9), 0.05).astype(np.float32)
+            gain = gain * np.maximum(1 - r.pile * self._steep * (1.25, 0.41, 0.9), 0.05).astype(np.float32)
         if r.pile or not self.even:
             cv2.multiply(light, _enlarged(gain, size), dst=light)
         if r.glare:
@@ -510,15 +539,9 @@ class _Lamps:
 
 
 def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
-    """A coarse grid (h, w, 3), whose points are every 8th pixel, at a picture's full (width, height)."""
-    width, height = size
+    """A coarse grid (h, w, 3), whose points are the middles of 8 by 8 pixels, at a picture's full (width, height)."""
     whole = (coarse.shape[1] * _COARSE, coarse.shape[0] * _COARSE)
-    shift = np.array([[_COARSE, 0, 0], [0, _COARSE, 0]], dtype=np.float64)
-    if min(coarse.shape[:2]) > 1 and width == whole[0] and height == whole[1]:
-        return cv2.warpAffine(
-            coarse, shift, (width, height), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
-    return cv2.resize(coarse, whole, interpolation=cv2.INTER_LINEAR)[:height, :width]
+    return cv2.resize(coarse, whole, interpolation=cv2.INTER_LINEAR)[: size[1], : size[0]]
 
 
 def _develop(

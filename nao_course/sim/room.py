@@ -144,7 +144,7 @@ def _add_seams(brush: _Brush, wear: Wear) -> None:
         brush.shift(faint, np.full(3, -16.0 * wear.seams))
         for x in rng.uniform(x0, x1, rng.poisson(3.2 * bad * (x1 - x0))):
             at, slant = np.array([x, y + rng.normal(0, 0.008)]), rng.normal(0, 0.05)
-            size = np.array([min(rng.exponential(0.11) + 0.02, 0.45), rng.uniform(0.012, 0.035)])
+            size = np.array([min(rng.exponential(0.11) + 0.02, 0.45), rng.uniform(0.01, 0.026)])
             brush.fill(brush.lens(at, size, slant), (30, 52, 34))
             if rng.random() < 0.22:  # the edge curls up and shows its backing
                 side = at + (rng.normal(0, 0.02), 0.018)
@@ -314,7 +314,7 @@ class _Workshop:
         )
 
 
-_BLACK, _DARK, _GREY, _STEEL = (8, 7, 8), (32, 30, 32), (84, 82, 80), (150, 150, 150)
+_BLACK, _DARK, _GREY, _STEEL = (3, 2, 3), (30, 28, 30), (84, 82, 80), (150, 150, 150)
 _WHITE, _CREAM, _WOOD, _CARTON = (236, 234, 230), (226, 218, 209), (112, 78, 50), (150, 112, 72)
 _RED, _YELLOW, _BLUE, _SKIN = (150, 30, 32), (176, 158, 40), (70, 110, 144), (176, 128, 100)
 
@@ -362,7 +362,7 @@ def _sitter(w: _Workshop) -> None:
     """A person on a chair, seen from the front or the side."""
     _chair(w)
     trousers = w.rng.choice([_DARK, (40, 44, 60), (121, 110, 89)])
-    shirt = w.rng.choice([_RED, _DARK, (160, 156, 84), _WHITE, (44, 60, 104)])
+    shirt = w.rng.choice([_RED, _DARK, (150, 148, 140), _WHITE, (44, 60, 104)])
     lean = w.rng.uniform(-0.15, 0.15)
     for side in (-0.12, 0.12):
         knee = side + lean
@@ -381,16 +381,28 @@ def _stander(w: _Workshop) -> None:
     for side in (-0.1, 0.1):
         w.limb([(side, 0.85), (side * 1.2, 0.45), (side * 1.4, 0.08)], 0.15, trousers)
         w.blob(side * 1.5, 0.0, 0.14, 0.1, _WHITE if w.rng.random() < 0.4 else _BLACK, -0.03)
-    w.blob(0.0, 0.8, 0.46, 0.7, w.rng.choice([_RED, _DARK, _BLUE, _YELLOW]), 0.02)
+    w.blob(0.0, 0.8, 0.46, 0.7, w.rng.choice([_RED, _DARK, _BLUE, _BLACK]), 0.02)
 
 
 def _bag(w: _Workshop) -> None:
     """A bag on the floor."""
     colour = w.rng.choice([_RED, _BLUE, _DARK, _BLACK, _BLACK, _RED])
     width = w.rng.uniform(0.3, 0.6)
-    w.blob(0.0, 0.0, width, w.rng.uniform(0.2, 0.42), colour)
-    w.blob(0.05, 0.03, width * 0.5, 0.15, np.array(colour) * 0.6, -0.02)
+    height = w.rng.uniform(0.2, 0.42)
+    w.blob(0.0, 0.0, width, height, np.array(colour) * 0.7)
+    for x, z in w.rng.uniform((-0.25, 0.1), (0.25, 0.45), (4, 2)):  # folds
+        tone = np.array(colour) * w.rng.uniform(0.5, 1.4) + w.rng.uniform(0, 18)
+        w.blob(x * width, z * height, width * 0.45, height * 0.4, tone, -0.01)
     w.limb([(-width / 4, 0.12), (width / 5, 0.24)], 0.04, _BLACK if w.rng.random() < 0.6 else _YELLOW, -0.02)
+
+
+def _oddments(w: _Workshop) -> None:
+    """Small things in a heap: boxes, bottles, tools, chargers."""
+    tones = [_WHITE, _WHITE, _BLACK, _BLACK, _STEEL, _CARTON, _BLUE, _RED, _CREAM, _GREY]
+    for x in w.rng.uniform(-0.4, 0.4, w.rng.integers(4, 9)):
+        size, height = w.rng.uniform(0.03, 0.16), w.rng.uniform(0.03, 0.2)
+        w.plate(x, 0.0, size, height, w.rng.choice(tones), w.rng.uniform(-0.1, 0.1))
+        w.plate(x, height * 0.4, size * 0.6, height * 0.3, w.rng.choice(tones), -0.11)
 
 
 def _coats(w: _Workshop) -> None:
@@ -468,6 +480,7 @@ _PIECES = {
     _bag: (3.0, (0.1, 0.7)),
     _coats: (2.5, (0.5, 1.0)),
     _papers: (1.5, (0.1, 0.6)),
+    _oddments: (3.0, (0.1, 0.7)),
     _robot: (0.8, (0.1, 0.5)),
     _cartons: (2.0, (0.2, 0.9)),
     _shelf: (2.5, (0.8, 1.0)),
@@ -493,23 +506,215 @@ def _sides(rectangle: Rectangle) -> Iterator[tuple[FloatArray, FloatArray, Float
         yield start, along, outwards, length, float(np.arctan2(-outwards[1], -outwards[0]))
 
 
-@lru_cache(maxsize=4)
-def furnish(carpet: Rectangle, amount: float, seed: int) -> Furniture:
-    """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); `amount` 1 is a crowded laboratory."""
-    w = _Workshop(np.random.default_rng([seed, 2]))
+@dataclass(frozen=True)
+class Curtain:
+    """A stage set: pieces painted on an upright plane along one side of the carpet.
+
+    Parameters
+    ----------
+    start, along, outwards : ndarray, shape (2,)
+        Its left end seen from outside, and the unit directions along it and away from the carpet; field frame.
+    paint : ndarray of uint8, shape (rows, columns, 3)
+        Colours times the area they cover, from the upper edge down.
+    shows : ndarray of uint8, shape (rows, columns, 3)
+        How much of what is behind shows through: 255 is all.
+    """
+
+    start: FloatArray
+    along: FloatArray
+    outwards: FloatArray
+    paint: Bytes
+    shows: Bytes
+
+
+_PIXEL = 0.008  # metres a curtain's pixel is wide
+_TOP, _BOTTOM = 2.2, -0.06  # metres above the ground; below it, shadows fall
+_CURTAINS = (0.8, 0.3)  # metres behind the carpet at which pieces are painted, farthest first
+_EVERY = 8  # pixels between those whose rays are computed
+_GRAZING = np.float32(0.02)  # a curtain seen at a smaller slope is not seen
+_DEPTH = (
+    0.16  # what lies a metre farther back is painted so much higher, as from a NAO's eyes three metres off
+)
+
+
+@lru_cache(maxsize=2)
+def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
+    """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); `amount` 1 is a crowded laboratory.
+
+    Curtains come in the order in which they are to be painted.
+    """
+    rng = np.random.default_rng([seed, 2])
+    texture = 0.6 * _cloud((600, 600), 0.25, rng) + 0.5 * _cloud((600, 600), 0.05, rng)
+    texture += 0.5 * _cloud((600, 600), 0.015, rng)
     builders = list(_PIECES)
     often = [_PIECES[each][0] for each in builders]
+    walls, layers = [], []
     for start, along, outwards, length, facing in _sides(carpet):
-        _wall(w, start, along, outwards, length, facing)
-        for _ in range(w.rng.poisson(3.6 * amount * length)):
-            build = builders[_chosen(w.rng, often)]
-            away = w.rng.uniform(*_PIECES[build][1])
+        distance = rng.uniform(1.15, 1.5)
+        wall, tone = _wall(_Workshop(rng), start, along, outwards, distance, length, facing)
+        canvas = _Canvas(start - along * 2 + outwards * distance, along, outwards, length + 4, texture, rng)
+        canvas.fill(tone)
+        canvas.add(wall)
+        walls.append(canvas.done())
+        pieces = [_Workshop(rng) for _ in _CURTAINS]
+        crowd = rng.uniform(0.3, 1.7)  # some sides are nearly free
+        for _ in range(rng.poisson(3.0 * crowd * amount * length)):
+            build = builders[_chosen(rng, often)]
+            away = rng.uniform(*_PIECES[build][1])
+            w = pieces[int(np.argmin(np.abs(np.array(_CURTAINS) - away)))]
             w.place(
-                start + along * w.rng.uniform(-0.6, length + 0.6) + outwards * away,
-                facing + w.rng.normal(0, 0.3),
+                start + along * rng.uniform(-0.8, length + 0.8) + outwards * away, facing + rng.normal(0, 0.3)
             )
             build(w)
-    return w.done()
+        for away, w in zip(_CURTAINS, pieces, strict=True):
+            canvas = _Canvas(start - along + outwards * away, along, outwards, length + 2, texture, rng)
+            canvas.add(w.done(), shadows=True)
+            layers.append((-away, canvas.done()))
+    return (*walls, *(curtain for _, curtain in sorted(layers, key=lambda layer: layer[0])))
+
+
+class _Canvas:
+    """Paints polygons of a room on a curtain, shaded, with the shadows at their feet."""
+
+    def __init__(
+        self,
+        start: FloatArray,
+        along: FloatArray,
+        outwards: FloatArray,
+        length: float,
+        texture: Float32,
+        rng: np.random.Generator,
+    ) -> None:
+        self.start, self.along, self.outwards, self.texture, self.rng = start, along, outwards, texture, rng
+        shape = (round((_TOP - _BOTTOM) / _PIXEL), round(length / _PIXEL))
+        self.paint = np.zeros((*shape, 3), dtype=np.float32)
+        self.covered = np.zeros(shape, dtype=np.float32)
+
+    def fill(self, colour: npt.ArrayLike) -> None:
+        """Cover everything, with light that fades towards the floor and to the sides."""
+        rows, columns = self.covered.shape
+        fading = np.linspace(1.1, 0.95, rows, dtype=np.float32)[:, None]
+        waves = cv2.resize(
+            self.rng.normal(1, 0.12, (2, 8)).astype(np.float32),
+            (columns, rows),
+            interpolation=cv2.INTER_CUBIC,
+        )
+        self.paint[:] = (fading * waves)[..., None] * np.asarray(colour, dtype=np.float32)
+        self.covered[:] = 1
+
+    def add(self, furniture: Furniture, shadows: bool = False) -> None:
+        """Paint pieces, the farthest first."""
+        flat = furniture.points[:, :2] - self.start
+        depth = flat @ self.outwards
+        across = flat @ self.along / _PIXEL
+        up = (_TOP - furniture.points[:, 2] - _DEPTH * depth) / _PIXEL
+        outlines = np.split(np.column_stack([across, up]), furniture.starts[1:-1])
+        far = (furniture.places - self.start) @ self.outwards
+        last = -1
+        for i in np.argsort(-far[furniture.piece], kind="stable"):
+            piece = furniture.piece[i]
+            if shadows and piece != last:
+                mine = np.concatenate([outlines[k] for k in np.flatnonzero(furniture.piece == piece)])
+                self._shadow(mine)
+            last = piece
+            self._shape(outlines[i], furniture.colours[i])
+
+    def _shadow(self, points: FloatArray) -> None:
+        """Darken the floor, and what stands behind, around a piece's foot."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        half = (high[0] - low[0]) / 2 + 6
+        middle, foot = (low[0] + high[0]) / 2, min(high[1], _TOP / _PIXEL)
+        found = self._window(np.array([middle - half, foot - 14]), np.array([middle + half, foot + 8]))
+        if found is None:
+            return
+        (x0, y0, x1, y1), part = found
+        across = (np.arange(x0, x1, dtype=np.float32) - np.float32(middle)) / np.float32(half)
+        down = (np.arange(y0, y1, dtype=np.float32) - np.float32(foot)) / np.where(
+            np.arange(y0, y1) < foot, 14, 8
+        )
+        depth = 0.75 * np.maximum(1 - across**2 - down[:, None] ** 2, 0)
+        self._blend(part, depth.astype(np.float32), np.zeros(3, dtype=np.float32))
+
+    def _shape(self, outline: FloatArray, colour: Bytes) -> None:
+        """Paint one polygon: lighter above, darker to one side, rounded if it has no corners, and never quite even."""
+        found = self._window(outline.min(axis=0) - 1, outline.max(axis=0) + 2)
+        if found is None:
+            return
+        (x0, y0, x1, y1), part = found
+        mask = np.zeros((y1 - y0, x1 - x0), dtype=np.uint8)
+        cv2.fillPoly(mask, [np.rint((outline - (x0, y0)) * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
+        steep, aslant, rough = self.rng.normal((0.14, 0.0, 0.07), (0.1, 0.14, 0.04))
+        shade = 1 + np.linspace(steep, -steep, y1 - y0, dtype=np.float32)[:, None]
+        shade = shade + np.linspace(aslant, -aslant, x1 - x0, dtype=np.float32)
+        i, j = self.rng.integers(0, 300, 2)
+        patch = self.texture[i : i + y1 - y0, j : j + x1 - x0]
+        shade[: patch.shape[0], : patch.shape[1]] += np.float32(abs(rough)) * patch
+        if len(outline) > 8:
+            inwards = cv2.distanceTransform(mask, cv2.DIST_L2, 3)
+            shade *= np.float32(0.62) + np.float32(0.5) * np.sqrt(inwards / max(float(inwards.max()), 1.0))
+        shown = np.maximum(shade, np.float32(0.1))[..., None] * colour.astype(np.float32)
+        self._blend(part, mask * np.float32(1 / 255), shown.astype(np.float32))
+
+    def _window(
+        self, low: FloatArray, high: FloatArray
+    ) -> tuple[tuple[int, int, int, int], tuple[slice, slice]] | None:
+        """Whole pixels between two corners, as far as they are on the canvas: x0, y0, x1, y1 and the slices."""
+        rows, columns = self.covered.shape
+        x0, y0 = np.maximum(np.floor(low), 0).astype(int).tolist()
+        x1, y1 = np.minimum(np.ceil(high), (columns, rows)).astype(int).tolist()
+        return ((x0, y0, x1, y1), (slice(y0, y1), slice(x0, x1))) if x0 < x1 and y0 < y1 else None
+
+    def _blend(self, part: tuple[slice, slice], area: Float32, colour: Float32) -> None:
+        paint, covered = self.paint[part], self.covered[part]
+        paint += area[..., None] * (colour - paint)
+        covered += area * (1 - covered)
+
+    def done(self) -> Curtain:
+        """Return the curtain."""
+        shows = np.repeat(cv2.convertScaleAbs(1 - self.covered, alpha=255)[..., None], 3, axis=2)
+        return Curtain(self.start, self.along, self.outwards, cv2.convertScaleAbs(self.paint), shows)
+
+
+def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> None:
+    """Paint a room over the upper rows of a picture (rows, W, 3).
+
+    Where a ray meets a curtain is found for every 8th pixel, and beyond the picture's rim, and between them linearly.
+    """
+    rays = np.stack([np.pad(r, 1, mode="reflect", reflect_type="odd") for r in eye.field_rays(_EVERY)])
+    for curtain in curtains:
+        offset = eye.ground_position - curtain.start
+        distance = np.float32(-offset @ curtain.outwards)
+        towards = np.tensordot(curtain.outwards.astype(np.float32), rays[:2], axes=1)
+        if distance <= 0 or towards.max() < _GRAZING:
+            continue
+        reach = distance / np.maximum(towards, _GRAZING)
+        sideways = np.tensordot(curtain.along.astype(np.float32), rays[:2], axes=1)
+        across = (reach * sideways + np.float32(offset @ curtain.along)) / np.float32(_PIXEL)
+        down = (np.float32(_TOP - eye.view.height) - reach * rays[2]) / np.float32(_PIXEL)
+        rows, columns = curtain.paint.shape[:2]
+        inside = (
+            (towards > _GRAZING) & (np.abs(across / columns - 0.5) < 0.5) & (np.abs(down / rows - 0.5) < 0.5)
+        )
+        window = [np.flatnonzero(inside.any(axis=1 - axis)) for axis in (0, 1)]
+        if not len(window[0]):
+            continue
+        (r0, r1), (c0, c1) = (
+            (max(int(each[0]) - 1, 1), min(int(each[-1]) + 1, n - 2))
+            for each, n in zip(window, inside.shape, strict=True)
+        )
+        part = picture[(r0 - 1) * _EVERY : r1 * _EVERY, (c0 - 1) * _EVERY : c1 * _EVERY]
+        if not part.size:
+            continue
+        size = ((c1 - c0 + 3) * _EVERY, (r1 - r0 + 3) * _EVERY)
+        u, v = (
+            cv2.resize(each[r0 - 1 : r1 + 2, c0 - 1 : c1 + 2], size)[_EVERY:, _EVERY:][
+                : part.shape[0], : part.shape[1]
+            ]
+            for each in (across, down)
+        )
+        shows = cv2.remap(curtain.shows, u, v, cv2.INTER_LINEAR, borderValue=(255, 255, 255))
+        cv2.multiply(part, shows, dst=part, scale=1 / 255)
+        cv2.add(part, cv2.remap(curtain.paint, u, v, cv2.INTER_LINEAR), dst=part)
 
 
 @lru_cache(maxsize=4)
@@ -526,19 +731,28 @@ def scatter(lines: Rectangle, border: float, amount: float, seed: int) -> Furnit
 
 
 def _wall(
-    w: _Workshop, start: FloatArray, along: FloatArray, outwards: FloatArray, length: float, facing: float
-) -> None:
-    """A wall with cupboards, boards, windows and posters."""
-    distance = w.rng.uniform(1.15, 1.5)
+    w: _Workshop,
+    start: FloatArray,
+    along: FloatArray,
+    outwards: FloatArray,
+    distance: float,
+    length: float,
+    facing: float,
+) -> tuple[Furniture, FloatArray]:
+    """A wall's colour, and its cupboards, boards, windows and posters."""
     w.place(start + along * length / 2 + outwards * distance, facing)
     wide = length + 2 * 1.7
-    tone = np.array([(167, 166, 163), (191, 192, 190), (150, 146, 138)][w.rng.integers(3)])
-    w.plate(0.0, 0.0, wide, 3.0, tone)
+    tone = np.array([(222, 222, 219), (240, 240, 237), (200, 198, 192)][w.rng.integers(3)])
     w.plate(0.0, 0.0, wide, 0.08, _GREY, -0.01)
+    x = -wide / 2
+    while x < wide / 2:  # cupboards, or panels
+        x += w.rng.uniform(0.35, 0.8)
+        w.plate(x, 0.08, 0.02, w.rng.choice([0.75, 1.1, 2.1]), tone * 0.45, -0.005)
+        w.plate(x + 0.06, 0.6, 0.025, 0.09, _GREY, -0.005)
     x = -wide / 2
     while x < wide / 2:
         width = w.rng.uniform(0.6, 1.4)
-        middle, kind = x + width / 2, w.rng.integers(7)
+        middle, kind = x + width / 2, w.rng.integers(8)
         if kind == 0:
             w.plate(middle, 0.95, width * 0.95, 1.0, (250, 252, 254), -0.01)  # a bright window
             w.plate(middle, 0.92, width * 0.95, 0.05, _GREY, -0.02)
@@ -549,8 +763,10 @@ def _wall(
         elif kind == 2:
             w.plate(middle, 0.85, width * 0.9, 0.9, (236, 238, 240), -0.02)  # a whiteboard
             w.plate(middle, 0.83, width * 0.9, 0.03, _STEEL, -0.03)
+            for at in w.rng.uniform((-0.4, 0.9), (0.4, 1.6), (14, 2)):
+                w.plate(middle + at[0] * width, at[1], 0.08, 0.02, w.rng.choice([_RED, _BLUE, _DARK]), -0.03)
         elif kind == 3:
-            w.plate(middle, 0.7, 0.4, 0.6, w.rng.choice([_RED, _BLUE, _DARK, _CARTON, _YELLOW]), -0.02)
+            w.plate(middle, 0.7, 0.4, 0.6, w.rng.choice([_RED, _BLUE, _DARK, _CARTON, _YELLOW, _GREY]), -0.02)
         elif kind == 4:
             w.plate(middle, 0.0, 0.85, 2.0, w.rng.choice([(144, 139, 132), (84, 66, 50)]), -0.01)  # a door
         elif kind == 5:
@@ -558,6 +774,7 @@ def _wall(
             for fold in np.arange(-0.4, 0.41, 0.16):
                 w.plate(middle + fold * width, 0.0, 0.04 * width, 1.6, _BLACK, -0.02)
         x += width + w.rng.uniform(0.0, 0.4)
+    return w.done(), tone
 
 
 def paint_furniture(
@@ -598,4 +815,14 @@ def paint_furniture(
             cv2.fillPoly(covered, [outline], 255, cv2.LINE_AA, fine)
 
 
-__all__ = ["TEXEL", "Furniture", "Wear", "carpet_levels", "furnish", "paint_furniture", "scatter"]
+__all__ = [
+    "TEXEL",
+    "Curtain",
+    "Furniture",
+    "Wear",
+    "carpet_levels",
+    "furnish",
+    "paint_curtains",
+    "paint_furniture",
+    "scatter",
+]

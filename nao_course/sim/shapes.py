@@ -159,9 +159,10 @@ class Eye:
         return self.seen_from.to_parent([self.view.offset])[0]
 
     def field_rays(self, every: int = 1) -> Float32:
-        """Directions (3, rows, columns) of the pixels' rays in the field frame, of every n-th row and column."""
+        """Directions (3, rows, columns) of the pixels' rays in the field frame, of the middle of every n by n."""
         width, height = self.view.size
-        right, down = (a.reshape(height, width)[::every, ::every] for a in (self.grid.right, self.grid.down))
+        some = np.ix_(middles(height, every), middles(width, every))
+        right, down = (a.reshape(height, width)[some] for a in (self.grid.right, self.grid.down))
         c, s = np.cos(self.seen_from.theta), np.sin(self.seen_from.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self.view.rotation
         ahead, left, up = turn.astype(np.float32).T
@@ -390,6 +391,11 @@ class Eye:
             return np.sqrt(np.clip(1 - sideways**2, 0, 1)).astype(np.float32)
 
         return Covered(inside, rim, area), facing(inside), facing(rim)
+
+
+def middles(pixels: int, every: int) -> Indices:
+    """Middles of every so many of a row of pixels, the last ones' too."""
+    return np.minimum(np.arange(every // 2, pixels + every // 2, every), pixels - 1)
 
 
 def circle_points(centre: FloatArray, axis: FloatArray, radius: float, count: int) -> FloatArray:
