@@ -134,12 +134,12 @@ def test_one_wild_point_does_not_spoil_the_others(truth: tuple[np.ndarray, np.nd
     assert np.quantile(errors[1:], 0.95) < 0.5
 
 
-def test_the_fit_starts_from_the_makers_camera() -> None:
+def test_the_fit_starts_from_the_makers_angles_without_any_lens() -> None:
     picture = RealPicture("made.png", Path(), Pose(), 0.1, -0.5, ())
     view, pose = reality.fitted_view(picture, reality.START, np.zeros(3))
     specified = NAO_V4.view("bottom", 0.1, -0.5)
     assert (view.yaw, view.roll, view.offset) == (specified.yaw, specified.roll, specified.offset)
-    assert (view.hfov, view.vfov) == (specified.hfov, specified.vfov)
+    assert (view.hfov, view.vfov, view.k1) == (NAO_V4.hfov, NAO_V4.vfov, 0.0)
     assert pose == picture.pose
 
 
