@@ -1,6 +1,6 @@
 """What an exercise is, how it is checked, and what a lesson does with a student's code."""
 
-from nao_course.exercises.asking import predict
+from nao_course.exercises.asking import prediction
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 from nao_course.exercises.comparisons import Between, Close, Exact, Points, Verdict
@@ -33,7 +33,7 @@ __all__ = [
     "encode",
     "lesson",
     "load_definitions",
-    "predict",
+    "prediction",
     "register",
     "try_out",
 ]

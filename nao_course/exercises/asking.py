@@ -1,10 +1,11 @@
-"""Concept questions and predictions: buttons where widgets live, text where they do not."""
+"""Concept questions and predictions: buttons where widgets live, text where they do not.
+
+ipywidgets is imported where it is used: workers and the command line start without it.
+"""
 
 from __future__ import annotations
 
 from typing import Any
-
-import ipywidgets
 
 from nao_course.exercises.exercise import PublicQuestion
 from nao_course.exercises.trying import Message
@@ -25,6 +26,8 @@ def reply(question: PublicQuestion, answer: str) -> Message:
 
 def ask(question: PublicQuestion) -> Any:
     """Return radio buttons that reply to each choice; nothing is chosen at first."""
+    import ipywidgets
+
     buttons = ipywidgets.RadioButtons(
         options=list(question.choices),
         value=None,
@@ -42,7 +45,7 @@ def ask(question: PublicQuestion) -> Any:
     return ipywidgets.VBox([title, buttons, answer])
 
 
-def predict(text: str, *, unit: str = "") -> Any:
+def prediction(text: str, *, unit: str = "") -> Any:
     """Return a field to write a prediction into before something is run.
 
     Parameters
@@ -57,6 +60,8 @@ def predict(text: str, *, unit: str = "") -> Any:
     ipywidgets.VBox
         Its `prediction` attribute is what was written; it can be changed until it is locked in.
     """
+    import ipywidgets
+
     field = ipywidgets.Text(placeholder="your prediction", continuous_update=False, tooltip=text)
     button = ipywidgets.Button(
         description="Write it down", tooltip="Keep this prediction and compare it below"
