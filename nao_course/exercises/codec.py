@@ -6,6 +6,7 @@ checked against limits before anything is allocated, so a frame from a stranger 
 
 from __future__ import annotations
 
+import importlib
 import json
 import struct
 from collections.abc import Callable
@@ -16,10 +17,12 @@ import numpy as np
 
 MAGIC = b"NAO1"
 _PREFIX = struct.Struct("<4sQQ")  # magic, length of the header, length of the buffers
+PREFIX_SIZE = _PREFIX.size
 _DTYPES = {
     np.dtype(name).str: np.dtype(name)
-    for name in ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f4", "f8", "c8", "c16")
+    for name in ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "c8", "c16")
 }
+_MOST_BITS = 512  # of a whole number; a random generator's state needs 128
 _TYPES: dict[str, type] = {}
 
 T = TypeVar("T")
@@ -37,6 +40,8 @@ class Limits:
     ----------
     size : int
         Bytes in all.
+    header : int
+        Bytes of the header: reading JSON takes up to 30 times its length in memory.
     nodes : int
         Values in it, each item of a list counted.
     depth : int
@@ -44,6 +49,7 @@ class Limits:
     """
 
     size: int = 256 * 2**20
+    header: int = 8 * 2**20
     nodes: int = 200_000
     depth: int = 40
 
@@ -58,9 +64,13 @@ def register(cls: type[T]) -> type[T]:
     """
     if not is_dataclass(cls):
         raise TypeError(f"only dataclasses can be registered, got {cls.__name__}")
-    if _TYPES.setdefault(cls.__name__, cls) is not cls:
-        raise TypeError(f"a class named {cls.__name__} is registered already")
+    if _TYPES.setdefault(_type_name(cls), cls) is not cls:
+        raise TypeError(f"a class named {_type_name(cls)} is registered already")
     return cls
+
+
+def _type_name(cls: type) -> str:
+    return f"{cls.__module__}:{cls.__qualname__}"
 
 
 def encode(value: object, limits: Limits | None = None) -> bytes:
@@ -84,67 +94,85 @@ def encode(value: object, limits: Limits | None = None) -> bytes:
     CodecError
         For a value of another kind, or too large a one.
     """
-    limits = limits or Limits()
-    buffers: list[bytes] = []
-    count = 0
-
-    def buffer(data: bytes) -> int:
-        buffers.append(data)
-        return len(data)
-
-    def node(item: object, depth: int) -> Any:
-        nonlocal count
-        count += 1
-        if count > limits.nodes:
-            raise CodecError(f"more than {limits.nodes} values")
-        if depth > limits.depth:
-            raise CodecError(f"nested deeper than {limits.depth}")
-        if item is None or isinstance(item, bool):
-            return item
-        if type(item) is int:
-            return {"i": hex(item)} if abs(item) > 2**53 else item
-        if type(item) is float:
-            return {"f": item.hex()}
-        if type(item) is str:
-            return (
-                {"s": item}
-                if item.isprintable() or item.isascii()
-                else {"b": buffer(item.encode()), "str": 1}
-            )
-        if type(item) is bytes:
-            return {"b": buffer(item)}
-        if isinstance(item, np.ndarray):
-            return array(item)
-        if isinstance(item, np.generic):
-            return {"n": array(np.asarray(item))}
-        if type(item) in (list, tuple):
-            return {"l" if type(item) is list else "t": [node(each, depth + 1) for each in item]}  # type: ignore[attr-defined]
-        if type(item) is dict:
-            if not all(type(key) is str for key in item):
-                raise CodecError("a dict's keys must be strings")
-            return {"d": {key: node(each, depth + 1) for key, each in item.items()}}
-        if isinstance(item, np.random.Generator):
-            state = item.bit_generator.state
-            return {"g": node(_plain(state), depth + 1)}
-        if _TYPES.get(type(item).__name__) is type(item):
-            values = {each.name: node(getattr(item, each.name), depth + 1) for each in fields(item)}  # type: ignore[arg-type]
-            return {"o": type(item).__name__, "v": values}
-        raise CodecError(f"a value of type {type(item).__name__} cannot be sent")
-
-    def array(item: np.ndarray[Any, Any]) -> Any:
-        if item.nbytes > limits.size:
-            raise CodecError(f"a value larger than {limits.size} bytes")
-        plain = np.ascontiguousarray(item.view(np.ndarray))
-        plain = plain.astype(plain.dtype.newbyteorder("<"), copy=False)
-        if plain.dtype.str not in _DTYPES:
-            raise CodecError(f"an array of dtype {plain.dtype} cannot be sent")
-        return {"a": plain.dtype.str, "shape": list(item.shape), "b": buffer(plain.tobytes())}
-
-    header = json.dumps(node(value, 0), separators=(",", ":"), ensure_ascii=False).encode()
-    body = b"".join(buffers)
-    if len(header) + len(body) > limits.size:
-        raise CodecError(f"a value larger than {limits.size} bytes")
+    writer = _Writer(limits or Limits())
+    node = writer.node(value, 0)
+    header = json.dumps(node, separators=(",", ":")).encode()
+    if len(header) > writer.limits.header:
+        raise CodecError(f"a value with more than {writer.limits.header} bytes beside its arrays")
+    body = b"".join(writer.buffers)
     return _PREFIX.pack(MAGIC, len(header), len(body)) + header + body
+
+
+class _Writer:
+    def __init__(self, limits: Limits) -> None:
+        self.limits, self.buffers, self.count, self.size = limits, list[bytes](), 0, 0
+
+    def node(self, item: Any, depth: int) -> Any:
+        self.count += 1
+        if self.count > self.limits.nodes:
+            raise CodecError(f"more than {self.limits.nodes} values")
+        if depth > self.limits.depth:
+            raise CodecError(f"nested deeper than {self.limits.depth}")
+        kind = type(item)
+        if item is None or kind is bool:
+            return item
+        if kind is int:
+            return self.whole(item)
+        if kind is float:
+            return {"f": item.hex()}
+        if kind is str:
+            return {"s": self.text(item)}
+        if kind is bytes:
+            return {"b": self.buffer(len(item), lambda: item)}
+        if kind is list or kind is tuple:
+            return {"l" if kind is list else "t": [self.node(each, depth + 1) for each in item]}
+        if kind is dict:
+            return {"d": {self.key(key): self.node(each, depth + 1) for key, each in item.items()}}
+        if isinstance(item, np.ndarray):
+            return self.array(np.asarray(item))
+        if isinstance(item, np.generic):
+            return {"n": self.array(np.asarray(item))}
+        if isinstance(item, np.random.Generator):
+            return {"g": self.node(_plain(item.bit_generator.state), depth + 1)}
+        name = _type_name(kind)
+        if _TYPES.get(name) is kind:
+            values = {each.name: self.node(getattr(item, each.name), depth + 1) for each in fields(item)}
+            return {"o": name, "v": values}
+        raise CodecError(f"a value of type {kind.__name__} cannot be sent")
+
+    def whole(self, item: int) -> Any:
+        if item.bit_length() > _MOST_BITS:
+            raise CodecError(f"a whole number of more than {_MOST_BITS} bits")
+        return item if item.bit_length() <= 53 else {"i": hex(item)}
+
+    def text(self, item: str) -> str:
+        self.spend(len(item))
+        if not item.isascii() and any("\ud800" <= letter <= "\udfff" for letter in item):
+            raise CodecError("a text with half a character in it")
+        return item
+
+    def key(self, item: object) -> str:
+        if type(item) is not str:
+            raise CodecError("a dict's keys must be strings")
+        return self.text(item)
+
+    def array(self, item: np.ndarray[Any, Any]) -> Any:
+        kind = item.dtype.newbyteorder("<")
+        if kind.str not in _DTYPES:
+            raise CodecError(f"an array of dtype {item.dtype} cannot be sent")
+        length = self.buffer(item.nbytes, lambda: item.astype(kind, copy=False).tobytes())
+        return {"a": kind.str, "shape": list(item.shape), "b": length}
+
+    def buffer(self, length: int, data: Callable[[], bytes]) -> int:
+        self.spend(length)
+        self.buffers.append(data())
+        return length
+
+    def spend(self, length: int) -> None:
+        """Count bytes before they are made: one array may stand in a list a million times."""
+        self.size += length
+        if self.size > self.limits.size:
+            raise CodecError(f"a value larger than {self.limits.size} bytes")
 
 
 def _plain(value: Any) -> Any:
@@ -154,7 +182,7 @@ def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def decode(frame: bytes, limits: Limits | None = None) -> Any:
+def decode(frame: bytes, limits: Limits | None = None, *, trusted: bool = False) -> Any:
     """Turn a frame back into a value.
 
     Parameters
@@ -163,6 +191,8 @@ def decode(frame: bytes, limits: Limits | None = None) -> Any:
         From anyone.
     limits : Limits, optional
         How large it may be.
+    trusted : bool
+        Whether it may have modules of this package imported: those that register the types in it.
 
     Returns
     -------
@@ -175,25 +205,16 @@ def decode(frame: bytes, limits: Limits | None = None) -> Any:
         For anything that is not a whole frame.
     """
     limits = limits or Limits()
-    header_length, body_length = frame_lengths(frame[: _PREFIX.size], limits)
-    start = _PREFIX.size + header_length
+    header_length, body_length = frame_lengths(frame[:PREFIX_SIZE], limits)
+    start = PREFIX_SIZE + header_length
     if len(frame) != start + body_length:
         raise CodecError(f"a frame of {len(frame)} bytes that says it has {start + body_length}")
     try:
-        header = json.loads(frame[_PREFIX.size : start])
-        reader = _Reader(frame[start:], limits)
-        value = reader.value(header, 0)
+        reader = _Reader(memoryview(frame)[start:], limits, trusted)
+        value = reader.value(json.loads(frame[PREFIX_SIZE:start]), 0)
     except CodecError:
         raise
-    except (
-        ValueError,
-        TypeError,
-        KeyError,
-        AttributeError,
-        OverflowError,
-        RecursionError,
-        MemoryError,
-    ) as error:
+    except Exception as error:  # noqa: BLE001 - a registered class may raise what it likes at what it is given
         raise CodecError(f"not a frame: {type(error).__name__}") from None
     if reader.at != body_length:
         raise CodecError("a frame with bytes that belong to nothing")
@@ -209,61 +230,56 @@ def frame_lengths(prefix: bytes, limits: Limits | None = None) -> tuple[int, int
         If it is no frame's beginning, or too large.
     """
     limits = limits or Limits()
-    if len(prefix) < _PREFIX.size:
+    if len(prefix) < PREFIX_SIZE:
         raise CodecError("a frame that ends in its first bytes")
-    magic, header, body = _PREFIX.unpack(prefix[: _PREFIX.size])
+    magic, header, body = _PREFIX.unpack(prefix[:PREFIX_SIZE])
     if magic != MAGIC:
         raise CodecError("not a frame")
-    if header + body > limits.size:
-        raise CodecError(f"a frame larger than {limits.size} bytes")
+    if header > limits.header or body > limits.size:
+        raise CodecError("a frame larger than allowed")
     return header, body
 
 
-PREFIX_SIZE = _PREFIX.size
-
-
 class _Reader:
-    def __init__(self, body: bytes, limits: Limits) -> None:
-        self.body, self.limits, self.at, self.count = body, limits, 0, 0
-
-    def take(self, length: object) -> bytes:
-        if type(length) is not int or length < 0 or self.at + length > len(self.body):
-            raise CodecError("a buffer that is not there")
-        self.at += length
-        return self.body[self.at - length : self.at]
+    def __init__(self, body: memoryview, limits: Limits, trusted: bool) -> None:
+        self.body, self.limits, self.trusted, self.at, self.count = body, limits, trusted, 0, 0
+        self.readers: dict[str, Callable[[dict[str, Any], int], Any]] = {
+            "i": lambda node, _: int(_string(node["i"]), 16),
+            "f": lambda node, _: float.fromhex(node["f"]),
+            "s": lambda node, _: _string(node["s"]),
+            "b": lambda node, _: bytes(self.take(node["b"])),
+            "a": lambda node, _: self.array(node),
+            "n": lambda node, _: self.array(node["n"])[()],
+            "l": lambda node, depth: [self.value(each, depth) for each in _list(node["l"])],
+            "t": lambda node, depth: tuple(self.value(each, depth) for each in _list(node["t"])),
+            "d": lambda node, depth: {key: self.value(each, depth) for key, each in node["d"].items()},
+            "g": lambda node, depth: _generator(self.value(node["g"], depth)),
+            "o": self.registered,
+        }
 
     def value(self, node: Any, depth: int) -> Any:
         self.count += 1
         if self.count > self.limits.nodes or depth > self.limits.depth:
             raise CodecError("too many values, or nested too deeply")
-        if node is None or isinstance(node, bool | int):
+        if node is None or type(node) in (bool, int):
             return node
-        if not isinstance(node, dict):
+        if type(node) is not dict:
             raise CodecError("not a frame")
-        read = self._readers().get(next(iter(node), ""))
+        read = self.readers.get(next(iter(node), ""))
         if read is None:
             raise CodecError("not a frame")
         return read(node, depth + 1)
 
-    def _readers(self) -> dict[str, Callable[[dict[str, Any], int], Any]]:
-        return {
-            "i": lambda node, _: int(node["i"], 16),
-            "f": lambda node, _: float.fromhex(node["f"]),
-            "s": lambda node, _: _string(node["s"]),
-            "b": lambda node, _: self.take(node["b"]).decode() if "str" in node else self.take(node["b"]),
-            "a": lambda node, _: self.array(node),
-            "n": lambda node, _: self.array(node["n"])[()],
-            "l": lambda node, depth: [self.value(each, depth) for each in _list(node["l"])],
-            "t": lambda node, depth: tuple(self.value(each, depth) for each in _list(node["t"])),
-            "d": lambda node, depth: {str(key): self.value(each, depth) for key, each in node["d"].items()},
-            "g": lambda node, depth: _generator(self.value(node["g"], depth)),
-            "o": self.registered,
-        }
+    def take(self, length: object) -> memoryview:
+        if type(length) is not int or length < 0 or self.at + length > len(self.body):
+            raise CodecError("a buffer that is not there")
+        self.at += length
+        return self.body[self.at - length : self.at]
 
     def array(self, node: dict[str, Any]) -> np.ndarray[Any, Any]:
         dtype = _DTYPES.get(node["a"])
-        shape = [size for size in _list(node["shape"]) if type(size) is int and size >= 0]
-        if dtype is None or len(shape) != len(node["shape"]) or len(shape) > 16:
+        shape = _list(node["shape"])
+        if dtype is None or not all(type(size) is int and size >= 0 for size in shape):
             raise CodecError("an array of an unknown kind")
         data = self.take(node["b"])
         expected = dtype.itemsize
@@ -274,10 +290,13 @@ class _Reader:
         return np.frombuffer(data, dtype=dtype).reshape(shape).copy()
 
     def registered(self, node: dict[str, Any], depth: int) -> Any:
-        cls = _TYPES.get(node["o"])
+        name = _string(node["o"])
+        if self.trusted and name not in _TYPES and name.startswith("nao_course."):
+            importlib.import_module(name.split(":")[0])
+        cls = _TYPES.get(name)
         if cls is None:
-            raise CodecError(f"a value of an unknown type {str(node['o'])[:40]!r}")
-        return cls(**{str(key): self.value(each, depth) for key, each in node["v"].items()})
+            raise CodecError(f"a value of an unknown type {name[:80]!r}")
+        return cls(**{key: self.value(each, depth) for key, each in node["v"].items()})
 
 
 def _list(value: Any) -> list[Any]:

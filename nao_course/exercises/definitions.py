@@ -1,20 +1,26 @@
 """The functions and classes that a notebook defines, without running the rest of it."""
 
 from __future__ import annotations
+import __future__
 
 import ast
 import json
 import linecache
-from collections.abc import Iterator, Mapping
+import re
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
+from nao_course.exercises.running import describe
+
 MOST_BYTES = 50 * 2**20
+_IMPORTS = (ast.Import, ast.ImportFrom)
 _RUN = (
-    ast.Import,
-    ast.ImportFrom,
+    *_IMPORTS,
     ast.FunctionDef,
     ast.AsyncFunctionDef,
     ast.ClassDef,
@@ -24,8 +30,10 @@ _RUN = (
     ast.If,
     ast.For,
     ast.Try,
+    ast.TryStar,
     ast.With,
 )
+_MAGIC = re.compile(r"^(\s*)(?=[%!?]|.*\?\s*$|[\w., ]+=\s*[%!])", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -47,7 +55,7 @@ class Skipped:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Definitions(Mapping[str, Any]):
     """What a notebook defines: a read-only mapping of its functions and classes.
 
@@ -57,10 +65,13 @@ class Definitions(Mapping[str, Any]):
         By name.
     skipped : tuple of Skipped
         What did not run.
+    namespace : dict
+        Where the functions look up what they use.
     """
 
     found: Mapping[str, Any]
-    skipped: tuple[Skipped, ...] = field(default=())
+    skipped: tuple[Skipped, ...] = ()
+    namespace: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, name: str) -> Any:
         """Return a function or class."""
@@ -75,7 +86,9 @@ class Definitions(Mapping[str, Any]):
         return len(self.found)
 
 
-def load_definitions(path: str | Path) -> Definitions:
+def load_definitions(
+    path: str | Path, before: Callable[[int, int], bool] = lambda cell, line: True
+) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
     Runs, in document order, the imports, definitions, assignments and if, for, try and with statements of solution
@@ -86,6 +99,8 @@ def load_definitions(path: str | Path) -> Definitions:
     ----------
     path : str or Path
         A notebook.
+    before : callable
+        Called with cell and line before each statement; one that it answers False for is skipped.
 
     Returns
     -------
@@ -100,55 +115,55 @@ def load_definitions(path: str | Path) -> Definitions:
         If it is no notebook; the message says what is wrong.
     """
     cells = read_cells(path)
-    namespace: dict[str, Any] = {"__name__": "student", "__builtins__": __builtins__}
+    module = ModuleType(f"notebook_{Path(path).stem}")
+    sys.modules[module.__name__] = module  # dataclasses look up the module they are made in
+    namespace = module.__dict__
     defined: dict[str, None] = {}
     skipped: list[Skipped] = []
+    flags = 0
     for number, (role, source) in enumerate(cells, start=1):
         if role in ("check", "display"):
             continue
         file = f"<{Path(path).stem}, cell {number}>"
         linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
         try:
-            statements = ast.parse(_without_magics(source), file).body
+            statements = _parse(source, file)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            skipped.append(
-                Skipped(number, getattr(error, "lineno", 0) or 0, f"{type(error).__name__}: {error}")
-            )
+            skipped.append(Skipped(number, getattr(error, "lineno", 0) or 0, describe(error)))
             continue
         for statement in statements:
-            imports = isinstance(statement, ast.Import | ast.ImportFrom)
+            imports = isinstance(statement, _IMPORTS)
             if role == "setup" and not imports:
                 continue
             if not isinstance(statement, _RUN):
                 if not _is_text(statement):
                     skipped.append(Skipped(number, statement.lineno, "not a definition"))
                 continue
-            before = dict(namespace)
+            if not before(number, statement.lineno):
+                skipped.append(Skipped(number, statement.lineno, "left out"))
+                continue
+            earlier = dict(namespace)
             try:
-                exec(compile(ast.Module([statement], []), file, "exec"), namespace)
+                code = _compile(statement, file, flags)
+                flags |= code.co_flags & __future__.annotations.compiler_flag
+                exec(code, namespace)
             except KeyboardInterrupt:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
-                skipped.append(Skipped(number, statement.lineno, f"{type(error).__name__}: {error}"))
-            if not imports:
-                defined.update(
-                    dict.fromkeys(
-                        name
-                        for name, value in namespace.items()
-                        if name not in before or before[name] is not value
-                    )
-                )
-    found = {
-        name: namespace[name]
-        for name in defined
-        if name in namespace and callable(namespace[name]) and not isinstance(namespace[name], ModuleType)
-    }
-    return Definitions(found, tuple(skipped))
+                skipped.append(Skipped(number, statement.lineno, describe(error)))
+            changed = [name for name, value in namespace.items() if earlier.get(name, namespace) is not value]
+            if imports:
+                changed = [name for name in changed if _stands_beside(namespace[name], Path(path))]
+            defined.update(dict.fromkeys(changed))
+    found = {name: namespace[name] for name in defined if callable(namespace.get(name))}
+    return Definitions(found, tuple(skipped), namespace)
 
 
 def read_cells(path: str | Path) -> list[tuple[str, str]]:
     """Code cells of a notebook as (role, source); roles are solution, setup, check, display and student."""
     file = Path(path)
+    if file.exists() and not file.is_file():
+        raise ValueError(f"{file.name}: not a file")
     if file.stat().st_size > MOST_BYTES:
         raise ValueError(
             f"{file.name}: larger than {MOST_BYTES // 2**20} MB, which no notebook of this course is"
@@ -158,9 +173,7 @@ def read_cells(path: str | Path) -> list[tuple[str, str]]:
         cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
         return [(_role(cell), _source(cell)) for cell in cells]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise ValueError(
-            f"{file.name}: not a notebook of format 4 ({type(error).__name__}: {error})"
-        ) from None
+        raise ValueError(f"{file.name}: not a notebook of format 4 ({describe(error)})") from None
 
 
 def _role(cell: dict[str, Any]) -> str:
@@ -178,10 +191,27 @@ def _source(cell: dict[str, Any]) -> str:
     return source if isinstance(source, str) else "".join(source)
 
 
-def _without_magics(source: str) -> str:
-    """Source with IPython's own lines commented out: they are no Python."""
-    lines = source.splitlines(keepends=True)
-    return "".join("#" + line if line.lstrip().startswith(("%", "!", "?")) else line for line in lines)
+def _parse(source: str, file: str) -> list[ast.stmt]:
+    """Statements of a cell; where it is no Python as it stands, without IPython's own lines."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # about a student's escapes in strings: their own kernel tells them
+        try:
+            return ast.parse(source, file).body
+        except SyntaxError:
+            return ast.parse(_MAGIC.sub(r"\1pass  # ", source), file).body
+
+
+def _compile(statement: ast.stmt, file: str, flags: int) -> CodeType:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return compile(ast.Module([statement], []), file, "exec", flags, dont_inherit=True)
+
+
+def _stands_beside(value: Any, notebook: Path) -> bool:
+    """Whether something comes from a file of the student's own, in the notebook's folder."""
+    module = sys.modules.get(getattr(value, "__module__", None) or "")
+    file = getattr(module, "__file__", None)
+    return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
 
 
 def _is_text(statement: ast.stmt) -> bool:

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import importlib
+import sysconfig
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from nao_course.exercises.codec import CodecError, encode, register
+from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 from nao_course.exercises.exercise import Case
 
 Came = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
 _DRIVERS = "nao_course.exercises.drivers"
+_NOT_THE_STUDENTS = (
+    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+    str(Path(__file__).parents[1]),
+    "<frozen",
+    "<__array_function__",
+)
 
 
 @register
@@ -29,13 +37,15 @@ class Outcome:
     came : str
         "value", or what came instead of one.
     value : object
-        The answer.
+        The answer: plain arrays, numbers, lists, nothing of a student's own types.
     text : str
-        Of an exception: its type and message.
+        Of an exception: its type and message. Of an answer that cannot be sent: what it is.
     line : str
         The student's own line that raised, with its number.
     changed : bool
         Whether the function changed its arguments.
+    output : str
+        The beginning of what it printed, where that is kept.
     """
 
     came: Came
@@ -43,6 +53,7 @@ class Outcome:
     text: str = ""
     line: str = ""
     changed: bool = False
+    output: str = ""
 
 
 def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
@@ -60,24 +71,9 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     Returns
     -------
     Outcome
-        Never an exception, but for KeyboardInterrupt turned into "interrupted".
+        Never an exception, but for KeyboardInterrupt turned into "interrupted". Its value is a plain copy.
     """
-    args, kwargs = case.fresh()
-    before = _state(args, kwargs)
-    try:
-        if driver:
-            value = getattr(importlib.import_module(_DRIVERS), driver)(function, *args, **kwargs)
-        else:
-            value = function(*args, **kwargs)
-    except NotImplementedError as error:
-        if str(error):
-            return _raised(error, function)
-        return Outcome("not attempted")
-    except KeyboardInterrupt:
-        return Outcome("interrupted")
-    except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
-        return _raised(error, function)
-    return Outcome("value", value, changed=_state(args, kwargs) != before)
+    return decode(encoded(call_as_it_is(function, case, driver)))
 
 
 def call_all(function: Callable[..., Any], cases: Sequence[Case], driver: str = "") -> list[Outcome]:
@@ -90,6 +86,49 @@ def call_all(function: Callable[..., Any], cases: Sequence[Case], driver: str = 
     return outcomes
 
 
+def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
+    """Call a function as `call` does; the value is what it returned, of whatever type."""
+    args, kwargs = case.fresh()
+    before = _state(args, kwargs)
+    if driver:
+        args = (function, *args)
+        function = getattr(importlib.import_module(_DRIVERS), driver)
+    try:
+        value = function(*args, **kwargs)
+    except NotImplementedError as error:
+        return _raised(error) if error.args else Outcome("not attempted")
+    except KeyboardInterrupt:
+        return Outcome("interrupted")
+    except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
+        return _raised(error)
+    return Outcome("value", value, changed=_state(args[1:] if driver else args, kwargs) != before)
+
+
+def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
+    """Return an outcome's frame; that of "unsendable" where its value cannot be sent."""
+    try:
+        return encode(outcome, limits)
+    except CodecError as error:
+        return encode(Outcome("unsendable", text=str(error), output=outcome.output), limits)
+
+
+def describe(error: BaseException) -> str:
+    """Name an exception's type and say its message, of which a student's own class may make anything."""
+    try:
+        text = f"{type(error).__name__}: {error}"
+    except Exception:  # noqa: BLE001 - a message that raises is no message
+        text = str(type(error).__name__)
+    return text[:500].encode("utf-8", "replace").decode()
+
+
+def _raised(error: BaseException) -> Outcome:
+    """Name an exception and the student's own line: the last one that is in no library."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith(_NOT_THE_STUDENTS)]
+    line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
+    return Outcome("raised", text=describe(error), line=line[:500].encode("utf-8", "replace").decode())
+
+
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
     """What a function must leave as it is: its arguments, but for random generators, which it may draw from."""
     kept = [arg for arg in (*args, *kwargs.values()) if not isinstance(arg, np.random.Generator)]
@@ -97,14 +136,3 @@ def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
         return encode(kept)
     except CodecError:  # a list that was given what cannot even be sent
         return b""
-
-
-def _raised(error: BaseException, function: Callable[..., Any]) -> Outcome:
-    """Name an exception and the student's own line: the last one in a file that the function's is in."""
-    file = getattr(getattr(function, "__code__", None), "co_filename", None)
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if frame.filename == file] or [
-        frame for frame in frames if frame.filename.startswith("<")
-    ]
-    line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
-    return Outcome("raised", text=f"{type(error).__name__}: {error}"[:500], line=line)
