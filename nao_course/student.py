@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import lru_cache
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from nao_course.exercises.checking import Report, grade_public, read_public
-from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_definitions
 from nao_course.exercises.trying import Message
 
 
@@ -44,7 +46,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
             return self.right[name]
         for report in self.reports:
             if report.name == name:
-                raise KeyError(f"{name} of lesson {self.lesson} is not usable yet. {report.lines[0]}")
+                raise KeyError(f"{name} of lesson {self.lesson} is not usable yet. {' '.join(report.lines)}")
         raise KeyError(f"lesson {self.lesson} has no exercise {name!r}")
 
     def __iter__(self) -> Iterator[str]:
@@ -99,16 +101,23 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
         If there is no such lesson.
     """
     public = read_public(lesson)
-    path = Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".") / f"{lesson}.ipynb"
-    found = _definitions(path, path.stat().st_mtime_ns) if path.is_file() else Definitions({})
+    path = (Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".") / f"{lesson}.ipynb").resolve()
+    try:
+        found = _definitions(path, path.stat().st_mtime_ns)
+        reasons = [
+            f"Cell {each.cell}: {each.reason}." for each in found.skipped if each.reason != NO_DEFINITION
+        ]
+    except (OSError, ValueError) as error:
+        found, reasons = Definitions({}), [f"{path.name} cannot be read: {error}."]
     right: dict[str, Callable[..., Any]] = {}
     reports: list[Report] = []
     for exercise in public.exercises:
         if exercise.name not in found:
-            text = f"{exercise.number} {exercise.name}: not found in {path.name}."
-            reports.append(Report(exercise.name, "not attempted", (text,)))
+            lines = (f"{exercise.number} {exercise.name}: not found in {path.name}.", *reasons)
+            reports.append(Report(exercise.name, "not attempted", lines))
             continue
-        report = grade_public(exercise, found[exercise.name])
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            report = grade_public(exercise, found[exercise.name])
         if report:
             right[exercise.name] = found[exercise.name]
         else:
@@ -118,8 +127,6 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
 
 @lru_cache(maxsize=32)
 def _definitions(path: Path, changed: int) -> Definitions:
-    """Definitions of a notebook as it was saved at a time."""
-    try:
+    """Definitions of a notebook as it was saved at a time; what it prints is not wanted in another one."""
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         return load_definitions(path)
-    except ValueError:
-        return Definitions({})

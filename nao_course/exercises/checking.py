@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from html import escape
 from importlib import resources
@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from nao_course.exercises import running
 from nao_course.exercises.codec import Limits, decode, encode
-from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.comparisons import Verdict, alike
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
@@ -152,7 +152,7 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
         return Report(exercise.name, "right", tuple(lines))
     if not wrong:
         text = f"{title}: right answers, but the function changes its input. Return a new array instead."
-        return Report(exercise.name, "wrong", (text,))
+        return Report(exercise.name, "wrong", (text, *_recognised(exercise, outcomes, wrong)))
     return _explain(exercise, title, outcomes, verdicts, wrong)
 
 
@@ -168,39 +168,35 @@ def _explain(
     outcome, verdict = outcomes[first], verdicts[first]
     about = f" ({exercise.cases[first].name})" if exercise.cases[first].name else ""
     passed = f"{len(verdicts) - len(wrong)} of {len(verdicts)} public checks pass"
-    if verdict is None:
-        lines = [f"{title}: {passed}; one raises {outcome.text}{about}."]
-        if outcome.line:
-            lines.append(outcome.line)
-    else:
+    state: State = "wrong"
+    if verdict is not None:
         lines = [f"{title}: {passed}. Wrong is the {verdict.kind}{about}: {verdict.text}."]
-    lines += _recognised(exercise, outcomes, wrong)
-    return Report(exercise.name, "raised" if verdict is None else "wrong", tuple(lines))
+    elif outcome.came == "unsendable":
+        lines = [f"{title}: {passed}. Wrong is the type{about}: {outcome.text}."]
+    else:
+        state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
+        lines += [outcome.line] if outcome.line else []
+    return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
 
 
-def _recognised(exercise: PublicExercise, outcomes: list[Outcome], wrong: list[int]) -> Iterator[str]:
+def _recognised(exercise: PublicExercise, outcomes: list[Outcome], wrong: list[int]) -> list[str]:
     """The message of the first mistake that gives all the wrong answers and no others."""
     for mistake in exercise.mistakes:
-        if sorted(map(int, mistake.answers)) != wrong:
-            continue
-        if all(_same(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong):
-            yield mistake.message
-            return
+        if sorted(map(int, mistake.answers)) == wrong and all(
+            _same(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong
+        ):
+            return [mistake.message]
+    return []
 
 
 def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
+    """Whether an outcome is a mistake's; where that raises or gives no answer, `answer` says {"raises": what}."""
     if isinstance(answer, dict) and set(answer) == {"raises"}:
-        return outcome.came == "raised" and outcome.text.split(":")[0] == answer["raises"]
-    if outcome.came != "value":
-        return False
-    if isinstance(exercise.cases[0].expected, tuple) and type(exercise.comparison).__name__ == "Between":
-        return isinstance(outcome.value, int | float) and abs(float(outcome.value) - answer) <= 0.02 * abs(
-            answer
-        )
-    return bool(exercise.comparison.compare(answer, outcome.value))
+        return outcome.came != "value" and outcome.text.split(":")[0] == answer["raises"]
+    return outcome.came == "value" and alike(exercise.comparison, answer, outcome.value)
 
 
-@dataclass
+@dataclass(repr=False)
 class Checks:
     """A lesson's `check`: call it with an exercise's name and your function.
 
@@ -212,6 +208,10 @@ class Checks:
 
     lesson: PublicLesson
     _hints_given: dict[str, int] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Say how it is used; what it holds is what it checks with."""
+        return f"The checks of {self.lesson.name}: check(name, function)"
 
     def exercise(self, name: str) -> PublicExercise:
         """Return an exercise by its name.

@@ -1,8 +1,12 @@
-"""How a student's answer is held against the expected one, and in which words the difference is told."""
+"""How a student's answer is held against the expected one, and in which words the difference is told.
+
+Both are plain, as they come out of the codec: no class of a student's own has a say in a comparison.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +14,8 @@ import numpy as np
 from nao_course.exercises.codec import register
 
 Kind = Literal["right", "nothing", "type", "shape", "nan", "value"]
+Array = np.ndarray[Any, Any]
+_KINDS = {"b": "True and False", "i": "whole numbers", "u": "whole numbers", "f": "numbers with a point"}
 
 
 @dataclass(frozen=True)
@@ -59,16 +65,18 @@ class Close:
         """Compare an answer with the expected one."""
         return _structure(expected, got, self._arrays)
 
-    def _arrays(self, expected: np.ndarray[Any, Any], got: np.ndarray[Any, Any], where: str) -> Verdict:
-        both_nan = np.isnan(expected) & np.isnan(got)
-        if (np.isnan(expected) != np.isnan(got)).mean() > self.allowed:
+    def _arrays(self, expected: Array, got: Array, where: str) -> Verdict:
+        wanted, have = expected.astype(float), got.astype(float)
+        misplaced = np.isnan(wanted) != np.isnan(have)
+        if np.count_nonzero(misplaced) > self.allowed * wanted.size:
             return Verdict("nan", f"{where} is NaN where it should not be, or is not where it should be")
-        difference = np.abs(got - expected)
-        if self.period:
-            difference = np.abs((difference + self.period / 2) % self.period - self.period / 2)
-        with np.errstate(invalid="ignore"):
-            wrong = ~(difference <= self.atol + self.rtol * np.abs(expected)) & ~both_nan & (got != expected)
-        return _differences(wrong, got, where, self.allowed)
+        with np.errstate(all="ignore"):
+            difference = np.abs(have - wanted)
+            if self.period:
+                difference = np.abs((difference + self.period / 2) % self.period - self.period / 2)
+            near = difference <= self.atol + self.rtol * np.abs(wanted)
+        same = near | (have == wanted) | (np.isnan(wanted) & np.isnan(have))
+        return _differences(~same, got, where, self.allowed)
 
 
 @register
@@ -88,7 +96,7 @@ class Exact:
         """Compare an answer with the expected one."""
         return _structure(expected, got, self._arrays)
 
-    def _arrays(self, expected: np.ndarray[Any, Any], got: np.ndarray[Any, Any], where: str) -> Verdict:
+    def _arrays(self, expected: Array, got: Array, where: str) -> Verdict:
         return _differences(expected != got, got, where, self.allowed)
 
 
@@ -108,25 +116,29 @@ class Points:
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare (N, 2) points with the expected ones."""
         wanted = np.asarray(expected, dtype=float)
-        verdict = _as_numbers(got, "your answer")
-        if isinstance(verdict, Verdict):
-            return verdict
-        if verdict.ndim != 2 or verdict.shape[1:] != wanted.shape[1:]:
-            return Verdict(
-                "shape", f"your answer has shape {verdict.shape}; points have shape (N, {wanted.shape[1]})"
+        have = _as_numbers(got, "your answer")
+        if isinstance(have, Verdict):
+            return have
+        if have.ndim != 2 or have.shape[1] != wanted.shape[1]:
+            columns = wanted.shape[1]
+            text = (
+                f"your answer has shape {have.shape}; N points have shape (N, {columns}), none (0, {columns})"
             )
-        if np.isnan(verdict).any():
+            return Verdict("shape", text)
+        if np.isnan(have).any():
             return Verdict("nan", "your answer has NaN in it")
-        if len(verdict) != len(wanted):
-            return Verdict("value", f"your answer has {len(verdict)} points, which is not the right number")
-        from scipy.optimize import linear_sum_assignment  # half a second, which a worker can do without
+        if len(have) != len(wanted):
+            return Verdict("value", f"your answer has {len(have)} points, which is not the right number")
+        from scipy.optimize import linear_sum_assignment  # takes long to import: workers start without it
 
-        away = np.linalg.norm(wanted[:, None] - verdict[None], axis=2)
-        rows, columns = linear_sum_assignment(np.minimum(away, 1e9))
-        far = int((away[rows, columns] > self.tolerance).sum())
-        return (
-            Verdict("value", f"{far} of your {len(verdict)} points are at no right place") if far else RIGHT
-        )
+        with np.errstate(all="ignore"):
+            far = ~(np.linalg.norm(wanted[:, None] - have[None].astype(float), axis=2) <= self.tolerance)
+        missed = int(
+            far[linear_sum_assignment(far)].sum()
+        )  # as few as can be: the best partners, not the nearest
+        if missed:
+            return Verdict("value", f"{missed} of your {len(have)} points are at no right place")
+        return RIGHT
 
 
 @register
@@ -142,85 +154,118 @@ class Between:
             return number
         if number.shape != ():
             return Verdict("shape", f"your answer has shape {number.shape}; one number is wanted")
+        if number.dtype.kind == "b":
+            return Verdict("type", "your answer is True or False; a number is wanted")
         if np.isnan(number):
             return Verdict("nan", "your answer is NaN")
-        return (
-            RIGHT
-            if low <= float(number) <= high
-            else Verdict("value", f"your answer, {float(number):.4g}, is off")
-        )
+        if low <= number <= high:
+            return RIGHT
+        return Verdict("value", f"your answer, {float(number):.4g}, is off")
 
 
 Comparison = Close | Exact | Points | Between
 
 
-def _structure(expected: Any, got: Any, arrays: Any, where: str = "your answer") -> Verdict:
-    """Walk through tuples down to arrays."""
-    if got is None:
-        return (
-            Verdict("right")
-            if expected is None
-            else Verdict("nothing", f"{where} is None: is a return missing?")
-        )
-    if isinstance(expected, tuple | list):
-        if not isinstance(got, tuple | list) or len(got) != len(expected):
-            size = f" of {len(got)}" if isinstance(got, tuple | list) else ""
-            return Verdict(
-                "type", f"{where} is a {type(got).__name__}{size}; {len(expected)} values are wanted"
-            )
-        for i, (one, other) in enumerate(zip(expected, got, strict=True)):
-            verdict = _structure(one, other, arrays, f"value {i + 1} of your answer")
-            if not verdict:
-                return verdict
+def alike(comparison: Comparison, answer: Any, got: Any) -> bool:
+    """Whether an answer is the same wrong one as another."""
+    if isinstance(comparison, Between):  # of a wrong answer no interval is known
+        comparison = Close(rtol=0.02)
+    elif isinstance(comparison, Points) and getattr(answer, "ndim", 0) != 2:
+        comparison = Close()
+    return bool(comparison.compare(answer, got))
+
+
+def _structure(
+    expected: Any, got: Any, arrays: Callable[[Array, Array, str], Verdict], where: str = "your answer"
+) -> Verdict:
+    """Walk through tuples, dicts and dataclasses down to arrays."""
+    if got is None and expected is not None:
+        return Verdict("nothing", f"{where} is None: is a return missing?")
+    of_a_kind = expected is None or isinstance(expected, str | dict) or is_dataclass(expected)
+    if of_a_kind and type(got) is not type(expected):
+        return Verdict("type", f"{where} is {_a(got)}; {_a(expected)} is wanted")
+    if expected is None:
         return RIGHT
     if isinstance(expected, str):
-        return RIGHT if expected == got else Verdict("value", f"{where} is another text")
-    if expected is None:
-        return Verdict("type", f"{where} is a {type(got).__name__}; None is wanted")
-    wanted = np.asarray(expected)
-    numbers = _as_numbers(got, where)
-    if isinstance(numbers, Verdict):
-        return numbers
-    if (wanted.dtype.kind == "b") != (numbers.dtype.kind == "b"):
-        kinds = {
-            "b": "True and False",
-            "i": "whole numbers",
-            "u": "whole numbers",
-            "f": "numbers with a point",
-        }
-        return Verdict(
-            "type",
-            f"{where} holds {kinds.get(numbers.dtype.kind, str(numbers.dtype))}, not "
-            f"{kinds.get(wanted.dtype.kind, str(wanted.dtype))}",
-        )
-    if wanted.shape != numbers.shape:
-        return Verdict("shape", f"{where} has shape {numbers.shape}; shape {wanted.shape} is wanted")
-    if wanted.dtype.kind == "b":
-        wrong = wanted != numbers
-        return RIGHT if not wrong.any() else arrays(wanted.astype(float), numbers.astype(float), where)
-    return arrays(wanted.astype(float), numbers.astype(float), where)
+        return RIGHT if got == expected else Verdict("value", f"{where}, {got[:40]!r}, is another text")
+    parts = _parts(expected)
+    if parts is None:
+        return _numbers(expected, got, arrays, where)
+    if isinstance(got, np.ndarray) and got.shape[:1] == (len(parts),):
+        got = tuple(got)
+    have = _parts(got)
+    if have is None or set(parts) != set(have):
+        size = "" if have is None else f" of {len(have)}"
+        wanted = "other keys" if isinstance(expected, dict) else f"{len(parts)} values"
+        return Verdict("type", f"{where} is {_a(got)}{size}; {wanted} are wanted")
+    for name in parts:
+        verdict = _structure(parts[name], have[name], arrays, f"{name} of {where}")
+        if not verdict:
+            return verdict
+    return RIGHT
 
 
-def _as_numbers(got: Any, where: str) -> np.ndarray[Any, Any] | Verdict:
+def _parts(value: Any) -> dict[str, Any] | None:
+    """The values that a value is made of, by what they are called; None for numbers and arrays of them."""
+    if isinstance(value, dict):
+        return {f"[{key!r}]": each for key, each in value.items()}
+    if is_dataclass(value):
+        return {f".{each.name}": getattr(value, each.name) for each in fields(value)}
+    if isinstance(value, tuple | list):
+        return {f"value {i}": each for i, each in enumerate(value, start=1)}
+    return None
+
+
+def _numbers(expected: Any, got: Any, arrays: Callable[[Array, Array, str], Verdict], where: str) -> Verdict:
+    """Compare arrays, or numbers, of the same kind and shape."""
+    wanted, have = np.asarray(expected), _as_numbers(got, where)
+    if isinstance(have, Verdict):
+        return have
+    if (wanted.dtype.kind == "b") != (have.dtype.kind == "b"):
+        return Verdict("type", f"{where} holds {_KINDS[have.dtype.kind]}, not {_KINDS[wanted.dtype.kind]}")
+    if wanted.shape != have.shape:
+        return Verdict("shape", f"{where} has shape {have.shape}; shape {wanted.shape} is wanted")
+    return arrays(wanted, have, where)
+
+
+def _as_numbers(got: Any, where: str) -> Array | Verdict:
     """Turn an answer into an array of numbers, or say why it is none."""
     if got is None:
         return Verdict("nothing", f"{where} is None: is a return missing?")
     try:
-        array = np.array(got)
-    except (ValueError, TypeError):
-        return Verdict("type", f"{where} is a {type(got).__name__}, not numbers")
-    if array.dtype.kind not in "biuf":
-        return Verdict("type", f"{where} is a {type(got).__name__}, not numbers")
-    return array
+        if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in _KINDS:
+            return array
+    except (ValueError, OverflowError):  # rows of different lengths
+        return Verdict("type", f"{where} is {_a(got)} whose rows do not fit together")
+    return Verdict("type", f"{where} is {_a(got)}, not numbers")
 
 
-def _differences(wrong: Any, got: np.ndarray[Any, Any], where: str, allowed: float) -> Verdict:
+def _only_numbers(got: Any) -> bool:
+    """Whether there are numbers only: numpy would make room for the longest text of a list in each element."""
+    if isinstance(got, list | tuple):
+        return all(map(_only_numbers, got))
+    return isinstance(got, bool | int | float | np.number | np.bool_ | np.ndarray)
+
+
+def _a(value: Any) -> str:
+    """A value's type, with its article."""
+    kind = type(value).__name__
+    if value is None:
+        return kind
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def _differences(wrong: Any, got: Array, where: str, allowed: float) -> Verdict:
     """Say how many elements are wrong, and show the first of them as the student has it."""
     count = int(np.count_nonzero(wrong))
-    if count <= allowed * max(wrong.size, 1):
+    if count <= allowed * wrong.size:
         return RIGHT
     if got.shape == ():
-        return Verdict("value", f"{where}, {float(got):.6g}, is off")
+        return Verdict("value", f"{where}, {_number(got[()])}, is off")
     index = tuple(int(i) for i in np.argwhere(wrong)[0])
     share = f"{count} of {wrong.size} elements of {where} are off"
-    return Verdict("value", f"{share}, the first at {list(index)}: you have {float(got[index]):.6g}")
+    return Verdict("value", f"{share}, the first at {list(index)}: you have {_number(got[index])}")
+
+
+def _number(value: Any) -> str:
+    return str(value) if isinstance(value, np.bool_) else f"{float(value):.6g}"

@@ -18,6 +18,7 @@ from typing import Any
 from nao_course.exercises.running import describe
 
 MOST_BYTES = 50 * 2**20
+NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 _RUN = (
     *_IMPORTS,
@@ -137,7 +138,7 @@ def load_definitions(
                 continue
             if not isinstance(statement, _RUN):
                 if not _is_text(statement):
-                    skipped.append(Skipped(number, statement.lineno, "not a definition"))
+                    skipped.append(Skipped(number, statement.lineno, NO_DEFINITION))
                 continue
             if not before(number, statement.lineno):
                 skipped.append(Skipped(number, statement.lineno, "left out"))
