@@ -45,7 +45,7 @@ bench: .venv/dev.stamp  ## measure the course against its peers
 	$(PY) -m benchmarks $(BENCH_ARGS)
 
 build: .venv/dev.stamp  ## make the students' notebooks from solutions/*.md
-	$(PY) solutions/build.py
+	$(PY) -m nao_course.cli build
 
 lock: .venv/dev.stamp  ## renew both lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock

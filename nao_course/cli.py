@@ -1,0 +1,198 @@
+"""The command line: what a student says to check and hand in, and an instructor to build and release."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from nao_course import homework, student
+from nao_course.exercises.checking import read_public
+from nao_course.exercises.definitions import load_definitions
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
+app.add_typer(new, name="new")
+console = Console()
+_MARKS = {"right": "[green]✔ right[/]", "not attempted": "○ not attempted"}
+
+
+@app.callback()
+def main() -> None:
+    """The course's commands: check, submit and renew are for students, the others for instructors."""
+
+
+@contextmanager
+def _plainly() -> Iterator[None]:
+    """Say what is wrong in a sentence, without a traceback, and end with status 1."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if str(error.name).startswith("nao_course"):
+            reason = "it is the instructor's side, which is not in a student's copy"
+        else:
+            reason = (
+                f"it needs {error.name}: run `make test` once, or python -m pip install -e '.[instructor]'"
+            )
+        _refuse(f"This command is not available here: {reason}.")
+    except (ValueError, OSError) as error:
+        _refuse(str(error))
+
+
+def _refuse(text: str) -> None:
+    """Say what is wrong as it is, on any terminal, and end."""
+    Console(stderr=True).print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+    raise typer.Exit(1)
+
+
+def _say(text: str) -> None:
+    console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+# --- students ---
+
+
+@app.command()
+def check(notebook: Path) -> None:
+    """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
+    with _plainly():
+        lesson = notebook.stem
+        public = read_public(lesson)
+        if not notebook.is_file():
+            raise ValueError(f"there is no {notebook}")
+        skipped = load_definitions(notebook).skipped
+        found = student.functions(lesson, notebook.parent)
+    reports = {report.name: report for report in found.reports}
+    table = Table("exercise", "points", "result", "what the check says", title=lesson)
+    for exercise in public.exercises:
+        report = reports.get(exercise.name)  # a report that says "wrong" is false
+        state = "right" if report is None else report.state
+        lines = ("All public checks pass. The grader has others.",) if report is None else report.lines
+        mark = _MARKS.get(state, f"[red]✘ {state}[/]")
+        table.add_row(
+            f"{exercise.number} {exercise.name}", f"{exercise.points:g}", mark, escape("\n".join(lines))
+        )
+    console.print(table)
+    for each in skipped:
+        if each.reason != "not a definition":
+            _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
+    raise typer.Exit(0 if found.complete else 1)
+
+
+@app.command()
+def submit(
+    folder: Path | None = typer.Argument(
+        None, help="Your notebooks; by default notebooks/, else this folder."
+    ),
+    out: Path = typer.Option(Path(), help="Folder for the zip."),
+) -> None:
+    """Pack your notebooks into a zip to hand in, with a receipt."""
+    with _plainly():
+        receipt = homework.submit(folder or _notebooks(), out)
+    table = Table("file", "SHA-256", title=f"{receipt.path.name}, {receipt.time}")
+    for name, digest in receipt.files.items():
+        table.add_row(name, digest[:16])
+    console.print(table)
+    _say(", ".join(f"{name} {version}" for name, version in receipt.versions.items()))
+    _say(f"Hand in {receipt.path}. Your receipt: {receipt.code[:16]}")
+
+
+@app.command()
+def renew(root: Path = typer.Argument(Path(), help="Where the release was unpacked.")) -> None:
+    """Bring the lessons of a newer release into notebooks/, with your work. `make lab` does it for you."""
+    with _plainly():
+        for renewal in homework.renew(root):
+            _say(str(renewal))
+
+
+def _notebooks() -> Path:
+    return homework.NOTEBOOKS if homework.NOTEBOOKS.is_dir() else Path()
+
+
+# --- instructors ---
+
+
+@app.command()
+def build(
+    lessons: list[str] | None = typer.Argument(None, help="Numbers of lessons; by default all."),
+    from_notebook: str = typer.Option(
+        "", metavar="NN", help="First bring what was edited in solutions/NN_name.ipynb back into the text."
+    ),
+) -> None:
+    """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
+    with _plainly(), _progress() as progress:
+        from nao_course.grading import building
+
+        course = building.load_course()
+        texts = {}
+        wanted = lessons or []
+        if from_notebook:
+            (name,) = wanted = course.names([from_notebook])
+            texts[name] = building.text_from_notebook(course, name)
+        else:
+            building.refuse_to_lose_edits(course, course.names(wanted))
+        tasks = {name: progress.add_task(name, total=None, step="") for name in course.names(wanted)}
+
+        def tell(lesson: str, step: str) -> None:
+            progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
+
+        changes = building.build(course, wanted, texts=texts, tell=tell).write()
+    for path in changes:
+        _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
+    if not changes:
+        _say("Nothing has changed.")
+
+
+def _progress() -> Progress:
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        TextColumn("{task.fields[step]}"),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+    )
+
+
+@app.command()
+def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
+    """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
+    with _plainly():
+        from nao_course.grading.building import load_course
+        from nao_course.grading.release import make_release
+
+        path = make_release(load_course(), out)
+    _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+
+
+@new.command("exercise")
+def new_exercise(lesson: str, name: str) -> None:
+    """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
+    with _plainly():
+        from nao_course.grading import scaffolds
+        from nao_course.grading.building import load_course
+
+        for path in scaffolds.add_exercise(load_course(), lesson, name):
+            _say(f"wrote {os.path.relpath(path)}")
+
+
+@new.command("lesson")
+def new_lesson(number: str, name: str) -> None:
+    """Begin a lesson: a text and a declaration, with TODO where work is needed."""
+    with _plainly():
+        from nao_course.grading import scaffolds
+        from nao_course.grading.building import load_course
+
+        for path in scaffolds.add_lesson(load_course(), number, name):
+            _say(f"wrote {os.path.relpath(path)}")
+
+
+if __name__ == "__main__":
+    app()
