@@ -91,6 +91,20 @@ def load_plan(path: str | Path) -> LessonPlan:
     return plan
 
 
+def solution_notebook(lesson: str, solutions: Path = SOLUTIONS) -> Path:
+    """Return the path of a lesson's solution notebook.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it has not been built.
+    """
+    path = solutions / f"{lesson_name(lesson, solutions)}.ipynb"
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
+    return path
+
+
 def reference(lesson: str, solutions: Path = SOLUTIONS) -> Definitions:
     """Load a lesson's solution: what its solution notebook defines.
 
@@ -106,7 +120,7 @@ def reference(lesson: str, solutions: Path = SOLUTIONS) -> Definitions:
     Definitions
         The reference functions by name.
     """
-    return load_definitions(solutions / f"{lesson_name(lesson, solutions)}.ipynb")
+    return load_definitions(solution_notebook(lesson, solutions))
 
 
 def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., Any]) -> list[Case]:
