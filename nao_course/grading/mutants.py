@@ -47,6 +47,7 @@ _TWINS = [
     *(("vstack", "hstack"), ("logical_and", "logical_or"), ("append", "extend"), ("mean", "median")),
 ]
 _TWIN = {one: other for pair in _TWINS for one, other in (pair, pair[::-1])}
+_SWAP_FREELY = ast.Add | ast.Mult | ast.BitAnd | ast.BitOr | ast.BitXor
 _DROPPED = (
     ast.Assign
     | ast.AugAssign
