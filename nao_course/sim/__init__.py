@@ -12,6 +12,7 @@ from nao_course.sim.nao import (
     repeat_drive,
 )
 from nao_course.sim.render import LABELS, PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
+from nao_course.sim.scenes import Scene, standard_scenes
 
 __all__ = [
     "DIMENSIONS",
@@ -26,6 +27,7 @@ __all__ = [
     "Picture",
     "PictureTruth",
     "Reality",
+    "Scene",
     "SensorNoise",
     "SimulatedNao",
     "TorsoTilt",
@@ -33,5 +35,6 @@ __all__ = [
     "VisibleLandmark",
     "render",
     "repeat_drive",
+    "standard_scenes",
     "visible_landmarks",
 ]

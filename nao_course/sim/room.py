@@ -478,7 +478,7 @@ _PIECES = {
     _sitter: (3.0, (0.1, 0.6)),
     _stander: (1.0, (0.1, 0.6)),
     _bag: (3.0, (0.1, 0.7)),
-    _coats: (2.5, (0.5, 1.0)),
+    _coats: (3.0, (0.25, 1.0)),
     _papers: (1.5, (0.1, 0.6)),
     _oddments: (3.0, (0.1, 0.7)),
     _robot: (0.8, (0.1, 0.5)),
@@ -537,7 +537,7 @@ _DEPTH = (
 )
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
     """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); `amount` 1 is a crowded laboratory.
 
@@ -557,7 +557,7 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
         canvas.add(wall)
         walls.append(canvas.done())
         pieces = [_Workshop(rng) for _ in _CURTAINS]
-        crowd = rng.uniform(0.3, 1.7)  # some sides are nearly free
+        crowd = rng.uniform(0.2, 2.0)  # some sides are nearly free
         for _ in range(rng.poisson(3.0 * crowd * amount * length)):
             build = builders[_chosen(rng, often)]
             away = rng.uniform(*_PIECES[build][1])
