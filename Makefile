@@ -25,6 +25,7 @@ help:  ## say what there is
 
 lab: .venv/lab.stamp  ## open the lessons in JupyterLab
 	@mkdir -p notebooks
+	@$(PY) -m nao_course.cli renew
 	$(PY) -m jupyterlab notebooks $(LAB_ARGS)
 
 test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow

@@ -189,7 +189,7 @@ def renew(root: Path) -> list[Renewal]:
 def _bring(source: Path, target: Path, base: Path) -> Renewal:
     before = _cells_or_none(base)
     own = _cells_or_none(target)
-    if not target.is_file() or (own is not None and own == before):
+    if not target.is_file() or (own is not None and own in (before, _cells_or_none(source))):
         shutil.copyfile(source, target)
         return Renewal(target.name)
     new = _parsed(source.name, source.read_bytes())
