@@ -23,6 +23,7 @@ _DTYPES = {
     for name in ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "c8", "c16")
 }
 _MOST_BITS = 512  # of a whole number; a random generator's state needs 128
+_GENERATOR = "PCG64"
 _TYPES: dict[str, type] = {}
 
 T = TypeVar("T")
@@ -133,7 +134,7 @@ class _Writer:
         if isinstance(item, np.generic):
             return {"n": self.array(np.asarray(item))}
         if isinstance(item, np.random.Generator):
-            return {"g": self.node(_plain(item.bit_generator.state), depth + 1)}
+            return {"g": self.node(_state(item), depth + 1)}
         name = _type_name(kind)
         if _TYPES.get(name) is kind:
             values = {each.name: self.node(getattr(item, each.name), depth + 1) for each in fields(item)}
@@ -175,11 +176,12 @@ class _Writer:
             raise CodecError(f"a value larger than {self.limits.size} bytes")
 
 
-def _plain(value: Any) -> Any:
-    """A bit generator's state with numpy's numbers turned into Python's."""
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
-    return value.item() if isinstance(value, np.generic) else value
+def _state(rng: np.random.Generator) -> dict[str, Any]:
+    """A generator's state; only that of numpy's default holds nothing but plain numbers."""
+    state = dict(rng.bit_generator.state)
+    if state["bit_generator"] != _GENERATOR:
+        raise CodecError(f"a random generator of {state['bit_generator']} cannot be sent")
+    return state
 
 
 def decode(frame: bytes, limits: Limits | None = None, *, trusted: bool = False) -> Any:
@@ -312,7 +314,7 @@ def _string(value: Any) -> str:
 
 
 def _generator(state: Any) -> np.random.Generator:
-    if not isinstance(state, dict) or state.get("bit_generator") != "PCG64":
+    if not isinstance(state, dict) or state.get("bit_generator") != _GENERATOR:
         raise CodecError("a random generator that is not numpy's default")
     bits: Any = np.random.PCG64(0)
     bits.state = state

@@ -74,7 +74,7 @@ class Close:
             difference = np.abs(have - wanted)
             if self.period:
                 difference = np.abs((difference + self.period / 2) % self.period - self.period / 2)
-            near = difference <= self.atol + self.rtol * np.abs(wanted)
+            near = (difference <= self.atol + self.rtol * np.abs(wanted)) & np.isfinite(wanted)
         same = near | (have == wanted) | (np.isnan(wanted) & np.isnan(have))
         return _differences(~same, got, where, self.allowed)
 

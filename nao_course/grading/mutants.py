@@ -181,7 +181,7 @@ def show(report: MutationReport, console: Console | None = None) -> None:
     """Print a report: the survivors' diffs, then how many were caught in each exercise."""
     console = console or Console()
     for mutant in report.survivors:
-        console.print(Syntax(mutant.diff, "diff", background_color="default"))
+        console.print(Syntax(mutant.diff, "diff", background_color="default", word_wrap=True))
     table = Table("exercise", "mutants", "caught by hidden cases", "by public checks", title=report.lesson)
     for name in [*dict.fromkeys(trial.mutant.exercise for trial in report.trials), None]:
         hidden, public, total = report.caught(name)

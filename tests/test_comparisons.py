@@ -1,0 +1,228 @@
+"""Comparisons tell right from wrong, say what kind of wrong, and never what was expected."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from nao_course.exercises.codec import register
+from nao_course.exercises.comparisons import Between, Close, Exact, Points, alike
+
+nan, inf = np.nan, np.inf
+numbers = st.floats(-1e300, 1e300) | st.sampled_from([nan, inf, -inf])
+floats = hnp.arrays(float, hnp.array_shapes(min_dims=0, max_side=4), elements=numbers)
+
+
+@register
+@dataclass(frozen=True)
+class Seen:
+    bearing: float
+    kind: str
+
+
+@given(floats)
+def test_an_answer_is_like_itself_as_an_array_or_a_list(array):
+    assert Close().compare(array, array)
+    assert Close().compare(array, array.tolist())
+    assert bool(Exact().compare(array, array)) == (not np.isnan(array).any())
+
+
+@given(hnp.arrays(float, hnp.array_shapes(), elements=st.floats(-1e6, 1e6)))
+def test_single_precision_is_enough(array):
+    assert Close().compare(array, array.astype(np.float32))
+
+
+@given(floats, st.data())
+def test_one_wrong_element_is_found_and_counted(array, data):
+    place = data.draw(st.sampled_from(list(np.ndindex(array.shape))))
+    other = array.copy()
+    other[place] = 0.0 if not np.isfinite(array[place]) else array[place] + 1 + 0.01 * abs(array[place])
+    verdict = Close().compare(array, other)
+    assert verdict.kind == ("nan" if np.isnan(array[place]) else "value")
+    assert Close(allowed=1.0).compare(array, other)
+
+
+@pytest.mark.parametrize(
+    ("expected", "got", "kind"),
+    [
+        (1.0, 1, "right"),
+        (1.0, np.float32(1), "right"),
+        (1.0, np.array(1.0), "right"),
+        (1, 1.0, "right"),
+        (1.0, np.array([1.0]), "shape"),
+        (1.0, [1.0], "shape"),
+        (1.0, True, "type"),
+        (True, 1.0, "type"),
+        (True, np.bool_(True), "right"),
+        (np.array([True, False]), [True, False], "right"),
+        (np.array([True, False]), np.array([1, 0]), "type"),
+        (1.0, None, "nothing"),
+        (1.0, "1", "type"),
+        (1.0, 1j, "type"),
+        (1.0, {"a": 1}, "type"),
+        (1.0, nan, "nan"),
+        (nan, 1.0, "nan"),
+        (nan, nan, "right"),
+        (inf, inf, "right"),
+        (inf, -inf, "value"),
+        (inf, 5.0, "value"),
+        (5.0, inf, "value"),
+        (1.0, 10**400, "type"),
+        (np.zeros((2, 3)), np.zeros((3, 2)), "shape"),
+        (np.zeros(2), [[0.0], [0.0, 1.0]], "type"),
+        (np.zeros(2), ["x" * 10, 1.0], "type"),
+        (np.zeros((0, 2)), np.zeros((0, 2)), "right"),
+        (np.zeros((0, 2)), [], "shape"),
+        (np.zeros(2, np.uint8), np.array([0, 1]), "value"),
+        (np.array([200], np.uint8), np.array([-56], np.int8), "value"),
+        ((1.0, 2.0), (1.0, 2.0), "right"),
+        ((1.0, 2.0), [1.0, 2.0], "right"),
+        ((1.0, 2.0), np.array([1.0, 2.0]), "right"),
+        ((1.0, 2.0), (1.0, 2.5), "value"),
+        ((1.0, 2.0), (1.0,), "type"),
+        ((1.0, 2.0), 1.0, "type"),
+        ((1.0, 2.0), np.zeros((10**6, 1)), "type"),
+        ((1.0, None), (1.0, None), "right"),
+        ((1.0, None), (1.0, 2.0), "type"),
+        ((np.zeros(2), 1.0), (np.zeros(3), 1.0), "shape"),
+        ([], [], "right"),
+        (None, None, "right"),
+        (None, 0.0, "type"),
+        ("green", "green", "right"),
+        ("green", "red", "value"),
+        ("green", 3, "type"),
+        ({"a": 1.0}, {"a": 1.0}, "right"),
+        ({"a": 1.0}, {"b": 1.0}, "type"),
+        ({"a": 1.0}, {"a": 2.0}, "value"),
+        (Seen(0.5, "post"), Seen(0.5, "post"), "right"),
+        (Seen(0.5, "post"), Seen(0.6, "post"), "value"),
+        (Seen(0.5, "post"), Seen(0.5, "corner"), "value"),
+        (Seen(0.5, "post"), (0.5, "post"), "type"),
+        ([Seen(0.5, "post")], [Seen("x", "post")], "type"),
+    ],
+)
+def test_close_tells_what_kind_of_difference_it_is(expected, got, kind):
+    assert Close().compare(expected, got).kind == kind
+
+
+def test_angles_are_compared_on_their_circle():
+    hues, turn = Close(period=360.0, atol=0.1), Close(period=2 * np.pi)
+    assert hues.compare(np.array([359.99, 0.0, 90.0]), np.array([-0.01, 360.0, 450.0]))
+    assert not hues.compare(10.0, 190.0)
+    assert not hues.compare(10.0, 11.0)
+    assert turn.compare(np.pi, -np.pi)
+    assert hues.compare(10.0, inf).kind == "value"
+
+
+def test_a_fraction_of_labels_may_differ_and_no_more():
+    labels = np.zeros((10, 10), np.uint8)
+    wrong = labels.copy()
+    wrong.flat[:5] = 3
+    assert Exact(allowed=0.05).compare(labels, wrong)
+    wrong.flat[5] = 3
+    verdict = Exact(allowed=0.05).compare(labels, wrong)
+    assert verdict.text == "6 of 100 elements of your answer are off, the first at [0, 0]: you have 3"
+    assert not Exact().compare(labels, wrong)
+
+
+def test_exact_does_not_round():
+    assert Exact().compare(2**53, 2**53)
+    assert not Exact().compare(2**53, 2**53 + 1)
+    assert not Exact().compare(1.0, 1.0000001)
+
+
+POINTS = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]])
+
+
+@pytest.mark.parametrize(
+    ("got", "kind"),
+    [
+        (POINTS[::-1], "right"),
+        (POINTS.tolist(), "right"),
+        (POINTS + 0.5, "right"),
+        (POINTS + 1.0, "value"),
+        (POINTS[:, ::-1] + [0, 5], "value"),
+        (POINTS[:2], "value"),
+        (np.vstack([POINTS, POINTS[:1]]), "value"),
+        (POINTS[[0, 0, 1]], "value"),
+        (np.zeros((0, 2)), "value"),
+        ([], "shape"),
+        (POINTS.T[:, :2].T.ravel(), "shape"),
+        (np.zeros((3, 3)), "shape"),
+        (None, "nothing"),
+        ("points", "type"),
+        (np.where(POINTS > 5, nan, POINTS), "nan"),
+        (np.where(POINTS > 5, inf, POINTS), "value"),
+        (np.where(POINTS > 5, 1e308, POINTS), "value"),
+    ],
+)
+def test_points_are_compared_one_to_one_in_any_order(got, kind):
+    assert Points(tolerance=1.0).compare(POINTS, got).kind == kind
+
+
+def test_points_find_the_partners_that_suit_all_not_the_nearest():
+    expected, got = np.array([[0.0, 0.0], [0.9, 0.0]]), np.array([[0.8, 0.0], [1.8, 0.0]])
+    assert Points(tolerance=1.0).compare(expected, got)  # the nearest pair would leave 1.8 for the other
+
+
+def test_no_points_are_right_where_there_are_none():
+    assert Points().compare(np.zeros((0, 2)), np.zeros((0, 2)))
+    assert Points().compare(np.zeros((0, 2)), POINTS).kind == "value"
+
+
+@pytest.mark.parametrize(
+    ("got", "kind"),
+    [
+        (1.5, "right"),
+        (1, "right"),
+        (np.float32(2), "right"),
+        (0.5, "value"),
+        (inf, "value"),
+        (nan, "nan"),
+        (None, "nothing"),
+        ([1.5], "shape"),
+        (True, "type"),
+        ("1.5", "type"),
+    ],
+)
+def test_a_random_answer_lies_between(got, kind):
+    assert Between().compare((1.0, 2.0), got).kind == kind
+
+
+def test_a_wrong_answer_of_a_mistake_is_known_again():
+    assert alike(Between(), 5.0, 5.05)
+    assert not alike(Between(), 5.0, 5.5)
+    assert alike(Points(), None, None)
+    assert not alike(Points(), None, POINTS)
+    assert alike(Points(), POINTS, POINTS[::-1])
+    assert alike(Points(), 3.0, 3.0)
+    assert alike(Close(), "text", "text")
+    assert not alike(Close(), 1.0, None)
+
+
+SECRET = 987.125
+ANSWERS = [None, "x", 1.0, nan, True, [], [1.0], (1.0, 2.0), POINTS, np.zeros(5), {"a": 1}, Seen(1.0, "x")]
+
+
+@pytest.mark.parametrize(
+    ("comparison", "expected"),
+    [
+        (Close(), SECRET),
+        (Close(), np.full(5, SECRET)),
+        (Close(), (SECRET, SECRET)),
+        (Close(), [np.full(2, SECRET)]),
+        (Exact(), SECRET),
+        (Points(), np.full((2, 2), SECRET)),
+        (Between(), (SECRET, SECRET)),
+        (Close(), Seen(SECRET, "987")),
+    ],
+)
+def test_an_expected_value_is_never_said(comparison, expected):
+    for answer in ANSWERS:
+        verdict = comparison.compare(expected, answer)
+        assert not verdict
+        assert verdict.text
+        assert "987" not in verdict.text

@@ -1,0 +1,276 @@
+"""A notebook's definitions are found wherever they stand, and nothing else of it runs."""
+
+import functools
+import json
+import math
+import sys
+import traceback
+
+import pytest
+
+from nao_course.exercises import load_definitions
+from nao_course.exercises.definitions import MOST_BYTES
+from tests.toy import toy
+
+
+@pytest.fixture
+def load(tmp_path):
+    return lambda *cells: load_definitions(toy.write(tmp_path / "own.ipynb", *cells))
+
+
+RUN = """
+from math import pi
+import math as m
+SCALE = 2
+SCALE += 1
+first, *rest = 1, 2, 3
+table = {}
+table["a"] = 5
+count: int = 4
+if SCALE == 3:
+    def by_if(): return SCALE
+for k in range(3):
+    last = k
+try:
+    import no_such_module
+except ImportError:
+    def by_try(): return last
+try:
+    raise ExceptionGroup("g", [ValueError()])
+except* ValueError:
+    def by_group(): return 1
+with open(m.__name__ + ".txt", "w") if False else memoryview(b""):
+    def by_with(): return pi
+async def later(): return 1
+class Thing:
+    size = count
+def uses(): return SCALE + first + len(rest) + table["a"] + Thing.size
+"""
+
+
+def test_every_kind_of_definition_runs(load):
+    found = load(RUN)
+    assert found.skipped == ()
+    assert list(found) == ["by_if", "by_try", "by_group", "by_with", "later", "Thing", "uses"]
+    assert found["uses"]() == 3 + 1 + 2 + 5 + 4
+    assert (found["by_if"](), found["by_try"](), found["by_with"]()) == (3, 2, math.pi)
+
+
+def test_nothing_else_runs(load):
+    found = load(
+        "import sys",
+        "sys.modules['ran'] = 1",  # an assignment does run
+        "sys.modules.pop('ran')\nprint('x')\n1 / 0\nassert False\nraise SystemExit\nwhile True: pass\ndel sys",
+        "'only a text'\n...",
+    )
+    assert sys.modules.pop("ran") == 1
+    assert [(each.cell, each.line) for each in found.skipped] == [(3, line) for line in range(1, 8)]
+    assert {each.reason for each in found.skipped} == {"not a definition"}
+
+
+def test_checks_and_demonstrations_do_not_run_and_of_the_set_up_only_imports(load):
+    found = load(
+        ("setup", "import math\ncheck = 1 / 0\ndef given(): pass"),
+        ("check", "def cheat(): pass"),
+        ("display", "def shown(): pass"),
+        ("solution", "def f(): return math.pi"),
+        ("student", "def g(): return f()"),
+    )
+    assert set(found) == {"f", "g"}
+    assert found["g"]() == math.pi
+    assert found.skipped == ()
+
+
+def test_the_last_definition_wins_wherever_it_stands(load):
+    found = load("def f(): return 1\ndef g(): return f()", ("solution", "def f(): return 2"), "f2 = f")
+    assert found["f"]() == found["g"]() == found["f2"]() == 2
+
+
+def test_lambdas_partials_classes_and_decorated_functions_count(load):
+    found = load(
+        "import functools\n"
+        "double = lambda x: 2 * x\n"
+        "add_one = functools.partial(lambda a, b: a + b, 1)\n"
+        "@functools.lru_cache\ndef cached(x): return x\n"
+        "class Callable:\n    def __call__(self, x): return -x\n"
+        "instance = Callable()\n"
+        "number = 3\n"
+    )
+    assert list(found) == ["double", "add_one", "cached", "Callable", "instance"]
+    assert isinstance(found["add_one"], functools.partial)
+    assert (found["double"](2), found["add_one"](2), found["cached"](2), found["instance"](2)) == (
+        4,
+        3,
+        2,
+        -2,
+    )
+
+
+def test_what_is_imported_is_not_the_students_unless_it_stands_beside(load, tmp_path, monkeypatch):
+    (tmp_path / "my_own_helpers.py").write_text("def helper(): return 7\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = load("from math import sin as predict\nfrom my_own_helpers import helper")
+    assert list(found) == ["helper"]
+    assert found["helper"]() == 7
+
+
+def test_a_definition_that_is_taken_away_again_is_not_found(load):
+    assert list(load("def f(): return 1", "f = 3")) == []
+
+
+@pytest.mark.parametrize(
+    "magics",
+    [
+        "%matplotlib inline",
+        "!pip list",
+        "?len",
+        "len?",
+        "len??",
+        "files = !ls",
+        "t = %timeit -o 1",
+        "%%time",
+        "if True:\n    %matplotlib inline",
+        "  # a comment\n%load_ext x",
+    ],
+)
+def test_ipythons_own_lines_are_left_out(load, magics):
+    found = load(f"{magics}\ndef f():\n    return 1")
+    assert found["f"]() == 1
+
+
+def test_a_remainder_at_the_beginning_of_a_line_is_no_magic(load):
+    assert load("def f(x):\n    return (x\n        % 3)")["f"](5) == 2
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        ("def broken(:", "SyntaxError"),
+        ("x = '\0'", "null"),
+        ("x = " + "(" * 500 + ")" * 500, "SyntaxError"),
+        ("x = " + "-" * 100_000 + "1", "Error"),
+        ("x = '\ud800'", "UnicodeEncodeError"),
+        ("  indented = 1", "IndentationError"),
+    ],
+)
+def test_a_broken_cell_costs_itself_alone(load, source, reason):
+    found = load("def f(): return 1", source, "def g(): return 2")
+    assert list(found) == ["f", "g"]
+    assert found.skipped[0].cell == 2
+    assert reason in found.skipped[0].reason
+
+
+@pytest.mark.parametrize(
+    ("statement", "reason"),
+    [
+        ("x = 1 / 0", "ZeroDivisionError: division by zero"),
+        ("from sys import nothing", "ImportError"),
+        ("import no_such_module", "ModuleNotFoundError"),
+        ("x = exit()", ""),
+        ("import sys\nx = sys.exit(3)", "SystemExit: 3"),
+        ("def recurse(): return recurse()\nx = recurse()", "RecursionError"),
+        ("def hidden(x=undefined): pass", "NameError"),
+        ("for k in range(3):\n    raise GeneratorExit", "GeneratorExit"),
+        ("class Odd(Exception):\n    def __str__(self): raise self\nif True: raise Odd()", "Odd"),
+        ("if True: raise KeyError('half \\ud800')", "KeyError"),
+    ],
+)
+def test_a_statement_that_fails_costs_itself_alone(load, statement, reason):
+    found = load(f"def f(): return 1\n{statement}\ndef g(): return 2")
+    assert {"f", "g"} <= set(found)
+    assert reason in found.skipped[0].reason
+    found.skipped[0].reason.encode()
+
+
+def test_an_interrupt_goes_through(load):
+    with pytest.raises(KeyboardInterrupt):
+        load("if True: raise KeyboardInterrupt")
+
+
+def test_annotations_of_the_future_hold_for_the_cells_that_follow(load):
+    late = "def f(x: NotThereYet): return x"
+    assert list(load("from __future__ import annotations", late)) == ["f"]
+    assert "NameError" in load(late).skipped[0].reason
+
+
+def test_dataclasses_and_typed_tuples_work(load):
+    found = load(
+        "from __future__ import annotations\nfrom dataclasses import dataclass, field\nfrom typing import NamedTuple",
+        "@dataclass\nclass Box:\n    size: int\n    rest: list = field(default_factory=list)",
+        "class Pair(NamedTuple):\n    x: float",
+    )
+    assert found.skipped == ()
+    assert found["Box"](3).size == 3
+
+
+def test_a_warning_about_a_students_text_is_not_ours(load, recwarn):
+    assert list(load("def f(): return '\\d'\nx = 1 is 1")) == ["f"]
+    assert not recwarn.list
+
+
+def test_demonstrations_under_main_do_not_run(load):
+    assert load("if __name__ == '__main__':\n    def main(): pass").found == {}
+
+
+def test_a_traceback_shows_the_students_line(load):
+    with pytest.raises(ZeroDivisionError) as caught:
+        load("def f():\n    return 1 / 0  # here")["f"]()
+    last = traceback.extract_tb(caught.value.__traceback__)[-1]
+    assert (last.lineno, last.line) == (2, "return 1 / 0  # here")
+
+
+def test_someone_may_leave_statements_out(tmp_path):
+    path = toy.write(tmp_path / "own.ipynb", "def f(): return 1\nx = 1 / 0", "def g(): return 2")
+    seen = []
+    found = load_definitions(path, lambda cell, line: seen.append((cell, line)) or line == 1)
+    assert seen == [(1, 1), (1, 2), (2, 1)]
+    assert found.skipped[0].reason == "left out"
+
+
+def written(path, data):
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b"null",
+        b"\xff\xfe{}",
+        '{"cells": []}'.encode("utf-16"),
+        b'{"worksheets": []}',
+        b'{"cells": 5}',
+        b'{"cells": [5]}',
+        b'{"cells": [{}]}',
+        b'{"cells": [{"cell_type": "code"}]}',
+        b'{"cells": [{"cell_type": "code", "source": 5}]}',
+        b'{"cells": [{"cell_type": "code", "source": [5]}]}',
+        b'{"cells": [{"cell_type": "code", "source": "", "metadata": [5]}]}',
+        b'{"cells": [{"cell_type": "code", "source": "", "metadata": {"nbgrader": 5}}]}',
+        b"[" * 200_000,
+    ],
+)
+def test_what_is_no_notebook_is_refused_with_a_reason(tmp_path, data):
+    with pytest.raises(ValueError, match=r"bad\.ipynb: not a notebook of format 4 \(\w+"):
+        load_definitions(written(tmp_path / "bad.ipynb", data))
+
+
+def test_a_folder_a_missing_file_and_a_huge_one_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="not a file"):
+        load_definitions(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        load_definitions(tmp_path / "missing.ipynb")
+    with (tmp_path / "huge.ipynb").open("wb") as file:
+        file.truncate(MOST_BYTES + 1)
+    with pytest.raises(ValueError, match="larger than 50 MB"):
+        load_definitions(tmp_path / "huge.ipynb")
+
+
+def test_a_mark_of_the_byte_order_and_lists_of_lines_are_fine(tmp_path):
+    cell = {"cell_type": "code", "metadata": {}, "source": ["def f():\n", "    return 'ü'"]}
+    text = {"cells": [{"cell_type": "markdown", "source": "# Title"}, cell]}
+    path = written(tmp_path / "own.ipynb", json.dumps(text).encode("utf-8-sig"))
+    assert load_definitions(path)["f"]() == "ü"

@@ -1,0 +1,85 @@
+"""The toy lesson's exercises."""
+
+import numpy as np
+
+from nao_course.exercises import Case, Exercise, LessonPlan, Mistake, Question
+
+CLAMP = Exercise(
+    name="clamp",
+    points=2,
+    public=lambda: [
+        Case((3.0, 0.5, 2.25), "above"),
+        Case((-3.0, 0.5, 2.25), "below"),
+        Case((1.125, 0.5, 2.25), "inside"),
+    ],
+    hidden=lambda rng: [Case((float(x), -1.5, 0.75)) for x in (-9, 9, 0, *rng.normal(0, 2, 5))],
+    hints=("Which of the three is in the middle?", "The smaller of x and high, but at least low."),
+    mistakes=[
+        Mistake("low only", lambda x, low, high: max(low, x), "Too large an x stays as it is."),
+        Mistake("high only", lambda x, low, high: min(high, x), "Too small an x stays as it is."),
+        Mistake("min and max swapped", lambda x, low, high: min(low, max(high, x)), "Swap min and max."),
+    ],
+    alternatives={
+        "numpy": lambda x, low, high: np.clip(x, low, high),
+        "if": lambda x, low, high: low if x < low else high if x > high else x,
+        "sorted": lambda x, low, high: sorted([low, x, high])[1],
+    },
+)
+
+
+def _loop(values):
+    total, count = 0.0, 0
+    for value in values:
+        if value > 0:
+            total, count = total + value, count + 1
+    return total / count if count else 0.0
+
+
+def _in_place(values):
+    values[values < 0] = 0
+    return float(values.sum() / max(np.count_nonzero(values), 1))
+
+
+MEAN = Exercise(
+    name="mean_of_positive",
+    points=3,
+    stars=2,
+    public=lambda: [
+        Case((np.array([1.5, -2.0, 0.0, 4.0]),), "a mixture"),
+        Case((np.array([-1.0, -2.5]),), "nothing positive"),
+    ],
+    hidden=lambda rng: [Case((rng.normal(1, 2, size),)) for size in (3, 10, 20)] + [Case((np.zeros(3),))],
+    hints=("A mask selects.", "values[values > 0]"),
+    in_place=True,
+    mistakes=[
+        Mistake("all", lambda values: float(values.mean()), "That is the mean of all values."),
+        Mistake(
+            "zeros counted",
+            lambda values: float(np.maximum(values, 0).mean()),
+            "The others count as zeros, where they should not count.",
+        ),
+        Mistake(
+            "empty mean",
+            lambda values: sum(v for v in values if v > 0) / sum(1 for v in values if v > 0),
+            "Nothing positive: that divides by zero.",
+        ),
+        Mistake("in place", _in_place, "values[...] = writes into what you were given."),
+    ],
+    alternatives={
+        "loop": _loop,
+        "float32": lambda values: np.float32(_loop(values)),
+        "list": lambda values: np.mean([v for v in values if v > 0] or [0.0]),
+    },
+)
+
+PLAN = LessonPlan(
+    [CLAMP, MEAN],
+    [
+        Question(
+            "why",
+            "Why clamp?",
+            {"Safety": "Yes: a joint has an end.", "Speed": "No: it costs time."},
+            "Safety",
+        )
+    ],
+)
