@@ -23,8 +23,8 @@ from nao_course.sim.room import (
     Wear,
     carpet_levels,
     furnish,
+    outlines_in_view,
     paint_curtains,
-    paint_furniture,
     scatter,
 )
 from nao_course.sim.shapes import Covered, Eye, Float32, middles
@@ -351,10 +351,9 @@ def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
     picture = _carpet(field, eye, reality)
     mask, rim = eye.large_quad(_rectangle(eye, *field.carpet))
     behind = _room(field, eye, reality, mask)
-    under = _LINEAR[behind.reshape(-1, 3)[rim.rim]]
-    edge = _LINEAR[picture.reshape(-1, 3)[rim.rim]]
+    under, edge = (_LINEAR[each.reshape(-1, 4)[rim.rim, :3]] for each in (behind, picture))
     cv2.copyTo(behind, 1 - mask[: len(behind)], picture[: len(behind)])
-    light = cv2.LUT(picture, _LINEAR)
+    light = cv2.LUT(cv2.cvtColor(picture, cv2.COLOR_RGBA2RGB), _LINEAR)
     flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # an inside pixel's mask is 1, the label of green
     flat[rim.rim] = under + rim.area[:, None] * (edge - under)
     labels[rim.rim[rim.area >= 0.5]] = GREEN
@@ -366,16 +365,15 @@ def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
 
 
 def _room(field: Field, eye: Eye, reality: Reality, carpet: Labels) -> npt.NDArray[np.uint8]:
-    """The picture's upper rows (rows, W, 3), as far down as the carpet does not cover them, without the carpet."""
+    """The picture's upper rows (rows, W, 4), as far down as the carpet does not cover them, without the carpet."""
     rows = 1 + int(np.flatnonzero(cv2.reduce(carpet, 1, cv2.REDUCE_MIN) == 0).max(initial=0))
-    behind = np.empty((rows, eye.view.size[0], 3), dtype=np.uint8)
-    behind[:] = _SHOWN["wall"]
+    behind = _plain(rows, eye.view.size[0], "wall")
     x0, y0, x1, y1 = field.carpet
     for margin, light in _FLOOR if reality.clutter else _FLOOR[:1]:
         m = margin
         floor = eye.outlines([_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m)])[0]
         if floor is not None:
-            cv2.fillPoly(behind, [floor], [round(light * shade) for shade in _SHOWN["floor"]], cv2.LINE_AA)
+            cv2.fillPoly(behind, [floor], [light * shade for shade in _SHOWN["floor"]], cv2.LINE_AA)
     if reality.clutter:
         paint_curtains(eye, furnish(field.carpet, reality.clutter, reality.seed), behind)
     return behind
@@ -402,23 +400,35 @@ def _paint_litter(
     things: Furniture, between: tuple[float, float], eye: Eye, light: Float32, labels: Labels, lamps: _Lamps
 ) -> None:
     """What lies on the carpet is "other", and hides what is behind it."""
-    picture, covered = np.zeros((*labels.shape, 3), dtype=np.uint8), np.zeros_like(labels)
-    paint_furniture(eye, things, picture, covered, between)
-    touched = np.flatnonzero(covered)
-    area = covered.reshape(-1)[touched, None].astype(np.float32) / 255
+    outlines = outlines_in_view(eye, things, between)
+    if not outlines:
+        return
+    corners = np.concatenate([outline for outline, _ in outlines]) // 16
+    x0, y0 = np.clip(corners.min(axis=0) - 1, 0, eye.view.size)
+    x1, y1 = np.clip(corners.max(axis=0) + 2, 0, eye.view.size)
+    if x0 >= x1 or y0 >= y1:
+        return
+    picture, covered = np.zeros((y1 - y0, x1 - x0, 3), dtype=np.uint8), np.zeros((y1 - y0, x1 - x0), np.uint8)
+    for outline, colour in outlines:
+        here = [outline - np.array([16 * x0, 16 * y0], dtype=np.int32)]
+        cv2.fillPoly(picture, here, colour.tolist(), cv2.LINE_AA, 4)
+        cv2.fillPoly(covered, here, 255, cv2.LINE_AA, 4)
+    rows, columns = np.nonzero(covered)
+    pixels = (rows + y0) * eye.view.size[0] + columns + x0
+    area = covered[rows, columns, None].astype(np.float32) / 255
     # The picture was black before, so its colours are already weighted by the area they cover.
-    shown = np.minimum(picture.reshape(-1, 3)[touched] / np.maximum(area, 0.05), 255)
-    paint = (shown / 255) ** 2 * lamps.at(touched)
+    shown = np.minimum(picture[rows, columns] / np.maximum(area, 0.05), 255)
+    paint = (shown / 255) ** 2 * lamps.at(pixels)
     flat = light.reshape(-1, 3)
-    flat[touched] += area * (paint - flat[touched])
-    labels[covered >= 128] = OTHER
+    flat[pixels] += area * (paint - flat[pixels])
+    labels.reshape(-1)[pixels[area[:, 0] >= 0.5]] = OTHER
 
 
 def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
-    """The carpet's colours (H, W, 3) wherever a ray meets the ground."""
+    """The carpet's colours (H, W, 4) wherever a ray meets the ground."""
     width, height = eye.view.size
     wear = Wear(*(getattr(reality, each.name) for each in fields(Wear)))
-    picture = np.full((height, width, 3), _SHOWN["carpet"], dtype=np.uint8)
+    picture = _plain(height, width, "carpet")
     if wear == Wear(0, 0, 0, 0, 0, 0):
         return picture
     (x0, x1), (y0, y1) = field.x_range, field.y_range
@@ -443,6 +453,12 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
         x, y = ((m[first:last] + np.float32(0.5)) * scale - np.float32(0.5) for m in (columns, rows))
         picture[first:last] = cv2.remap(levels[k], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return picture
+
+
+def _plain(rows: int, columns: int, name: str) -> npt.NDArray[np.uint8]:
+    """A picture (rows, columns, 4) of one colour; filled by whole pixels, which is ten times quicker than by bytes."""
+    colour = np.array([*_SHOWN[name], 255], dtype=np.uint8).view(np.uint32)[0]
+    return np.full((rows, columns), colour).view(np.uint8).reshape(rows, columns, 4)
 
 
 def _paint_lines(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: _Lamps) -> None:

@@ -60,7 +60,7 @@ class Wear:
 def carpet_levels(
     extent: Rectangle, lines: Rectangle, colour: Colour, wear: Wear, seed: int
 ) -> tuple[Bytes, ...]:
-    """Make a carpet as pictures (rows along y, columns along x, RGB), each half the size of the one before.
+    """Make a carpet as pictures (rows along y, columns along x, RGB and idle), each half the size of the one before.
 
     `extent` is the carpet and `lines` the rectangle of its outer lines: x_min, y_min, x_max, y_max in metres.
     """
@@ -76,10 +76,19 @@ def carpet_levels(
     _add_tape(brush, wear, lines)
     _add_crumbs(brush, wear)
     _add_specks(brush, wear)
-    levels = [np.clip(np.rint(carpet), 0, 255).astype(np.uint8)]
+    levels = [with_fourth(np.clip(np.rint(carpet), 0, 255).astype(np.uint8))]
     while len(levels) < _LEVELS:
-        levels.append(cv2.resize(levels[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
+        levels.append(_half(levels[-1]))
     return tuple(levels)
+
+
+def with_fourth(picture: Bytes) -> Bytes:
+    """RGB with an idle fourth channel: OpenCV's `remap` is 2.5 times as quick with four channels as with three."""
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA), dtype=np.uint8)
+
+
+def _half(picture: Bytes) -> Bytes:
+    return np.asarray(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _cloud(shape: tuple[int, ...], scale: float, rng: np.random.Generator) -> Float32:
@@ -514,17 +523,18 @@ class Curtain:
     ----------
     start, along, outwards : ndarray, shape (2,)
         Its left end seen from outside, and the unit directions along it and away from the carpet; field frame.
-    paint : ndarray of uint8, shape (rows, columns, 3)
-        Colours times the area they cover, from the upper edge down.
-    shows : ndarray of uint8, shape (rows, columns, 3)
+    paint : tuple of ndarray of uint8, shape (rows, columns, 4)
+        Colours times the area they cover, from the upper edge down; the fourth channel is idle. Then the same at
+        half the size, for a look from afar.
+    shows : tuple of ndarray of uint8, shape (rows, columns, 4)
         How much of what is behind shows through: 255 is all.
     """
 
     start: FloatArray
     along: FloatArray
     outwards: FloatArray
-    paint: Bytes
-    shows: Bytes
+    paint: tuple[Bytes, Bytes]
+    shows: tuple[Bytes, Bytes]
 
 
 _PIXEL = 0.008  # metres a curtain's pixel is wide
@@ -671,16 +681,29 @@ class _Canvas:
 
     def done(self) -> Curtain:
         """Return the curtain."""
-        shows = np.repeat(cv2.convertScaleAbs(1 - self.covered, alpha=255)[..., None], 3, axis=2)
-        return Curtain(self.start, self.along, self.outwards, cv2.convertScaleAbs(self.paint), shows)
+        shows = np.repeat(cv2.convertScaleAbs(1 - self.covered, alpha=255)[..., None], 4, axis=2)
+        paint = with_fourth(cv2.convertScaleAbs(self.paint))
+        (paint, paint_half), (shows, shows_half) = ((each, _half(each)) for each in (paint, shows))
+        return Curtain(self.start, self.along, self.outwards, (paint, paint_half), (shows, shows_half))
+
+
+def _with_rim(grid: Float32) -> Float32:
+    """Continue a grid (3, h, w) by one point on each side, linearly."""
+    for axis in (1, 2):
+        n = grid.shape[axis]
+        first, second, before, last = (
+            np.take(grid, [min(i, n - 1)], axis) for i in (0, 1, max(n - 2, 0), n - 1)
+        )
+        grid = np.concatenate([2 * first - second, grid, 2 * last - before], axis)
+    return grid
 
 
 def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> None:
-    """Paint a room over the upper rows of a picture (rows, W, 3).
+    """Paint a room over the upper rows of a picture (rows, W, 4).
 
     Where a ray meets a curtain is found for every 8th pixel, and beyond the picture's rim, and between them linearly.
     """
-    rays = np.stack([np.pad(r, 1, mode="reflect", reflect_type="odd") for r in eye.field_rays(_EVERY)])
+    rays = _with_rim(eye.field_rays(_EVERY))
     for curtain in curtains:
         offset = eye.ground_position - curtain.start
         distance = np.float32(-offset @ curtain.outwards)
@@ -689,9 +712,11 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
             continue
         reach = distance / np.maximum(towards, _GRAZING)
         sideways = np.tensordot(curtain.along.astype(np.float32), rays[:2], axes=1)
-        across = (reach * sideways + np.float32(offset @ curtain.along)) / np.float32(_PIXEL)
-        down = (np.float32(_TOP - eye.view.height) - reach * rays[2]) / np.float32(_PIXEL)
-        rows, columns = curtain.paint.shape[:2]
+        level = int(distance / eye.view.focal[0] > 0.6 * _PIXEL)
+        paint, shows, pixel = curtain.paint[level], curtain.shows[level], np.float32(_PIXEL * 2**level)
+        across = (reach * sideways + np.float32(offset @ curtain.along)) / pixel
+        down = (np.float32(_TOP - eye.view.height) - reach * rays[2]) / pixel
+        rows, columns = paint.shape[:2]
         inside = (
             (towards > _GRAZING) & (np.abs(across / columns - 0.5) < 0.5) & (np.abs(down / rows - 0.5) < 0.5)
         )
@@ -712,9 +737,9 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
             ]
             for each in (across, down)
         )
-        shows = cv2.remap(curtain.shows, u, v, cv2.INTER_LINEAR, borderValue=(255, 255, 255))
-        cv2.multiply(part, shows, dst=part, scale=1 / 255)
-        cv2.add(part, cv2.remap(curtain.paint, u, v, cv2.INTER_LINEAR), dst=part)
+        through = cv2.remap(shows, u, v, cv2.INTER_LINEAR, borderValue=(255, 255, 255, 255))
+        cv2.multiply(part, through, dst=part, scale=1 / 255)
+        cv2.add(part, cv2.remap(paint, u, v, cv2.INTER_LINEAR), dst=part)
 
 
 @lru_cache(maxsize=4)
@@ -777,42 +802,32 @@ def _wall(
     return w.done(), tone
 
 
-def paint_furniture(
-    eye: Eye,
-    furniture: Furniture,
-    picture: Bytes,
-    covered: Bytes | None = None,
-    between: tuple[float, float] = (0.0, np.inf),
-) -> None:
-    """Paint furniture over a picture (H, W, 3), the farthest piece first.
+def outlines_in_view(
+    eye: Eye, furniture: Furniture, between: tuple[float, float]
+) -> list[tuple[npt.NDArray[np.int32], Bytes]]:
+    """Outlines (N, 2) in sixteenths of pixels, and colours, of the pieces in view, the farthest first.
 
-    `covered` (H, W), where given, becomes 255 where something was painted, less at its edges; only pieces whose
-    distance from the camera is within `between` (m) are painted.
+    Only pieces whose distance from the camera is within `between` (m) count.
     """
-    if not len(furniture.colours):
-        return
-    seen, starts = eye.to_camera(furniture.points), furniture.starts
-    pixels = np.rint(eye.pixels(seen) * 16).astype(np.int32)
-    first = starts[:-1]
-    all_ahead = np.minimum.reduceat(seen[:, 0], first) > 0.05
-    some_ahead = np.maximum.reduceat(seen[:, 0], first) > 0.05
-    low, high = np.minimum.reduceat(pixels, first), np.maximum.reduceat(pixels, first)
-    in_view = np.all((high >= 0) & (low < np.array(eye.view.size) * 16), axis=1)
     away = np.hypot(*(furniture.places - eye.ground_position).T)
-    wanted = (away > between[0]) & (away <= between[1])
-    worth_painting = np.flatnonzero(some_ahead & (in_view | ~all_ahead) & wanted[furniture.piece])
-    for i in worth_painting[np.argsort(-away[furniture.piece[worth_painting]], kind="stable")]:
-        colour = furniture.colours[i].tolist()
-        a, b = starts[i : i + 2]
-        outline, fine = pixels[a:b], 4
-        if not all_ahead[i]:
-            clipped = eye.outlines([seen[a:b]])[0]
+    near_enough = (away > between[0]) & (away <= between[1])
+    if not near_enough.any():
+        return []
+    seen, starts = eye.to_camera(furniture.points), furniture.starts
+    reached, inside = eye.reached(seen, starts[:-1])
+    wanted = np.flatnonzero(reached & near_enough[furniture.piece])
+    found = []
+    for i in wanted[np.argsort(-away[furniture.piece[wanted]], kind="stable")]:
+        polygon = seen[starts[i] : starts[i + 1]]
+        if inside[i]:
+            outline = np.rint(eye.pixels(polygon) * 16).astype(np.int32)
+        else:
+            clipped = eye.outlines([polygon])[0]
             if clipped is None:
                 continue
-            outline, fine = clipped, 0
-        cv2.fillPoly(picture, [outline], colour, cv2.LINE_AA, fine)
-        if covered is not None:
-            cv2.fillPoly(covered, [outline], 255, cv2.LINE_AA, fine)
+            outline = clipped * 16
+        found.append((outline, furniture.colours[i]))
+    return found
 
 
 __all__ = [
@@ -822,7 +837,7 @@ __all__ = [
     "Wear",
     "carpet_levels",
     "furnish",
+    "outlines_in_view",
     "paint_curtains",
-    "paint_furniture",
     "scatter",
 ]

@@ -185,6 +185,14 @@ class Eye:
         a, b = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
+    def reached(
+        self, points: FloatArray, starts: Indices
+    ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+        """Whether each polygon may be in view, and whether it wholly is; its points (N, 3) begin at `starts` (P,)."""
+        heights = points @ self._planes.T
+        highest, lowest = (each.reduceat(heights, starts) for each in (np.maximum, np.minimum))
+        return np.all(highest >= 0, axis=1), np.all(lowest >= 0, axis=1) & (lowest[:, 0] > 0.05)
+
     def outlines(self, polygons: Iterable[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
         """Outlines in whole pixels of convex polygons (N, 3) in the camera's axes; None for one out of view."""
         paths, owners = [], []
