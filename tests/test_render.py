@@ -245,6 +245,12 @@ def test_a_camera_that_turns_while_it_reads_leans_posts_and_labels_alike():
     )
 
 
+@pytest.mark.parametrize("turning", [(0, 0, 0.15), (0, 0, -0.15), (0.1, 0.1, 0)])
+def test_a_turning_camera_sees_carpet_up_to_the_corners_of_its_picture(turning):
+    _, truth = render(Field(half=False), Pose(1.0, 0, 0.3), camera(), CLEAN, turning=turning)
+    assert (truth.labels[-40:] != OTHER).all()
+
+
 def test_turning_by_nothing_is_standing_still():
     pose, view = Pose(0.4, 0.3, 0.1), camera()
     still, tiny = (render(Field(), pose, view, CLEAN, turning=(0, 0, w))[0] for w in (0.0, 1e-9))

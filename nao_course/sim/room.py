@@ -653,7 +653,7 @@ class _Canvas:
         (x0, y0, x1, y1), part = found
         mask = np.zeros((y1 - y0, x1 - x0), dtype=np.uint8)
         cv2.fillPoly(mask, [np.rint((outline - (x0, y0)) * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
-        steep, aslant, rough = self.rng.normal((0.14, 0.0, 0.07), (0.1, 0.14, 0.04))
+        steep, aslant, rough = self.rng.normal((0.14, 0.0, 0.045), (0.1, 0.14, 0.03))
         shade = 1 + np.linspace(steep, -steep, y1 - y0, dtype=np.float32)[:, None]
         shade = shade + np.linspace(aslant, -aslant, x1 - x0, dtype=np.float32)
         i, j = self.rng.integers(0, 300, 2)

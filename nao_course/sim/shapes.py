@@ -182,7 +182,8 @@ class Eye:
         width, height = self.view.size
         corner = self.view.undistort([[width + 3.0, height + 3.0]])[0]
         reach = (corner - self.view.centre) / self.view.focal
-        a, b = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
+        reach = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
+        a, b = reach + (1 + reach**2) * np.abs(self.turning).sum() / 2  # a turning camera sees more to the sides
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
     def reached(
