@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Between, Close, Exact, Points, alike
+from nao_course.exercises.comparisons import Between, Close, Exact, Points
 
 nan, inf = np.nan, np.inf
 numbers = st.floats(-1e300, 1e300) | st.sampled_from([nan, inf, -inf])
@@ -193,14 +193,14 @@ def test_a_random_answer_lies_between(got, kind):
 
 
 def test_a_wrong_answer_of_a_mistake_is_known_again():
-    assert alike(Between(), 5.0, 5.05)
-    assert not alike(Between(), 5.0, 5.5)
-    assert alike(Points(), None, None)
-    assert not alike(Points(), None, POINTS)
-    assert alike(Points(), POINTS, POINTS[::-1])
-    assert alike(Points(), 3.0, 3.0)
-    assert alike(Close(), "text", "text")
-    assert not alike(Close(), 1.0, None)
+    assert Between().alike(5.0, 5.05)
+    assert not Between().alike(5.0, 5.5)
+    assert Points().alike(None, None)
+    assert not Points().alike(None, POINTS)
+    assert Points().alike(POINTS, POINTS[::-1])
+    assert Points().alike(3.0, 3.0)
+    assert Close().alike("text", "text")
+    assert not Close().alike(1.0, None)
 
 
 SECRET = 987.125

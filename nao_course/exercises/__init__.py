@@ -3,10 +3,11 @@
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
-from nao_course.exercises.comparisons import Between, Close, Exact, Points, Verdict
+from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Verdict
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question
 from nao_course.exercises.running import Outcome, call
+from nao_course.exercises.symbolic import Derivative
 from nao_course.exercises.trying import Message, try_out
 
 __all__ = [
@@ -16,7 +17,9 @@ __all__ = [
     "Checks",
     "Close",
     "CodecError",
+    "Comparison",
     "Definitions",
+    "Derivative",
     "Exact",
     "Exercise",
     "LessonPlan",

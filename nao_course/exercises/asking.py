@@ -42,7 +42,8 @@ def ask(question: PublicQuestion) -> Any:
         answer.value = reply(question, change["new"])._repr_html_() if change["new"] else ""
 
     buttons.observe(chosen, names="value")
-    return ipywidgets.VBox([title, buttons, answer])
+    choices = "\n".join(f"  {number}. {text}" for number, text in enumerate(question.choices, start=1))
+    return _box([title, buttons, answer], f"{question.text}\n{choices}")
 
 
 def prediction(text: str, *, unit: str = "") -> Any:
@@ -67,13 +68,8 @@ def prediction(text: str, *, unit: str = "") -> Any:
         description="Write it down", tooltip="Keep this prediction and compare it below"
     )
     said = ipywidgets.HTML()
-    box = ipywidgets.VBox(
-        [
-            ipywidgets.HTML(value=Message(text)._repr_html_()),
-            ipywidgets.HBox([field, ipywidgets.Label(unit), button]),
-            said,
-        ]
-    )
+    title = ipywidgets.HTML(value=Message(text)._repr_html_())
+    box = _box([title, ipywidgets.HBox([field, ipywidgets.Label(unit), button]), said], f"Predict: {text}")
     box.prediction = None
 
     def write(_: Any) -> None:
@@ -88,3 +84,14 @@ def prediction(text: str, *, unit: str = "") -> Any:
 
     button.on_click(write)
     return box
+
+
+def _box(children: list[Any], text: str) -> Any:
+    """A box of widgets that is a text where no widget can live."""
+    import ipywidgets
+
+    class Box(ipywidgets.VBox):  # type: ignore[misc]
+        def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
+            return {**super()._repr_mimebundle_(**kwargs), "text/plain": text}
+
+    return Box(children)

@@ -11,8 +11,9 @@ from importlib import resources
 from typing import Any, Literal
 
 from nao_course.exercises import running
+from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.codec import Limits, decode, encode
-from nao_course.exercises.comparisons import Verdict, alike
+from nao_course.exercises.comparisons import Verdict
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
@@ -193,7 +194,7 @@ def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
     """Whether an outcome is a mistake's; where that raises or gives no answer, `answer` says {"raises": what}."""
     if isinstance(answer, dict) and set(answer) == {"raises"}:
         return outcome.came != "value" and outcome.text.split(":")[0] == answer["raises"]
-    return outcome.came == "value" and alike(exercise.comparison, answer, outcome.value)
+    return outcome.came == "value" and exercise.comparison.alike(answer, outcome.value)
 
 
 @dataclass(repr=False)
@@ -282,8 +283,6 @@ class Checks:
         object
             Buttons, or the reply to an answer.
         """
-        from nao_course.exercises.asking import ask, reply
-
         for question in self.lesson.questions:
             if question.name == name:
                 return ask(question) if answer is None else reply(question, str(answer))

@@ -5,6 +5,7 @@ Both are plain, as they come out of the codec: no class of a student's own has a
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Literal
@@ -41,9 +42,21 @@ class Verdict:
 RIGHT = Verdict("right")
 
 
+class Comparison(ABC):
+    """How an exercise's answers are compared."""
+
+    @abstractmethod
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare an answer with the expected one."""
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether an answer is the same wrong one as a mistake's."""
+        return bool(self.compare(answer, got))
+
+
 @register
 @dataclass(frozen=True)
-class Close:
+class Close(Comparison):
     """Numbers and arrays that agree within tolerances; tuples item by item.
 
     Parameters
@@ -81,7 +94,7 @@ class Close:
 
 @register
 @dataclass(frozen=True)
-class Exact:
+class Exact(Comparison):
     """Whole numbers, booleans and text that are equal; of an array, all but a fraction of the elements.
 
     Parameters
@@ -102,7 +115,7 @@ class Exact:
 
 @register
 @dataclass(frozen=True)
-class Points:
+class Points(Comparison):
     """Points in any order: each expected one has its own within a distance, and there is none besides.
 
     Parameters
@@ -140,10 +153,15 @@ class Points:
             return Verdict("value", f"{missed} of your {len(have)} points are at no right place")
         return RIGHT
 
+    def alike(self, answer: Any, got: Any) -> bool:
+        """As above; a mistake's answer may be no points at all."""
+        points = getattr(answer, "ndim", 0) == 2
+        return bool((self if points else Close()).compare(answer, got))
+
 
 @register
 @dataclass(frozen=True)
-class Between:
+class Between(Comparison):
     """A number that lies between two: for what is random, where the expected answer is (low, high)."""
 
     def compare(self, expected: Any, got: Any) -> Verdict:
@@ -162,17 +180,9 @@ class Between:
             return RIGHT
         return Verdict("value", f"your answer, {float(number):.4g}, is off")
 
-
-Comparison = Close | Exact | Points | Between
-
-
-def alike(comparison: Comparison, answer: Any, got: Any) -> bool:
-    """Whether an answer is the same wrong one as another."""
-    if isinstance(comparison, Between):  # of a wrong answer no interval is known
-        comparison = Close(rtol=0.02)
-    elif isinstance(comparison, Points) and getattr(answer, "ndim", 0) != 2:
-        comparison = Close()
-    return bool(comparison.compare(answer, got))
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether a number is about the same: of a wrong one no interval is known."""
+        return bool(Close(rtol=0.02).compare(answer, got))
 
 
 def _structure(

@@ -1,0 +1,111 @@
+"""Derivatives that a student worked out, held against the slopes of the student's own model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.exercises.codec import register
+from nao_course.exercises.comparisons import RIGHT, Close, Comparison, Verdict
+
+Floats = npt.NDArray[np.float64]
+
+
+@register
+@dataclass(frozen=True)
+class Derivative(Comparison):
+    """What the driver `jacobian` returns: right for the student's own model, and for the reference's.
+
+    Where it is not the slope of the student's own model, the wrong entry and the likely slip are named; that takes
+    nothing but what the student wrote, and says nothing else.
+
+    Parameters
+    ----------
+    by : tuple of str
+        Names of what the columns are derivatives by.
+    tolerance : float
+        Relative and absolute; central differences are good to 1e-8 or so.
+    """
+
+    by: tuple[str, ...]
+    tolerance: float = 1e-5
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare a Jacobian with the model beside it, then with the reference's."""
+        arrays = _arrays(got)
+        if arrays is None or arrays[1].shape[2] != len(self.by):
+            return Verdict("type", "your answer is no model and Jacobian: return (model, jacobian)")
+        derived, slopes, terms = arrays
+        if derived.shape != slopes.shape:
+            have, want = "x".join(map(str, derived.shape[1:])), "x".join(map(str, slopes.shape[1:]))
+            why = ": is it transposed?" if derived.shape[1:] == slopes.shape[:0:-1] else ""
+            return Verdict("shape", f"your Jacobian is {have}; for your model it has to be {want}{why}")
+        if not np.isfinite(slopes).all():
+            return Verdict("nan", "your model is not a number at some of the points")
+        wrong = ~self._same(derived, slopes)
+        if not wrong.any():
+            if self._same(derived, expected["jacobian"]).all():
+                return RIGHT
+            return Verdict(
+                "value", "your Jacobian fits your model, but the model is not the one that is asked for"
+            )
+        if derived.shape[1] == derived.shape[2] and self._same(derived, slopes.transpose(0, 2, 1)).all():
+            return Verdict(
+                "value", "your Jacobian is transposed: rows belong to the model, columns to the variables"
+            )
+        row, column = (int(each) for each in np.argwhere(wrong)[0])
+        where = f"row {row + 1}, column {column + 1} (by {self.by[column]}) of your Jacobian"
+        slips = self._slips(
+            derived[:, row, column], slopes[:, row, column], terms[row * wrong.shape[1] + column]
+        )
+        slip = next(slips, "compare it with a small change of that variable in your model")
+        return Verdict("value", f"{where} is not the slope of your own model: {slip}")
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether the Jacobians are the same."""
+        arrays = _arrays(got)
+        return arrays is not None and bool(Close().compare(answer["jacobian"], arrays[0]))
+
+    def _same(self, one: Floats, other: Floats) -> npt.NDArray[np.bool_]:
+        """Which entries (R, C), or elements of a list (K), agree at all points."""
+        if one.shape != other.shape:
+            return np.array(False)
+        with np.errstate(invalid="ignore", over="ignore"):
+            close = np.abs(one - other) <= self.tolerance * (1 + np.abs(other))
+        return np.asarray(close.all(axis=0))
+
+    def _slips(self, derived: Floats, slope: Floats, terms: Floats) -> Iterator[str]:
+        """What an entry (N,) looks like, the likeliest first; terms (K, N) are those of the right derivative."""
+        if self._same(derived, -slope):
+            yield "its sign is the wrong way round"
+        if self._same(slope, np.zeros_like(slope)):
+            yield "your model does not change with that variable"
+        if self._same(derived, np.zeros_like(slope)):
+            yield "it is zero, but your model does change with that variable"
+        missing = slope - derived
+        if any(self._same(missing, term) for term in terms):
+            yield "the derivative of one term is missing"
+        if any(self._same(missing, 2 * term) for term in terms):
+            yield "the sign of one term is the wrong way round"
+        scale = float(slope @ slope)
+        factor = float(derived @ slope) / scale if scale else 0.0
+        if self._same(derived, factor * slope):
+            yield f"it is {factor:.4g} times as large as it should be"
+
+
+def _arrays(got: Any) -> tuple[Floats, Floats, list[Floats]] | None:
+    """Jacobian and slopes (N, R, C) and each entry's terms (K, N); None where a stranger sent something else."""
+    match got:
+        case {
+            "jacobian": np.ndarray(ndim=3) as derived,
+            "differences": np.ndarray(ndim=3) as slopes,
+            "terms": [*terms],
+        }:
+            sizes = [term.shape[1:] for term in terms if isinstance(term, np.ndarray) and term.ndim == 2]
+            if sizes == [slopes.shape[:1]] * (slopes.shape[1] * slopes.shape[2]) and len(sizes) == len(terms):
+                return derived.astype(float), slopes.astype(float), terms
+    return None
