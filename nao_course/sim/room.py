@@ -567,7 +567,7 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
         canvas.add(wall)
         walls.append(canvas.done())
         pieces = [_Workshop(rng) for _ in _CURTAINS]
-        crowd = rng.uniform(0.2, 2.0)  # some sides are nearly free
+        crowd = rng.choice([0.2, 0.7, 1.4, 2.4])  # some sides are nearly free, others dark with things
         for _ in range(rng.poisson(3.0 * crowd * amount * length)):
             build = builders[_chosen(rng, often)]
             away = rng.uniform(*_PIECES[build][1])
