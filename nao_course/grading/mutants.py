@@ -343,8 +343,9 @@ def _variants(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
 def _calls(
     node: ast.Call, name: str, arguments: list[ast.expr], keywords: list[ast.keyword]
 ) -> Iterator[tuple[str, ast.AST]]:
-    if arguments and not isinstance(arguments[0], ast.Starred):
-        yield "not called", arguments[0]
+    for argument in arguments[:2]:
+        if not isinstance(argument, ast.Starred):
+            yield "not called", argument
     if isinstance(node.func, ast.Attribute):
         yield "method not called", node.func.value
     if len(arguments) >= 2:

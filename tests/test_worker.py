@@ -1,0 +1,365 @@
+"""Whatever a student's code does, its caller gets an outcome in time, and nothing of it stays."""
+
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import Case
+from nao_course.exercises.codec import encode
+from nao_course.grading import worker as module
+from nao_course.grading.worker import Worker
+from tests.toy import toy
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and forks")
+
+STUDENT = """
+import os, signal, sys, threading, time
+import numpy as np
+
+def double(x):
+    return 2 * x
+def unwritten(x):
+    raise NotImplementedError()
+def fails(x):
+    return 1 / 0
+def loops(x):
+    while True:
+        try:
+            while True: pass
+        except BaseException: pass
+def sleeps(x):
+    time.sleep(1000)
+def stops(x):
+    os.kill(os.getpid(), signal.SIGSTOP)
+def leaves(x):
+    sys.exit(3)
+def leaves_hard(x):
+    os._exit(4)
+def kills_itself(x):
+    os.kill(os.getpid(), signal.SIGKILL)
+def real_time_signal(x):
+    os.kill(os.getpid(), 40)
+def interrupts(x):
+    raise KeyboardInterrupt
+def crashes(x):
+    import ctypes
+    ctypes.string_at(0)
+def prints(x):
+    print("y" * 10_000_000)
+    os.system("echo to the descriptor")
+    os.write(1, b"NAO1 noise")
+    print("late", file=sys.stderr)
+    return x
+def says(x):
+    print("hello", x)
+    return x
+def gives_function(x):
+    return lambda: x
+class Liar:
+    def __eq__(self, other): return True
+def gives_liar(x):
+    return Liar()
+class Mine(np.ndarray):
+    def __eq__(self, other): return np.True_
+def gives_mine(x):
+    return np.zeros(3).view(Mine)
+def gives_much(x):
+    return np.broadcast_to(0.0, (2**27,))
+def gives_many(x):
+    return [None] * 10**6
+def changes(values):
+    values[0] = 5
+    return values.sum()
+def forks(x):
+    os.fork()
+    return x
+def forks_a_loop(x):
+    child = os.fork()
+    while child == 0: time.sleep(1)
+    return child
+def starts_threads(x):
+    for _ in range(5):
+        threading.Thread(target=time.sleep, args=(1000,)).start()
+    return x
+class Raises(Exception):
+    def __str__(self): raise self
+def raises_oddly(x):
+    raise Raises
+def channel():
+    here = [int(name) for name in os.listdir("/proc/self/fd")]
+    return [each for each in here if each > 2]
+def noise(x):
+    for each in range(3, 20):
+        try: os.write(each, b"noise" * 100)
+        except OSError: pass
+def closes(x):
+    os.closerange(0, 100)
+    time.sleep(1000)
+def half_an_answer(x):
+    from nao_course.exercises.codec import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(np.zeros(1000))[:2000])
+        except OSError: pass
+    time.sleep(1000)
+def huge_announcement(x):
+    import struct
+    for each in range(3, 20):
+        try: os.write(each, struct.pack("<4sQQ", b"NAO1", 10, 2**62))
+        except OSError: pass
+def early_answer(x):
+    from nao_course.exercises import Outcome
+    from nao_course.exercises.codec import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(99) + encode(Outcome("value", 1.0)))
+        except OSError: pass
+def odd_outcome(x):
+    from nao_course.exercises import Outcome, running
+    import nao_course.grading, __main__
+    __main__.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
+def environment():
+    return sorted(os.environ)
+def threads():
+    import cv2
+    return cv2.getNumThreads()
+def many_words(x):
+    return {"text": "é", "n": (1, None)}
+"""
+ONE = Case((3.0,))
+
+
+@pytest.fixture(scope="module")
+def notebook(tmp_path_factory):
+    return toy.write(tmp_path_factory.mktemp("student") / "own.ipynb", STUDENT)
+
+
+@pytest.fixture(scope="module")
+def running(notebook):
+    with Worker(notebook, seconds=10.0) as worker:
+        yield worker
+
+
+@pytest.fixture
+def hurried(notebook):
+    with Worker(notebook, seconds=10.0) as worker:
+        worker.call("double", ONE)
+        worker.seconds = 0.5
+        yield worker
+        worker.seconds = 10.0
+        assert worker.call("double", ONE).value == 6.0  # whatever came before, the next call has its answer
+        assert worker.call("says", ONE).output == "hello 3.0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "came", "text"),
+    [
+        ("double", "value", ""),
+        ("unwritten", "not attempted", ""),
+        ("fails", "raised", "ZeroDivisionError: division by zero"),
+        ("leaves", "raised", "SystemExit: 3"),
+        ("interrupts", "interrupted", ""),
+        ("raises_oddly", "raised", "Raises"),
+        ("no_such_name", "not found", ""),
+        ("gives_function", "unsendable", "a value of type function cannot be sent"),
+        ("gives_liar", "unsendable", "a value of type Liar cannot be sent"),
+        ("gives_much", "unsendable", "a value larger than"),
+        ("gives_many", "unsendable", "more than 200000 values"),
+    ],
+)
+def test_an_outcome_says_what_came_of_a_call(running, name, came, text):
+    outcome = running.call(name, ONE)
+    assert outcome.came == came
+    assert text in outcome.text
+
+
+@posix
+@pytest.mark.parametrize(
+    ("name", "came", "text"),
+    [
+        ("loops", "timed out", "no answer within 0.5 s"),
+        ("sleeps", "timed out", ""),
+        ("stops", "timed out", ""),
+        ("closes", "died", ""),
+        ("half_an_answer", "timed out", ""),
+        ("huge_announcement", "died", "could not be read"),
+        ("noise", "died", "could not be read"),
+        ("early_answer", "died", "could not be read"),
+        ("odd_outcome", "died", "could not be read"),
+        ("leaves_hard", "died", "ended itself with status 4"),
+        ("kills_itself", "died", "ended by signal 9"),
+        ("real_time_signal", "died", "ended by signal 40"),
+        ("crashes", "died", "ended by signal 11"),
+    ],
+)
+def test_whatever_kills_the_process_costs_that_call_alone(hurried, name, came, text):
+    began = time.monotonic()
+    outcome = hurried.call(name, ONE)
+    assert outcome.came == came
+    assert text in outcome.text
+    assert time.monotonic() - began < 5
+
+
+@posix
+@pytest.mark.parametrize("name", ["prints", "forks", "starts_threads"])
+def test_what_a_call_leaves_behind_does_not_disturb_the_next(hurried, name):
+    hurried.seconds = 10.0
+    for _ in range(3):
+        assert hurried.call(name, ONE).value == 3.0
+
+
+def test_an_answer_is_plain_when_it_arrives(running):
+    assert type(running.call("gives_mine", ONE).value) is np.ndarray
+    assert running.call("many_words", ONE).value == {"text": "é", "n": (1, None)}
+
+
+def test_the_line_that_raised_is_the_students(running):
+    assert running.call("fails", ONE).line.endswith("return 1 / 0")
+
+
+def test_changing_the_input_is_told(running):
+    case = Case((np.zeros(3),))
+    assert running.call("changes", case).changed
+    assert not running.call("double", case).changed
+    assert case.args[0].sum() == 0
+
+
+def test_the_beginning_of_what_is_printed_is_kept(running):
+    assert running.call("says", ONE).output == "hello 3.0\n"
+    output = running.call("prints", ONE).output
+    assert set(output) == {"y"}
+    assert len(output) == module.MOST_OUTPUT
+    assert running.call("double", ONE).output == ""
+
+
+def test_what_is_expected_is_never_sent(running, monkeypatch):
+    sent = []
+    ask = module._Channel.ask
+    monkeypatch.setattr(
+        module._Channel, "ask", lambda self, frame, s: sent.append(frame) or ask(self, frame, s)
+    )
+    case = replace(ONE, name="a telling name", expected=np.full(3, 987.125))
+    assert running.call("double", case).value == 6.0
+    secret = encode(case.expected)[-24:]
+    assert len(sent) == 1
+    assert secret not in sent[0]
+    assert b"telling" not in sent[0]
+
+
+def test_the_environment_is_scrubbed_and_single_threaded(running, monkeypatch, notebook):
+    monkeypatch.setenv("A_SECRET", "1")
+    with Worker(notebook) as worker:
+        names = worker.call("environment", Case(())).value
+        assert "A_SECRET" not in names
+        assert {"OMP_NUM_THREADS", "MPLBACKEND"} <= set(names)
+        assert worker.call("threads", Case(())).value == 1
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="asks /proc")
+def test_nothing_of_the_callers_is_open_in_the_worker(running, tmp_path):
+    with (tmp_path / "secret").open("w") as secret:
+        os.set_inheritable(secret.fileno(), True)
+        assert len(running.call("channel", Case(())).value) <= 4  # two pipes, /proc itself, the null device
+
+
+def gone(process, seconds=5.0):
+    """Whether a process ends; one that nobody has waited for yet has ended, too."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        try:
+            os.kill(process, 0)
+            if Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
+                return True
+        except (ProcessLookupError, FileNotFoundError):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+@posix
+def test_no_process_is_left(notebook):
+    with Worker(notebook, seconds=5.0) as worker:
+        first = worker.call("forks_a_loop", ONE).value
+        worker.seconds = 0.5
+        worker.call("leaves_hard", ONE)  # the leader is gone, its child is not, and holds the pipes
+        worker.seconds = 5.0
+        second = worker.call("forks_a_loop", ONE).value
+        assert gone(first)
+        assert not gone(second, 0.1)
+    assert gone(second)
+
+
+def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_path):
+    path = toy.write(
+        tmp_path / "own.ipynb",
+        "def before(x): return x",
+        "for k in iter(int, 1): pass",
+        "import os\nz = os._exit(5)",
+        "def after(x): return x + 1",
+    )
+    with Worker(path, seconds=1.0) as worker:
+        assert worker.call("before", ONE).value == 3.0
+        assert worker.call("after", ONE).value == 4.0
+        assert worker.definitions.names == ("before", "after")
+        reasons = {(each.cell, each.line): each.reason for each in worker.definitions.skipped}
+    assert reasons == {
+        (2, 1): "no answer within 1 s",
+        (3, 2): "the process ended itself with status 5",
+    }
+
+
+def test_a_notebook_that_only_ends_is_given_up(tmp_path):
+    path = toy.write(tmp_path / "own.ipynb", *["import os\nx = os._exit(5)"] * 10, "def f(x): return x")
+    with Worker(path, seconds=5.0) as worker:
+        assert worker.call("f", ONE).came == "died"
+        began = time.monotonic()
+        assert worker.call("f", ONE).came == "died"
+        assert time.monotonic() - began < 0.05  # it is not tried again
+        assert worker.definitions.names == ()
+        assert "status 5" in worker.definitions.skipped[0].reason
+
+
+def test_what_is_no_notebook_has_a_reason(tmp_path):
+    (tmp_path / "bad.ipynb").write_text("{")
+    for name, reason in (("bad.ipynb", "not a notebook"), ("missing.ipynb", "no such file")):
+        with Worker(tmp_path / name) as worker:
+            outcome = worker.call("f", ONE)
+            assert outcome.came == "not found"
+            assert reason in outcome.text
+            assert reason in worker.definitions.skipped[0].reason
+
+
+def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path):
+    path = toy.write(tmp_path / "own.ipynb", "def f(x): return x\ndef g(x): return f(x) + 1")
+    with Worker(path, {"f": "def f(x): return 10 * x"}) as worker:
+        assert worker.call("g", ONE).value == 31.0
+        worker.overrides = {"g": "def g(x):\n    return -f(x)"}
+        assert worker.call("g", ONE).value == -3.0
+        worker.overrides = {"f": "def f(x, y=1 / 0): return x"}
+        assert worker.call("f", ONE).came == "not found"
+        worker.overrides = {"f": "def f(:"}
+        assert worker.call("f", ONE).came == "not found"
+        worker.overrides = {"f": "import os; os._exit(3)"}
+        assert worker.call("f", ONE).came == "died"
+        worker.overrides = {}
+        assert worker.call("g", ONE).value == 4.0
+
+
+def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path):
+    (tmp_path / "numpy.py").write_text(
+        "raise RuntimeError('a file of this name must not stand before numpy')"
+    )
+    (tmp_path / "my_helper.py").write_text("def twice(x): return 2 * x")
+    path = toy.write(
+        tmp_path / "own.ipynb",
+        "import numpy as np\nfrom my_helper import twice",
+        "class Sampler:\n    def __new__(cls, values, n, rng): return float(rng.choice(values, n).mean())",
+    )
+    with Worker(path) as worker:
+        assert worker.call("twice", ONE).value == 6.0
+        law = worker.call("Sampler", Case((np.arange(10.0), 5, 30)), "sampling_law").value
+    assert law.shape == (3,)
+    assert law[2] == 1.0
