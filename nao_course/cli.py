@@ -172,6 +172,15 @@ def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
 
 
+@app.command()
+def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Processes at a time.")) -> None:
+    """Change a lesson's solutions a little, many times, and list the changes that no test notices (instructors)."""
+    with _plainly():
+        from nao_course.grading.mutants import main as run_mutants
+
+        raise typer.Exit(run_mutants(lesson, jobs))
+
+
 @new.command("exercise")
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""

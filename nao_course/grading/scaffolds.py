@@ -54,14 +54,17 @@ _SOLVED = '''def {name}(value: float) -> float:
     ### BEGIN SOLUTION
     return 2.0 * value
     ### END SOLUTION'''
-_NEEDED = ("Case", "Close", "Exercise", "LessonPlan", "Mistake")
+_IMPORTS = {  # what the declaration uses
+    "np": "import numpy as np",
+    **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise", "Mistake")},
+}
 _PLAN = '''"""Lesson {number}, {title}: its exercises, students' mistakes, other right ways to write them."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from nao_course.exercises import {needed}
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake
 
 PLAN = LessonPlan(exercises=[])
 '''
@@ -134,7 +137,7 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     stem = f"{number}_{name}"
     text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
     text.write_text(lessons.HEADER + _LESSON.format(title=title, name=stem), encoding="utf-8")
-    plan.write_text(_PLAN.format(number=number, title=title, needed=", ".join(_NEEDED)), encoding="utf-8")
+    plan.write_text(_PLAN.format(number=number, title=title), encoding="utf-8")
     return [text, plan]
 
 
@@ -190,9 +193,10 @@ def _cells(number: str, name: str) -> list[NotebookNode]:
 
 
 def _with_declaration(plan: Path, name: str) -> str:
-    """Write a new exercise before PLAN, and its name at the end of PLAN's list."""
+    """Write a new exercise before PLAN, its name at the end of PLAN's list, and what it imports."""
     source = plan.read_text(encoding="utf-8")
-    for statement in ast.parse(source).body:
+    tree = ast.parse(source)
+    for statement in tree.body:
         if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "PLAN":
             break
     else:
@@ -219,4 +223,8 @@ def _with_declaration(plan: Path, name: str) -> str:
     line = lines[row - 1].encode()  # ast counts bytes
     lines[row - 1] = (line[:column] + added.encode() + line[column:]).decode()
     lines.insert(statement.lineno - 1, _DECLARATION.format(name=name, constant=constant))
+    imports = [each for each in tree.body if isinstance(each, ast.Import | ast.ImportFrom)]
+    there = {alias.asname or alias.name for each in imports for alias in each.names}
+    missing = [f"{line}\n" for imported, line in _IMPORTS.items() if imported not in there]
+    lines.insert((imports[-1].end_lineno or 0) if imports else 0, "".join(missing))
     return "".join(lines)
