@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import os
 import shutil
+import sys
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +13,7 @@ import nbformat
 import pytest
 
 from nao_course import homework
-from nao_course.grading import building, release
+from nao_course.grading import building, lessons, release
 from nao_course.grading.leaks import SMALLEST, fingerprints
 from nao_course.grading.lessons import LessonError
 
@@ -295,3 +297,57 @@ def test_what_cannot_be_handed_in_is_said(tmp_path, monkeypatch):
     monkeypatch.setattr(homework, "MOST_BYTES", 1000)
     with pytest.raises(ValueError, match="Clear Outputs of All Cells"):
         homework.submit(tmp_path, tmp_path)
+
+
+# --- nbgrader ---
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Object of type <Submitted")  # nbgrader's own, from SQLAlchemy
+@pytest.mark.parametrize("name", COURSE.names())
+def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, monkeypatch):
+    """The executed solution is nbgrader's source; a solved and a blank copy of the release are handed in."""
+    from nbgrader.apps import NbGraderAPI
+    from nbgrader.validator import Validator
+    from traitlets.config import Config
+
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    beside_python = str(Path(sys.executable).parent)  # nbgrader looks for its alembic on the path
+    monkeypatch.setenv("PATH", os.pathsep.join([beside_python, os.environ["PATH"]]))
+    monkeypatch.chdir(tmp_path)
+    blank = nbformat.reads(files[f"release/notebooks/{name}.ipynb"].decode(), as_version=4)
+    solved = nbformat.from_dict(blank)
+    solutions = {
+        lessons.exercise_name(cell): cell.source
+        for _, cell in lessons.code_cells(lessons.read_lesson(COURSE.text(name)), "exercise")
+    }
+    for _, cell in lessons.code_cells(solved, "exercise"):
+        cell.source = solutions[lessons.exercise_name(cell)]
+    for student, notebook in (("blank", blank), ("solved", solved)):
+        (tmp_path / "submitted" / student / name).mkdir(parents=True)
+        nbformat.write(notebook, tmp_path / "submitted" / student / name / f"{name}.ipynb")
+    (tmp_path / "source" / name).mkdir(parents=True)
+    shutil.copy(COURSE.solutions / f"{name}.ipynb", tmp_path / "source" / name)
+
+    config = Config()
+    config.CourseDirectory.root = str(tmp_path)
+    config.ExecutePreprocessor.timeout = 120
+    api = NbGraderAPI(config=config)
+    for result in (
+        api.generate_assignment(name),
+        api.autograde(name, "solved"),
+        api.autograde(name, "blank"),
+    ):
+        assert result["success"], result["log"] + str(result["error"])
+    assert (tmp_path / "release" / name / f"{name}.ipynb").is_file()
+    points = sum(exercise.points for exercise in COURSE.plan(name).exercises)
+    with api.gradebook as gradebook:
+        scores = {student: gradebook.find_submission(name, student).score for student in ("solved", "blank")}
+        assert gradebook.find_assignment(name).max_score == points
+    assert scores == {"solved": points, "blank": 0}
+
+    submitted = tmp_path / "submitted"
+    found = Validator().validate(str(submitted / "solved" / name / f"{name}.ipynb"))
+    assert not set(found) & {"failed", "changed", "type_changed"}, found
+    found = Validator().validate(str(submitted / "blank" / name / f"{name}.ipynb"))
+    assert len(found["failed"]) == len(COURSE.plan(name).exercises)
