@@ -214,6 +214,45 @@ def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_go
     assert hidden > 0
 
 
+def test_the_room_is_painted_behind_the_field_and_nowhere_on_it():
+    pose, view = Pose(0.4, 0.3, 0.1), camera()
+    clean, truth = render(Field(), pose, view, CLEAN)
+    crowded, _ = render(Field(), pose, view, replace(CLEAN, clutter=2.0))
+    other = (truth.labels == OTHER).astype(np.uint8)
+    changed = (np.abs(crowded.astype(int) - clean) > 2).any(axis=2)  # a rim may be a level off
+    assert not changed[cv2.dilate(other, np.ones((5, 5))) == 0].any()
+    assert changed[other > 0].mean() > 0.5
+
+
+def test_exposure_holds_the_mean_lightness_whatever_the_room_shows():
+    means = []
+    for seed in range(4):
+        reality = replace(Reality.lab(seed), noise=0.0)
+        for pose in (Pose(0.4, 0.3, 0.1), Pose(2.5, -1.0, 1.4)):
+            pixels, _ = render(Field(), pose, camera(), reality)
+            means.append(cv2.cvtColor(pixels, cv2.COLOR_RGB2HLS)[..., 1].mean())
+    assert np.allclose(means, 117, atol=4)
+
+
+def test_near_lines_are_overexposed_so_that_no_noise_shows_on_them():
+    pixels, truth = render(Field(), Pose(1.6, 0.0, 0.0), camera(), rng=np.random.default_rng(0))
+    inside = cv2.erode((truth.labels == WHITE).astype(np.uint8), np.ones((5, 5))) > 0
+    assert inside.sum() > 50
+    assert (pixels[inside] == 255).mean() > 0.98
+
+
+def test_an_overexposed_line_is_wider_than_its_paint_for_light_is_blurred_before_it_is_clipped():
+    view = camera((640, 480))
+    for overexposure, wider in ((0.0, False), (3.0, True)):
+        reality = replace(CLEAN, blur=3.0, overexposure=overexposure)
+        pixels, truth = render(Field(2012), Pose(1.0, 0.0, 0.0), view, reality)
+        column = pixels[:, 320].astype(int).sum(axis=1)
+        line = np.flatnonzero(truth.labels[:, 320] == WHITE)
+        middle = line[-1]  # of the nearest line's lower edge
+        half = (column[middle - 2] + column[middle + 12]) / 2
+        assert (column[middle + 4] > half) == wider
+
+
 def test_another_room_has_other_furniture_and_the_same_field():
     pose, view = Pose(0.4, 0.3, 0.1), camera()
     lab = replace(Reality.lab(), litter=0.0)

@@ -128,7 +128,7 @@ class Reality:
     overexposure: float = 0.17
     vignette: float = 0.29
     blur: float = 1.0
-    noise: float = 1.45
+    noise: float = 1.4
     motion: float = 1.0
     seed: int = 0
 
@@ -442,7 +442,7 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     # A pixel covers reach / focal metres across, and more along; but pile stands up, so that its grain shows from
     # the side too: the copy is chosen hardly coarser than a pixel is across.
     middle = np.minimum(reach[:, width // 2], 30.0)
-    footprint = middle / eye.view.focal[0] * np.maximum(middle / eye.view.height, 1.0) ** 0.27 / TEXEL
+    footprint = middle / eye.view.focal[0] * np.maximum(middle / eye.view.height, 1.0) ** 0.33 / TEXEL
     level = np.clip(np.round(np.log2(np.maximum(footprint, 1.0))), 0, len(levels) - 1).astype(int)
     edges = np.flatnonzero(np.diff(level)) + 1
     for first, last in zip([0, *edges], [*edges, height], strict=True):

@@ -567,7 +567,7 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
         canvas.add(wall)
         walls.append(canvas.done())
         pieces = [_Workshop(rng) for _ in _CURTAINS]
-        crowd = rng.choice([0.2, 0.7, 1.4, 2.4])  # some sides are nearly free, others dark with things
+        crowd = rng.choice([0.2, 0.5, 1.1, 2.4])  # some sides are nearly free, others dark with things
         for _ in range(rng.poisson(3.0 * crowd * amount * length)):
             build = builders[_chosen(rng, often)]
             away = rng.uniform(*_PIECES[build][1])
@@ -767,7 +767,7 @@ def _wall(
     """A wall's colour, and its cupboards, boards, windows and posters."""
     w.place(start + along * length / 2 + outwards * distance, facing)
     wide = length + 2 * 1.7
-    tone = np.array([(222, 222, 219), (240, 240, 237), (200, 198, 192)][w.rng.integers(3)])
+    tone = np.array([(236, 236, 233), (250, 250, 248), (214, 212, 206)][w.rng.integers(3)])
     w.plate(0.0, 0.0, wide, 0.08, _GREY, -0.01)
     x = -wide / 2
     while x < wide / 2:  # cupboards, or panels
