@@ -476,3 +476,34 @@ def test_a_students_side_needs_the_core_alone_and_the_instructors_says_what_it_m
     shutil.copytree(ROOT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("grading"))
     refused = run_as_student("release", "--out", "x", here=tmp_path)
     assert refused.returncode == 1 and "the instructor's side" in refused.stderr
+
+
+# --- what the documentation says ---
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["write_a_lesson", "write_an_exercise"])
+def test_the_documentation_can_be_followed_word_for_word(page, tmp_path, monkeypatch):
+    """Run the commands of a page in a copy of the course, but for those that stand for any lesson, NN."""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    shutil.copytree(ROOT / "nao_course", tmp_path / "nao_course")
+    shutil.copytree(ROOT / "solutions", tmp_path / "solutions")
+    shutil.copytree(ROOT / "notebooks", tmp_path / "notebooks")
+    shutil.copy(ROOT / "course.toml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```\n((?:(?:nao-course|rm) .*\n)+)```", text, re.MULTILINE)
+    commands = [line.split() for block in blocks for line in block.splitlines() if " NN" not in line]
+    assert len(commands) >= 3
+    for program, *words in commands:
+        if program == "rm":
+            for word in words:
+                Path(word).unlink()
+        else:
+            assert program == "nao-course"
+            command = [sys.executable, "-m", "nao_course.cli", *words]
+            done = subprocess.run(command, env=environment, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+    there = contents(tmp_path / "notebooks").keys()
+    if page == "write_a_lesson":
+        assert {path.name for path in there} == {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
