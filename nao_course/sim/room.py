@@ -1,8 +1,9 @@
 """The room a field lies in: a worn carpet, and the furniture, people and bags that stand behind it.
 
 Everything is made from one seed. The carpet is a picture in the field frame with smaller copies for distance (a
-mipmap); what stands behind it is flat polygons in space. None of it needs to be exact, for it is all labelled
-"other" or "green": what is exact, lines and goals, is in shapes.py.
+mipmap). The room is painted once on upright planes around the carpet, like a stage set, and looked up by ray; what lies
+on the carpet is flat polygons in space. None of it needs to be exact, for it is all labelled "other" or "green": what
+is exact, lines and goals, is in shapes.py.
 """
 
 from __future__ import annotations
