@@ -183,7 +183,8 @@ class Eye:
         corner = self.view.undistort([[width + 3.0, height + 3.0]])[0]
         reach = (corner - self.view.centre) / self.view.focal
         reach = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
-        a, b = reach + (1 + reach**2) * np.abs(self.turning).sum() / 2  # a turning camera sees more to the sides
+        # A turning camera sees more to the sides.
+        a, b = reach + (1 + reach**2) * np.abs(self.turning).sum() / 2
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
     def reached(
