@@ -163,6 +163,15 @@ def test_rubric_4_there_are_words_before_every_exercise(name):
 
 
 @each_lesson
+def test_rubric_4_a_lesson_imports_public_names_of_the_students_side(name):
+    for _, cell in lessons.code_cells(solved(name)):
+        for node in ast.walk(ast.parse(lessons.python(cell))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("nao_course"):
+                parts = [*node.module.split("."), *(alias.name for alias in node.names)]
+                assert "grading" not in parts and not [part for part in parts if part.startswith("_")]
+
+
+@each_lesson
 def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
     cells = lessons.code_cells(solved(name), "exercise")
     assert len(cells) == 1 if name[:2] == "00" else 3 <= len(cells) <= 9
@@ -257,6 +266,15 @@ def test_rubric_13_every_picture_in_the_text_has_words_for_who_cannot_see_it(nam
     text = prose(solved(name))
     assert not re.findall(r"!\[\s*\]\(", text)
     assert not [tag for tag in re.findall(r"<img[^>]*>", text) if not re.search(r'alt="[^"]+"', tag)]
+
+
+@each_lesson
+def test_rubric_13_every_figure_has_words_for_who_cannot_see_it(name):
+    for _, cell in lessons.code_cells(executed(name)):
+        shown = [output.get("data", {}) for output in cell.outputs]
+        assert not [data for data in shown if "image/png" in data], "show it through nao_course.plotting"
+        tags = re.findall(r"<img[^>]*>", "".join(str(data.get("text/html", "")) for data in shown))
+        assert all(re.search(r'alt="[^"]{10,}"', tag) for tag in tags)
 
 
 @each_lesson

@@ -106,16 +106,17 @@ def secret_pieces():
 
 
 @pytest.mark.parametrize("piece", secret_pieces())
-@pytest.mark.parametrize("where", ["module", "cell", "fence"])
+@pytest.mark.parametrize("where", ["module", "cell", "fence", "string"])
 def test_a_planted_secret_is_found_wherever_it_stands(files, piece, where):
     source = secret_pieces()[piece]
     planted = {
         "module": files | {"nao_course/sim/extra.py": f"import numpy as np\n\n\n{source}".encode()},
         "cell": notebook_with(files, f"%matplotlib inline\n{source}"),
+        "string": notebook_with(files, f"exec({source!r})"),
         "fence": notebook_with(files, f"Look:\n\n```python\n{source}\n```\n", "markdown"),
     }[where]
     problems = release.release_problems(COURSE, planted)
-    place = {"module": "extra.py", "cell": "cell 6", "fence": "cell 6"}[where]
+    place = "extra.py" if where == "module" else "cell 6"
     assert problems and all(place in problem for problem in problems)
 
 

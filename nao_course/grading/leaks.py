@@ -66,7 +66,7 @@ def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[
     found: dict[str, Leak] = {}
     for file, content in public.items():
         for place, source in _code_in(file, content):
-            for mark, line in fingerprints(source):
+            for mark, line in [*fingerprints(source), *_quoted(source)]:
                 if mark in secrets:
                     where = f"{file}, {place}line {line}"
                     found.setdefault(where, Leak(where, secrets[mark]))
@@ -126,6 +126,18 @@ def fingerprints(source: str, lines: Container[int] | None = None) -> Iterator[t
                 if sum(map(_size, piece)) >= SMALLEST:
                     yield _describe(piece), first.lineno
                     break
+
+
+def _quoted(source: str) -> Iterator[tuple[str, int]]:
+    """Fingerprints of the code that stands in a source's strings, at the line of the string."""
+    try:
+        nodes = list(ast.walk(ast.parse(source)))
+    except (SyntaxError, ValueError):
+        return
+    for node in nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            inside = textwrap.dedent(node.value).strip()
+            yield from ((mark, node.lineno) for mark, _ in fingerprints(inside))
 
 
 def _blocks(tree: ast.AST) -> Iterator[list[ast.stmt]]:
