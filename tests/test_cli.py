@@ -231,7 +231,7 @@ BROKEN = {
         PLAN,
         "[Case((2.0,)), Case((0.0,)), Case((-1.5,))]",
         "[]",
-        "01_toy.*double.*no public cases",
+        r"exercises/01_toy.py, 01_toy.md, cell 4 .*double: no public cases",
     ),
     "a mistake that no case tells": (
         PLAN,
@@ -264,7 +264,11 @@ def test_a_name_of_another_lesson_is_refused(course):
         text = (folder / f"01_toy{suffix}").read_text()
         (folder / f"02_toy{suffix}").write_text(text.replace("01_toy", "02_toy"))
     result = run("build")
-    assert result.exit_code == 1 and "02_toy: double: the name is used twice" in result.output
+    assert (
+        result.exit_code == 1
+        and "exercises/02_toy.py" in result.output
+        and "double: the name is used twice" in result.output
+    )
 
 
 def test_a_lesson_that_is_taken_out_takes_what_was_made_of_it_along(built):

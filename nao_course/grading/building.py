@@ -225,18 +225,7 @@ def build(
     }
     with TemporaryDirectory(prefix="nao_course_") as folder:
         stage = _stage(course, Path(folder), solved)
-        problems: list[str] = []
-        for name in names:
-            tell(name, "exercises")
-            data = CHECKS / f"{name}.bin"
-            try:
-                files[data] = _checks(name, plans, stage)
-            except PlanError as error:
-                problems += [f"solutions/exercises/{line}" for line in str(error).splitlines()]
-                continue
-            (stage / data).write_bytes(files[data])
-        if problems:
-            raise LessonError("\n".join(problems))
+        files |= _check_data(solved, plans, stage, tell)
         for name, notebook in solved.items():
             tell(name, "student copy")
             files[Path("notebooks", f"{name}.ipynb")] = _dump(student_copy(notebook))
@@ -295,6 +284,39 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
     for name, notebook in solved.items():
         (stage / "solutions" / f"{name}.ipynb").write_bytes(_dump(notebook))
     return stage
+
+
+def _check_data(
+    solved: Mapping[str, NotebookNode], plans: Mapping[str, LessonPlan], stage: Path, tell: Tell
+) -> dict[Path, bytes]:
+    """Make the data of all lessons' checks, on the stage too; what is wrong with any plan is said at once."""
+    files: dict[Path, bytes] = {}
+    problems: list[str] = []
+    for name, notebook in solved.items():
+        tell(name, "exercises")
+        data = CHECKS / f"{name}.bin"
+        try:
+            files[data] = _checks(name, plans, stage)
+        except PlanError as error:
+            problems += [_with_place(notebook, line) for line in str(error).splitlines()]
+            continue
+        (stage / data).write_bytes(files[data])
+    if problems:
+        raise LessonError("\n".join(problems))
+    return files
+
+
+def _with_place(notebook: NotebookNode, problem: str) -> str:
+    """Say in which declaration, and with which cell, "LESSON: EXERCISE: what is wrong" is."""
+    name = notebook.metadata.nao_course.lesson
+    problem = problem.removeprefix(f"{name}: ")
+    where = [f"solutions/exercises/{name}.py"]
+    where += [
+        lessons.place(f"{name}.md", notebook, ordinal)
+        for ordinal, cell in lessons.code_cells(notebook, "exercise")
+        if lessons.exercise_name(cell) == problem.split(":")[0]
+    ]
+    return f"{', '.join(where)}: {problem}"
 
 
 def _checks(name: str, plans: Mapping[str, LessonPlan], stage: Path) -> bytes:
