@@ -435,7 +435,7 @@ class ControlPanel:
     def _show_picture(self, camera: str) -> None:
         picture = self.cockpit.pictures[camera]
         image, caption = self._images[camera], self._captions[camera]
-        image.value = _jpeg(picture.pixels)
+        image.value = jpeg(picture.pixels)
         width, height = picture.view.size
         live = "live" if (width, height) == LIVE_SIZE else f"{width} × {height}"
         caption.value = f"<b>{camera.capitalize()} camera</b>, {live}"
@@ -644,7 +644,8 @@ def _box(kind: str, name: str, *children: Any) -> Any:
     return box
 
 
-def _jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
+def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
+    """Make a picture (H, W, 3) into a JPEG file's bytes, at most 640 pixels wide."""
     if pixels.shape[1] > SHOWN_WIDTH:
         height = round(pixels.shape[0] * SHOWN_WIDTH / pixels.shape[1])
         pixels = np.asarray(

@@ -1,0 +1,59 @@
+"""The reality dial: sliders, presets and code say the same, and a picture stays where no widget lives."""
+
+import numpy as np
+import pytest
+
+from nao_course.sim import Reality
+from nao_course.widgets import RealityDial
+
+
+def test_it_begins_as_the_laboratory_and_the_same_sliders_give_the_same_picture():
+    dial = RealityDial()
+    assert dial.reality == Reality.lab()
+    assert dial.pixels.tobytes() == RealityDial().pixels.tobytes()
+
+
+def test_a_slider_changes_its_effect_and_the_picture_shown():
+    dial = RealityDial()
+    before = dial._image.value
+    dial._sliders["noise"].value = 4.0
+    assert dial.reality.noise == pytest.approx(4.0)
+    assert dial._image.value != before
+
+
+@pytest.mark.parametrize("name", ["clean", "lab", "dark", "harsh"])
+def test_a_preset_moves_every_slider(name):
+    dial = RealityDial()
+    dial.preset(name)
+    wanted = getattr(Reality, name)()
+    assert dial.reality == wanted
+    for effect, slider in dial._sliders.items():
+        assert slider.value == pytest.approx(getattr(wanted, effect))
+
+
+def test_tilt_moves_the_picture_and_no_effect():
+    dial = RealityDial()
+    dial.preset("clean")
+    level = dial.pixels
+    dial._tilt.value = 2.0
+    assert dial.tilt == pytest.approx(np.radians(2.0))
+    assert dial.reality == Reality.clean()
+    assert (dial.pixels != level).mean() > 0.02
+
+
+def test_what_is_not_possible_is_refused():
+    dial = RealityDial()
+    with pytest.raises(ValueError, match="preset must be one of"):
+        dial.preset("real")
+    with pytest.raises(ValueError, match="noise must be 0"):
+        dial.set(noise=-1.0)
+    with pytest.raises(TypeError, match="dust"):
+        dial.set(dust=1.0)
+    assert dial.reality == Reality.lab()
+
+
+def test_a_picture_and_a_text_stay_where_no_widget_lives():
+    bundle = RealityDial()._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/html"].startswith("<img alt=")
+    assert "noise 1" in bundle["text/plain"]
