@@ -1,4 +1,4 @@
-"""A student in a real browser: the blank lesson runs to its end, an exercise is typed in, its check turns green."""
+"""In a real browser: a student types an exercise in and its check turns green; an instructor edits a solution."""
 
 import shutil
 
@@ -38,6 +38,11 @@ def select(page, index):
     )
 
 
+def into(page, index):
+    """Click into a cell that is in sight."""
+    page.locator(f'.jp-Cell[data-windowed-list-index="{index}"] .cm-content').click()
+
+
 def check_state(page, name):
     shown = page.locator(f'[data-check="{name}"]')
     return shown.get_attribute("data-state") if shown.count() else None
@@ -66,7 +71,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
 
         exercise = cell_index(page, f"def {EXERCISE}")
         select(page, exercise)
-        page.locator(f'.jp-Cell[data-windowed-list-index="{exercise}"] .cm-content').click()
+        into(page, exercise)
         page.keyboard.press("ControlOrMeta+a")
         page.keyboard.insert_text(cell.source)
         page.keyboard.press("Shift+Enter")
@@ -77,3 +82,32 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         page.screenshot(path=SCREENSHOTS / "student_copy_one_right.png")
         assert lab.errors(page) == []
         assert lab.our_errors() == []
+
+
+def test_a_solution_that_is_edited_and_saved_in_jupyterlab_comes_back_into_the_text(tmp_path, chromium):
+    shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
+    shutil.copy(PROJECT / "course.toml", tmp_path)
+    course = building.load_course(tmp_path)
+    text = course.text(NAME).read_text(encoding="utf-8")
+    with jupyter_lab(course.solutions, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
+        lab.open(page, f"{NAME}.ipynb")
+        check = cell_index(page, f'check("{EXERCISE}"')
+        exercise = cell_index(page, f"def {EXERCISE}")
+        select(page, exercise)
+        into(page, exercise)
+        page.keyboard.press("ControlOrMeta+End")
+        page.keyboard.insert_text("\n\n# edited in JupyterLab")
+        page.keyboard.press("Escape")
+        select(page, check)
+        page.evaluate(
+            "() => window.jupyterapp.commands.execute('notebook:insert-cell-below').then(() => null)"
+        )
+        into(page, check + 1)
+        page.keyboard.insert_text('print("new")')
+        page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save').then(() => null)")
+        wait_for(lambda: building.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
+    again = building.text_from_notebook(course, NAME)
+    solution_end, check_end = "    ### END SOLUTION\n", f'check("{EXERCISE}", {EXERCISE})\n```\n'
+    wanted = text.replace(solution_end, f"{solution_end}\n# edited in JupyterLab\n", 1)
+    cell = '\n```{code-cell} ipython3\n:role: display\n\nprint("new")\n```\n'
+    assert again == wanted.replace(check_end, check_end + cell, 1)
