@@ -1,5 +1,6 @@
 """Comparisons tell right from wrong, say what kind of wrong, and never what was expected."""
 
+import tracemalloc
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,6 +107,13 @@ def test_one_wrong_element_is_found_and_counted(array, data):
 )
 def test_close_tells_what_kind_of_difference_it_is(expected, got, kind):
     assert Close().compare(expected, got).kind == kind
+
+
+def test_one_long_text_among_many_takes_no_memory():
+    tracemalloc.start()
+    assert Close().compare(np.zeros(1001), ["x" * 10**5] + [""] * 1000).kind == "type"
+    assert tracemalloc.get_traced_memory()[1] < 10**6  # numpy would make room for it a thousand times
+    tracemalloc.stop()
 
 
 def test_angles_are_compared_on_their_circle():

@@ -78,7 +78,8 @@ def test_a_cell_that_does_not_run_is_named(tmp_path):
 def test_the_folder_is_named_or_the_working_one(tmp_path, monkeypatch):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    toy.write(tmp_path / "a" / "90_toy.ipynb", *toy.SOLUTION)
+    for folder, cells in (("a", toy.SOLUTION), ("b", [WRONG])):
+        os.utime(toy.write(tmp_path / folder / "90_toy.ipynb", *cells), ns=(1, 1))
     monkeypatch.chdir(tmp_path / "a")
     assert student.functions("90_toy").complete
     monkeypatch.chdir(tmp_path / "b")

@@ -36,6 +36,8 @@ def sleeps(x):
     time.sleep(1000)
 def stops(x):
     os.kill(os.getpid(), signal.SIGSTOP)
+def stops_later(x):
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGSTOP)).start()
 def leaves(x):
     sys.exit(3)
 def leaves_hard(x):
@@ -209,6 +211,13 @@ def test_what_a_call_leaves_behind_does_not_disturb_the_next(hurried, name):
     hurried.seconds = 10.0
     for _ in range(3):
         assert hurried.call(name, ONE).value == 3.0
+
+
+@posix
+def test_a_worker_that_does_not_read_costs_its_time_alone(hurried):
+    hurried.call("stops_later", ONE)
+    time.sleep(0.3)
+    assert hurried.call("double", Case((np.zeros(10**6),))).came == "timed out"
 
 
 def test_an_answer_is_plain_when_it_arrives(running):

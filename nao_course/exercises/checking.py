@@ -197,7 +197,7 @@ def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
     return outcome.came == "value" and exercise.comparison.alike(answer, outcome.value)
 
 
-@dataclass(repr=False)
+@dataclass
 class Checks:
     """A lesson's `check`: call it with an exercise's name and your function.
 

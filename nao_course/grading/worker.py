@@ -30,6 +30,7 @@ MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is l
 UNREADABLE = "its answer could not be read"
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
 _KEPT = (
+    "PYTHONPATH",
     "PATH",
     "SYSTEMROOT",
     "TEMP",
