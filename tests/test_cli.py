@@ -366,8 +366,9 @@ def test_an_edited_notebook_is_not_built_over(built):
         ),
         (lambda cells: cells[2].metadata.update(nbgrader={"grade": True}), r"cell 3.*no graded text cells"),
         (lambda cells: cells[3].update(source="def double(value):"), r"cell 4.*is not Python"),
+        (lambda cells: cells[4].metadata.nbgrader.update(points=7), "the points of double were changed"),
     ],
-    ids=["nothing", "attachment", "a break", "a graded text", "broken code"],
+    ids=["nothing", "attachment", "a break", "a graded text", "broken code", "points"],
 )
 def test_what_text_cannot_hold_is_refused(built, change, said):
     edit(change)

@@ -560,7 +560,16 @@ def text_from_notebook(course: Course, name: str) -> str:
             f"{file} and solutions/{name}.md were both edited since the last build; nothing is written. Keep one: "
             f"`git checkout solutions/{name}.md` keeps the notebook, deleting {file} keeps the text"
         )
-    return lessons.write_lesson(read_notebook(course.solutions / f"{name}.ipynb"))
+    notebook = read_notebook(course.solutions / f"{name}.ipynb")
+    points = {each.name: each.points for each in course.plan(name).exercises}
+    for _, cell in lessons.code_cells(notebook, "check"):
+        exercise = lessons.exercise_name(cell)
+        if cell.metadata.nbgrader.get("points") != points.get(exercise):
+            raise LessonError(
+                f"{file}: the points of {exercise} were changed in the notebook; they are declared in "
+                f"solutions/exercises/{name}.py, and for one course in course.toml"
+            )
+    return lessons.write_lesson(notebook)
 
 
 def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
