@@ -358,17 +358,17 @@ def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path):
 
 
 def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path):
-    (tmp_path / "numpy.py").write_text(
-        "raise RuntimeError('a file of this name must not stand before numpy')"
-    )
+    (tmp_path / "colorsys.py").write_text("raise RuntimeError('it must not stand before Python's own')")
     (tmp_path / "my_helper.py").write_text("def twice(x): return 2 * x")
     path = toy.write(
         tmp_path / "own.ipynb",
-        "import numpy as np\nfrom my_helper import twice",
+        "import colorsys\nfrom my_helper import twice",
+        "def hue(): return colorsys.rgb_to_hls(1, 0, 0)[0]",
         "class Sampler:\n    def __new__(cls, values, n, rng): return float(rng.choice(values, n).mean())",
     )
     with Worker(path) as worker:
         assert worker.call("twice", ONE).value == 6.0
+        assert worker.call("hue", Case(())).value == 0.0
         law = worker.call("Sampler", Case((np.arange(10.0), 5, 30)), "sampling_law").value
     assert law.shape == (3,)
     assert law[2] == 1.0
