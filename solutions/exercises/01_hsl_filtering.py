@@ -79,6 +79,31 @@ def _overflow(picture: Array) -> tuple[Array, Array, Array]:
     return hue, saturation, ((picture.max(axis=2) + picture.min(axis=2)) // 2).astype(float)
 
 
+def _grey_nan(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    grey = picture.max(axis=2) == picture.min(axis=2)
+    hue[grey] = np.nan
+    saturation[grey & np.isin(lightness, (0.0, 255.0))] = np.nan
+    return hue, saturation, lightness
+
+
+def _bytes_subtracted(picture: Array) -> tuple[Array, Array, Array]:
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    top, spread = picture.max(axis=2), picture.max(axis=2) - picture.min(axis=2)
+    safe = np.where(spread == 0, 1, spread)
+    hue = np.where(
+        top == red,
+        (green - blue) / safe,
+        np.where(top == green, 2 + (blue - red) / safe, 4 + (red - green) / safe),
+    )
+    return np.where(spread == 0, 0.0, 60 * hue % 360), *_hsl(picture)[1:]
+
+
+def _opencv_bytes(picture: Array) -> tuple[Array, Array, Array]:
+    hls = cv2.cvtColor(picture, cv2.COLOR_RGB2HLS)
+    return hls[..., 0], hls[..., 1], hls[..., 2]
+
+
 def _opencv_order(picture: Array) -> tuple[Array, Array, Array]:
     hue, saturation, lightness = _hsl(picture)
     return hue, lightness, saturation
@@ -148,6 +173,33 @@ RGB_TO_HSL = Exercise(
             "negative hue",
             lambda picture: _hsl(picture, negative=True),
             "Some hues are negative. Pinks lie just below 360 degrees: take the hue modulo 360.",
+        ),
+        Mistake(
+            "grey divided by zero",
+            _grey_nan,
+            "Some hues or saturations are NaN: for a grey pixel the largest and the smallest channel are equal, and you divide 0 by "
+            "0. Grey gets hue 0 and saturation 0.",
+        ),
+        Mistake(
+            "bytes subtracted",
+            _bytes_subtracted,
+            "Differences of the channels go wrong: 10 - 20 is 246 in a byte. Turn the picture into floats before you calculate.",
+        ),
+        Mistake(
+            "OpenCV's bytes",
+            _opencv_bytes,
+            "That is OpenCV's conversion of bytes: hue in units of 2 degrees, then lightness, then saturation in 0..255. Here it is "
+            "degrees, saturation in 0..1, lightness in 0..255, in this order.",
+        ),
+        Mistake(
+            "blue first",
+            lambda picture: _hsl(picture[..., ::-1]),
+            "Red and blue have changed places. OpenCV reads files as blue, green, red; this course's pictures are red, green, blue.",
+        ),
+        Mistake(
+            "radians",
+            lambda picture: (np.radians(_hsl(picture)[0]), *_hsl(picture)[1:]),
+            "Your hues are in radians. Hues are the one kind of angle that this course has in degrees, 0 to 360, as the field does.",
         ),
         Mistake(
             "HSV",
@@ -380,6 +432,7 @@ CALIBRATE_HUE = Exercise(
         Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
         Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
         Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
+        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.3]]), 5.0), "epsilon reaches over 0"),
     ],
     hidden=lambda rng: [
         *(
@@ -387,9 +440,12 @@ CALIBRATE_HUE = Exercise(
             for e in (0.0, 4.0, 7.5)
         ),
         *(Case((*_grass(rng, float(rng.uniform(-6, 6)), float(rng.uniform(10, 30))), e)) for e in (0.0, 4.0)),
+        Case((np.array([[1.0, 8.0, 30.0]]), np.array([[0.5, 0.9, 0.01]]), 5.0)),
+        Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
+        Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
         Case(_grass(rng, 55.0, 10.0)),
     ],
-    comparison=Close(rtol=0, atol=0.02, period=360.0),
+    comparison=Close(rtol=0, atol=0.02),
     hints=(
         "First leave out the pixels without a colour: a grey pixel has saturation 0, and its hue of 0 means nothing. Then "
         "start with hues that do not cross 0.",
@@ -427,7 +483,15 @@ CALIBRATE_HUE = Exercise(
             "The limits are those of the picture itself: epsilon is not used.",
         ),
         Mistake(
-            "negative limit",
+            "modulo forgotten",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0] - epsilon,
+                _limits(hue, saturation)[1] + epsilon,
+            ),
+            "With epsilon a limit leaves [0, 360): take both modulo 360, or hue_mask will miss what lies beyond 0.",
+        ),
+        Mistake(
+            "half degrees",
             lambda hue, saturation, epsilon=0.0: (
                 _limits(hue, saturation)[0] / 2 - epsilon,
                 _limits(hue, saturation)[1] / 2 + epsilon,
