@@ -21,6 +21,7 @@ from nao_course.exercises import (
     Points,
     checking,
     prediction,
+    running,
 )
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.definitions import load_definitions
@@ -342,3 +343,19 @@ def test_a_prediction_is_written_down_once():
     assert "You predicted: 12 cm. Now" in box.children[2].value
     assert field.disabled
     assert button.disabled
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+def test_a_loop_that_never_ends_and_swallows_exceptions_is_stopped_and_the_clock_is_put_back():
+    def endless(value):
+        while True:
+            try:
+                value += 1
+            except Exception:  # noqa: BLE001
+                value = 0
+
+    before = signal.getsignal(signal.SIGALRM)
+    outcomes = running.call_all(endless, [Case((1,)), Case((2,))], seconds=0.2)
+    assert [outcome.came for outcome in outcomes] == ["timed out"]
+    assert signal.getsignal(signal.SIGALRM) is before
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0

@@ -134,8 +134,9 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
     last = outcomes[-1]
     if last.came == "not attempted":
         return Report(exercise.name, "not attempted", (f"{title}: not written yet.",))
-    if last.came == "interrupted":
-        text = f"{title}: stopped by you. Does it have a loop that never ends?"
+    if last.came in ("interrupted", "timed out"):
+        how = "stopped by you" if last.came == "interrupted" else "stopped after 20 seconds"
+        text = f"{title}: {how}. Does it have a loop that never ends?"
         return Report(exercise.name, "interrupted", (text,))
     verdicts = [
         exercise.comparison.compare(case.expected, outcome.value) if outcome.came == "value" else None

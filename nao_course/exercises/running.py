@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import signal
 import sysconfig
+import threading
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -76,14 +79,47 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     return decode(encoded(call_as_it_is(function, case, driver)))
 
 
-def call_all(function: Callable[..., Any], cases: Sequence[Case], driver: str = "") -> list[Outcome]:
-    """Call a function for each case, up to the first that is not attempted or interrupted."""
+def call_all(
+    function: Callable[..., Any], cases: Sequence[Case], driver: str = "", seconds: float = 20.0
+) -> list[Outcome]:
+    """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
+
+    Where there is no alarm clock (Windows, or another thread than the main one), `seconds` is no limit.
+    """
     outcomes: list[Outcome] = []
     for case in cases:
-        outcomes.append(call(function, case, driver))
-        if outcomes[-1].came in ("not attempted", "interrupted"):
+        try:
+            with _alarm(seconds):
+                outcome = call(function, case, driver)
+        except _TimeIsUp:  # it rang while the answer was being copied
+            outcome = Outcome("timed out")
+        outcomes.append(outcome)
+        if outcomes[-1].came in ("not attempted", "interrupted", "timed out"):
             break
     return outcomes
+
+
+class _TimeIsUp(BaseException):
+    """Raised into a function that runs too long; no `except Exception` of a student's stops it."""
+
+
+@contextmanager
+def _alarm(seconds: float) -> Iterator[None]:
+    """Raise _TimeIsUp in the block after a time."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(*_: object) -> None:
+        raise _TimeIsUp
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
@@ -99,6 +135,8 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         return _raised(error) if error.args else Outcome("not attempted")
     except KeyboardInterrupt:
         return Outcome("interrupted")
+    except _TimeIsUp:
+        return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)
     return Outcome("value", value, changed=_state(args[1:] if driver else args, kwargs) != before)
