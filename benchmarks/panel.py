@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import shutil
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
+from benchmarks import Result, Table
 from tests.browser.lab import Lab, browser_page, jupyter_lab
 
-RESULT = Path(__file__).parent / "results" / "panel.json"
 PRESSES = 40
 DRIVES = 5
 WANTED = {"button_to_picture_ms": 100.0, "pictures_per_second": 12.0}
@@ -89,13 +85,15 @@ def _rate(page: Any, drive: int) -> tuple[dict[str, float], float]:
     return rates, float(np.diff(loads["bottom"]).max())
 
 
-def main() -> None:
-    """Measure, show a table, and write benchmarks/results/panel.json."""
+def main() -> Result:
+    """Measure the panel in a real browser."""
     executable = next(
         filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
     )
     if executable is None:
-        sys.exit("no Chromium on this machine (on Debian and Ubuntu: apt install chromium)")
+        raise FileNotFoundError(
+            "there is no Chromium on this machine (on Debian and Ubuntu: apt install chromium)"
+        )
     with tempfile.TemporaryDirectory() as scratch:
         folder, settings = Path(scratch) / "notebooks", Path(scratch) / "jupyter"
         folder.mkdir()
@@ -103,9 +101,7 @@ def main() -> None:
             results = measure(lab, page)
     results["wanted"] = WANTED
     results["machine"] = {"cpu": _processor(), "python": platform.python_version(), "picture": "320 x 240"}
-    RESULT.parent.mkdir(exist_ok=True)
-    RESULT.write_text(json.dumps(results, indent=2) + "\n")
-    _show(results)
+    return Result("panel", results, (_table(results),))
 
 
 def _processor() -> str:
@@ -114,21 +110,16 @@ def _processor() -> str:
     return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.machine())
 
 
-def _show(results: dict[str, Any]) -> None:
-    table = Table(title="Control panel in JupyterLab and Chromium, pictures of 320 x 240")
-    for column in ("measured", "median", "90 %", "wanted"):
-        table.add_column(column, justify="left" if column == "measured" else "right")
+def _table(results: dict[str, Any]) -> Table:
+    rows: list[tuple[object, ...]] = []
     for name in ("head", "walk"):
         times = results[f"{name}_button_to_picture_ms"]
         wanted = f"<= {WANTED['button_to_picture_ms']:.0f} ms"
-        table.add_row(f"{name} button to new picture", f"{times['median']} ms", f"{times['p90']} ms", wanted)
+        rows.append((f"{name} button to new picture", f"{times['median']} ms", f"{times['p90']} ms", wanted))
     rates = results["pictures_per_second"]
     for name in ("bottom", "top", "map"):
         wanted = f">= {WANTED['pictures_per_second']:.0f}" if name == "bottom" else ""
-        table.add_row(f"{name} pictures a second while driving", f"{rates[name]}", "", wanted)
-    table.add_row("longest gap between two pictures of a drive", f"{results['longest_gap_ms']} ms", "", "")
-    Console().print(table)
-
-
-if __name__ == "__main__":
-    main()
+        rows.append((f"{name} pictures a second while driving", f"{rates[name]}", "", wanted))
+    rows.append(("longest gap between two pictures of a drive", f"{results['longest_gap_ms']} ms", "", ""))
+    title = "Control panel in JupyterLab and Chromium, pictures of 320 x 240"
+    return Table(title, ("measured", "median", "90 %", "wanted"), tuple(rows))
