@@ -56,11 +56,11 @@ class RealityDial:
         ]
         for button in buttons:
             button.on_click(lambda pressed: self.preset(pressed.description))
-        sliders = ipywidgets.VBox([self._tilt, *self._sliders.values()])
-        self.widget = ipywidgets.HBox(
-            [ipywidgets.VBox([ipywidgets.HBox(buttons), self._image, self._said]), sliders],
-            layout=ipywidgets.Layout(flex_flow="row wrap"),
+        shown = ipywidgets.VBox(
+            [ipywidgets.HBox(buttons), self._image, self._said], layout=ipywidgets.Layout(width="500px")
         )
+        sliders = ipywidgets.VBox([self._tilt, *self._sliders.values()])
+        self.widget = ipywidgets.HBox([shown, sliders], layout=ipywidgets.Layout(flex_flow="row wrap"))
         self._show()
 
     # --- from code ---
@@ -110,7 +110,7 @@ class RealityDial:
         on = [
             f"{name} {getattr(self.reality, name):.3g}" for name in _STANDING if getattr(self.reality, name)
         ]
-        return f"the robot leans by {np.degrees(self.tilt):.1f} degrees; on: {', '.join(on) or 'nothing'}"
+        return f"the robot leans by {round(float(np.degrees(self.tilt)), 1) + 0.0:.1f} degrees; on: {', '.join(on) or 'nothing'}"
 
     def __repr__(self) -> str:
         """Say what the dial shows."""
@@ -124,7 +124,8 @@ class RealityDial:
     # --- sliders ---
 
     def _slider(self, name: str) -> Any:
-        most = 1.0 if name in _FRACTIONS else 3 * getattr(Reality.lab(), name)
+        presets = [getattr(getattr(Reality, preset)(), name) for preset in PRESETS]
+        most = 1.0 if name in _FRACTIONS else max(3 * getattr(Reality.lab(), name), *presets)
         return self._made(name, 0.0, most, partial(self._slid, name), getattr(self.reality, name))
 
     @staticmethod
@@ -133,12 +134,12 @@ class RealityDial:
             value=value,
             min=low,
             max=high,
-            step=(high - low) / 60,
+            step=(high - low) / 1000,  # a browser rounds to it: fine enough for every preset
             description=name,
             readout_format=".2f",
             tooltip=f"{name}, {low:g} to {high:g}",
-            style={"description_width": "7em"},
-            layout=ipywidgets.Layout(height="26px"),
+            style={"description_width": "8em"},
+            layout=ipywidgets.Layout(height="24px", width="340px"),
         )
         slider.observe(action, names="value")
         return slider
@@ -157,7 +158,6 @@ class RealityDial:
         """Take on effects, and move the sliders without a picture for each."""
         self.reality, self._moving_sliders = reality, True
         for name, slider in self._sliders.items():
-            slider.max = max(slider.max, getattr(reality, name))
             slider.value = getattr(reality, name)
         self._moving_sliders = False
         self._show()
