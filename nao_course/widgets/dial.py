@@ -110,7 +110,8 @@ class RealityDial:
         on = [
             f"{name} {getattr(self.reality, name):.3g}" for name in _STANDING if getattr(self.reality, name)
         ]
-        return f"the robot leans by {round(float(np.degrees(self.tilt)), 1) + 0.0:.1f} degrees; on: {', '.join(on) or 'nothing'}"
+        lean = round(float(np.degrees(self.tilt)), 1) + 0.0  # no minus before a zero
+        return f"the robot leans by {lean:.1f} degrees; on: {', '.join(on) or 'nothing'}"
 
     def __repr__(self) -> str:
         """Say what the dial shows."""
