@@ -160,11 +160,6 @@ def match(found: FloatArray, truth: FloatArray, tolerance: float = TOLERANCE) ->
     return hits
 
 
-def cost(found: int, hits: int, corners: int) -> float:
-    """The paper's Table 6.1."""
-    return HIT * hits + FALSE * (found - hits) + MISSED * (corners - hits)
-
-
 @dataclass(frozen=True)
 class Grid:
     """Counts of a set of scenes under every setting: (settings, scenes) each, and corners (scenes,)."""

@@ -337,3 +337,9 @@ def test_a_fraction_beyond_one_and_a_broken_seed_are_refused():
         Reality(seams=2.0)
     with pytest.raises(ValueError, match="seed must be a whole number"):
         Reality(seed=-1)
+
+
+@pytest.mark.parametrize("turning", [(0, 0, np.nan), (0, 0, 1e9), (0.1, 0.1), 3.0])
+def test_a_camera_that_turns_too_far_or_by_no_number_is_refused(turning):
+    with pytest.raises(ValueError, match="turning must be three small angles"):
+        render(Field(), Pose(), camera(), CLEAN, turning=turning)

@@ -147,6 +147,8 @@ class Eye:
         """Look up, or compute, the camera's rays."""
         self.seen_from, self.view = seen_from, view
         self.turning = np.asarray(turning, dtype=float)
+        if self.turning.shape != (3,) or not (np.abs(self.turning) <= 0.5).all():
+            raise ValueError(f"turning must be three small angles, within -0.5..0.5 rad, got {turning!r}")
         lens = CameraView(view.size, view.hfov, view.vfov, height=1.0, pitch=0.0, k1=view.k1)
         self.grid = (
             _turned(_lens_grid(lens), view.size, self.turning) if self.turning.any() else _lens_grid(lens)
