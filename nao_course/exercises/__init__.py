@@ -5,7 +5,7 @@ from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Verdict
 from nao_course.exercises.definitions import Definitions, load_definitions
-from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question
+from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question, Written
 from nao_course.exercises.running import Outcome, call
 from nao_course.exercises.symbolic import Derivative
 from nao_course.exercises.trying import Message, try_out
@@ -31,6 +31,7 @@ __all__ = [
     "Question",
     "Report",
     "Verdict",
+    "Written",
     "call",
     "decode",
     "encode",

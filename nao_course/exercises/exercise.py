@@ -90,6 +90,9 @@ class Exercise:
         a SymPy expression, into arrays. It is called with the student's object before the case's arguments.
     in_place : bool
         Whether a function that changes its input fails; else it is only told so.
+    with_reference : float
+        Fraction of the points that are earned where it is right with the reference's `uses`, but not with the student's
+        own: one error is not punished twice.
     """
 
     name: str
@@ -104,6 +107,29 @@ class Exercise:
     uses: Sequence[str] = ()
     driver: str = ""
     in_place: bool = False
+    with_reference: float = 1.0
+
+
+@dataclass(frozen=True)
+class Written:
+    """A question that is answered in words, and marked by a person.
+
+    Parameters
+    ----------
+    name : str
+        Unique in the course: that of its cell in the lesson.
+    points : float
+        What it is worth.
+    question : str
+        What is asked, as the marking sheet says it.
+    rubric : str
+        What to mark the answer by, for whoever marks it.
+    """
+
+    name: str
+    points: float
+    question: str
+    rubric: str
 
 
 @dataclass(frozen=True)
@@ -138,10 +164,13 @@ class LessonPlan:
         In the order of the lesson.
     questions : sequence of Question
         In the order of the lesson.
+    written : sequence of Written
+        In the order of the lesson.
     """
 
     exercises: Sequence[Exercise]
     questions: Sequence[Question] = ()
+    written: Sequence[Written] = ()
 
     def __getitem__(self, name: str) -> Exercise:
         """Return an exercise by its name."""

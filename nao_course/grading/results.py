@@ -1,0 +1,170 @@
+"""What the grader says of a submission: plain values that the journal keeps and every export reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+State = Literal[
+    "right",
+    "wrong",
+    "raised",
+    "timed out",
+    "died",
+    "no usable answer",
+    "changes its input",
+    "not attempted",
+    "not found",
+]
+Status = Literal["graded", "refused"]
+
+
+@dataclass(frozen=True)
+class ExerciseResult:
+    """What came of one exercise. Nothing in it tells a hidden input or an expected value.
+
+    Parameters
+    ----------
+    name, number : str
+        Of the function, and in the lesson: "1.3".
+    points : float
+        What it is worth.
+    earned : float
+        What it got.
+    state : str
+        Right, or in which way it first failed.
+    passed, cases : int
+        Hidden cases that passed, of how many.
+    text : str
+        For the student: how the first hidden case failed, by its kind and the shape of the answer.
+    line : str
+        The student's own line that raised.
+    public : tuple of str
+        What the public check says: it may show values, the student has them all.
+    hint : str
+        The message of the mistake that the public answers look like.
+    mistake : str
+        That mistake's name in the declaration, for the class report.
+    with_reference : bool
+        Whether it failed with the student's earlier functions and was run again with the reference's.
+    notes : tuple of str
+        One thing more for the student, such as that the function changes its input.
+    """
+
+    name: str
+    number: str
+    points: float
+    earned: float
+    state: State
+    passed: int = 0
+    cases: int = 0
+    text: str = ""
+    line: str = ""
+    public: tuple[str, ...] = ()
+    hint: str = ""
+    mistake: str = ""
+    with_reference: bool = False
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class WrittenAnswer:
+    """A written answer: a person marks it.
+
+    Parameters
+    ----------
+    name, number : str
+        Of the question, and in the lesson: "1.W1".
+    points : float
+        What it is worth.
+    question : str
+        What was asked.
+    rubric : str
+        What to mark it by; never shown to students before it is marked.
+    text : str
+        What the student wrote; empty where nothing.
+    """
+
+    name: str
+    number: str
+    points: float
+    question: str
+    rubric: str
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class SubmissionResult:
+    """What came of one student's submission of one lesson.
+
+    Parameters
+    ----------
+    student, lesson : str
+        Whose, and of which lesson ("01_hsl_filtering").
+    status : str
+        "graded", or "refused" where the file is no notebook that could be graded.
+    reason : str
+        Why it was refused.
+    file : str
+        The submission's name as it was handed in.
+    submission, assignment : str
+        Hashes of what was handed in and of what it was graded by: solution, declaration, points, secret.
+    exercises : tuple of ExerciseResult
+        In the lesson's order; all of them, with 0 points, where it was refused.
+    written : tuple of WrittenAnswer
+        What a person has to mark.
+    notes : tuple of str
+        For the assistant: other files of the student that did not count, statements that did not run, attempts at the
+        sandbox.
+    level : str
+        The sandbox level it ran in.
+    seconds : float
+        How long it took; no part of what two runs must agree in.
+    """
+
+    student: str
+    lesson: str
+    status: Status
+    reason: str = ""
+    file: str = ""
+    submission: str = ""
+    assignment: str = ""
+    exercises: tuple[ExerciseResult, ...] = ()
+    written: tuple[WrittenAnswer, ...] = ()
+    notes: tuple[str, ...] = ()
+    level: str = ""
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def earned(self) -> float:
+        """Points of all exercises; those of written answers come with their marks."""
+        return sum(each.earned for each in self.exercises)
+
+    @property
+    def points(self) -> float:
+        """What all exercises are worth."""
+        return sum(each.points for each in self.exercises)
+
+
+def as_json(result: SubmissionResult) -> dict[str, Any]:
+    """Turn a result into values that JSON knows."""
+    return asdict(result)
+
+
+def from_json(table: Mapping[str, Any]) -> SubmissionResult:
+    """Turn them back.
+
+    Raises
+    ------
+    TypeError, KeyError
+        If they are not a result's.
+    """
+    exercises = tuple(
+        ExerciseResult(**{**each, "public": tuple(each["public"]), "notes": tuple(each["notes"])})
+        for each in table["exercises"]
+    )
+    written = tuple(WrittenAnswer(**each) for each in table["written"])
+    return SubmissionResult(
+        **{**table, "exercises": exercises, "written": written, "notes": tuple(table["notes"])}
+    )
