@@ -26,6 +26,13 @@ _COLOURS = {
     "raised": "#9a6700",
     "interrupted": "#6e7781",
 }
+_WRONG = {
+    "nothing": "Nothing came back",
+    "type": "Wrong kind of answer",
+    "shape": "Wrong shape",
+    "nan": "Not a number",
+    "value": "Wrong value",
+}
 _MARKS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
 _DATA = "checks"
 
@@ -129,7 +136,8 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
     title = f"{exercise.number} {exercise.name}"
     if not (callable(function) or exercise.driver):
         kind = type(function).__name__
-        return Report(exercise.name, "wrong", (f"{title}: a function is wanted, got a {kind}.",))
+        text = f"{title}: a function is wanted, got a {kind}. Hand over the function itself, without brackets."
+        return Report(exercise.name, "wrong", (text,))
     outcomes = running.call_all(function, exercise.cases, exercise.driver)
     last = outcomes[-1]
     if last.came == "not attempted":
@@ -146,7 +154,7 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
     changed = any(outcome.changed for outcome in outcomes)
     if not wrong and not (changed and exercise.in_place):
         lines = [
-            f"{title}: all {len(verdicts)} public checks pass.",
+            f"{title}: {_passed(len(verdicts), len(verdicts))}.",
             "The grader has others, with other inputs.",
         ]
         if changed:
@@ -169,16 +177,22 @@ def _explain(
     first = wrong[0]
     outcome, verdict = outcomes[first], verdicts[first]
     about = f" ({exercise.cases[first].name})" if exercise.cases[first].name else ""
-    passed = f"{len(verdicts) - len(wrong)} of {len(verdicts)} public checks pass"
+    passed = _passed(len(verdicts) - len(wrong), len(verdicts))
     state: State = "wrong"
     if verdict is not None:
-        lines = [f"{title}: {passed}. Wrong is the {verdict.kind}{about}: {verdict.text}."]
+        lines = [f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}."]
     elif outcome.came == "unsendable":
-        lines = [f"{title}: {passed}. Wrong is the type{about}: {outcome.text}."]
+        lines = [f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}."]
     else:
         state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
         lines += [outcome.line] if outcome.line else []
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
+
+
+def _passed(right: int, checks: int) -> str:
+    if right == checks:
+        return f"all {checks} public checks pass" if checks > 1 else "the public check passes"
+    return f"{right} of {checks} public checks pass" if checks > 1 else "the public check does not pass"
 
 
 def _recognised(exercise: PublicExercise, outcomes: list[Outcome], wrong: list[int]) -> list[str]:

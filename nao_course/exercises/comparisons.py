@@ -67,16 +67,19 @@ class Close(Comparison):
         Where not 0, values are compared on a circle: 360 for hues in degrees, 2 pi for angles.
     allowed : float
         Fraction of an array's elements that may differ.
+    names : tuple of str
+        What the values of a tuple are called to the student: "your hue".
     """
 
     rtol: float = 1e-4
     atol: float = 1e-6
     period: float = 0.0
     allowed: float = 0.0
+    names: tuple[str, ...] = ()
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare an answer with the expected one."""
-        return _structure(expected, got, self._arrays)
+        return _structure(expected, got, self._arrays, names=self.names)
 
     def _arrays(self, expected: Array, got: Array, where: str) -> Verdict:
         wanted, have = expected.astype(float), got.astype(float)
@@ -110,6 +113,8 @@ class Exact(Comparison):
         return _structure(expected, got, self._arrays)
 
     def _arrays(self, expected: Array, got: Array, where: str) -> Verdict:
+        if expected.dtype.kind in "iu" and got.dtype.kind not in "iu":
+            return Verdict("type", f"{where} holds {_KINDS[got.dtype.kind]}, not whole numbers")
         return _differences(expected != got, got, where, self.allowed)
 
 
@@ -186,11 +191,15 @@ class Between(Comparison):
 
 
 def _structure(
-    expected: Any, got: Any, arrays: Callable[[Array, Array, str], Verdict], where: str = "your answer"
+    expected: Any,
+    got: Any,
+    arrays: Callable[[Array, Array, str], Verdict],
+    where: str = "your answer",
+    names: tuple[str, ...] = (),
 ) -> Verdict:
     """Walk through tuples, dicts and dataclasses down to arrays."""
     if got is None and expected is not None:
-        return Verdict("nothing", f"{where} is None: is a return missing?")
+        return Verdict("nothing", f"{where} is None: a return may be missing")
     of_a_kind = expected is None or isinstance(expected, str | dict) or is_dataclass(expected)
     if of_a_kind and type(got) is not type(expected):
         return Verdict("type", f"{where} is {_a(got)}; {_a(expected)} is wanted")
@@ -207,9 +216,13 @@ def _structure(
     if have is None or set(parts) != set(have):
         size = "" if have is None else f" of {len(have)}"
         wanted = "other keys" if isinstance(expected, dict) else f"{len(parts)} values"
+        if names:
+            wanted += f" ({', '.join(names)})"
         return Verdict("type", f"{where} is {_a(got)}{size}; {wanted} are wanted")
+    called = dict(zip(parts, names, strict=False))
     for name in parts:
-        verdict = _structure(parts[name], have[name], arrays, f"{name} of {where}")
+        part = called.get(name, f"{name} of {where}")
+        verdict = _structure(parts[name], have[name], arrays, part)
         if not verdict:
             return verdict
     return RIGHT
@@ -241,7 +254,7 @@ def _numbers(expected: Any, got: Any, arrays: Callable[[Array, Array, str], Verd
 def _as_numbers(got: Any, where: str) -> Array | Verdict:
     """Turn an answer into an array of numbers, or say why it is none."""
     if got is None:
-        return Verdict("nothing", f"{where} is None: is a return missing?")
+        return Verdict("nothing", f"{where} is None: a return may be missing")
     try:
         if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in _KINDS:
             return array

@@ -172,6 +172,12 @@ class LessonPlan:
     questions: Sequence[Question] = ()
     written: Sequence[Written] = ()
 
+    @property
+    def points(self) -> dict[str, float]:
+        """What each exercise and each written answer is worth, by its name."""
+        exercises = {each.name: each.points for each in self.exercises}
+        return exercises | {each.name: each.points for each in self.written}
+
     def __getitem__(self, name: str) -> Exercise:
         """Return an exercise by its name."""
         for exercise in self.exercises:

@@ -29,6 +29,7 @@ from nao_course.grading.lessons import LessonError
 from nao_course.grading.plans import PlanError, check_plan, load_plan, publish
 
 CHECKS = Path("nao_course", "exercises", "checks")
+ANSWER_HERE = "*Write your answer here: double-click this text.*"
 LARGEST = 1_000_000  # bytes of an executed notebook
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
 _NUMBERED = "[0-9][0-9]_*"
@@ -93,6 +94,7 @@ class Course:
             exercises=[
                 replace(each, points=self.points.get(each.name, each.points)) for each in plan.exercises
             ],
+            written=[replace(each, points=self.points.get(each.name, each.points)) for each in plan.written],
         )
 
 
@@ -249,22 +251,23 @@ def _read_all(
     """Read lessons, with points and version; all that is wrong with any of them is said at once."""
     solved: dict[str, NotebookNode] = {}
     problems: list[str] = []
-    declared = {each.name for plan in plans.values() for each in plan.exercises}
+    declared = {each for plan in plans.values() for each in plan.points}
     problems += [
         f"course.toml: points for {name}, which no lesson declares"
         for name in course.points.keys() - declared
     ]
     for name, text in sources.items():
-        points = {each.name: each.points for each in plans[name].exercises}
+        plan = plans[name]
         try:
             notebook = lessons.read_lesson(course.text(name), text)
         except LessonError as error:
             problems += str(error).splitlines()
             continue
-        wrong = list(lessons.lesson_problems(notebook, points))
+        exercises, written = ([each.name for each in kind] for kind in (plan.exercises, plan.written))
+        wrong = list(lessons.lesson_problems(notebook, exercises, written))
         problems += wrong
         if not wrong:
-            lessons.set_points(notebook, points)
+            lessons.set_points(notebook, plan.points)
             notebook.metadata.nao_course["version"] = course.version
             solved[name] = notebook
     if problems:
@@ -344,7 +347,8 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
     notebook = nbformat.from_dict(solved)
     stub = {"python": "raise NotImplementedError"}
     resources: dict[str, Any] = {}
-    for preprocessor in (ClearSolutions(code_stub=stub), LockCells(), ClearOutput(), ComputeChecksums()):
+    clear = ClearSolutions(code_stub=stub, text_stub=ANSWER_HERE)
+    for preprocessor in (clear, LockCells(), ClearOutput(), ComputeChecksums()):
         notebook, resources = preprocessor.preprocess(notebook, resources)
     return notebook
 
@@ -561,8 +565,8 @@ def text_from_notebook(course: Course, name: str) -> str:
             f"`git checkout solutions/{name}.md` keeps the notebook, deleting {file} keeps the text"
         )
     notebook = read_notebook(course.solutions / f"{name}.ipynb")
-    points = {each.name: each.points for each in course.plan(name).exercises}
-    for _, cell in lessons.code_cells(notebook, "check"):
+    points = course.plan(name).points
+    for _, cell in (*lessons.code_cells(notebook, "check"), *lessons.written_cells(notebook)):
         exercise = lessons.exercise_name(cell)
         if cell.metadata.nbgrader.get("points") != points.get(exercise):
             raise LessonError(

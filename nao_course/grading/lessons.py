@@ -33,6 +33,7 @@ KERNEL = {
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 ROLES = ("setup", "display")
 OPTIONS = ("exercise", "check", "role")  # a code cell of the text has exactly one of them
+WRITTEN = "written"  # the option of a text cell that holds the answer to a written question
 # What JupyterLab and its extensions write into a cell's metadata of their own accord.
 _VOLATILE = {
     "collapsed",
@@ -79,7 +80,9 @@ def read_lesson(path: Path, text: str | None = None) -> NotebookNode:
         for key in notebook.metadata.keys() - {"jupytext", "kernelspec"}
     ]
     for ordinal, cell in enumerate(notebook.cells):
-        if cell.cell_type == "code":
+        if WRITTEN in cell.metadata and cell.cell_type == "markdown":
+            cell["metadata"] = _with_marking(dict(cell.metadata))
+        elif cell.cell_type == "code":
             cell["outputs"], cell["execution_count"] = [], None
             try:
                 cell["metadata"] = _with_grading(dict(cell.metadata))
@@ -115,6 +118,13 @@ def _with_grading(options: dict[str, Any]) -> NotebookNode:
     return nbformat.from_dict(metadata)
 
 
+def _with_marking(options: dict[str, Any]) -> NotebookNode:
+    """Turn the option of a written answer's text cell into a notebook's metadata."""
+    name = str(options.pop(WRITTEN))
+    grading = _nbgrader(name, grade=True, solution=True) | {"points": 0.0}
+    return nbformat.from_dict({"nao_course": {"role": WRITTEN}, "nbgrader": grading, **options})
+
+
 def _nbgrader(
     name: str, *, grade: bool = False, solution: bool = False, locked: bool = False
 ) -> dict[str, Any]:
@@ -138,7 +148,7 @@ def grade_id(cell: NotebookNode) -> str:
 
 
 def role(cell: NotebookNode) -> str:
-    """Return exercise, check, setup or display of a code cell; of any other cell, nothing."""
+    """Return exercise, check, setup or display of a code cell, written of an answer; of any other, nothing."""
     return str(cell.metadata.get("nao_course", {}).get("role", ""))
 
 
@@ -154,6 +164,11 @@ def code_cells(notebook: NotebookNode, *roles: str) -> list[tuple[int, NotebookN
         for ordinal, cell in enumerate(notebook.cells)
         if cell.cell_type == "code" and (not roles or role(cell) in roles)
     ]
+
+
+def written_cells(notebook: NotebookNode) -> list[tuple[int, NotebookNode]]:
+    """Return the text cells of written answers, each with its place among all cells."""
+    return [(ordinal, cell) for ordinal, cell in enumerate(notebook.cells) if role(cell) == WRITTEN]
 
 
 def python(cell: NotebookNode) -> str:
@@ -182,7 +197,9 @@ def place(file: str, notebook: NotebookNode, ordinal: int) -> str:
 # --- what may not be wrong with a lesson ---
 
 
-def lesson_problems(notebook: NotebookNode, declared: Collection[str]) -> Iterator[str]:
+def lesson_problems(
+    notebook: NotebookNode, declared: Collection[str], written: Collection[str] = ()
+) -> Iterator[str]:
     """Say what is wrong with a lesson, where in it, and what to do.
 
     Parameters
@@ -191,6 +208,8 @@ def lesson_problems(notebook: NotebookNode, declared: Collection[str]) -> Iterat
         From `read_lesson`.
     declared : collection of str
         Names of the exercises that the lesson's plan declares.
+    written : collection of str
+        Names of its written questions.
 
     Yields
     ------
@@ -225,6 +244,9 @@ def lesson_problems(notebook: NotebookNode, declared: Collection[str]) -> Iterat
             yield f"{file}: exercise {each} is declared but no cell says :exercise: {each}"
         if not checks[each]:
             yield f"{file}: exercise {each} is declared but no cell says :check: {each}"
+    answered = [grade_id(cell) for _, cell in written_cells(notebook)]
+    if sorted(answered) != sorted(written):
+        yield f'{file}: text cells begin with +++ {{"written": NAME}} for {answered}; the plan declares {list(written)}'
 
 
 def _cell_problems(cell: NotebookNode, tree: ast.Module, declared: Collection[str]) -> Iterator[str]:
@@ -304,8 +326,10 @@ def _options(cell: NotebookNode) -> dict[str, Any]:
     kept = {key: value for key, value in cell.metadata.items() if key not in _VOLATILE}
     grading, course = kept.pop("nbgrader", {}), kept.pop("nao_course", {})
     if cell.cell_type != "code":
+        if grading.get("grade") and grading.get("solution"):
+            return {WRITTEN: grading["grade_id"], **kept}
         if grading.get("grade") or grading.get("solution") or grading.get("task"):
-            raise LessonError("the course has no graded text cells; take nbgrader's metadata away")
+            raise LessonError("a graded text cell is a written answer: nbgrader's manually graded answer")
         return kept
     if any(name in kept for name in OPTIONS):  # written into the cell's metadata by hand
         return kept
@@ -341,6 +365,6 @@ def text_hash(text: str) -> str:
 
 
 def set_points(notebook: NotebookNode, points: Mapping[str, float]) -> None:
-    """Write what each exercise is worth into the cell of its check."""
-    for _, cell in code_cells(notebook, "check"):
+    """Write what each exercise and written answer is worth into its cell."""
+    for _, cell in [*code_cells(notebook, "check"), *written_cells(notebook)]:
         cell.metadata.nbgrader["points"] = float(points[exercise_name(cell)])

@@ -24,6 +24,8 @@ from nao_course.exercises.exercise import (
     PublicLesson,
     PublicMistake,
     PublicQuestion,
+    Question,
+    Written,
 )
 from nao_course.exercises.running import call
 
@@ -296,7 +298,8 @@ def check_plan(
 
 
 def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:
-    names = [each.name for each in plan.exercises] + [each.name for each in plan.questions]
+    kinds: tuple[Sequence[Exercise | Question | Written], ...] = (plan.exercises, plan.questions, plan.written)
+    names = [each.name for kind in kinds for each in kind]
     for name in _twice([*names, *(name for name in taken if name in names)]):
         yield f"{name}: the name is used twice"
     for question in plan.questions:

@@ -115,15 +115,28 @@ def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
         One line for each thing, with its place.
     """
     problems = [str(leak) for leak in find_leaks(files, secrets(course))]
+    answers = model_answers(course)
     for name, content in files.items():
         if name.endswith(".ipynb"):
             text = content.decode()
             problems += [f"{name} says {mark}" for mark in (lessons.BEGIN, lessons.END) if mark in text]
             if re.search(r"\bTODO\b", text):
                 problems.append(f"{name} says TODO: it is not finished")
+            problems += [f"{name}: a written answer is in it" for answer in answers if answer in text]
         elif name.endswith(".bin"):
             unpack(content)  # it raises if this were anything but a lesson's data
     return problems
+
+
+def model_answers(course: Course) -> list[str]:
+    """Return the instructor's answers to written questions, as they would stand in a notebook's file."""
+    return [
+        json.dumps(line, ensure_ascii=False)[1:-1]
+        for name in course.names()
+        for _, cell in lessons.written_cells(lessons.read_lesson(course.text(name)))
+        for line in cell.source.splitlines()
+        if len(line) > 20
+    ]
 
 
 def secrets(course: Course) -> dict[str, str]:
