@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import sys
-import sysconfig
-import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +14,7 @@ from nao_course.geometry import Pose
 from nao_course.plotting import place_estimate
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
 from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
+from nao_course.widgets.attempts import KEPT_LETTERS, PrintedCopy, complaint
 
 Measure = Callable[[Any, CameraView], Iterable[Measurement]]
 
@@ -26,11 +23,6 @@ LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
 KEPT_PICTURES = 60
-KEPT_LETTERS = 1000
-_LIBRARIES = (
-    str(Path(__file__).parents[1]),
-    *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
-)
 NOTHING: tuple[Measurement, ...] = ()
 
 
@@ -210,9 +202,7 @@ class Cockpit:
     def complain(self, what: str, error: Exception) -> None:
         """Say what went wrong, and where."""
         self.error, self.alarm = error, True
-        text = " ".join(str(error).split())
-        text = text if len(text) <= 200 else f"{text[:199]}…"
-        self.message = f"{type(error).__name__} in {what}, line {_line_of(error)}: {text}"
+        self.message = complaint(what, error)
 
     def facts(self, show_truth: bool = False) -> list[str]:
         """Return where the robot is and what it has seen, in short; the truth only if asked for."""
@@ -263,7 +253,7 @@ class Cockpit:
 
     def _try(self, what: str, call: Callable[[], None]) -> bool:
         """Run a student's code; what it raises becomes the message."""
-        copy = _Copy(sys.stdout)
+        copy = PrintedCopy(sys.stdout)
         try:
             with contextlib.redirect_stdout(copy):
                 call()
@@ -273,28 +263,6 @@ class Cockpit:
         finally:
             self.printed = (self.printed + copy.text)[-KEPT_LETTERS:]
         return True
-
-
-class _Copy(io.TextIOBase):
-    """Passes on what is printed and keeps its end: a button's prints have no cell to appear under."""
-
-    def __init__(self, out: TextIO) -> None:
-        self._out = out
-        self.text = ""
-
-    def write(self, text: str) -> int:
-        self.text = (self.text + text)[-KEPT_LETTERS:]
-        return self._out.write(text)
-
-    def flush(self) -> None:
-        self._out.flush()
-
-
-def _line_of(error: Exception) -> int | None:
-    """Line of the student's code an exception came through last; of any code, if it met none of theirs."""
-    frames = traceback.extract_tb(error.__traceback__)
-    theirs = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
-    return (theirs or frames)[-1].lineno
 
 
 def _place(pose: Pose) -> str:

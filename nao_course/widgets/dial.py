@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import Pose
-from nao_course.plotting import Drawing, draw_picture, image_tag
+from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
-from nao_course.widgets.panel import LabelledImage, jpeg
+from nao_course.widgets.parts import LabelledImage, bundle, jpeg
 
 PRESETS = ("clean", "lab", "dark", "harsh")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
@@ -119,8 +119,7 @@ class RealityDial:
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """Show the widgets; beside them lie a picture and the summary for where they cannot live."""
-        still = image_tag(self.drawing().image("jpeg"), repr(self), "jpeg")
-        return {**self.widget._repr_mimebundle_(), "text/plain": repr(self), "text/html": still}
+        return bundle(self.widget, self.drawing(), repr(self), repr(self))
 
     # --- sliders ---
 

@@ -11,18 +11,14 @@ from functools import partial
 from typing import Any, Literal
 from weakref import WeakSet
 
-import cv2
 import ipywidgets
 import numpy as np
-import numpy.typing as npt
-import traitlets
 from matplotlib.figure import Figure
 
 from nao_course.geometry import Pose
 from nao_course.plotting import (
     Drawing,
     course_style,
-    image_tag,
     plot_estimate,
     plot_field,
     plot_measurements,
@@ -34,11 +30,19 @@ from nao_course.sim import Picture, SimulatedNao, Truth
 from nao_course.slam import Measurement, Motion, SlamAlgorithm
 from nao_course.widgets.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure, pieces
 from nao_course.widgets.live_map import LiveMap, MapContents, legend_key
+from nao_course.widgets.parts import (
+    BREATH,
+    PERIOD,
+    LabelledImage,
+    box,
+    bundle,
+    html_line,
+    jpeg,
+    png,
+    status_box,
+    styles,
+)
 
-PERIOD = 0.05  # s between two steps of a drive: 20 Hz, what a notebook shows without dropping frames
-BREATH = 0.01  # s that every step leaves for the buttons
-JPEG_QUALITY = 90
-SHOWN_WIDTH = 640  # px; larger pictures are sent smaller, and kept as they are
 SIZES = {"320 × 240": (320, 240), "640 × 480": (640, 480), "1280 × 960": (1280, 960)}
 STEPS = {"5 cm": 0.05, "10 cm": 0.1, "20 cm": 0.2, "50 cm": 0.5, "1 m": 1.0}
 TURNS = {"5°": 5.0, "15°": 15.0, "30°": 30.0, "45°": 45.0, "90°": 90.0}
@@ -65,8 +69,7 @@ event.preventDefault(); event.stopPropagation();
 const button = this.closest('.nao-panel').querySelector('.nao-do-' + name);
 if (button && !button.disabled && !(event.repeat && (name === 'picture' || name === 'slam'))) button.click();"""
 
-_CSS = """<style>
-.nao-panel { max-width: 1000px; font-size: 13px; overflow: visible; }
+_CSS = """
 .nao-panel .nao-main { gap: 10px; align-items: flex-start; overflow: visible; }
 .nao-panel .nao-left { flex: 1 1 520px; max-width: 640px; gap: 6px; overflow: visible; }
 .nao-panel .nao-cameras { gap: 8px; }
@@ -74,13 +77,10 @@ _CSS = """<style>
 .nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
   box-sizing: border-box; border: 3px solid transparent; margin: 0; }
 .nao-panel .nao-chosen img { border-color: #0b5fa5; }
-.nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
-.nao-panel .nao-caption .widget-html-content { line-height: 18px; }
 .nao-panel .nao-controls { gap: 12px; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 62px); gap: 3px; overflow: visible; }
 .nao-panel .nao-pad button, .nao-panel .nao-actions button { margin: 0; width: auto; padding: 0 4px; }
 .nao-panel .nao-pad button { height: 28px; line-height: 28px; font-size: 12px; }
-.nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
 .nao-panel .nao-settings { gap: 3px; overflow: visible; }
 .nao-panel .nao-settings .widget-dropdown { width: 158px; margin: 0; }
 .nao-panel .nao-settings .widget-label { min-width: 54px; width: 54px; }
@@ -92,21 +92,9 @@ _CSS = """<style>
   color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
-.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
-  background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
-.nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
-.nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
-.nao-panel .nao-alarm { border-left-color: #c84b00; }
-.nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
-</style>"""
+"""
 
 _LIVE: WeakSet[ControlPanel] = WeakSet()  # panels of this kernel: a new one stops what older ones still drive
-
-
-class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
-    """A picture with a tooltip, its name for screen readers: ipywidgets looks for a description beside it."""
-
-    description = traitlets.Unicode("").tag(sync=True)
 
 
 class ControlPanel:
@@ -340,11 +328,7 @@ class ControlPanel:
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """Show the widgets; beside them lie a picture and the summary for where they cannot live."""
         drawing = self.drawing()
-        return {
-            **self.widget._repr_mimebundle_(),
-            "text/plain": repr(self),
-            "text/html": image_tag(drawing.image("jpeg"), drawing.alt, "jpeg"),
-        }
+        return bundle(self.widget, drawing, repr(self), drawing.alt)
 
     # --- driving ---
 
@@ -441,21 +425,15 @@ class ControlPanel:
         caption.value = f"<b>{camera.capitalize()} camera</b>, {live}"
 
     def _show_map(self) -> None:
-        self._map_image.value = _png(self._map.draw(self._contents()))
+        self._map_image.value = png(self._map.draw(self._contents()))
 
     def _show_status(self) -> None:
         cockpit = self.cockpit
-        alarm = "nao-alarm" if cockpit.alarm else ""
         words = html.escape(cockpit.message)
         if cockpit.alarm:
             words += " <i>(raise panel.error shows where)</i>"
-        if cockpit.printed.strip():
-            words += f'<pre class="nao-printed">{html.escape(cockpit.printed.rstrip())}</pre>'
-        facts = html.escape(" · ".join(cockpit.facts(self.show_truth)))
-        status = (
-            f'<div class="nao-status {alarm}"><div role="status" aria-live="polite">{words}</div>'
-            f'<div class="nao-facts">{facts}</div></div>'
-        )
+        facts = " · ".join(cockpit.facts(self.show_truth))
+        status = status_box(words, facts, alarm=cockpit.alarm, printed=cockpit.printed)
         if self._status.value != status:
             self._status.value = status
 
@@ -481,23 +459,23 @@ class ControlPanel:
         self._controls: list[Any] = []
         self._status = ipywidgets.HTML()
         self._images = {camera: self._image(camera, "jpeg") for camera in CAMERAS}
-        self._captions = {camera: _html("", "nao-caption") for camera in CAMERAS}
-        boxes = [_box("V", "nao-camera", self._captions[camera], self._images[camera]) for camera in CAMERAS]
+        self._captions = {camera: html_line("", "nao-caption") for camera in CAMERAS}
+        boxes = [box("V", "nao-camera", self._captions[camera], self._images[camera]) for camera in CAMERAS]
         self._camera_boxes = dict(zip(CAMERAS, boxes, strict=True))
         self._map_image = self._image("map", "png")
         self._map_image.add_class("nao-map")
-        controls = _box("H", "nao-controls", self._drive_pad(), self._head_pad(), self._settings())
-        left = _box(
+        controls = box("H", "nao-controls", self._drive_pad(), self._head_pad(), self._settings())
+        left = box(
             "V",
             "nao-left",
-            _box("H", "nao-cameras", *boxes),
+            box("H", "nao-cameras", *boxes),
             controls,
             self._actions(show_truth),
             self._status,
         )
-        main = _box("H", "nao-main", left, self._map_image)
+        main = box("H", "nao-main", left, self._map_image)
         main.layout.flex_flow = "row wrap"
-        self.widget = _box("V", "nao-panel", ipywidgets.HTML(_CSS), main)
+        self.widget = box("V", "nao-panel", styles(_CSS), main)
         self._camera.observe(lambda change: self._mark_camera(), "value")
         self._show_truth.observe(lambda change: self._show(), "value")
         self._mark_camera()
@@ -536,7 +514,7 @@ class ControlPanel:
             self._button("back", "▼ Back", "Walk backwards by one step", drive(-1, 0)),
             gap,
         ]
-        return _box("V", "nao-group", _html("Walk", "nao-heading"), _box("", "nao-pad", *pad))
+        return box("V", "nao-group", html_line("Walk", "nao-heading"), box("", "nao-pad", *pad))
 
     def _head_pad(self) -> Any:
         gap = ipywidgets.Box()
@@ -554,7 +532,7 @@ class ControlPanel:
             self._button("look-down", "▼ Down", "Look down by 5 degrees", turn(0, HEAD_PITCH)),
             gap,
         ]
-        return _box("V", "nao-group", _html("Head", "nao-heading"), _box("", "nao-pad", *pad))
+        return box("V", "nao-group", html_line("Head", "nao-heading"), box("", "nao-pad", *pad))
 
     def _settings(self) -> Any:
         cameras = [(camera.capitalize(), camera) for camera in CAMERAS]
@@ -564,7 +542,7 @@ class ControlPanel:
         )
         self._step = self._choice("Step", list(STEPS.items()), 0.2, "How far one press walks")
         self._turn = self._choice("Turn", list(TURNS.items()), 15.0, "How far one press turns")
-        return _box("V", "nao-settings", self._camera, self._size, self._step, self._turn)
+        return box("V", "nao-settings", self._camera, self._size, self._step, self._turn)
 
     def _choice(self, label: str, options: list[tuple[str, Any]], value: Any, tooltip: str) -> Any:
         choice = ipywidgets.Dropdown(description=label, options=options, value=value)
@@ -585,7 +563,7 @@ class ControlPanel:
         self._controls.append(self._show_truth)
         keys = ipywidgets.HTML(_keyboard())
         keys.layout.flex = "1 1 200px"
-        return _box(
+        return box(
             "H",
             "nao-actions",
             self._button(
@@ -597,8 +575,8 @@ class ControlPanel:
         )
 
     def _mark_camera(self) -> None:
-        for camera, box in self._camera_boxes.items():
-            (box.add_class if camera == self.camera else box.remove_class)("nao-chosen")
+        for camera, shown in self._camera_boxes.items():
+            (shown.add_class if camera == self.camera else shown.remove_class)("nao-chosen")
 
 
 def _keyboard() -> str:
@@ -630,36 +608,3 @@ def _in_words(motion: Motion) -> str:
     if motion.turn:
         parts.append(f"Turn {abs(np.degrees(motion.turn)):.0f}° {'left' if motion.turn > 0 else 'right'}")
     return ", ".join(parts) or "Stand still"
-
-
-def _html(text: str, name: str) -> Any:
-    widget = ipywidgets.HTML(text)
-    widget.add_class(name)
-    return widget
-
-
-def _box(kind: str, name: str, *children: Any) -> Any:
-    box = {"H": ipywidgets.HBox, "V": ipywidgets.VBox, "": ipywidgets.Box}[kind](children)
-    box.add_class(name)
-    return box
-
-
-def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Make a picture (H, W, 3) into a JPEG file's bytes, at most 640 pixels wide."""
-    if pixels.shape[1] > SHOWN_WIDTH:
-        height = round(pixels.shape[0] * SHOWN_WIDTH / pixels.shape[1])
-        pixels = np.asarray(
-            cv2.resize(pixels, (SHOWN_WIDTH, height), interpolation=cv2.INTER_AREA), dtype=np.uint8
-        )
-    return _encoded(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-
-
-def _png(pixels: npt.NDArray[np.uint8]) -> bytes:
-    return _encoded(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, 1])
-
-
-def _encoded(suffix: str, pixels: npt.NDArray[np.uint8], options: list[int]) -> bytes:
-    done, data = cv2.imencode(suffix, cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), options)
-    if not done:
-        raise ValueError(f"OpenCV could not write a {suffix} of shape {pixels.shape}")
-    return bytes(data)

@@ -1,0 +1,140 @@
+"""What the panels are made of: pictures as files, boxes, a line that says what happened, and their common look."""
+
+from __future__ import annotations
+
+import asyncio
+import html
+import time
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from nao_course.plotting import Drawing, image_tag
+
+PERIOD = 0.05  # s between two frames: 20 Hz, what a notebook shows without dropping any
+BREATH = 0.01  # s that every frame leaves for buttons and sliders
+JPEG_QUALITY = 90
+SHOWN_WIDTH = 640  # px; larger pictures are sent smaller, and kept as they are
+COMMON_CSS = """
+.nao-panel { max-width: 1000px; font-size: 13px; overflow: visible; }
+.nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
+.nao-panel .nao-caption .widget-html-content { line-height: 18px; }
+.nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
+.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
+  background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
+.nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
+.nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
+.nao-panel .nao-alarm { border-left-color: #c84b00; }
+.nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
+"""
+
+
+class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
+    """A picture with a tooltip, its name for screen readers: ipywidgets looks for a description beside it."""
+
+    description = traitlets.Unicode("").tag(sync=True)
+
+
+class Newest:
+    """Does something for the newest wish only, however many come: at most one frame each `PERIOD`.
+
+    Parameters
+    ----------
+    action : callable
+        What to do; it looks up for itself what is wanted now, and raises nothing.
+    """
+
+    def __init__(self, action: Callable[[], None]) -> None:
+        """Begin with nothing to do."""
+        self._action = action
+        self._task: asyncio.Task[None] | None = None
+        self._wanted = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether a wish is being followed, or just was."""
+        return self._task is not None and not self._task.done()
+
+    def ask(self) -> None:
+        """Wish for it: soon where a kernel's loop runs, so that sliders stay live; at once elsewhere."""
+        self._wanted = True
+        if self.busy:
+            return
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:  # no kernel: a plain Python program
+            self._wanted = False
+            self._action()
+            return
+        self._task = loop.create_task(self._follow())
+
+    async def _follow(self) -> None:
+        while self._wanted:
+            self._wanted = False
+            began = time.perf_counter()
+            self._action()
+            took = time.perf_counter() - began
+            await asyncio.sleep(max(BREATH, PERIOD - took))
+
+
+def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]:
+    """Return what a notebook shows of a panel: its widgets, and a picture and words for where they cannot live."""
+    still = image_tag(drawing.image("jpeg"), alt, "jpeg")
+    return {**widget._repr_mimebundle_(), "text/plain": text, "text/html": still}
+
+
+def styles(own: str) -> Any:
+    """Return the look of a panel: what all have in common, and its own rules of CSS."""
+    return ipywidgets.HTML(f"<style>{COMMON_CSS}{own}</style>")
+
+
+def html_line(text: str, name: str) -> Any:
+    """Return a line of HTML with a class."""
+    widget = ipywidgets.HTML(text)
+    widget.add_class(name)
+    return widget
+
+
+def box(kind: str, name: str, *children: Any) -> Any:
+    """Return a box with a class; its kind is "H", "V" or "" for one without a direction."""
+    made = {"H": ipywidgets.HBox, "V": ipywidgets.VBox, "": ipywidgets.Box}[kind](children)
+    made.add_class(name)
+    return made
+
+
+def status_box(words: str, facts: str, *, alarm: bool = False, printed: str = "") -> str:
+    """Return HTML that says, aloud where a screen reader listens, what happened; `words` are HTML, the rest text."""
+    if printed.strip():
+        words += f'<pre class="nao-printed">{html.escape(printed.rstrip())}</pre>'
+    return (
+        f'<div class="nao-status {"nao-alarm" if alarm else ""}">'
+        f'<div role="status" aria-live="polite">{words}</div>'
+        f'<div class="nao-facts">{html.escape(facts)}</div></div>'
+    )
+
+
+def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
+    """Make a picture (H, W, 3) into a JPEG file's bytes, at most 640 pixels wide."""
+    if pixels.shape[1] > SHOWN_WIDTH:
+        height = round(pixels.shape[0] * SHOWN_WIDTH / pixels.shape[1])
+        pixels = np.asarray(
+            cv2.resize(pixels, (SHOWN_WIDTH, height), interpolation=cv2.INTER_AREA), dtype=np.uint8
+        )
+    return _encoded(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+
+
+def png(pixels: npt.NDArray[np.uint8]) -> bytes:
+    """Make a picture (H, W, 3) into a PNG file's bytes: each pixel keeps its colour."""
+    return _encoded(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+
+
+def _encoded(suffix: str, pixels: npt.NDArray[np.uint8], options: list[int]) -> bytes:
+    done, data = cv2.imencode(suffix, cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), options)
+    if not done:
+        raise ValueError(f"OpenCV could not write a {suffix} of shape {pixels.shape}")
+    return bytes(data)
