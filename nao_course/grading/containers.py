@@ -1,0 +1,261 @@
+"""What lies in a folder or a zip: listed without following or trusting it, and unpacked only where it counts."""
+
+from __future__ import annotations
+
+import calendar
+import os
+import re
+import stat
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from nao_course.exercises.definitions import MOST_BYTES
+
+MOST_FILES = 1_000_000  # in a folder of submissions; more is the wrong folder
+MOST_ENTRIES = 2000  # in a student's zip
+MOST_DIRECTORY = 2**20  # bytes of a student's zip's table of contents
+LARGEST_ZIP = 4 * MOST_BYTES
+DEEPEST = 6  # folders in folders
+MOST_RATIO, SMALL = 200, 10 * 2**20  # how much smaller a file may be in a zip, where it is not small anyhow
+_LEFT_OUT = {"__MACOSX", "kept", "release", "__pycache__"}
+_BAD = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    ValueError,
+    NotImplementedError,
+    RuntimeError,
+    EOFError,
+    LookupError,
+    OverflowError,
+)
+_END, _LOCATOR = struct.Struct("<4s4H2LH"), b"PK\x06\x07"
+
+
+class Refused(Exception):  # noqa: N818 - it is the submission's, not the program's
+    """A file that is not taken; its text is the reason."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """A file in a folder or zip.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        Its name, by folders.
+    source : Path
+        The file, or the zip that it is in.
+    size : int
+        Bytes.
+    time : float
+        When it was written, in seconds since 1970; a zip's are without time zone.
+    entry : zipfile.ZipInfo, optional
+        What it is in its zip.
+    problem : str
+        Why it is not taken, where it is not.
+    """
+
+    parts: tuple[str, ...]
+    source: Path
+    size: int = 0
+    time: float = 0.0
+    entry: zipfile.ZipInfo | None = None
+    problem: str = ""
+
+    def content(self, most: int) -> bytes:
+        """Return what is in it.
+
+        Raises
+        ------
+        Refused
+            If it is larger than `most`, no plain file, or cannot be read.
+        """
+        if self.problem:
+            raise Refused(self.problem)
+        if self.entry is None:
+            return read_plain(self.source, most)
+        with opened(self.source) as file, _plainly(), zipfile.ZipFile(file) as archive:
+            with archive.open(self.entry) as member:
+                data = member.read(most + 1)
+            if len(data) > most:
+                raise Refused(too_large(len(data), most))
+            return data
+
+
+def too_large(size: int, most: int) -> str:
+    """Say that a file is."""
+    return f"it has {size / 2**20:.1f} MB or more; {most / 2**20:g} MB are the most"
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[IO[bytes]]:
+    """Open a plain file, and nothing that a link or device leads to.
+
+    Raises
+    ------
+    Refused
+        If it is none, or cannot be read.
+    """
+    flags = (
+        os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    )
+    try:
+        descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
+    except OSError as error:
+        raise Refused(f"it cannot be read: {error.strerror}") from None
+    with os.fdopen(descriptor, "rb") as file:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise Refused("it is no plain file")
+        yield file
+
+
+def read_plain(path: Path, most: int) -> bytes:
+    """Read a plain file of at most some bytes.
+
+    Raises
+    ------
+    Refused
+        If it is larger, no plain file, or cannot be read.
+    """
+    with opened(path) as file:
+        try:
+            size = os.fstat(file.fileno()).st_size
+            data = b"" if size > most else file.read(most + 1)
+        except OSError as error:
+            raise Refused(f"it cannot be read: {error.strerror}") from None
+    if size > most or len(data) > most:
+        raise Refused(too_large(max(size, len(data)), most))
+    return data
+
+
+def in_folder(root: Path) -> Iterator[Item]:
+    """List the files of a folder and of those in it, in the order of their names; links are not followed.
+
+    Raises
+    ------
+    ValueError
+        If there are more than MOST_FILES.
+    """
+    for number, item in enumerate(_walk(root, ()), start=1):
+        if number > MOST_FILES:
+            raise ValueError(f"{root} holds more than {MOST_FILES} files: is it the folder of submissions?")
+        yield item
+
+
+def _walk(folder: Path, parts: tuple[str, ...]) -> Iterator[Item]:
+    try:
+        with os.scandir(folder) as found:
+            entries = sorted(found, key=lambda each: each.name)
+    except OSError as error:
+        yield Item(parts, folder, problem=f"the folder cannot be read: {error.strerror}")
+        return
+    for entry in entries:
+        path, name = Path(entry.path), (*parts, entry.name)
+        if _is_left_out(entry.name):
+            continue
+        notebook = entry.name.lower().endswith(".ipynb")
+        if entry.is_dir(follow_symlinks=False) and not notebook:
+            if len(name) < DEEPEST:
+                yield from _walk(path, name)
+            else:
+                yield Item(name, path, problem=f"it is more than {DEEPEST} folders deep")
+            continue
+        info = entry.stat(follow_symlinks=False)
+        yield Item(name, path, info.st_size, info.st_mtime, problem=_mode_problem(info.st_mode))
+
+
+def _mode_problem(mode: int) -> str:
+    kinds = {
+        stat.S_IFREG: "",
+        stat.S_IFLNK: "it is a symbolic link, not a file",
+        stat.S_IFDIR: "it is a folder, not a notebook",
+    }
+    return kinds.get(stat.S_IFMT(mode), "it is a device or pipe, not a file")
+
+
+def _is_left_out(name: str) -> bool:
+    return name.startswith(".") or name in _LEFT_OUT
+
+
+def in_zip(path: Path, *, students: bool) -> list[Item]:
+    """List the files of a zip, without unpacking anything.
+
+    Parameters
+    ----------
+    path : Path
+        The zip.
+    students : bool
+        Whether a student made it: then it may hold no more than a student's work does.
+
+    Raises
+    ------
+    Refused
+        If it is no zip, or holds too much.
+    """
+    with opened(path) as file, _plainly():
+        if students:
+            _refuse_a_large_one(file)
+        with zipfile.ZipFile(file) as archive:
+            found = [each for each in archive.infolist() if not each.is_dir()]
+    items = [_item(path, each) for each in found]
+    return [each for each in items if not any(map(_is_left_out, each.parts))]
+
+
+def _refuse_a_large_one(file: IO[bytes]) -> None:
+    """Look at a zip's last bytes, for its table of contents is read whole: it might fill the memory."""
+    size = file.seek(0, os.SEEK_END)
+    if size > LARGEST_ZIP:
+        raise Refused(too_large(size, LARGEST_ZIP))
+    file.seek(max(0, size - 2**16 - _END.size))
+    tail = file.read()
+    plain = tail[-_END.size :]
+    at = len(tail) - _END.size if plain[:4] == b"PK\5\6" and plain[-2:] == b"\0\0" else tail.rfind(b"PK\5\6")
+    if at < 0 or at + _END.size > len(tail):
+        raise Refused("it is no zip")
+    *_, count, directory, _, _ = _END.unpack_from(tail, at)
+    if count > MOST_ENTRIES or directory > MOST_DIRECTORY or tail[max(at - 20, 0) : at].startswith(_LOCATOR):
+        raise Refused(
+            f"a zip with more than {MOST_ENTRIES} files, or with a table of contents too large for them"
+        )
+
+
+def _item(path: Path, entry: zipfile.ZipInfo) -> Item:
+    names = re.split(r"[/\\]", entry.filename)
+    parts = tuple(name for name in names if name not in ("", ".", ".."))
+    try:
+        time = float(calendar.timegm(entry.date_time))
+    except (ValueError, OverflowError):
+        time = 0.0
+    return Item(parts or ("?",), path, entry.file_size, time, entry, _entry_problem(entry, names))
+
+
+def _entry_problem(entry: zipfile.ZipInfo, names: list[str]) -> str:
+    """Why a zip's entry is not taken."""
+    mode = entry.external_attr >> 16
+    if ".." in names or names[0] == "" or re.match(r"[A-Za-z]:", names[0]):
+        return "its name in the zip leads outside of it"
+    if stat.S_IFMT(mode) and (problem := _mode_problem(mode)):
+        return problem
+    if entry.flag_bits & 1:
+        return "it is encrypted"
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        return "it is packed in an unusual way; the plain kind of zip is wanted"
+    if entry.file_size > SMALL and entry.file_size > MOST_RATIO * entry.compress_size:
+        return f"it is a zip bomb: {entry.compress_size} bytes that become {entry.file_size}"
+    return ""
+
+
+@contextmanager
+def _plainly() -> Iterator[None]:
+    """Turn all that a broken zip can raise into a reason."""
+    try:
+        yield
+    except (*_BAD, OSError) as error:
+        raise Refused(f"the zip is broken ({type(error).__name__})") from None
