@@ -1,6 +1,6 @@
 """What the saturation floor of lesson 01 brings, on the real pictures and on the simulator's twins of them.
 
-The functions are the lesson's own solution. Which pixels show carpet, what is behind the field and what is a post is known
+The functions are the lesson's own solution. Where carpet, posts and the background are in a picture is known
 from the pictures' fitted geometry (benchmarks/realism.py).
 """
 

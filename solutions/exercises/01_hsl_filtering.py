@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import colorsys
+from itertools import count
 from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question, Written
 
 Array = npt.NDArray[Any]
 
@@ -137,12 +138,12 @@ RGB_TO_HSL = Exercise(
         Case((picture(np.random.default_rng(11), 8, 10),), "a picture"),
     ],
     hidden=lambda rng: [Case((primaries()[:, ::-1],)), *(Case((picture(rng, 24, 32),)) for _ in range(3))],
-    comparison=Close(rtol=1e-3, atol=2e-3),
+    comparison=Close(rtol=1e-3, atol=2e-3, names=("your hue", "your saturation", "your lightness")),
     hints=(
-        "Turn the picture into floats first. Which of the three channels is largest decides which sixth of the colour "
-        "circle a pixel is in.",
-        "With M the largest and m the smallest channel in 0..1: if M is red, the hue is 60 (g - b) / (M - m), taken modulo "
-        "360; green starts at 120 and blue at 240. Lightness is 255 (M + m) / 2. np.where chooses between arrays.",
+        "Begin with largest - smallest. It is 0 for grey pixels: put a 1 there with np.where before you divide. Which of the "
+        "channels is largest decides which line of equation 1.3 holds.",
+        "np.where(largest == red, A, np.where(largest == green, B, C)) has the three lines of equation 1.3 as A, B and C; times "
+        "60, modulo 360, and 0 for grey. The saturation of a grey pixel is 0 by itself, if its divisor is not 0.",
     ),
     mistakes=[
         Mistake(
@@ -236,6 +237,14 @@ def _patchy(rng: np.random.Generator, rows: int, columns: int) -> Array:
     return light
 
 
+_CALLS = count()
+
+
+def _sample_of_its_own(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
+    """As np.random would: other pixels at each call. The driver calls 320 times, so each case sees the same ones."""
+    return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 320))
+
+
 def _sample_loop(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
     total = 0.0
     for _ in range(n_samples):
@@ -262,7 +271,15 @@ AVERAGE_LIGHTNESS = Exercise(
     driver="sampling_law",
     public=lambda: [Case((_patchy(np.random.default_rng(12), 32, 40), 40, 300), "300 samples of 40 pixels")],
     hidden=lambda rng: [Case((_patchy(rng, 48, 64), 50, 300)), Case((_patchy(rng, 60, 40), 20, 300))],
-    comparison=Close(rtol=0.25, atol=1e-9),
+    comparison=Close(
+        rtol=0.25,
+        atol=1e-9,
+        names=(
+            "the mean of your answers",
+            "how much your answers scatter",
+            "the part of your answers that the same generator gives again",
+        ),
+    ),
     hints=(
         "The generator draws for you: rng.integers(0, n, size=k) gives k whole numbers from 0 to n - 1, and "
         "rng.choice(values, k) gives k of the values.",
@@ -273,7 +290,13 @@ AVERAGE_LIGHTNESS = Exercise(
             "all pixels",
             lambda lightness, n_samples, rng: float(lightness.mean()),
             "Your answer is the same for every generator. Either it looks at every pixel, where the paper draws a random "
-            "sample, or it draws with a generator of its own instead of rng.",
+            "sample, or it begins a generator of its own with a fixed seed.",
+        ),
+        Mistake(
+            "np.random",
+            _sample_of_its_own,
+            "The same rng must give the same answer: draw with rng.integers or rng.choice, not with np.random or a generator of "
+            "your own.",
         ),
         Mistake(
             "the first pixels",
@@ -380,7 +403,77 @@ WHITE_THRESHOLD = Exercise(
 )
 
 
-# --- 1.4 calibrate_hue ---
+# --- 1.4 hue_mask ---
+
+
+def _mask(hue: Array, low: float, high: float) -> Array:
+    if low <= high:
+        return (hue >= low) & (hue <= high)
+    return (hue >= low) | (hue <= high)
+
+
+HUE_MASK = Exercise(
+    name="hue_mask",
+    points=2,
+    stars=1,
+    public=lambda: [
+        Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
+        Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
+        Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
+    ],
+    hidden=lambda rng: [
+        *(Case((hues(rng, m, 80, (20, 30)), float(m - 25), float(m + 25))) for m in (60, 120, 200)),
+        Case((hues(rng, 0, 90, (20, 30)), 330.0, 15.0)),
+        Case((hues(rng, 10, 60, (20, 30)), 350.0, 40.0)),
+        Case((np.array([0.0, 10.0, 10.5, 349.5, 350.0, 359.5]), 350.0, 10.0)),
+        Case((np.array([[90.0, 90.5, 89.5]]), 90.0, 90.0)),
+    ],
+    comparison=Exact(),
+    hints=(
+        "Two comparisons joined by & (and), each in brackets: (hue >= ...) & (hue <= ...). Both limits belong to it.",
+        "If low is larger than high, the interval goes through 0: then a hue belongs to it if it is above low *or* below "
+        "high.",
+    ),
+    mistakes=[
+        Mistake(
+            "no wrap",
+            lambda hue, low, high: (hue >= low) & (hue <= high),
+            "With low above high your mask is empty. Such limits go through 0: above low *or* below high.",
+        ),
+        Mistake(
+            "limits excluded",
+            lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
+            "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
+        ),
+        Mistake(
+            "or for and",
+            lambda hue, low, high: (hue >= low) | (hue <= high),
+            "Your mask lets everything through: each hue is above low or below high. Both must hold.",
+        ),
+        Mistake(
+            "bytes",
+            lambda hue, low, high: _mask(hue, low, high).astype(np.uint8) * 255,
+            "Your mask has 0 and 255, as OpenCV's do. True and False are wanted: they can be used as an index.",
+        ),
+        Mistake(
+            "inverted",
+            lambda hue, low, high: ~_mask(hue, low, high),
+            "Your mask is exactly the opposite.",
+        ),
+    ],
+    alternatives={
+        "modulo": lambda hue, low, high: (np.asarray(hue) - low) % 360 <= (high - low) % 360,
+        "a loop": lambda hue, low, high: np.array(
+            [low <= h <= high if low <= high else h >= low or h <= high for h in hue.ravel()], dtype=bool
+        ).reshape(hue.shape),
+        "without a branch": lambda hue, low, high: np.logical_or(
+            np.logical_and(hue >= low, hue <= high), (low > high) & ((hue >= low) | (hue <= high))
+        ),
+    },
+)
+
+
+# --- 1.5 calibrate_hue ---
 
 
 def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
@@ -507,76 +600,6 @@ CALIBRATE_HUE = Exercise(
 )
 
 
-# --- 1.5 hue_mask ---
-
-
-def _mask(hue: Array, low: float, high: float) -> Array:
-    if low <= high:
-        return (hue >= low) & (hue <= high)
-    return (hue >= low) | (hue <= high)
-
-
-HUE_MASK = Exercise(
-    name="hue_mask",
-    points=2,
-    stars=1,
-    public=lambda: [
-        Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
-        Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
-        Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
-    ],
-    hidden=lambda rng: [
-        *(Case((hues(rng, m, 80, (20, 30)), float(m - 25), float(m + 25))) for m in (60, 120, 200)),
-        Case((hues(rng, 0, 90, (20, 30)), 330.0, 15.0)),
-        Case((hues(rng, 10, 60, (20, 30)), 350.0, 40.0)),
-        Case((np.array([0.0, 10.0, 10.5, 349.5, 350.0, 359.5]), 350.0, 10.0)),
-        Case((np.array([[90.0, 90.5, 89.5]]), 90.0, 90.0)),
-    ],
-    comparison=Exact(),
-    hints=(
-        "Two comparisons joined by & (and), each in brackets: (hue >= ...) & (hue <= ...). Both limits belong to it.",
-        "If low is larger than high, the interval goes through 0: then a hue belongs to it if it is above low *or* below "
-        "high.",
-    ),
-    mistakes=[
-        Mistake(
-            "no wrap",
-            lambda hue, low, high: (hue >= low) & (hue <= high),
-            "With low above high your mask is empty. Such limits go through 0: above low *or* below high.",
-        ),
-        Mistake(
-            "limits excluded",
-            lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
-            "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
-        ),
-        Mistake(
-            "or for and",
-            lambda hue, low, high: (hue >= low) | (hue <= high),
-            "Your mask lets everything through: each hue is above low or below high. Both must hold.",
-        ),
-        Mistake(
-            "bytes",
-            lambda hue, low, high: _mask(hue, low, high).astype(np.uint8) * 255,
-            "Your mask has 0 and 255, as OpenCV's do. True and False are wanted: they can be used as an index.",
-        ),
-        Mistake(
-            "inverted",
-            lambda hue, low, high: ~_mask(hue, low, high),
-            "Your mask is exactly the opposite.",
-        ),
-    ],
-    alternatives={
-        "modulo": lambda hue, low, high: (np.asarray(hue) - low) % 360 <= (high - low) % 360,
-        "a loop": lambda hue, low, high: np.array(
-            [low <= h <= high if low <= high else h >= low or h <= high for h in hue.ravel()], dtype=bool
-        ).reshape(hue.shape),
-        "without a branch": lambda hue, low, high: np.logical_or(
-            np.logical_and(hue >= low, hue <= high), (low > high) & ((hue >= low) | (hue <= high))
-        ),
-    },
-)
-
-
 # --- 1.6 color_labels ---
 
 
@@ -601,6 +624,40 @@ def _labels(
     for kind in order:
         mask, label = masks[kind]
         labels[mask] = label
+    return labels
+
+
+def _labels_swapped(*args: Any) -> Array:
+    labels = _labels(*args)
+    return np.array([0, 2, 1, 3], dtype=np.uint8)[labels]
+
+
+def _labels_in_opencvs_order(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> Array:
+    hue, lightness, saturation = _hsl(picture)
+    coloured = saturation >= min_saturation
+    labels = np.zeros(picture.shape[:2], dtype=np.uint8)
+    labels[_mask(hue, *green) & coloured] = 1
+    labels[_mask(hue, *yellow) & coloured] = 2
+    labels[lightness > threshold] = 3
+    return labels
+
+
+def _labels_with_a_ceiling(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> Array:
+    labels = _labels(picture, green, yellow, 255.0, min_saturation)
+    _, saturation, lightness = _hsl(picture)
+    labels[(lightness > threshold) & (saturation < min_saturation)] = 3
     return labels
 
 
@@ -720,6 +777,26 @@ COLOR_LABELS = Exercise(
             "It is right as long as the floor is 0.16. Use the argument min_saturation.",
         ),
         Mistake(
+            "white only where grey",
+            _labels_with_a_ceiling,
+            "White lines are missing: near white a little noise is a high saturation. The floor is for green and yellow only.",
+        ),
+        Mistake(
+            "labels swapped",
+            _labels_swapped,
+            "Green and yellow have changed places: green is 1, yellow is 2.",
+        ),
+        Mistake(
+            "OpenCV's order",
+            _labels_in_opencvs_order,
+            "Saturation and lightness have changed places: your rgb_to_hsl gives hue, saturation, lightness, in this order.",
+        ),
+        Mistake(
+            "labels with a point",
+            lambda *args: _labels(*args).astype(float),
+            "Labels are whole numbers: say dtype=np.uint8 where you make the array. OpenCV takes no others in lesson 03.",
+        ),
+        Mistake(
             "luma",
             lambda *args: _labels(*args, luma=True),
             "Your white is decided by the luma. Use the lightness of your rgb_to_hsl.",
@@ -730,7 +807,7 @@ COLOR_LABELS = Exercise(
 
 
 PLAN = LessonPlan(
-    exercises=[RGB_TO_HSL, AVERAGE_LIGHTNESS, WHITE_THRESHOLD, CALIBRATE_HUE, HUE_MASK, COLOR_LABELS],
+    exercises=[RGB_TO_HSL, AVERAGE_LIGHTNESS, WHITE_THRESHOLD, HUE_MASK, CALIBRATE_HUE, COLOR_LABELS],
     questions=[
         Question(
             "why_hsl",
@@ -757,5 +834,16 @@ PLAN = LessonPlan(
             },
             "The goal is small, the carpet is everywhere.",
         ),
+    ],
+    written=[
+        Written(
+            "explain_stray_pixel",
+            points=2,
+            question="Why can one stray pixel among so many turn the carpet yellow, and which rule for the limits would not mind it?",
+            rubric="1 point: the smallest and largest value are each decided by a single pixel, however many others there are; the "
+            "interval reaches from yellow to the grass pixel's hue and so covers hues of the carpet (bonus insight: yellow wins over "
+            "green). 1 point: a rule that one pixel cannot move, such as quantiles or the median and a fixed width, with its price or "
+            "the reason why it works.",
+        )
     ],
 )
