@@ -181,6 +181,41 @@ def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Proc
         raise typer.Exit(run_mutants(lesson, jobs))
 
 
+# --- grading ---
+
+
+@app.command()
+def grade(
+    submissions: Path = typer.Argument(
+        ..., help="A folder of submissions, or the zip that Moodle or Canvas gives."
+    ),
+    out: Path = typer.Option(..., metavar="GRADES", help="Folder for the journal and the feedback."),
+    lesson: list[str] = typer.Option([], help="Number of a lesson; by default all that were handed in."),
+    jobs: int = typer.Option(os.cpu_count() or 2, min=1, help="Submissions at a time."),
+    require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
+) -> None:
+    """Grade what is missing or has changed (instructors). The status is 0 when all have a score or a reason."""
+    with _plainly():
+        from nao_course.grading import commands
+
+        commands.grade_folder(console, submissions, out, lesson, jobs, require_sandbox)
+
+
+@app.command()
+def regrade(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    student: str = typer.Option(..., help="Whose submission."),
+    lesson: str = typer.Option("", help="Number of the lesson, where the student handed in several."),
+    points: str = typer.Option("", "--set", metavar="EXERCISE=POINTS", help="Points that count from now on."),
+    reason: str = typer.Option("", help="Why these points; needed with --set."),
+) -> None:
+    """Grade a student's submission again, or give points by hand, with a reason (instructors)."""
+    with _plainly():
+        from nao_course.grading import commands
+
+        commands.regrade_student(console, grades, student, lesson, points, reason)
+
+
 @new.command("exercise")
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from importlib import resources
@@ -136,14 +136,42 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
     title = f"{exercise.number} {exercise.name}"
     if not (callable(function) or exercise.driver):
         kind = type(function).__name__
-        text = f"{title}: a function is wanted, got a {kind}. Hand over the function itself, without brackets."
+        text = (
+            f"{title}: a function is wanted, got a {kind}. Hand over the function itself, without brackets."
+        )
         return Report(exercise.name, "wrong", (text,))
-    outcomes = running.call_all(function, exercise.cases, exercise.driver)
+    return explain(exercise, running.call_all(function, exercise.cases, exercise.driver))
+
+
+def explain(
+    exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str = "stopped after 20 seconds"
+) -> Report:
+    """Say what an exercise's public cases came to.
+
+    Parameters
+    ----------
+    exercise : PublicExercise
+        What is asked for.
+    outcomes : sequence of Outcome
+        One for each case; fewer where the last one ended it all: not attempted, out of time or a dead process.
+    stopped : str
+        How a function that takes too long was stopped.
+
+    Returns
+    -------
+    Report
+        For the student.
+    """
+    title = f"{exercise.number} {exercise.name}"
     last = outcomes[-1]
     if last.came == "not attempted":
         return Report(exercise.name, "not attempted", (f"{title}: not written yet.",))
+    if last.came == "not found":
+        return Report(exercise.name, "not attempted", (f"{title}: your notebook does not define it.",))
+    if last.came == "died":
+        return Report(exercise.name, "raised", (f"{title}: it ends Python itself; {last.text}.",))
     if last.came in ("interrupted", "timed out"):
-        how = "stopped by you" if last.came == "interrupted" else "stopped after 20 seconds"
+        how = "stopped by you" if last.came == "interrupted" else stopped
         text = f"{title}: {how}. Does it have a loop that never ends?"
         return Report(exercise.name, "interrupted", (text,))
     verdicts = [
@@ -169,7 +197,7 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
 def _explain(
     exercise: PublicExercise,
     title: str,
-    outcomes: list[Outcome],
+    outcomes: Sequence[Outcome],
     verdicts: list[Verdict | None],
     wrong: list[int],
 ) -> Report:
@@ -195,7 +223,7 @@ def _passed(right: int, checks: int) -> str:
     return f"{right} of {checks} public checks pass" if checks > 1 else "the public check does not pass"
 
 
-def _recognised(exercise: PublicExercise, outcomes: list[Outcome], wrong: list[int]) -> list[str]:
+def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:
     """The message of the first mistake that gives all the wrong answers and no others."""
     for mistake in exercise.mistakes:
         if sorted(map(int, mistake.answers)) == wrong and all(

@@ -1,0 +1,566 @@
+"""Grades one submission: its functions run in a worker, and what is expected of them stays here.
+
+In a worker the public cases of all exercises come before the first hidden one. What a student may see in full, the
+answers to public cases, was said before any hidden input was there to be passed on; of what comes later only the kind
+of failure is told, in words of ours, and a line that stands in the submission.
+"""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+import json
+import re
+import signal
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nao_course.exercises.checking import explain
+from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.definitions import NO_DEFINITION, load_definitions, read_cells
+from nao_course.exercises.exercise import Case, Exercise, PublicExercise, Written
+from nao_course.exercises.running import Outcome
+from nao_course.grading.containers import Refused
+from nao_course.grading.plans import hidden_cases, publish
+from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.grading.secret import keyed
+from nao_course.grading.submissions import Files, Submission, read
+from nao_course.grading.worker import UNREADABLE, Found, Worker
+
+if TYPE_CHECKING:
+    from nao_course.grading.building import Course
+
+RULES = "1"  # how it is graded; another number has everything graded again
+SECONDS = 10.0  # wall clock of a call
+SECONDS_IN_ALL = 180.0  # of a submission; what is not graded by then has timed out
+LONGEST_ANSWER = 20_000  # characters of a written answer
+LONGEST_TEXT = 1000  # of what a public check says
+_MOST_NOTES = 20
+_CHANGES = "Your function changes its input. Return a new array instead."
+_ERRORS = {
+    name for name, kind in vars(builtins).items() if isinstance(kind, type) and issubclass(kind, Exception)
+}
+_KNOWN_ERRORS = _ERRORS | {
+    "LinAlgError",
+    "AxisError",
+    "error",
+    "SympifyError",
+    "SystemExit",
+    "KeyboardInterrupt",
+}
+_LINE = re.compile(r"line (\d{1,5}): (.+)", re.DOTALL)
+
+
+class GraderError(RuntimeError):
+    """The grader itself failed at a submission: nobody is given 0 points for that."""
+
+
+class Stopped(Exception):  # noqa: N818 - somebody wanted it
+    """Grading was given up before the submission had a result."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """An exercise as it is graded; no code, so that it can be sent to another process.
+
+    Parameters
+    ----------
+    public : PublicExercise
+        What a student's check knows.
+    hidden : tuple of Case
+        With what is expected.
+    uses : tuple of str
+        Earlier exercises that it calls.
+    with_reference : float
+        Fraction of the points where it is right with the reference's `uses` only.
+    mistakes : mapping of str to str
+        Names of the mistakes by their messages.
+    """
+
+    public: PublicExercise
+    hidden: tuple[Case, ...]
+    uses: tuple[str, ...] = ()
+    with_reference: float = 1.0
+    mistakes: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """A lesson as it is graded.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "01_hsl_filtering".
+    tasks : tuple of Task
+        Its exercises, in the lesson's order.
+    written : tuple of Written
+        Its written questions.
+    reference : Path
+        The solution notebook.
+    setup : str
+        The released set-up cell.
+    blank : str
+        What stands where no written answer was given.
+    hash : str
+        Of all that a score depends on beside the submission.
+    seconds : float
+        Wall clock of a call.
+    """
+
+    lesson: str
+    tasks: tuple[Task, ...]
+    written: tuple[Written, ...] = ()
+    reference: Path = Path()
+    setup: str = ""
+    blank: str = ""
+    hash: str = ""
+    seconds: float = SECONDS
+
+
+def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
+    """Draw a lesson's hidden cases and work out what is expected of them.
+
+    Parameters
+    ----------
+    course : Course
+        From `building.load_course`.
+    lesson : str
+        Number or name.
+    secret : bytes
+        The instructor's: the same secret draws the same cases.
+
+    Returns
+    -------
+    Assignment
+        To grade with.
+
+    Raises
+    ------
+    LessonError, PlanError, FileNotFoundError
+        If there is no such lesson, its declaration does not fit its solution, or it has not been built.
+    """
+    from nao_course.grading.building import ANSWER_HERE
+
+    (name,) = course.names([lesson])
+    plan, notebook = course.plan(name), course.solutions / f"{name}.ipynb"
+    released = course.root / "notebooks" / f"{name}.ipynb"
+    for path in (notebook, released):
+        if not path.is_file():
+            raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
+    reference = load_definitions(notebook)
+    public = publish(name, plan, reference)
+    tasks = tuple(
+        _task(each, known, reference[each.name], int(keyed(secret, "hidden cases", name, each.name), 16))
+        for each, known in zip(plan.exercises, public.exercises, strict=True)
+    )
+    setup = "\n\n".join(source for role, source in read_cells(released) if role == "setup")
+    declaration = course.solutions / "exercises" / f"{name}.py"
+    told = [
+        (RULES, metadata.version("nao-course"), name, keyed(secret, "assignment"), setup),
+        read_cells(notebook),
+        declaration.read_text(encoding="utf-8") if declaration.exists() else "",
+        plan.points,
+    ]
+    digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()
+    return Assignment(name, tasks, tuple(plan.written), notebook, setup, ANSWER_HERE, digest)
+
+
+def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:
+    return Task(
+        public,
+        tuple(hidden_cases(exercise, function, seed)),
+        tuple(exercise.uses),
+        exercise.with_reference,
+        {mistake.message: mistake.name for mistake in exercise.mistakes},
+    )
+
+
+# --- one submission ---
+
+
+def grade(
+    submission: Submission,
+    assignment: Assignment,
+    server: Any = None,
+    level: str = "own process",
+    stopped: Callable[[], bool] = lambda: False,
+) -> SubmissionResult:
+    """Grade a submission.
+
+    Parameters
+    ----------
+    submission : Submission
+        From `submissions.gather`.
+    assignment : Assignment
+        From `prepare`, of its lesson.
+    server : WarmServer, optional
+        Where its worker comes from; without one it is a new process.
+    level : str
+        The sandbox level that this is, for the result.
+    stopped : callable
+        Asked before each call: whether to give up.
+
+    Returns
+    -------
+    SubmissionResult
+        With a score or a reason, whatever was handed in.
+
+    Raises
+    ------
+    GraderError
+        If the grader itself fails: there is no score then.
+    Stopped
+        If it was to give up.
+    """
+    start = time.monotonic()
+    try:
+        result = _grade(submission, assignment, server, stopped)
+    except Stopped:
+        raise
+    except Exception as error:
+        raise GraderError(
+            f"{submission.student}, {submission.lesson}: the grader failed ({type(error).__name__}: {error})"
+        ) from error
+    return replace(result, level=level, seconds=time.monotonic() - start)
+
+
+def _grade(
+    submission: Submission, assignment: Assignment, server: Any, stopped: Callable[[], bool]
+) -> SubmissionResult:
+    try:
+        files = read(submission)
+    except Refused as refused:
+        return refuse(submission, assignment, str(refused))
+    with _laid_out(files, assignment.lesson) as notebook:
+        helpers = tuple(notebook.with_name(name) for name in files.helpers)
+        with _worker(notebook, assignment, server, helpers) as worker:
+            found = worker.definitions
+            if not found.names and (reason := _why_unreadable(worker, found)):
+                return refuse(submission, assignment, reason, files.hash)
+            sitting = _Sitting(worker, assignment, files, server, stopped)
+            exercises = sitting.all_exercises()
+        attempts = tuple(getattr(worker, "notes", ()))
+    return SubmissionResult(
+        submission.student,
+        submission.lesson,
+        "graded",
+        file=submission.file or submission.path.name,
+        submission=files.hash,
+        assignment=assignment.hash,
+        exercises=exercises,
+        written=_written(assignment, getattr(found, "written", {})),
+        notes=(*submission.notes, *_skipped(found), *attempts),
+    )
+
+
+def refuse(submission: Submission, assignment: Assignment, reason: str, digest: str = "") -> SubmissionResult:
+    """Return the result of a submission that cannot be graded: 0 points, and why."""
+    exercises = [
+        ExerciseResult(
+            each.public.name, each.public.number, each.public.points, 0.0, "not found", 0, len(each.hidden)
+        )
+        for each in assignment.tasks
+    ]
+    return SubmissionResult(
+        submission.student,
+        submission.lesson,
+        "refused",
+        reason,
+        file=submission.file or submission.path.name,
+        submission=digest or submission_hash(submission),
+        assignment=assignment.hash,
+        exercises=tuple(exercises),
+        written=_written(assignment, {}),
+        notes=submission.notes,
+    )
+
+
+def submission_hash(submission: Submission) -> str:
+    """Return the hash of what was handed in; of the reason, where it cannot be read."""
+    try:
+        return read(submission).hash
+    except Refused as refused:
+        return hashlib.sha256(f"{submission.file}\0{refused}".encode()).hexdigest()
+
+
+@contextmanager
+def _laid_out(files: Files, lesson: str) -> Iterator[Path]:
+    """Write what was read, and hashed, into a folder of its own; whatever happens there, it goes."""
+    with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
+        notebook = Path(folder, f"{lesson}.ipynb")
+        notebook.write_bytes(files.notebook)
+        for name, content in files.helpers.items():
+            notebook.with_name(name).write_bytes(content)
+        yield notebook
+
+
+def _worker(notebook: Path, assignment: Assignment, server: Any, helpers: tuple[Path, ...]) -> Worker:
+    return Worker(notebook, seconds=assignment.seconds)
+
+
+def _why_unreadable(worker: Worker, found: Found) -> str:
+    """Why there is nothing to grade; nothing where it is a notebook, only without definitions."""
+    if found.skipped and found.skipped[0].cell == 0:
+        outcome = worker.call("", Case(()))
+        return outcome.text if outcome.came == "not found" else ""
+    return ""
+
+
+def _written(assignment: Assignment, answers: Mapping[str, str]) -> tuple[WrittenAnswer, ...]:
+    number = int(assignment.lesson.split("_")[0])
+    return tuple(
+        WrittenAnswer(
+            each.name,
+            f"{number}.W{at}",
+            each.points,
+            each.question,
+            each.rubric,
+            _without_blank(answers.get(each.name, ""), assignment.blank)[:LONGEST_ANSWER],
+        )
+        for at, each in enumerate(assignment.written, start=1)
+    )
+
+
+def _without_blank(text: str, blank: str) -> str:
+    text = text.strip()
+    return text.removeprefix(blank).strip() if blank else text
+
+
+def _skipped(found: Found) -> list[str]:
+    """Statements that did not run though they should have, for the assistant."""
+    failed = [each for each in found.skipped if each.reason != NO_DEFINITION]
+    return [f"code cell {each.cell}, line {each.line}: {each.reason[:200]}" for each in failed[:_MOST_NOTES]]
+
+
+@dataclass(frozen=True)
+class _Hidden:
+    """What came of an exercise's hidden cases."""
+
+    state: State
+    passed: int
+    text: str = ""
+    line: str = ""
+    changed: bool = False
+
+
+class _Sitting:
+    """One submission's exercises with one worker, within the submission's time."""
+
+    def __init__(
+        self, worker: Worker, assignment: Assignment, files: Files, server: Any, stopped: Callable[[], bool]
+    ) -> None:
+        self.stopped = stopped
+        self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
+        self.deadline = time.monotonic() + max(SECONDS_IN_ALL, 4 * assignment.seconds)
+
+    def all_exercises(self) -> tuple[ExerciseResult, ...]:
+        """Grade them: public cases, hidden cases, and then those again that failed by earlier ones."""
+        tasks = self.assignment.tasks
+        public = [self.outcomes(task.public, task.public.cases) for task in tasks]
+        results = {
+            task.public.name: self.result(task, outcomes)
+            for task, outcomes in zip(tasks, public, strict=True)
+        }
+        for task in tasks:
+            mine = results[task.public.name]
+            own = [results[name] for name in task.uses if name in results]
+            if (
+                not _is_right(mine)
+                and not all(map(_is_right, own))
+                and mine.state not in ("not found", "not attempted")
+            ):
+                results[task.public.name] = self.once_more(task, mine)
+        return tuple(results.values())
+
+    def result(self, task: Task, outcomes: Sequence[Outcome]) -> ExerciseResult:
+        """Grade one exercise; its public cases have been run."""
+        stopped = f"stopped after {self.assignment.seconds:g} seconds"
+        lines = [line[:LONGEST_TEXT] for line in explain(task.public, outcomes, stopped).lines]
+        hint = next((line for line in lines if line in task.mistakes), "")
+        hopeless = outcomes[-1].came in ("not attempted", "not found", "timed out", "died")
+        hidden = self.fail(outcomes[-1], 0) if hopeless else self.hidden(task)
+        right = hidden.state == "right"
+        return ExerciseResult(
+            task.public.name,
+            task.public.number,
+            task.public.points,
+            task.public.points if right else 0.0,
+            hidden.state,
+            hidden.passed,
+            len(task.hidden),
+            hidden.text,
+            hidden.line,
+            tuple(line for line in lines if line != hint),
+            hint,
+            task.mistakes.get(hint, ""),
+            notes=(_CHANGES,) if right and hidden.changed else (),
+        )
+
+    def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
+        """Run an exercise with the reference's earlier functions instead of the student's own."""
+        lend = getattr(self.worker, "lend", None)
+        if lend is None:
+            return before
+        with _worker(self.assignment.reference, self.assignment, self.server, ()) as reference:
+            lend({name: _lent(reference, name) for name in task.uses})
+            hidden = self.hidden(task)
+            lend({})
+        right = hidden.state == "right"
+        names = " and ".join(task.uses)
+        came = "right" if right else "not right either"
+        note = f"Run again with the reference's {names} instead of yours: it is {came}."
+        return replace(
+            before,
+            state=hidden.state,
+            passed=hidden.passed,
+            text=hidden.text,
+            line=hidden.line,
+            earned=task.public.points * task.with_reference if right else 0.0,
+            with_reference=True,
+            notes=(note, *((_CHANGES,) if right and hidden.changed else ())),
+        )
+
+    def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> list[Outcome]:
+        """Call a function for each case, up to one that is the last."""
+        found: list[Outcome] = []
+        for case in cases:
+            found.append(self.outcome(exercise, case))
+            if found[-1].came in ("not attempted", "not found", "timed out", "died"):
+                break
+        return found
+
+    def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
+        """Call a function; a time-out is tried once more in a fresh worker."""
+        for _ in range(2):
+            if self.stopped():
+                raise Stopped
+            if time.monotonic() > self.deadline:
+                return Outcome("timed out", text="the submission's time was used up")
+            outcome = self.worker.call(exercise.name, case, exercise.driver)
+            if outcome.came != "timed out":
+                break
+        return (
+            replace(outcome, came="raised", text="KeyboardInterrupt")
+            if outcome.came == "interrupted"
+            else outcome
+        )
+
+    def hidden(self, task: Task) -> _Hidden:
+        """Run the hidden cases: the first one that fails is what is told."""
+        failed: _Hidden | None = None
+        passed, changed = 0, False
+        outcomes = self.outcomes(task.public, task.hidden)
+        for case, outcome in zip(task.hidden, outcomes, strict=False):
+            changed |= outcome.changed
+            if outcome.came != "value":
+                failed = failed or self.fail(outcome, 0)
+            elif verdict := _compared(task.public, case, outcome.value):
+                passed += 1
+            else:
+                failed = failed or _Hidden(
+                    _state_of(verdict), 0, _told(verdict, case.expected, outcome.value)
+                )
+        if failed is None and changed and task.public.in_place:
+            failed = _Hidden("changes its input", 0, _CHANGES)
+        return (
+            replace(failed, passed=passed, changed=changed)
+            if failed
+            else _Hidden("right", passed, changed=changed)
+        )
+
+    def fail(self, outcome: Outcome, passed: int) -> _Hidden:
+        """Say how a case failed, in our words only."""
+        match outcome.came:
+            case "raised":
+                kind = outcome.text.split(":")[0]
+                kind = kind if kind in _KNOWN_ERRORS else "an exception of its own"
+                return _Hidden("raised", passed, f"It raises {kind}.", self.own_line(outcome.line))
+            case "timed out":
+                return _Hidden(
+                    "timed out", passed, f"It took longer than {self.assignment.seconds:g} seconds."
+                )
+            case "not attempted":
+                return _Hidden("not attempted", passed)
+            case "not found":
+                return _Hidden("not found", passed)
+            case "died" if outcome.text != UNREADABLE:
+                return _Hidden("died", passed, _how_it_died(outcome.text))
+        return _Hidden("no usable answer", passed, "Its answer is of a kind that cannot be sent.")
+
+    def own_line(self, line: str) -> str:
+        """A student's line that raised, if it stands in the submission: anything else might be an input."""
+        found = _LINE.fullmatch(line)
+        if not found:
+            return ""
+        for ascii_only in (True, False):
+            if json.dumps(found[2], ensure_ascii=ascii_only)[1:-1].encode() in self.files.notebook:
+                return line
+        return line if any(found[2].encode() in content for content in self.files.helpers.values()) else ""
+
+
+def _is_right(result: ExerciseResult) -> bool:
+    return result.state == "right" and not result.with_reference
+
+
+def _lent(reference: Worker, name: str) -> Callable[[tuple[Any, ...], dict[str, Any]], Outcome]:
+    """The reference's function as a worker may ask for it: it runs in a worker of its own."""
+    return lambda args, kwargs: reference.call(name, Case(args, kwargs=kwargs))
+
+
+def _compared(exercise: PublicExercise, case: Case, answer: Any) -> Verdict:
+    """Compare an answer; one that the comparison cannot even look at is none."""
+    try:
+        with np.errstate(all="ignore"):
+            return exercise.comparison.compare(case.expected, answer)
+    except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
+        return Verdict("type", UNREADABLE)
+
+
+def _state_of(verdict: Verdict) -> State:
+    return "no usable answer" if verdict.text == UNREADABLE else "wrong"
+
+
+def _told(verdict: Verdict, expected: Any, got: Any) -> str:
+    """Say in which way an answer differs, and nothing that depends on the values of a hidden input."""
+    match verdict.kind:
+        case "nothing":
+            return "It returns None, or None in a place where a value is wanted. Is a return missing?"
+        case "shape":
+            return f"Its answer has the wrong shape: {_shapes(expected, got) or 'another one is wanted'}."
+        case "nan":
+            return "Its answer is NaN where it should not be, or is not where it should be."
+        case "type":
+            return "Its answer is of the wrong kind."
+    return "Its answer has the right kind and shape, but not the right values."
+
+
+def _shapes(expected: Any, got: Any) -> str:
+    """In which dimension two answers differ; sizes are not said, for a function can make any size of its input."""
+    if isinstance(expected, tuple | list) and isinstance(got, tuple | list):
+        pairs = zip(expected, got, strict=False)
+        return next((text for one, other in pairs if (text := _shapes(one, other))), "")
+    if isinstance(expected, dict) and isinstance(got, dict):
+        return _shapes(list(expected.values()), [got.get(name) for name in expected])
+    try:
+        wanted, have = np.shape(expected), np.shape(got)
+    except ValueError:
+        return ""
+    if len(wanted) != len(have):
+        return f"{len(have)} dimensions where {len(wanted)} are wanted"
+    wrong = [str(axis) for axis, (one, other) in enumerate(zip(wanted, have, strict=True)) if one != other]
+    return f"another size along axis {', '.join(wrong)}" if wrong else ""
+
+
+def _how_it_died(text: str) -> str:
+    found = re.match(r"the process was ended by signal (\d{1,2})\b", text)
+    name = signal.strsignal(int(found[1])) if found and int(found[1]) in signal.valid_signals() else ""
+    return f"It ends Python itself{f' ({name})' if name else ''}."

@@ -1,0 +1,80 @@
+"""The instructor's secret, from which hidden cases are drawn: outside the repository, and made at first use."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import os
+import secrets
+import stat
+import sys
+from pathlib import Path
+
+import typer
+
+VARIABLE = "NAO_COURSE_SECRET"
+FEWEST = 16  # bytes
+
+
+class SecretError(ValueError):
+    """A secret that cannot be used; the message says what to do."""
+
+
+def secret_path() -> Path:
+    """Where the secret is: the file that $NAO_COURSE_SECRET names, else one in the user's configuration."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else Path(typer.get_app_dir("nao-course")) / "secret"
+
+
+def load_secret() -> bytes:
+    """Read the secret; where nothing names one and there is none, make it, for this user's eyes only.
+
+    Returns
+    -------
+    bytes
+        At least 16.
+
+    Raises
+    ------
+    SecretError
+        If it cannot be read or made, is too short, or other users may read it.
+    """
+    path = secret_path()
+    try:
+        if not path.exists() and not os.environ.get(VARIABLE):
+            _make(path)
+        with path.open("rb") as file:
+            mode = os.fstat(file.fileno()).st_mode
+            content = file.read(2**16).strip()
+    except OSError as error:
+        raise SecretError(
+            f"cannot read the secret {path} ({error.strerror}): hidden cases are drawn from it"
+        ) from None
+    if sys.platform != "win32" and stat.S_IMODE(mode) & 0o077:
+        raise SecretError(f"others may read the secret {path}: say `chmod 600 {path}`")
+    if len(content) < FEWEST:
+        raise SecretError(
+            f"the secret {path} has {len(content)} bytes; at least {FEWEST} random ones are wanted"
+        )
+    return content
+
+
+def _make(path: Path) -> None:
+    """Write a new secret, whole or not at all; if another grader is faster, its secret stays."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(secrets.token_hex(32).encode() + b"\n")
+        try:
+            os.link(beside, path)
+        except FileExistsError:
+            return
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def keyed(secret: bytes, *words: str) -> str:
+    """Return the HMAC-SHA256 of words under a secret, in hexadecimal: the same each time, and of no use without it."""
+    return hmac.new(secret, "\0".join(words).encode(), hashlib.sha256).hexdigest()
