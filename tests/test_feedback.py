@@ -228,8 +228,6 @@ def test_every_student_has_a_folder_of_their_own_inside(tmp_path):
         assert path.parent.parent == tmp_path and path.resolve().is_relative_to(tmp_path.resolve())
         assert not re.search(r'[<>:"|?*\x00-\x1f]|[. ]$', path.parent.name), path
     assert len(list(tmp_path.iterdir())) == len(set(odd))
-    assert pages.file_name("Łucja Nguyễn-O'Neil") != "Łucja Nguyễn-O'Neil"
-    assert pages.file_name("ada.lovelace@x") == "ada.lovelace@x"
 
 
 def test_ten_thousand_results_find_what_belongs_to_them_in_linear_time():

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from nao_course.grading.pages import (
     Markup,
@@ -12,7 +13,6 @@ from nao_course.grading.pages import (
     card,
     counted,
     element,
-    file_name,
     join,
     lesson_title,
     number,
@@ -22,6 +22,7 @@ from nao_course.grading.pages import (
 )
 from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
 from nao_course.grading.scores import Score, score
+from nao_course.grading.submissions import safe_name
 
 if TYPE_CHECKING:
     from nao_course.grading.journal import Mark, Override
@@ -68,6 +69,31 @@ _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what
 }
 
 
+_TOLD_BY_TEXT = ("wrong", "raised", "changes its input")  # states of which the grader's words say it better
+
+
+@dataclass(frozen=True)
+class Said:
+    """One thing that is said of an exercise.
+
+    Parameters
+    ----------
+    kind : str
+        How it is shown: a state in a few words, plain text, code, or a box that stands out.
+    text : str
+        What is said; untrusted.
+    title : str
+        What stands above code or in a box.
+    colour : str
+        Of a state or box: good, warn, bad or calm.
+    """
+
+    kind: Literal["state", "text", "code", "box"]
+    text: str
+    title: str = ""
+    colour: str = ""
+
+
 def write(
     result: SubmissionResult, folder: Path, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
 ) -> Path:
@@ -87,7 +113,7 @@ def write(
     Path
         The page.
     """
-    path = folder / file_name(result.student) / f"{file_name(result.lesson)}.html"
+    path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
     return write_whole(path, feedback_page(score(result, overrides, marks)))
 
 
@@ -163,59 +189,70 @@ def _is_plainly_right(score: Score, exercise: ExerciseResult) -> bool:
 
 def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
     """One exercise: its points, what came of it, where, what the public check said, what to try."""
-    colour, short, meaning = _STATES[exercise.state]
-    if exercise.with_reference and exercise.earned > 0:
-        colour, short, meaning = "good", "Right, with our earlier functions", ""
     points = f"{number(score.of(exercise))} of {_points(exercise.points)}"
     yield element(
         "div", element("h3", *_title(exercise)), element("span", points, class_="points"), class_="top"
     )
-    yield element("p", short, class_=f"state {colour}")
-    if meaning:
-        yield element("p", prose(meaning))
-    if 0 < exercise.passed < exercise.cases:
-        yield element("p", f"It is right in {exercise.passed} of {exercise.cases} hidden cases.")
+    for each in said_of(score, exercise):
+        match each.kind:
+            case "state":
+                yield element("p", each.text, class_=f"state {each.colour}")
+            case "code":
+                yield element("p", each.title, class_="label")
+                yield element("pre", element("code", _cut(each.text)))
+            case "box":
+                yield _box(each.colour, each.title, each.text)
+            case _:
+                yield element("p", prose(_cut(each.text)))
+
+
+def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
+    """Say what came of an exercise, part by part; the page and other exports show the same.
+
+    Parameters
+    ----------
+    score : Score
+        Of the submission.
+    exercise : ExerciseResult
+        One of its exercises.
+    """
+    colour, short, meaning = _STATES[exercise.state]
+    if exercise.with_reference and exercise.earned > 0:
+        colour, short, meaning = "good", "Right, with our earlier functions", ""
+    yield Said("state", short, colour=colour)
+    if meaning and not (exercise.text and exercise.state in _TOLD_BY_TEXT):
+        yield Said("text", meaning)
     if exercise.text:
-        yield element("p", prose(_cut(exercise.text)))
+        yield Said("text", exercise.text)
+    if 0 < exercise.passed < exercise.cases:
+        yield Said("text", f"It is right in {exercise.passed} of {exercise.cases} hidden cases.")
     if exercise.line:
-        yield element("p", "Your own line where it happened:", class_="label")
-        yield element("pre", element("code", _cut(exercise.line)))
-    yield from _public(exercise)
+        yield Said("code", exercise.line, "Your own line where it happened:")
+    if lines := [line for line in exercise.public if line != exercise.hint]:
+        yield Said("code", "\n".join(lines), "The public check, check(…) in your notebook, says:")
     if exercise.hint:
-        yield _box("calm", "Hint", exercise.hint)
-    yield from _reference(exercise)
+        yield Said("box", exercise.hint, "Hint", "calm")
     yield from _remarks(exercise)
-    if exercise.name in score.overrides:
-        yield _override(exercise, score.overrides[exercise.name])
+    if override := score.overrides.get(exercise.name):
+        given = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
+        yield Said("box", f"{given}\n{override.reason}", "A person looked at this", "calm")
 
 
-def _public(exercise: ExerciseResult) -> Iterator[Markup]:
-    lines = [line for line in exercise.public if line != exercise.hint]
-    if lines:
-        yield element("p", "The public check, check(…) in your notebook, says:", class_="label")
-        yield element("pre", _cut("\n".join(lines)))
-
-
-def _reference(exercise: ExerciseResult) -> Iterator[Markup]:
-    """Say that an earlier mistake was not counted twice."""
+def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
+    """Notes; and that an earlier mistake was not counted twice."""
+    notes = "\n".join(exercise.notes)
     if exercise.with_reference and exercise.earned > 0:
         text = (
             f"One of your earlier functions made this fail; with ours it works: {_points(exercise.earned)}."
         )
-        yield _box("good", "An earlier mistake is not counted twice", text)
-    elif exercise.with_reference:
-        text = "We ran it with our own earlier functions, too: it does not work with those either."
-        yield element("p", text)
-
-
-def _remarks(exercise: ExerciseResult) -> Iterator[Markup]:
-    for note in exercise.notes:
-        yield _box("calm", "One thing", note)
-
-
-def _override(exercise: ExerciseResult, override: Override) -> Markup:
-    text = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
-    return _box("calm", "A person looked at this", text, override.reason)
+        yield Said("box", f"{text}\n{notes}", "An earlier mistake is not counted twice", "good")
+        return
+    if exercise.with_reference:
+        yield Said(
+            "text", "We ran it with our own earlier functions, too: it does not work with those either."
+        )
+    if notes:
+        yield Said("box", notes, "One thing", "calm")
 
 
 def _written(score: Score) -> Iterator[Markup]:
@@ -302,12 +339,9 @@ def _title(exercise: ExerciseResult) -> tuple[Markup, ...]:
     return (join(exercise.number, " " if exercise.number else ""), element("code", exercise.name))
 
 
-def _box(colour: str, title: str, *lines: str) -> Markup:
-    return card(
-        element("p", element("strong", title)),
-        *(element("p", prose(_cut(line))) for line in lines if line),
-        class_=f"box {colour}",
-    )
+def _box(colour: str, title: str, text: str) -> Markup:
+    lines = [element("p", prose(line)) for line in _cut(text).split("\n") if line.strip()]
+    return card(element("p", element("strong", title)), *lines, class_=f"box {colour}")
 
 
 def _points(value: float) -> str:

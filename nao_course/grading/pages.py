@@ -7,7 +7,6 @@ import hashlib
 import os
 import re
 import secrets
-import unicodedata
 from html import escape
 from pathlib import Path
 
@@ -18,9 +17,7 @@ _UNSEEN = re.compile(
 _STACKED = re.compile(
     r"([\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]{4})(?:[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]+)"
 )
-_PLAIN_FILE = re.compile(r"\w(?:[\w @+,=-]|\.(?!\.)){0,79}")
 _CODE = re.compile(r"`([^`\n]+)`")
-_DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 _VOID = {"meta", "img"}
 
 STYLE = """
@@ -65,6 +62,7 @@ svg, img { display: block; max-width: 100%; }
 .label + * { margin-top: 0.25rem; }
 .box { border-left: 4px solid; border-radius: 0.3rem; padding: 0.5rem 0.8rem; margin: 0.8rem 0 0; }
 .box > :first-child { margin-top: 0; }
+.box h2 { font-size: 1rem; }
 .box.good { background: var(--good-paper); border-color: var(--good); }
 .box.warn { background: var(--warn-paper); border-color: var(--warn); }
 .box.bad { background: var(--bad-paper); border-color: var(--bad); }
@@ -75,6 +73,7 @@ svg, img { display: block; max-width: 100%; }
   border-top: 1px solid var(--line); margin: 0; }
 .right li:first-child { border-top: 0; }
 .right p { flex-basis: 100%; margin: 0.1rem 0 0 1.4rem; }
+.kept { white-space: pre-wrap; }
 .said { white-space: pre-wrap; border-left: 3px solid var(--line); padding-left: 0.8rem; margin: 0.4rem 0 0; }
 table { border-collapse: collapse; width: 100%; margin-top: 0.6rem; font-size: 0.95rem; }
 th, td { text-align: left; padding: 0.35rem 0.6rem 0.35rem 0; border-bottom: 1px solid var(--line);
@@ -216,22 +215,6 @@ def lesson_title(lesson: str) -> str:
     head, _, rest = lesson.partition("_")
     words = rest.replace("_", " ")
     return f"Lesson {head}: {words}" if head.isdigit() and words else f"Lesson {lesson}"
-
-
-def file_name(name: str) -> str:
-    """Turn any name into that of a file or folder on every system; different names stay different.
-
-    Examples
-    --------
-    >>> file_name("ada.lovelace"), file_name("../x")
-    ('ada.lovelace', 'x-48e3e0ff')
-    """
-    plain = unicodedata.normalize("NFC", name) == name and _PLAIN_FILE.fullmatch(name)
-    if plain and not name.endswith((" ", ".")) and not _DEVICES.fullmatch(name) and len(name.encode()) <= 200:
-        return name
-    cleaned = re.sub(r"[^\w@+-]+", "_", unicodedata.normalize("NFC", name)).strip("_")[:40]
-    digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:8]
-    return f"{cleaned or 'student'}-{digest}"
 
 
 def write_whole(path: Path, content: str | bytes) -> Path:
