@@ -18,6 +18,7 @@ from typing import Any
 from nao_course.exercises.running import describe
 
 MOST_BYTES = 50 * 2**20
+MOST_WRITTEN = 2**16  # characters of a written answer
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 _RUN = (
@@ -56,6 +57,26 @@ class Skipped:
     reason: str
 
 
+@dataclass(frozen=True)
+class NotebookText:
+    """What a notebook says, before anything of it runs.
+
+    Parameters
+    ----------
+    cells : list of (str, str)
+        Role and source of each code cell; roles are solution, setup, check, display and student.
+    written : mapping of str to str
+        Written answers by the name of their cell; at most MOST_WRITTEN characters each.
+    lesson, version : str
+        What the notebook is stamped with; empty where it is not.
+    """
+
+    cells: list[tuple[str, str]] = field(default_factory=list)
+    written: Mapping[str, str] = field(default_factory=dict)
+    lesson: str = ""
+    version: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Definitions(Mapping[str, Any]):
     """What a notebook defines: a read-only mapping of its functions and classes.
@@ -68,11 +89,14 @@ class Definitions(Mapping[str, Any]):
         What did not run.
     namespace : dict
         Where the functions look up what they use.
+    text : NotebookText
+        What else the notebook says.
     """
 
     found: Mapping[str, Any]
     skipped: tuple[Skipped, ...] = ()
     namespace: dict[str, Any] = field(default_factory=dict, repr=False)
+    text: NotebookText = field(default_factory=lambda: NotebookText(), repr=False)
 
     def __getitem__(self, name: str) -> Any:
         """Return a function or class."""
@@ -88,7 +112,7 @@ class Definitions(Mapping[str, Any]):
 
 
 def load_definitions(
-    path: str | Path, before: Callable[[int, int], bool] = lambda cell, line: True
+    path: str | Path, before: Callable[[int, int], bool] = lambda cell, line: True, setup: str = ""
 ) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
@@ -102,6 +126,8 @@ def load_definitions(
         A notebook.
     before : callable
         Called with cell and line before each statement; one that it answers False for is skipped.
+    setup : str
+        Source of a set-up cell whose imports run first, as cell 0: the release's, as a student may have edited theirs.
 
     Returns
     -------
@@ -115,14 +141,14 @@ def load_definitions(
     ValueError
         If it is no notebook; the message says what is wrong.
     """
-    cells = read_cells(path)
+    text = read_notebook(path)
     module = ModuleType(f"notebook_{Path(path).stem}")
     sys.modules[module.__name__] = module  # dataclasses look up the module they are made in
     namespace = module.__dict__
     defined: dict[str, None] = {}
     skipped: list[Skipped] = []
     flags = 0
-    for number, (role, source) in enumerate(cells, start=1):
+    for number, (role, source) in enumerate([("setup", setup), *text.cells]):
         if role in ("check", "display"):
             continue
         file = f"<{Path(path).stem}, cell {number}>"
@@ -157,11 +183,24 @@ def load_definitions(
                 changed = [name for name in changed if _stands_beside(namespace[name], Path(path))]
             defined.update(dict.fromkeys(changed))
     found = {name: namespace[name] for name in defined if callable(namespace.get(name))}
-    return Definitions(found, tuple(skipped), namespace)
+    return Definitions(found, tuple(skipped), namespace, text)
 
 
 def read_cells(path: str | Path) -> list[tuple[str, str]]:
     """Code cells of a notebook as (role, source); roles are solution, setup, check, display and student."""
+    return read_notebook(path).cells
+
+
+def read_notebook(path: str | Path) -> NotebookText:
+    """Read what a notebook says.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no notebook; the message says what is wrong.
+    """
     file = Path(path)
     if file.exists() and not file.is_file():
         raise ValueError(f"{file.name}: not a file")
@@ -172,9 +211,26 @@ def read_cells(path: str | Path) -> list[tuple[str, str]]:
     try:
         notebook = json.loads(file.read_bytes().decode("utf-8-sig"))
         cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
-        return [(_role(cell), _source(cell)) for cell in cells]
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        code = [(_role(cell), _source(cell)) for cell in cells]
+        return NotebookText(code, _written(notebook["cells"]), *_stamp(notebook))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
         raise ValueError(f"{file.name}: not a notebook of format 4 ({describe(error)})") from None
+
+
+def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
+    """Written answers; what stands in several cells of one name is kept, one after the other."""
+    answers: dict[str, str] = {}
+    for cell in cells:
+        grading = (cell.get("metadata") or {}).get("nbgrader") or {}
+        if cell["cell_type"] == "markdown" and grading.get("grade") and grading.get("solution"):
+            name = str(grading.get("grade_id"))[:100]
+            answers[name] = "\n\n".join(filter(None, [answers.get(name), _source(cell)]))[:MOST_WRITTEN]
+    return answers
+
+
+def _stamp(notebook: dict[str, Any]) -> tuple[str, str]:
+    stamp = (notebook.get("metadata") or {}).get("nao_course") or {}
+    return str(stamp.get("lesson", ""))[:100], str(stamp.get("version", ""))[:100]
 
 
 def _role(cell: dict[str, Any]) -> str:

@@ -1,7 +1,8 @@
 """A student's functions in a process of their own: called with a time limit, killed as a whole.
 
-The two processes speak frames of the codec over pipes. The worker is told the notebook and the inputs of calls, and
-never what is expected. What it answers is read as a stranger's: whatever it is, the caller gets an `Outcome`.
+The two processes speak frames of the codec over pipes or a socket. The worker is told the notebook and the inputs of
+calls, and never what is expected. What it answers is read as a stranger's; whatever it is, its caller gets an
+`Outcome`.
 """
 
 from __future__ import annotations
@@ -10,25 +11,42 @@ import contextlib
 import io
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
+import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NoReturn, Self, get_args
+from typing import TYPE_CHECKING, Any, NoReturn, Self, get_args
 
 from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, encode, frame_lengths
-from nao_course.exercises.definitions import Definitions, Skipped, load_definitions
+from nao_course.exercises.definitions import (
+    MOST_BYTES,
+    MOST_WRITTEN,
+    Definitions,
+    Skipped,
+    load_definitions,
+)
 from nao_course.exercises.exercise import Case
 from nao_course.exercises.running import Came, Outcome, call_as_it_is, encoded
+from nao_course.grading.sandbox import Bounds, SandboxError, limit_resources
+
+if TYPE_CHECKING:
+    from nao_course.grading.server import Fork, WarmServer
 
 REPLY = Limits(size=64 * 2**20)
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
 MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is left out in the next one
+MOST_NOTES = 20
+MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
+MOST_ASKED_BYTES = 512 * 2**20  # and their size
 UNREADABLE = "its answer could not be read"
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
+SECONDS_IN_ALL = 120.0  # for one submission
 _KEPT = (
     "PYTHONPATH",
     "PATH",
@@ -41,13 +59,18 @@ _KEPT = (
     "LD_LIBRARY_PATH",
     "NAO_COURSE_DATA",
 )
-_SET = {
+SINGLE_THREADED = {
     "MPLBACKEND": "Agg",
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
 }
+_LIMITED = "--limited"  # argument of a process that sets limits for itself
+
+
+class ServerEnded(RuntimeError):  # noqa: N818 - no error of the submission: it has to be graded again
+    """The warm server died while a submission was being graded; nothing was found out about the submission."""
 
 
 class Ended(Exception):  # noqa: N818 - no error: students' processes end
@@ -76,10 +99,17 @@ class Found:
         Functions and classes that it defines.
     skipped : tuple of Skipped
         Statements that did not run.
+    written : mapping of str to str
+        Written answers by the name of their cell.
+    lesson, version : str
+        What the notebook says it is a copy of.
     """
 
     names: tuple[str, ...] = ()
     skipped: tuple[Skipped, ...] = ()
+    written: Mapping[str, str] = field(default_factory=dict)
+    lesson: str = ""
+    version: str = ""
 
 
 @dataclass
@@ -89,11 +119,27 @@ class Worker:
     Parameters
     ----------
     notebook : Path
-        Whose functions are called; its folder is the process's working folder.
+        Whose functions are called.
     overrides : mapping of str to str
         Source of functions that take the place of the notebook's; may be changed between calls.
     seconds : float
         Wall clock for loading the notebook, and for each call.
+    server : WarmServer, optional
+        Whose sandboxed workers it runs in; they see copies of notebook and helpers in a folder of their own. Without
+        one, for notebooks that are trusted, it is a new Python with the notebook's folder as its working folder.
+    setup : str
+        Source of a set-up cell whose imports run before the notebook.
+    helpers : sequence of Path
+        Python files handed in beside the notebook.
+    total : float
+        Wall clock for everything that it does, in seconds.
+
+    Raises
+    ------
+    SandboxError
+        From `call` and `definitions`, if a worker could not be confined.
+    ServerEnded
+        From the same, if the warm server died: grade the submission again.
 
     Examples
     --------
@@ -106,12 +152,23 @@ class Worker:
     notebook: Path
     overrides: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 10.0
+    server: WarmServer | None = None
+    setup: str = ""
+    helpers: Sequence[Path] = ()
+    total: float = SECONDS_IN_ALL
     _channel: _Channel | None = field(default=None, init=False, repr=False)
-    _defined: Mapping[str, str] = field(default_factory=dict, init=False, repr=False)
+    _lent: dict[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    _defined: tuple[dict[str, str], list[str]] = field(
+        default_factory=lambda: ({}, []), init=False, repr=False
+    )
     _found: Found = field(default_factory=Found, init=False, repr=False)
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
+    _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _calls: int = field(default=0, init=False, repr=False)
+    _spent: float = field(default=0.0, init=False, repr=False)
 
     def __enter__(self) -> Self:
         """Return the worker; its process starts with the first call."""
@@ -131,11 +188,31 @@ class Worker:
     def definitions(self) -> Found:
         """What the notebook defines; nothing, with a reason, where it cannot be loaded."""
         try:
-            self._running()
+            with self._clock():
+                self._running()
         except Ended as ended:
             self.close()
             return Found(skipped=(Skipped(0, 0, ended.outcome.text),))
+        except BaseException:  # half an answer may be on its way
+            self.close()
+            raise
         return self._found
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the sandbox saw the student's code try; it may see less than there was."""
+        return tuple(self._noted)
+
+    def lend(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
+        """From now on, let functions of the notebook be stubs that ask for their answer here.
+
+        Parameters
+        ----------
+        answers : mapping of str to callable
+            Called with the arguments that came from the worker, and keyword arguments; its outcome goes there. Its time
+            is not the student's. An empty mapping ends it.
+        """
+        self._lent = dict(answers)
 
     def call(self, name: str, case: Case, driver: str = "") -> Outcome:
         """Call a function or class.
@@ -157,11 +234,13 @@ class Worker:
         self._calls += 1
         question = encode(("call", self._calls, name, case.args, case.kwargs, driver))
         try:
-            channel = self._running()
-            if name not in self._found.names:
-                return Outcome("not found")
-            channel.ask(question, self.seconds)
-            number, outcome = channel.receive(), channel.receive()
+            with self._clock():
+                channel = self._running()
+                if name not in self._found.names:
+                    return Outcome("not found")
+                channel.ask(question, self._seconds())
+                number = self._answering(channel)
+                outcome = self._next(channel)
             if number != self._calls or not _well_formed(outcome):
                 channel.give_up()
             return outcome
@@ -172,6 +251,49 @@ class Worker:
             self.close()
             raise
 
+    @contextlib.contextmanager
+    def _clock(self) -> Iterator[None]:
+        """Count the time of the block as the submission's."""
+        began = time.monotonic()
+        try:
+            yield
+        finally:
+            self._spent += time.monotonic() - began
+
+    def _seconds(self) -> float:
+        """For what is asked next."""
+        if self._spent >= self.total:
+            raise Ended("timed out", f"all {self.total:g} s that a submission has are used up")
+        return min(self.seconds, self.total - self._spent)
+
+    def _next(self, channel: _Channel) -> Any:
+        """What the worker says next, but for what it tells of attempts."""
+        while True:
+            match channel.receive():
+                case ("attempt", str(text)):
+                    if len(self._noted) < MOST_NOTES:
+                        self._noted[text[:200]] = None
+                case said:
+                    return said
+
+    def _answering(self, channel: _Channel) -> Any:
+        """What the worker says next, after the questions it has on the way."""
+        asked, size = 0, channel.size
+        while True:
+            match self._next(channel):
+                case ("ask", str(name), tuple(args), dict(kwargs)) if name in self._lent:
+                    asked += 1
+                    if asked > MOST_ASKED or channel.size - size > MOST_ASKED_BYTES:
+                        raise Ended("died", f"it called {name} too often")
+                    began = time.monotonic()
+                    answer = encode(("answer", self._lent[name](args, kwargs)))
+                    waited = time.monotonic() - began
+                    self._spent -= waited
+                    channel.deadline += waited
+                    channel.send(answer)
+                case said:
+                    return said
+
     def _running(self) -> _Channel:
         """The channel to a process that has loaded the notebook and the overrides.
 
@@ -180,41 +302,67 @@ class Worker:
         while self._channel is None:
             if self._failed:
                 raise self._failed
-            if not self.notebook.is_file():
-                raise Ended("not found", f"{self.notebook.name}: there is no such file")
-            self._channel = _Channel(self.notebook.parent)
+            content = self._content()
+            self._channel = self._start()
             left_out = len(self._left_out)
             try:
-                self._load(self._channel)
+                self._load(self._channel, content)
             except Ended as ended:
                 self.close()
                 if left_out in (MOST_LEFT_OUT, len(self._left_out)):
                     self._failed = ended
-        if self._defined != self.overrides:
-            self._channel.ask(encode(("define", dict(self.overrides))), self.seconds)
-            self._found = replace(self._found, names=_texts(self._channel.receive()))
-            self._defined = dict(self.overrides)
+        told = (dict(self.overrides), sorted(self._lent))
+        if self._defined != told:
+            self._channel.ask(encode(("define", *told)), self._seconds())
+            self._found = replace(self._found, names=_texts(self._next(self._channel)))
+            self._defined = told
         return self._channel
 
-    def _load(self, channel: _Channel) -> None:
+    def _content(self) -> tuple[bytes, dict[str, bytes]] | None:
+        """Notebook and helpers for a worker that does not see them."""
+        if not self.notebook.is_file():
+            raise Ended("not found", f"{self.notebook.name}: there is no such file")
+        if self.server is None:
+            return None
+        if sum(path.stat().st_size for path in (self.notebook, *self.helpers)) > MOST_BYTES:
+            raise Ended("not found", f"{self.notebook.name}: larger than {MOST_BYTES // 2**20} MB")
+        return self.notebook.read_bytes(), {path.name: path.read_bytes() for path in self.helpers}
+
+    def _start(self) -> _Channel:
+        """A new process, for notebooks that are trusted or not."""
+        self._seconds()
+        if self.server is None:
+            return _OwnProcess(self.notebook.parent)
+        if self.server.forks:
+            return _ForkedProcess(self.server, self.server.fork())
+        return _LimitedProcess()
+
+    def _load(self, channel: _Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
         """Have the notebook loaded; the worker says which statement comes next before it runs."""
-        self._defined = {}
-        if channel.receive() != "ready":
-            channel.give_up()
-        channel.ask(
-            encode(("load", self.notebook.name, [list(place) for place in self._left_out])), self.seconds
-        )
+        self._defined = ({}, [])
+        match channel.receive():
+            case "ready":
+                pass
+            case ("unsafe", str(reason)):
+                raise SandboxError(f"a worker could not be confined: {reason}")
+            case _:
+                channel.give_up()
+        left_out = [list(place) for place in self._left_out]
+        channel.ask(encode(("load", self.notebook.name, content, self.setup, left_out)), self._seconds())
         at = None
         try:
             while True:
-                match channel.receive():
+                match self._next(channel):
                     case ("at", int(cell), int(line)):
                         at = (cell, line)
                     case ("refused", str(reason)):
                         at = None
                         raise Ended("not found", reason)
-                    case ("found", [*names], [*skipped]):
-                        self._found = Found(_texts(names), tuple(self._skipped(each) for each in skipped))
+                    case ("found", [*names], [*skipped], dict(written), str(lesson), str(version)):
+                        told = tuple(self._skipped(each) for each in skipped)
+                        self._found = Found(
+                            _texts(names), told, _answers(written), lesson[:100], version[:100]
+                        )
                         return
                     case _:
                         channel.give_up()
@@ -236,6 +384,12 @@ def _texts(values: Any) -> tuple[str, ...]:
     raise Ended("died", UNREADABLE)
 
 
+def _answers(written: dict[str, Any]) -> dict[str, str]:
+    if all(isinstance(text, str) for text in written.values()):
+        return {name[:100]: text[:MOST_WRITTEN] for name, text in written.items()}
+    raise Ended("died", UNREADABLE)
+
+
 def _well_formed(outcome: Any) -> bool:
     """Whether an outcome that a stranger wrote has fields of the right types."""
     match outcome:
@@ -245,36 +399,29 @@ def _well_formed(outcome: Any) -> bool:
 
 
 class _Channel:
-    """A new process and the pipes to it. Nothing in it waits beyond the deadline, whoever holds the other ends."""
+    """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end."""
 
-    def __init__(self, folder: Path) -> None:
-        environment = {name: os.environ[name] for name in _KEPT if name in os.environ} | _SET
-        self.process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "nao_course.grading.worker"],
-            bufsize=0,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=folder,
-            env=environment,
-            start_new_session=True,
-            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-        )
-        assert self.process.stdin and self.process.stdout  # pipes, as asked for
-        self.requests, self.replies = self.process.stdin.fileno(), self.process.stdout.fileno()
+    def __init__(self, requests: int, replies: int) -> None:
+        self.requests, self.replies = requests, replies
+        self.seconds, self.size = SECONDS_TO_START, 0
+        self.deadline = time.monotonic() + self.seconds
         if sys.platform != "win32":
             os.set_blocking(self.requests, False)
-        self.seconds = SECONDS_TO_START
-        self.deadline = time.monotonic() + self.seconds
 
     def ask(self, frame: bytes, seconds: float) -> None:
         """Send a request whose answers must be here within some seconds."""
         self.seconds, self.deadline = seconds, time.monotonic() + seconds
+        self.send(frame)
+
+    def send(self, frame: bytes) -> None:
+        """Send a frame within the time that is left."""
         rest = memoryview(frame)
         while rest:
             self.wait(self.requests, "write")
             try:
                 rest = rest[os.write(self.requests, rest) :]
+            except BlockingIOError:
+                continue
             except OSError:  # it reads no more
                 raise Ended("died", self.how_it_ended()) from None
 
@@ -282,7 +429,9 @@ class _Channel:
         """Return what the worker says next."""
         try:
             prefix = self.read(PREFIX_SIZE)
-            return decode(prefix + self.read(sum(frame_lengths(prefix, REPLY))), REPLY)
+            length = sum(frame_lengths(prefix, REPLY))
+            self.size += length
+            return decode(prefix + self.read(length), REPLY)
         except CodecError:
             self.give_up()
 
@@ -291,7 +440,12 @@ class _Channel:
         data = bytearray()
         while len(data) < length:
             self.wait(self.replies, "read")
-            part = os.read(self.replies, min(length - len(data), 2**20))
+            try:
+                part = os.read(self.replies, min(length - len(data), 2**20))
+            except BlockingIOError:
+                continue
+            except OSError:  # a socket whose other end was closed with something unread
+                part = b""
             if not part:
                 raise Ended("died", self.how_it_ended())
             data += part
@@ -307,12 +461,37 @@ class _Channel:
         raise Ended("died", UNREADABLE)
 
     def how_it_ended(self) -> str:
-        """Say what became of a process that closed its pipes."""
+        """End what is left of a process that closed its channel, and say what became of it."""
+        raise NotImplementedError
+
+    def kill(self) -> None:
+        """End the process and all that it started."""
+        raise NotImplementedError
+
+
+class _OwnProcess(_Channel):
+    """A new Python and the pipes to it."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        environment = {name: os.environ[name] for name in _KEPT if name in os.environ} | SINGLE_THREADED
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "nao_course.grading.worker", *arguments],
+            bufsize=0,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            cwd=folder,
+            env=environment,
+            start_new_session=True,
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+        )
+        assert self.process.stdin and self.process.stdout  # pipes, as asked for
+        super().__init__(self.process.stdin.fileno(), self.process.stdout.fileno())
+
+    def how_it_ended(self) -> str:
+        """End what is left of a process that closed its channel, and say what became of it."""
         self.kill()
-        code = self.process.returncode
-        if code < 0:
-            return f"the process was ended by signal {-code} ({signal.strsignal(-code)})"
-        return f"the process ended itself with status {code}"
+        return describe_end(self.process.returncode)
 
     def kill(self) -> None:
         """End the process and its group. The group's number is its own until the process has been waited for."""
@@ -324,6 +503,44 @@ class _Channel:
                     os.killpg(self.process.pid, signal.SIGKILL)
         with self.process:  # closes the pipes and waits
             pass
+
+
+class _LimitedProcess(_OwnProcess):
+    """A new Python with limits in a folder that is thrown away: what there is where no worker can be forked."""
+
+    def __init__(self) -> None:
+        self.folder = tempfile.mkdtemp(prefix="nao-course-")
+        super().__init__(Path(self.folder), _LIMITED)
+
+    def kill(self) -> None:
+        """End the process and its group, and take its folder away."""
+        super().kill()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class _ForkedProcess(_Channel):
+    """A worker of a warm server."""
+
+    def __init__(self, server: WarmServer, fork: Fork) -> None:
+        super().__init__(fork.socket.fileno(), fork.socket.fileno())
+        self.server, self.fork, self.ended = server, fork, ""
+
+    def how_it_ended(self) -> str:
+        """End what is left of a process that closed its channel, and say what became of it."""
+        self.ended = self.ended or self.server.end(self.fork)
+        return self.ended
+
+    def kill(self) -> None:
+        """End the process and its whole namespace."""
+        with contextlib.suppress(ServerEnded):  # and its workers with it
+            self.how_it_ended()
+
+
+def describe_end(code: int) -> str:
+    """Say what became of a process, from the status it ended with."""
+    if code < 0:
+        return f"the process was ended by signal {-code} ({signal.strsignal(-code)})"
+    return f"the process ended itself with status {code}"
 
 
 def _ready(pipe: int, what: str, seconds: float) -> bool:
@@ -358,15 +575,19 @@ class _Beginning(io.RawIOBase):
         return True
 
     def write(self, data: Any, /) -> int:
-        self.kept += bytes(data)[: MOST_OUTPUT - len(self.kept)]
-        return memoryview(data).nbytes
+        view = memoryview(data).cast("B")
+        self.kept += view[: max(MOST_OUTPUT - len(self.kept), 0)]
+        return view.nbytes
 
 
-class _Server:
+class _Loop:
     """The worker: it answers until nobody asks any more."""
 
     def __init__(self, requests: int, replies: int) -> None:
-        self.requests, self.replies, self.process = requests, replies, os.getpid()
+        self.requests, self.replies = requests, replies
+        self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
+        self.process = self.getpid()
+        self.lock = threading.RLock()
         self.functions: dict[str, Any] = {}
         self.definitions = Definitions({})
 
@@ -375,29 +596,35 @@ class _Server:
         self.say(encode("ready"))
         while True:
             match decode(self.read(), trusted=True):
-                case ("load", name, left_out):
-                    self.load(Path(name), {(cell, line) for cell, line in left_out})
-                case ("define", sources):
-                    self.define(sources)
+                case ("load", name, content, setup, left_out):
+                    self.load(Path(name), content, setup, {(cell, line) for cell, line in left_out})
+                case ("define", sources, lent):
+                    self.define(sources, lent)
                 case ("call", number, name, args, kwargs, driver):
                     self.call(number, name, Case(args, kwargs=kwargs), driver)
 
-    def load(self, notebook: Path, left_out: set[tuple[int, int]]) -> None:
+    def load(self, notebook: Path, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
         def before(cell: int, line: int) -> bool:
             self.say(encode(("at", cell, line)))
             return (cell, line) not in left_out
 
         try:
+            if content:
+                notebook.write_bytes(content[0])
+                for name, text in content[1].items():
+                    Path(name).write_bytes(text)
             with _captured():
-                self.definitions = load_definitions(notebook, before)
+                self.definitions = load_definitions(notebook, before, setup)
         except (OSError, ValueError) as error:
             self.say(encode(("refused", str(error))))
             return
         self.functions = dict(self.definitions)
+        text = self.definitions.text
         skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
-        self.say(encode(("found", list(self.functions), skipped)))
+        found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version)
+        self.say(encode(("found", *found)))
 
-    def define(self, sources: dict[str, str]) -> None:
+    def define(self, sources: dict[str, str], lent: list[str]) -> None:
         """Let functions take the place of the notebook's; one that cannot be defined is not found."""
         namespace = self.definitions.namespace
         namespace.update(self.definitions)
@@ -407,7 +634,21 @@ class _Server:
             with contextlib.suppress(Exception), _captured():
                 exec(compile(source, f"<{name}>", "exec", dont_inherit=True), namespace)
                 self.functions[name] = namespace[name]
+        for name in lent:
+            self.functions[name] = namespace[name] = self.stub(name)
         self.say(encode(list(self.functions)))
+
+    def stub(self, name: str) -> Callable[..., Any]:
+        def lent(*args: Any, **kwargs: Any) -> Any:
+            with self.lock:
+                self.say(encode(("ask", name, args, kwargs), REPLY))
+                _, outcome = decode(self.read(), trusted=True)
+            if outcome.came != "value":
+                raise RuntimeError(f"{name} gives no answer to this: {outcome.came} {outcome.text}".rstrip())
+            return outcome.value
+
+        lent.__name__ = lent.__qualname__ = name
+        return lent
 
     def call(self, number: int, name: str, case: Case, driver: str) -> None:
         with _captured() as output:
@@ -416,11 +657,12 @@ class _Server:
         self.say(encode(number) + encoded(outcome, REPLY))
 
     def say(self, frame: bytes) -> None:
-        if os.getpid() != self.process:
-            os._exit(0)  # a child that the student's code forked has come back here
+        if self.getpid() != self.process:
+            self.leave(0)  # a child that the student's code forked has come back here
         rest = memoryview(frame)
-        while rest:
-            rest = rest[os.write(self.replies, rest) :]
+        with self.lock:
+            while rest:
+                rest = rest[os.write(self.replies, rest) :]
 
     def read(self) -> bytes:
         prefix = self.read_exactly(PREFIX_SIZE)
@@ -429,9 +671,9 @@ class _Server:
     def read_exactly(self, length: int) -> bytes:
         data = bytearray()
         while len(data) < length:
-            part = os.read(self.requests, length - len(data))
-            if not part or os.getpid() != self.process:
-                os._exit(0)
+            part = os.read(self.requests, min(length - len(data), 2**20))
+            if not part or self.getpid() != self.process:
+                self.leave(0)
             data += part
         return bytes(data)
 
@@ -442,6 +684,67 @@ def _captured() -> Iterator[_Beginning]:
     text = io.TextIOWrapper(output, "utf-8", "replace", write_through=True)  # type: ignore[type-var]
     with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
         yield output
+
+
+_LOOKS = {"open", "os.listdir", "os.scandir", "os.remove", "os.rename", "os.chmod", "os.chown", "os.mkdir"}
+_LOOKS |= {"os.rmdir", "os.link", "os.symlink", "os.truncate", "shutil.rmtree"}
+_STARTS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn"}
+_SPEAKS = {"socket.connect", "socket.bind", "socket.sendto", "socket.getaddrinfo", "socket.gethostbyname"}
+_SIGNALS = {"os.kill", "os.killpg"}
+_CALLS = {"ptrace", "process_vm_readv", "process_vm_writev", "mount", "unshare", "setns", "socket", "keyctl"}
+
+
+class _Watch:
+    """Tells the grader what a student's code tries that no exercise needs; a layer of the sandbox denies it."""
+
+    def __init__(self, loop: _Loop, paths: tuple[str, ...]) -> None:
+        self.loop, self.told = loop, set[str]()
+        self.fine = (*paths, os.getcwd(), "/dev/null", "/dev/urandom", "<", *filter(None, sys.path))
+        self.abspath = os.path.abspath
+
+    def __call__(self, event: str, args: tuple[Any, ...]) -> None:
+        """See an event of `sys.audit`."""
+        text = ""
+        if event in _LOOKS:
+            text = self.looks(event, args[0])
+        elif event in _STARTS:
+            text = f"starts a program: {args[0]!r}"
+        elif event in _SPEAKS:
+            text = f"{event}: {args[-1] if event == 'socket.sendto' else args[0 if 'get' in event else 1]!r}"
+        elif event in _SIGNALS and args[0] != self.loop.process:
+            text = f"sends a signal to process {args[0]}"
+        elif event == "ctypes.dlsym" and args[1] in _CALLS:
+            text = f"looks up the system call {args[1]}"
+        elif event == "socket.__new__" and args[1] in (2, 10, 16, 17):
+            text = f"opens a socket of family {args[1]}"
+        if text and text not in self.told and len(self.told) < MOST_NOTES:
+            self.told.add(text)
+            if self.loop.getpid() == self.loop.process:
+                self.loop.say(encode(("attempt", text[:200].encode("utf-8", "replace").decode())))
+
+    def looks(self, event: str, path: Any) -> str:
+        """What to say of a file; nothing of those that are in sight."""
+        if not isinstance(path, str | bytes | os.PathLike):
+            return ""
+        whole = self.abspath(os.fsdecode(path))
+        return "" if whole.startswith(self.fine) else f"{event} {whole}"
+
+
+def answer_calls(requests: int, replies: int, paths: tuple[str, ...] | None = None) -> NoReturn:
+    """Be a worker.
+
+    Parameters
+    ----------
+    requests, replies : int
+        Descriptors to read from and write to.
+    paths : tuple of str, optional
+        What its code may read; it is told where the code tries to look elsewhere.
+    """
+    sys.path.append(os.getcwd())  # files of the student's own, behind the library's
+    loop = _Loop(requests, replies)
+    if paths is not None:
+        sys.addaudithook(_Watch(loop, paths))
+    loop.serve()
 
 
 def main() -> NoReturn:
@@ -455,8 +758,9 @@ def main() -> NoReturn:
     nowhere = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
         os.dup2(nowhere, standard)
-    sys.path.append(os.getcwd())  # files of the student's own, behind the library's
-    _Server(requests, replies).serve()
+    if _LIMITED in sys.argv:
+        limit_resources(Bounds())
+    answer_calls(requests, replies)
 
 
 if __name__ == "__main__":
