@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
 import io
-import signal
 import sysconfig
 import threading
 import traceback
@@ -20,41 +20,62 @@ _LIBRARIES = (
 
 
 class PrintedCopy(io.TextIOBase):
-    """Keeps the end of what is printed, and passes it on where there is a place for it.
+    """Keeps the end of what its thread prints: a button's or a slider's prints have no cell to appear under.
 
     Parameters
     ----------
-    out : text stream, optional
-        Where else it goes: a button's or a slider's prints have no cell to appear under.
+    out : text stream
+        Where else it goes, and what other threads print meanwhile.
+    quiet : bool
+        Whether what its own thread prints is only kept.
     """
 
-    def __init__(self, out: TextIO | None = None) -> None:
+    def __init__(self, out: TextIO, quiet: bool = False) -> None:
         """Begin with nothing."""
-        self._out = out
+        self._out, self._quiet, self._thread = out, quiet, threading.get_ident()
         self.text = ""
 
     def write(self, text: str) -> int:
         """Take some text."""
-        self.text = (self.text + text)[-KEPT_LETTERS:]
-        return len(text) if self._out is None else self._out.write(text)
+        if threading.get_ident() == self._thread:
+            self.text = (self.text + text)[-KEPT_LETTERS:]
+            if self._quiet:
+                return len(text)
+        return self._out.write(text)
 
     def flush(self) -> None:
         """Pass on that it should appear."""
-        if self._out is not None:
-            self._out.flush()
+        self._out.flush()
+
+
+class TooSlow(BaseException):
+    """Raised into a student's code whose time is up; no `except Exception` of theirs stops it."""
 
 
 @contextmanager
-def interruptible() -> Iterator[None]:
-    """Let "Interrupt the kernel" reach a student's code: while no cell runs, a kernel ignores it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+def time_limit(seconds: float) -> Iterator[None]:
+    """Raise TooSlow in the block after a time, in whichever thread it runs.
+
+    Sliders and buttons are served by a thread of the kernel that "Interrupt the kernel" does not reach, so an
+    endless loop there could only be ended with the kernel. One call into C ends before it is stopped.
+    """
+    thread, lock, over = ctypes.c_ulong(threading.get_ident()), threading.Lock(), False
+
+    def ring() -> None:
+        with lock:
+            if not over:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(TooSlow))
+
+    timer = threading.Timer(seconds, ring)
+    timer.daemon = True
+    timer.start()
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN if before is None else before)
+        with lock:
+            over = True
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)  # if it rang just now, it rings no more
+        timer.cancel()
 
 
 def complaint(what: str, error: BaseException) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import html
+import sys
+import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,7 +20,7 @@ from matplotlib.patches import Patch
 
 from nao_course.plotting import LABEL_COLOURS, Drawing, course_style, plot_picture
 from nao_course.sim import LABELS
-from nao_course.widgets.attempts import PrintedCopy, complaint, interruptible
+from nao_course.widgets.attempts import PrintedCopy, TooSlow, complaint, time_limit
 from nao_course.widgets.parts import (
     LabelledImage,
     Newest,
@@ -36,6 +38,7 @@ Limits = tuple[float, float]
 Label = Callable[[Pixels, Limits, Limits, float, float], Any]
 
 COLOURS = LABELS[1:]  # green, yellow, white
+PATIENCE = 10.0  # s for one picture before it is given up
 SLOW = 0.1  # s for one picture: from here on the panel says why it lags
 SHOWN = {"labels": "Labels", **{colour: f"Errors in {colour}" for colour in COLOURS}}
 # Right, called so but is not, is so but missed, neither: after Okabe and Ito (2008), apart in lightness too.
@@ -81,16 +84,16 @@ _CSS = """
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """Where the sliders stand.
+    """Where the sliders stand: rounded to their steps, as a browser would do it.
 
     Parameters
     ----------
     green, yellow : (float, float)
-        Limits of the hue in degrees; the first is larger where the interval goes through 0.
+        Limits of the hue in whole degrees; the first is larger where the interval goes through 0.
     beta : float
-        Of equation 4.1, a lightness, 0 to 255.
+        Of equation 4.1, a whole lightness, 0 to 255.
     min_saturation : float
-        Of green and yellow, 0 to 1.
+        Of green and yellow, 0 to 1 in hundredths.
     """
 
     green: Limits
@@ -106,10 +109,12 @@ class FilterSettings:
                 raise ValueError(
                     f"{name} must be two hues in degrees, from 0 to below 360; got {getattr(self, name)!r}"
                 )
-            object.__setattr__(self, name, (float(limits[0]), float(limits[1])))
-        for name, most in (("beta", 255), ("min_saturation", 1)):
+            low, high = np.minimum(np.round(limits), _HUE_MOST)
+            object.__setattr__(self, name, (float(low), float(high)))
+        for name, most, digits in (("beta", 255, 0), ("min_saturation", 1, 2)):
             if not 0 <= getattr(self, name) <= most:
                 raise ValueError(f"{name} must be from 0 to {most}, got {getattr(self, name)!r}")
+            object.__setattr__(self, name, round(float(getattr(self, name)), digits))
 
     def __str__(self) -> str:
         """Say them in words."""
@@ -151,7 +156,7 @@ class FilterPanel:
         ``label(picture, green, yellow, beta, min_saturation)`` returns labels (H, W): 0 other, 1 green, 2 yellow,
         3 white. The names of your functions in it are looked up at each call, so a mended one is used at once.
     green, yellow : (float, float)
-        Limits of the hue at the start, degrees.
+        Limits of the hue at the start, degrees; the panel goes on with whole ones.
     beta : float
         At the start, 0 to 255.
     min_saturation : float
@@ -200,6 +205,7 @@ class FilterPanel:
         self._message, self._printed, self._took = "", "", 0.0
         self._error: BaseException | None = None
         self._moving_sliders = False
+        self._patience, self._one_at_a_time = PATIENCE, threading.RLock()
         self._newest = Newest(self._relabel)
         self._build()
         self._show_scene()
@@ -289,23 +295,28 @@ class FilterPanel:
 
     def _relabel(self) -> None:
         """Ask the student's function, and show what comes of it."""
-        self._labels, self._message = None, ""
-        printed = PrintedCopy()
+        with self._one_at_a_time:  # a slider's thread and a cell's
+            self._try()
+            self._show_labels()
+
+    def _try(self) -> None:
+        self._labels, self._message = None, "Interrupted."  # unless what follows comes to its end
+        printed = PrintedCopy(sys.stdout, quiet=True)
         began = time.perf_counter()
         try:
-            with contextlib.redirect_stdout(printed), interruptible():
+            with contextlib.redirect_stdout(printed), time_limit(self._patience):
                 self._labels = self._ask()
+            self._message = ""
         except NotImplementedError as error:
             self._error, self._message = error, self._unfinished
-        except KeyboardInterrupt as error:
-            self._error, self._message = (
-                error,
-                "Interrupted. Mend your function, run its cell, move a slider.",
+        except TooSlow as error:
+            self._error = error
+            self._message = (
+                f"Your filter was not done after {self._patience:g} s and was stopped. Does a loop end?"
             )
         except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
             self._error, self._message = error, complaint("your filter", error)
         self._took, self._printed = time.perf_counter() - began, printed.text
-        self._show_labels()
 
     def _ask(self) -> Pixels:
         picture, truth = self._scene
@@ -362,7 +373,7 @@ class FilterPanel:
     def _said(self) -> str:
         if self._message:
             words, facts = html.escape(self._message), str(self._settings)
-            if not isinstance(self._error, NotImplementedError | KeyboardInterrupt):
+            if not isinstance(self._error, NotImplementedError | TooSlow):
                 words += " <i>(raise panel.error shows where)</i>"
             return status_box(words, facts, alarm=True, printed=self._printed)
         facts = f"Your code labels a picture in {1000 * self._took:.0f} ms."

@@ -58,7 +58,7 @@ class Newest:
     @property
     def busy(self) -> bool:
         """Whether a wish is being followed, or just was."""
-        return self._task is not None and not self._task.done()
+        return self._task is not None and not self._task.done() and self._task.get_loop().is_running()
 
     def ask(self) -> None:
         """Wish for it: soon where a kernel's loop runs, so that sliders stay live; at once elsewhere."""

@@ -1,0 +1,368 @@
+"""The filter panel: settings reach the student's code, its errors become sentences, its labels become numbers."""
+
+import asyncio
+import contextlib
+import html
+import threading
+import time
+
+import cv2
+import ipywidgets
+import numpy as np
+import pytest
+
+from nao_course.plotting import LABEL_COLOURS
+from nao_course.sim import SimulatedNao, Truth
+from nao_course.widgets import FilterPanel
+from nao_course.widgets.attempts import TooSlow, time_limit
+from nao_course.widgets.colour_filter import ERROR_COLOURS
+
+GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
+
+
+def scene(rng, size=(24, 32)):
+    """A picture of noise, and labels that its colours do not explain."""
+    return rng.integers(0, 256, (*size, 3), dtype=np.uint8), rng.integers(0, 4, size, dtype=np.uint8)
+
+
+def brightness(picture, green, yellow, beta, min_saturation):
+    """Labels that depend on beta and on nothing else."""
+    grey = picture.mean(axis=2)
+    return np.select([grey > beta, grey > beta / 2, grey > beta / 3], [3, 2, 1], 0).astype(np.uint8)
+
+
+def hue_only(picture, green, yellow, beta, min_saturation):
+    hue = cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS)[..., 0]
+    low, high = green
+    return ((hue >= low) & (hue <= high) if low <= high else (hue >= low) | (hue <= high)).astype(np.uint8)
+
+
+def make(rng, label=brightness, **options):
+    picture, truth = scene(rng)
+    return FilterPanel(picture, truth, label, **{"green": GREEN, "yellow": YELLOW, **options})
+
+
+def decoded(widget):
+    return cv2.imdecode(np.frombuffer(widget.value, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+
+
+def colour(text):
+    return tuple(int(text[i : i + 2], 16) for i in (1, 3, 5))
+
+
+def all_widgets(widget):
+    yield widget
+    for child in getattr(widget, "children", ()):
+        yield from all_widgets(child)
+
+
+# --- settings ---
+
+
+def test_every_slider_reaches_the_students_function(rng):
+    got = []
+    panel = make(rng, lambda *arguments: got.append(arguments[1:]) or brightness(*arguments))
+    assert got == [(GREEN, YELLOW, 120.0, 0.16)]
+    for name, value in {
+        "green low": 100.0,
+        "green high": 20.0,
+        "yellow low": 350.0,
+        "yellow high": 70.0,
+        "beta": 33.0,
+        "min_saturation": 0.5,
+    }.items():
+        panel._sliders[name].value = value
+    assert got[-1] == ((100.0, 20.0), (350.0, 70.0), 33.0, 0.5)
+    assert len(got) == 7
+
+
+def test_limits_may_wrap_through_zero(rng):
+    panel = make(rng, hue_only)
+    panel.set(green=(340, 20))
+    around = panel.labels
+    panel.set(green=(21, 339))
+    assert around.any()
+    assert not (around & panel.labels).any()
+
+
+def test_settings_are_what_a_browser_would_round_them_to(rng):
+    panel = make(rng, green=(114.3, 359.7), beta=99.6, min_saturation=0.1649)
+    assert panel.settings.green == (114.0, 359.0)
+    assert (panel.settings.beta, panel.settings.min_saturation) == (100.0, 0.16)
+    assert panel._sliders["green low"].value == 114.0
+
+
+def test_reset_puts_all_sliders_back_and_asks_once(rng):
+    calls = []
+    panel = make(rng, lambda *arguments: calls.append(1) or brightness(*arguments))
+    first = panel.summary()
+    panel.set(beta=10, green=(1, 2), min_saturation=0.9)
+    assert panel.summary() != first
+    assert panel._sliders["beta"].value == 10
+    before = len(calls)
+    next(each for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.Button)).click()
+    assert panel.summary() == first
+    assert [panel._sliders[name].value for name in ("green low", "beta", "min_saturation")] == [
+        105,
+        120,
+        0.16,
+    ]
+    assert len(calls) == before + 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"green": (0, 360)}, "green must be two hues in degrees"),
+        ({"yellow": 5}, "yellow must be two hues"),
+        ({"green": (float("nan"), 1)}, "green must be two hues"),
+        ({"beta": 256}, "beta must be from 0 to 255, got 256"),
+        ({"min_saturation": -0.1}, "min_saturation must be from 0 to 1"),
+    ],
+)
+def test_what_no_slider_can_show_is_refused(rng, settings, said):
+    panel = make(rng)
+    with pytest.raises(ValueError, match=said):
+        panel.set(**settings)
+    assert panel.settings.green == GREEN
+    with pytest.raises(ValueError, match=said):
+        make(rng, **settings)
+
+
+def test_pictures_and_labels_that_do_not_fit_are_refused(rng):
+    picture, truth = scene(rng)
+    options = {"green": GREEN, "yellow": YELLOW}
+    with pytest.raises(ValueError, match=r"picture must be uint8 of shape \(H, W, 3\), got float64"):
+        FilterPanel(picture / 255, truth, brightness, **options)
+    with pytest.raises(ValueError, match="truth must have the picture's shape"):
+        FilterPanel(picture, truth[1:], brightness, **options)
+    with pytest.raises(ValueError, match="label must be a function"):
+        FilterPanel(picture, truth, truth, **options)
+    with pytest.raises(ValueError, match="of the same names"):
+        FilterPanel({"a": picture}, {"b": truth}, brightness, **options)
+
+
+# --- numbers ---
+
+
+def test_scores_are_those_of_counting_pixel_by_pixel(rng):
+    panel = make(rng, beta=150)
+    truth = panel._scene[1]
+    for label, name in enumerate(("green", "yellow", "white"), start=1):
+        pairs = list(zip(panel.labels.ravel().tolist(), truth.ravel().tolist(), strict=True))
+        both = sum(a == b == label for a, b in pairs)
+        precision, recall = (both / sum(pair[i] == label for pair in pairs) for i in (0, 1))
+        assert panel.scores[name].precision == pytest.approx(precision)
+        assert panel.scores[name].recall == pytest.approx(recall)
+        words = f"{name}: precision {100 * precision:.1f} %, recall {100 * recall:.1f} %"
+        assert words in panel.summary()
+        assert f"<td>{100 * precision:.1f} %</td><td>{100 * recall:.1f} %</td>" in panel._table.value
+
+
+def test_a_colour_that_is_nowhere_has_no_score(rng):
+    panel = make(rng, lambda picture, *_: np.zeros(picture.shape[:2], int))
+    assert "white: precision -, recall 0.0 %" in panel.summary()
+
+
+def test_the_same_settings_show_the_same(rng):
+    picture, truth = scene(rng)
+    first, second = (FilterPanel(picture, truth, brightness, green=GREEN, yellow=YELLOW) for _ in range(2))
+    assert repr(first) == repr(second)
+    assert first._repr_mimebundle_()["text/html"] == second._repr_mimebundle_()["text/html"]
+
+
+# --- pictures ---
+
+
+def test_labels_keep_their_colours_to_the_pixel(rng):
+    panel = make(rng)
+    wanted = np.array([colour(each) for each in LABEL_COLOURS])
+    assert np.array_equal(decoded(panel._images["labels"]), wanted[panel.labels])
+    assert np.array_equal(decoded(panel._images["truth"]), wanted[panel._scene[1]])
+
+
+def test_errors_of_white_are_where_labels_and_truth_differ_in_white(rng):
+    calls = []
+    panel = make(rng, lambda *arguments: calls.append(1) or brightness(*arguments))
+    panel._shown.value = "white"
+    right, wrong, missed, _ = (
+        (decoded(panel._images["labels"]) == colour(each)).all(axis=2) for each in ERROR_COLOURS
+    )
+    called, there = panel.labels == 3, panel._scene[1] == 3
+    assert np.array_equal(right, called & there)
+    assert np.array_equal(wrong, called & ~there)
+    assert np.array_equal(missed, ~called & there)
+    assert "called white, but is not" in panel._legend.value
+    assert len(calls) == 1
+
+
+def test_another_scene_is_labelled_with_the_same_settings(rng):
+    (day, truth), (night, _) = scene(rng), scene(rng)
+    panel = FilterPanel({"day": day, "night": night // 3}, truth, brightness, green=GREEN, yellow=YELLOW)
+    assert panel.summary().startswith("scene: day\n")
+    before, picture = panel.summary(), panel._images["scene"].value
+    panel._choice.value = "night"
+    assert panel._images["scene"].value != picture
+    assert np.array_equal(panel.labels, brightness(night // 3, GREEN, YELLOW, 120, 0.16))
+    assert panel.summary() != before
+
+
+# --- the student's code ---
+
+
+def raising(error):
+    def label(picture, green, yellow, beta, min_saturation):
+        if beta > 200:
+            raise error
+        return brightness(picture, green, yellow, beta, min_saturation)
+
+    return label
+
+
+def test_an_unwritten_exercise_is_a_sentence(rng):
+    panel = make(rng, raising(NotImplementedError()), beta=201, unfinished="Finish exercise 1.6.")
+    assert panel.labels is None
+    assert panel.scores == {}
+    assert panel.summary().endswith("\nFinish exercise 1.6.")
+    assert "Finish exercise 1.6." in panel._status.value
+    assert panel._repr_mimebundle_()["text/html"].startswith("<img alt=")
+
+
+def test_an_exception_is_its_message_and_the_panel_goes_on(rng):
+    panel = make(rng, raising(ValueError("operands could not be <b>broadcast</b>")))
+    panel._sliders["beta"].value = 201.0
+    line = raising.__code__.co_firstlineno + 3
+    assert f"ValueError in your filter, line {line}: operands could not" in panel.summary()
+    assert "&lt;b&gt;" in panel._status.value
+    assert "Traceback" not in panel._status.value
+    assert "nao-alarm" in panel._status.value
+    with pytest.raises(ValueError, match="operands"):
+        raise panel.error
+    panel._sliders["beta"].value = 100.0
+    assert "white: precision" in panel.summary()
+    assert "nao-alarm" not in panel._status.value
+
+
+@pytest.mark.parametrize(
+    ("returned", "said"),
+    [
+        (np.zeros((32, 24), np.uint8), "must have shape (24, 32), one for each pixel; got (32, 24)"),
+        (None, "must have shape (24, 32), one for each pixel; got ()"),
+        (np.zeros((24, 32)), "must be whole numbers (uint8), got float64"),
+        (np.full((24, 32), 255, np.uint8), "0 other, 1 green, 2 yellow or 3 white; got [255]"),
+    ],
+)
+def test_labels_that_cannot_be_are_a_sentence(rng, returned, said):
+    panel = make(rng, lambda *_: returned)
+    assert said in panel.summary()
+    assert said in html.unescape(panel._status.value)
+
+
+def test_a_function_that_writes_into_the_picture_spoils_nothing(rng):
+    def label(picture, *_):
+        picture[:] = 0
+        return picture[..., 0]
+
+    panel = make(rng, label)
+    assert panel._scene[0].any()
+
+
+def test_what_is_printed_is_in_the_panel_and_nowhere_else(rng, capsys):
+    panel = make(rng, lambda *arguments: print("mean < 80") or brightness(*arguments))
+    assert "mean &lt; 80" in panel._status.value
+    assert capsys.readouterr().out == ""
+
+
+def test_a_function_that_never_ends_is_stopped_in_any_thread(rng):
+    def label(picture, green, yellow, beta, min_saturation):
+        while beta > 200:
+            with contextlib.suppress(Exception):  # as a student's bare except
+                time.sleep(0)
+        return brightness(picture, green, yellow, beta, min_saturation)
+
+    panel = make(rng, label)
+    panel._patience = 0.2
+    panel.set(beta=201)
+    assert "was not done after 0.2 s and was stopped" in panel.summary()
+    panel.reset()
+    assert panel.labels is not None
+    thread = threading.Thread(target=panel.set, kwargs={"beta": 202})
+    thread.start()
+    thread.join(10)
+    assert not thread.is_alive()
+    assert panel.labels is None
+
+
+def endless():
+    with time_limit(0.05):
+        while True:
+            pass
+
+
+def test_a_time_limit_that_was_kept_is_forgotten():
+    before = threading.active_count()
+    with time_limit(0.05):
+        pass
+    time.sleep(0.1)
+    assert threading.active_count() == before
+    with pytest.raises(TooSlow):
+        endless()
+
+
+def test_how_long_a_picture_takes_is_said_and_why_the_panel_lags(rng):
+    panel = make(rng, lambda *arguments: time.sleep(0.12) or brightness(*arguments))
+    assert "The panel follows slowly" in panel._status.value
+    assert "ms" not in repr(panel)
+    assert "The panel follows slowly" not in make(rng)._status.value
+
+
+def test_in_a_kernels_loop_only_the_newest_value_is_computed(rng):
+    got = []
+
+    def label(picture, green, yellow, beta, min_saturation):
+        got.append(beta)
+        time.sleep(0.1)
+        return brightness(picture, green, yellow, beta, min_saturation)
+
+    panel = make(rng, label)
+    got.clear()
+
+    async def scenario():
+        for burst in range(3):  # while one picture is computed, a browser sends several values
+            for step in range(10):
+                panel._sliders["beta"].value = 10.0 * burst + step
+            await asyncio.sleep(0)
+        while panel._newest.busy:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(scenario())
+    assert got == [9, 29]
+    assert "beta 29" in panel.summary()
+
+
+# --- where it is shown ---
+
+
+def test_every_control_has_a_name_and_a_tooltip(rng):
+    picture, truth = scene(rng)
+    panel = FilterPanel({"a": picture, "b": picture[::-1]}, truth, brightness, green=GREEN, yellow=YELLOW)
+    controls = [
+        each
+        for each in all_widgets(panel.widget)
+        if isinstance(each, ipywidgets.Button | ipywidgets.Dropdown | ipywidgets.FloatSlider)
+    ]
+    assert len(controls) == 6 + 2 + 1
+    assert all(each.description and each.tooltip for each in controls)
+    assert all(each.tooltip for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.Image))
+
+
+def test_a_small_picture_and_the_numbers_stay_where_no_widget_lives(rng):
+    nao = SimulatedNao(rng=41)
+    picture = nao.take_picture("bottom")
+    panel = FilterPanel(picture.pixels, Truth(nao).picture, brightness, green=GREEN, yellow=YELLOW)
+    bundle = panel._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"] == f"FilterPanel: {panel.summary()}"
+    assert '<img alt="Filter panel: green 105° to 150°' in bundle["text/html"]
+    assert "white: precision" in bundle["text/html"]
+    assert len(bundle["text/html"]) < 130_000
