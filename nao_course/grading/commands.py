@@ -20,7 +20,9 @@ from nao_course.grading.grader import prepare
 from nao_course.grading.journal import Journal, Override
 from nao_course.grading.results import SubmissionResult
 from nao_course.grading.runs import Summary, feedback_writer, grade_all, mean_score
+from nao_course.grading.sandbox import SandboxError, probe
 from nao_course.grading.secret import load_secret
+from nao_course.grading.server import WarmServer
 from nao_course.grading.submissions import Submission, gather, of_lessons
 
 FEEDBACK = "feedback"
@@ -65,23 +67,35 @@ def run(
 ) -> Summary:
     """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
     course, secret = load_course(), load_secret()
-    if require_sandbox:
-        raise ValueError(
-            f"the sandbox level {require_sandbox!r} is not reached: submissions run in their own process"
-        )
-    with _progress(console, len(waiting)) as done:
+    with _sandboxed(console, require_sandbox) as server, _progress(console, len(waiting)) as done:
         try:
             return grade_all(
                 waiting,
                 cache(lambda lesson: prepare(course, lesson, secret)),
                 journal,
                 jobs=jobs,
+                server=server,
+                level=server.sandbox.level,
                 publish=feedback_writer(journal, out / FEEDBACK),
                 tell=done,
             )
         except KeyboardInterrupt:
             console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
             raise typer.Exit(130) from None
+
+
+@contextmanager
+def _sandboxed(console: Console, level: str) -> Iterator[WarmServer]:
+    """Try the sandbox, say how strong it is, and start the server of its workers."""
+    sandbox = probe()
+    console.print(str(sandbox), markup=False, highlight=False, soft_wrap=True)
+    try:
+        if level:
+            sandbox.require(level)
+        with WarmServer(sandbox) as server:
+            yield server
+    except SandboxError as error:
+        raise ValueError(str(error)) from None
 
 
 @contextmanager

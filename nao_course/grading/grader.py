@@ -8,6 +8,7 @@ of failure is told, in words of ours, and a line that stands in the submission.
 from __future__ import annotations
 
 import builtins
+import contextlib
 import hashlib
 import json
 import re
@@ -15,7 +16,6 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
@@ -31,19 +31,21 @@ from nao_course.exercises.running import Outcome
 from nao_course.grading.containers import Refused
 from nao_course.grading.plans import hidden_cases, publish
 from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.grading.sandbox import SandboxError
 from nao_course.grading.secret import keyed
 from nao_course.grading.submissions import Files, Submission, read
-from nao_course.grading.worker import UNREADABLE, Found, Worker
+from nao_course.grading.worker import UNREADABLE, Found, ServerEnded, Worker
 
 if TYPE_CHECKING:
     from nao_course.grading.building import Course
+    from nao_course.grading.server import WarmServer
 
 RULES = "1"  # how it is graded; another number has everything graded again
 SECONDS = 10.0  # wall clock of a call
-SECONDS_IN_ALL = 180.0  # of a submission; what is not graded by then has timed out
 LONGEST_ANSWER = 20_000  # characters of a written answer
 LONGEST_TEXT = 1000  # of what a public check says
 _MOST_NOTES = 20
+_MOST_SERVERS = 3  # warm servers that may die under one submission
 _CHANGES = "Your function changes its input. Return a new array instead."
 _ERRORS = {
     name for name, kind in vars(builtins).items() if isinstance(kind, type) and issubclass(kind, Exception)
@@ -114,6 +116,8 @@ class Assignment:
         Of all that a score depends on beside the submission.
     seconds : float
         Wall clock of a call.
+    version : str
+        The course's: what a notebook of this release is stamped with.
     """
 
     lesson: str
@@ -124,6 +128,7 @@ class Assignment:
     blank: str = ""
     hash: str = ""
     seconds: float = SECONDS
+    version: str = ""
 
 
 def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
@@ -171,7 +176,16 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         plan.points,
     ]
     digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()
-    return Assignment(name, tasks, tuple(plan.written), notebook, setup, ANSWER_HERE, digest)
+    return Assignment(
+        name,
+        tasks,
+        tuple(plan.written),
+        notebook,
+        setup,
+        ANSWER_HERE,
+        digest,
+        version=course.version,
+    )
 
 
 def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:
@@ -190,7 +204,7 @@ def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., An
 def grade(
     submission: Submission,
     assignment: Assignment,
-    server: Any = None,
+    server: WarmServer | None = None,
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
 ) -> SubmissionResult:
@@ -218,13 +232,15 @@ def grade(
     ------
     GraderError
         If the grader itself fails: there is no score then.
+    SandboxError
+        If a worker could not be confined: nothing may be graded then.
     Stopped
         If it was to give up.
     """
     start = time.monotonic()
     try:
-        result = _grade(submission, assignment, server, stopped)
-    except Stopped:
+        result = _in_spite_of_the_server(lambda: _grade(submission, assignment, server, stopped))
+    except (Stopped, SandboxError):
         raise
     except Exception as error:
         raise GraderError(
@@ -233,8 +249,16 @@ def grade(
     return replace(result, level=level, seconds=time.monotonic() - start)
 
 
+def _in_spite_of_the_server(work: Callable[[], SubmissionResult]) -> SubmissionResult:
+    """Begin again where the warm server died: that is no fault of this submission, as far as anyone can tell."""
+    for _ in range(_MOST_SERVERS - 1):
+        with contextlib.suppress(ServerEnded):
+            return work()
+    return work()
+
+
 def _grade(
-    submission: Submission, assignment: Assignment, server: Any, stopped: Callable[[], bool]
+    submission: Submission, assignment: Assignment, server: WarmServer | None, stopped: Callable[[], bool]
 ) -> SubmissionResult:
     try:
         files = read(submission)
@@ -248,7 +272,7 @@ def _grade(
                 return refuse(submission, assignment, reason, files.hash)
             sitting = _Sitting(worker, assignment, files, server, stopped)
             exercises = sitting.all_exercises()
-        attempts = tuple(getattr(worker, "notes", ()))
+            attempts = worker.notes
     return SubmissionResult(
         submission.student,
         submission.lesson,
@@ -257,8 +281,8 @@ def _grade(
         submission=files.hash,
         assignment=assignment.hash,
         exercises=exercises,
-        written=_written(assignment, getattr(found, "written", {})),
-        notes=(*submission.notes, *_skipped(found), *attempts),
+        written=_written(assignment, found.written),
+        notes=(*submission.notes, *_remarks(found, assignment), *attempts),
     )
 
 
@@ -292,7 +316,7 @@ def submission_hash(submission: Submission) -> str:
         return hashlib.sha256(f"{submission.file}\0{refused}".encode()).hexdigest()
 
 
-@contextmanager
+@contextlib.contextmanager
 def _laid_out(files: Files, lesson: str) -> Iterator[Path]:
     """Write what was read, and hashed, into a folder of its own; whatever happens there, it goes."""
     with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
@@ -303,8 +327,12 @@ def _laid_out(files: Files, lesson: str) -> Iterator[Path]:
         yield notebook
 
 
-def _worker(notebook: Path, assignment: Assignment, server: Any, helpers: tuple[Path, ...]) -> Worker:
-    return Worker(notebook, seconds=assignment.seconds)
+def _worker(
+    notebook: Path, assignment: Assignment, server: WarmServer | None, helpers: tuple[Path, ...] = ()
+) -> Worker:
+    return Worker(
+        notebook, seconds=assignment.seconds, server=server, setup=assignment.setup, helpers=helpers
+    )
 
 
 def _why_unreadable(worker: Worker, found: Found) -> str:
@@ -335,10 +363,15 @@ def _without_blank(text: str, blank: str) -> str:
     return text.removeprefix(blank).strip() if blank else text
 
 
-def _skipped(found: Found) -> list[str]:
-    """Statements that did not run though they should have, for the assistant."""
+def _remarks(found: Found, assignment: Assignment) -> Iterator[str]:
+    """Where a notebook is of another lesson or release, and its statements that failed, for the assistant."""
+    if found.lesson not in ("", assignment.lesson):
+        yield f"the notebook says that it is lesson {found.lesson[:60]!r}"
+    if found.version not in ("", assignment.version):
+        yield f"made from release {found.version[:20]!r}; graded as {assignment.version!r}"
     failed = [each for each in found.skipped if each.reason != NO_DEFINITION]
-    return [f"code cell {each.cell}, line {each.line}: {each.reason[:200]}" for each in failed[:_MOST_NOTES]]
+    for each in failed[:_MOST_NOTES]:
+        yield f"code cell {each.cell}, line {each.line}: {each.reason[:200]}"
 
 
 @dataclass(frozen=True)
@@ -356,11 +389,15 @@ class _Sitting:
     """One submission's exercises with one worker, within the submission's time."""
 
     def __init__(
-        self, worker: Worker, assignment: Assignment, files: Files, server: Any, stopped: Callable[[], bool]
+        self,
+        worker: Worker,
+        assignment: Assignment,
+        files: Files,
+        server: WarmServer | None,
+        stopped: Callable[[], bool],
     ) -> None:
         self.stopped = stopped
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
-        self.deadline = time.monotonic() + max(SECONDS_IN_ALL, 4 * assignment.seconds)
 
     def all_exercises(self) -> tuple[ExerciseResult, ...]:
         """Grade them: public cases, hidden cases, and then those again that failed by earlier ones."""
@@ -407,13 +444,10 @@ class _Sitting:
 
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
-        lend = getattr(self.worker, "lend", None)
-        if lend is None:
-            return before
-        with _worker(self.assignment.reference, self.assignment, self.server, ()) as reference:
-            lend({name: _lent(reference, name) for name in task.uses})
+        with _worker(self.assignment.reference, self.assignment, self.server) as reference:
+            self.worker.lend({name: _lent(reference, name) for name in task.uses})
             hidden = self.hidden(task)
-            lend({})
+            self.worker.lend({})
         right = hidden.state == "right"
         names = " and ".join(task.uses)
         came = "right" if right else "not right either"
@@ -443,8 +477,6 @@ class _Sitting:
         for _ in range(2):
             if self.stopped():
                 raise Stopped
-            if time.monotonic() > self.deadline:
-                return Outcome("timed out", text="the submission's time was used up")
             outcome = self.worker.call(exercise.name, case, exercise.driver)
             if outcome.came != "timed out":
                 break
@@ -512,8 +544,12 @@ def _is_right(result: ExerciseResult) -> bool:
 
 
 def _lent(reference: Worker, name: str) -> Callable[[tuple[Any, ...], dict[str, Any]], Outcome]:
-    """The reference's function as a worker may ask for it: it runs in a worker of its own."""
-    return lambda args, kwargs: reference.call(name, Case(args, kwargs=kwargs))
+    """The reference's function as a worker may ask for it: it runs in a worker of its own, and its code stays there."""
+
+    def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
+        return replace(reference.call(name, Case(args, kwargs=kwargs)), line="", output="")
+
+    return answer
 
 
 def _compared(exercise: PublicExercise, case: Case, answer: Any) -> Verdict:

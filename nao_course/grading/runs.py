@@ -11,12 +11,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from nao_course.grading.grader import Assignment, GraderError, Stopped, grade, submission_hash
 from nao_course.grading.journal import Journal, Mark, Override
 from nao_course.grading.results import SubmissionResult
 from nao_course.grading.submissions import Submission
+
+if TYPE_CHECKING:
+    from nao_course.grading.server import WarmServer
 
 Grade = Callable[[Submission, Assignment], SubmissionResult]
 Outcome = SubmissionResult | GraderError
@@ -49,7 +52,7 @@ def grade_all(
     journal: Journal,
     *,
     jobs: int,
-    server: Any = None,
+    server: WarmServer | None = None,
     level: str = "own process",
     publish: Callable[[SubmissionResult], object] = lambda result: None,
     tell: Callable[[Submission], None] = lambda submission: None,
