@@ -1,4 +1,4 @@
-"""How quick the control panel is in a real browser: from button to new picture, and pictures a second."""
+"""How quick the panels are in a real browser: from button to new picture, and pictures a second."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks import Result, Table
+from tests.browser.filter_page import FilterPage
 from tests.browser.lab import Lab, browser_page, jupyter_lab
 
 PRESSES = 40
 DRIVES = 5
-WANTED = {"button_to_picture_ms": 100.0, "pictures_per_second": 12.0}
+WANTED = {"button_to_picture_ms": 100.0, "pictures_per_second": 12.0, "filter_updates_per_second": 10.0}
 PANEL = """from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import DeadReckoning
 from nao_course.widgets import ControlPanel
@@ -64,6 +65,15 @@ def measure(lab: Lab, page: Any) -> dict[str, Any]:
     return results
 
 
+def measure_filter(lab: Lab, page: Any) -> dict[str, Any]:
+    """How lesson 01's labels follow while a slider is dragged, the lesson's own solution labelling."""
+    loads = FilterPage(lab, page, "filter.ipynb").updates(steps=480)
+    return {
+        "filter_updates_per_second": round(float((len(loads) - 1) / (loads[-1] - loads[0]) * 1000), 1),
+        "filter_longest_gap_ms": round(float(np.diff(loads).max()), 1),
+    }
+
+
 def _press(page: Any, name: str) -> float:
     page.wait_for_timeout(700)  # what was asked before is over
     return float(page.evaluate(_PRESS, name))
@@ -98,7 +108,7 @@ def main() -> Result:
         folder, settings = Path(scratch) / "notebooks", Path(scratch) / "jupyter"
         folder.mkdir()
         with jupyter_lab(folder, settings) as lab, browser_page(executable) as page:
-            results = measure(lab, page)
+            results = measure(lab, page) | measure_filter(lab, page)
     results["wanted"] = WANTED
     results["machine"] = {"cpu": _processor(), "python": platform.python_version(), "picture": "320 x 240"}
     return Result("panel", results, (_table(results),))
@@ -121,5 +131,9 @@ def _table(results: dict[str, Any]) -> Table:
         wanted = f">= {WANTED['pictures_per_second']:.0f}" if name == "bottom" else ""
         rows.append((f"{name} pictures a second while driving", f"{rates[name]}", "", wanted))
     rows.append(("longest gap between two pictures of a drive", f"{results['longest_gap_ms']} ms", "", ""))
-    title = "Control panel in JupyterLab and Chromium, pictures of 320 x 240"
+    wanted = f">= {WANTED['filter_updates_per_second']:.0f}"
+    rate, gap = results["filter_updates_per_second"], results["filter_longest_gap_ms"]
+    rows.append(("labels a second while a filter's slider is dragged", f"{rate}", "", wanted))
+    rows.append(("longest gap between two of them", f"{gap} ms", "", ""))
+    title = "Control panel and filter panel in JupyterLab and Chromium, pictures of 320 x 240"
     return Table(title, ("measured", "median", "90 %", "wanted"), tuple(rows))
