@@ -21,6 +21,7 @@ from nbclient import NotebookClient
 from nao_course.exercises.checking import grade_public, read_public, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.grading import building, lessons
+from nao_course.grading.mutants import mutate
 from nao_course.grading.plans import SEEDS, check_plan, hidden_cases
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -188,6 +189,18 @@ def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
 
 
 @each_lesson
+def test_rubric_6_difficulty_never_falls_and_the_text_says_it(name):
+    numbers = {exercise.name: exercise.number for exercise in read_public(name).exercises}
+    exercises = COURSE.plan(name).exercises
+    assert all(before.stars <= after.stars for before, after in pairwise(exercises))
+    words = {1: "one star", 2: "two stars", 3: "three stars"}
+    titles = headings(prose(solved(name)))
+    for exercise in exercises:
+        number, stars = re.escape(numbers[exercise.name]), words[exercise.stars]
+        assert [title for title in titles if re.search(rf"Exercise {number} \(.*{stars}\)", title)]
+
+
+@each_lesson
 def test_rubric_7_a_check_stands_directly_after_its_exercise(name):
     code = [cell for _, cell in lessons.code_cells(solved(name))]
     for cell, after in pairwise(code):
@@ -264,8 +277,26 @@ def test_rubric_12_a_panel_or_question_leaves_words_where_no_widget_lives(name):
         if output.output_type in ("display_data", "execute_result")
     ]
     assert all(data.get("text/plain", "").strip() for data in shown)
-    if name[:2] == "00":
-        assert "ControlPanel(" in "".join(cell.source for cell in solved(name).cells)
+    panels = re.findall(
+        r"^\w+(?:Panel|Dial)\(", "\n".join(cell.source for cell in solved(name).cells), re.MULTILINE
+    )
+    assert panels, "a panel is a cell's last line"
+
+
+@each_lesson
+def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer_every_choice(name):
+    sources = [cell.source for cell in solved(name).cells]
+    predicted = [
+        number
+        for number, source in enumerate(sources)
+        if source.startswith("prediction(") or re.search(r"\*\*Predict, and write it down", source)
+    ]
+    assert predicted and "**Predict" in "".join(sources[predicted[0] - 1 : predicted[0] + 1])
+    questions = read_public(name).questions
+    assert len(questions) >= 2 and all(f'check.question("{each.name}")' in sources for each in questions)
+    for question in questions:
+        replies = list(question.choices.values())
+        assert len(replies) >= 3 and len(set(replies)) == len(replies) and all(map(str.strip, replies))
 
 
 @each_lesson
@@ -290,6 +321,22 @@ def test_rubric_15_it_ends_with_what_is_built_what_is_missing_and_references(nam
     assert titles[-2].startswith("What you have") and titles[-1] == "References"
     references = prose(solved(name)).split("## References")[1]
     assert len(re.findall(r"^- ", references, re.MULTILINE)) >= 3
+
+
+@pytest.mark.slow
+@each_lesson
+def test_hidden_cases_catch_mutants_of_the_solutions(name):
+    """Mutants that are right are declared with the reason, and pass many more hidden cases."""
+    if name[:2] == "00":
+        pytest.skip("lesson 00 is not graded")
+    report = mutate(name, jobs=2)
+    hidden, public, total = report.caught()
+    assert total >= 150
+    assert hidden / total >= 0.97, [mutant.diff for mutant in report.survivors]
+    assert public / total >= 0.85
+    known = {line for trial in report.equivalents for line in trial.mutant.lines}
+    for exercise in COURSE.plan(name).exercises:
+        assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
 
 
 @each_lesson

@@ -255,3 +255,23 @@ def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
     assert [(trial.hidden, trial.public) for trial in report.trials if trial.mutant.exercise == "clamp"] == [
         (True, True)
     ]
+
+
+def test_a_mutant_that_is_said_to_be_right_is_counted_apart_unless_a_case_speaks_against_it(tmp_path):
+    where = toy.solutions(tmp_path / "apart")
+    plan = where / "exercises" / "90_toy.py"
+    said = {
+        "return max(low, min(x, high))": "the smaller of two has no order",
+        "return min(high, x)": "a lie",
+    }
+    plan.write_text(
+        plan.read_text() + "\nimport dataclasses\n"
+        f"PLAN = LessonPlan([dataclasses.replace(CLAMP, equivalents={said!r})])\n"
+    )
+    report = mutate("90", jobs=1, solutions=where)
+    assert {trial.reason for trial in report.equivalents} == {"the smaller of two has no order"}
+    assert all(trial.mutant.lines == {"return max(low, min(x, high))"} for trial in report.equivalents)
+    assert report.caught("clamp")[2] == len(report.trials) - len(report.equivalents)
+    console = Console(record=True, width=120)
+    show(report, console)
+    assert "is right: the smaller of two has no order" in console.export_text()

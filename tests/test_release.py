@@ -213,7 +213,7 @@ def test_a_newer_release_keeps_a_students_work(unpacked, files):
 
     def work(cells):
         cell_with(cells, "def hue_mask").source = "def hue_mask(hue, low, high):\n    return hue > low"
-        cell_with(cells, "Predict.").source += "\n\nI say 7 %."
+        cell_with(cells, "**Predict:**").source += "\n\nI say 7 %."
         cells[0].source += "\n\nmy note"  # where the release has a new text, too
         place = cells.index(cell_with(cells, 'check("hue_mask"'))
         cells.insert(place + 1, nbformat.v4.new_code_cell('hint("hue_mask")'))
@@ -324,6 +324,8 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
     }
     for _, cell in lessons.code_cells(solved, "exercise"):
         cell.source = solutions[lessons.exercise_name(cell)]
+    for _, cell in lessons.written_cells(solved):
+        cell.source = "One pixel decides it."
     for student, notebook in (("blank", blank), ("solved", solved)):
         (tmp_path / "submitted" / student / name).mkdir(parents=True)
         nbformat.write(notebook, tmp_path / "submitted" / student / name / f"{name}.ipynb")
@@ -341,14 +343,15 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
     ):
         assert result["success"], result["log"] + str(result["error"])
     assert (tmp_path / "release" / name / f"{name}.ipynb").is_file()
-    points = sum(exercise.points for exercise in COURSE.plan(name).exercises)
+    plan = COURSE.plan(name)
+    points = sum(exercise.points for exercise in plan.exercises)
     with api.gradebook as gradebook:
         scores = {student: gradebook.find_submission(name, student).score for student in ("solved", "blank")}
-        assert gradebook.find_assignment(name).max_score == points
+        assert gradebook.find_assignment(name).max_score == sum(plan.points.values())
     assert scores == {"solved": points, "blank": 0}
 
     submitted = tmp_path / "submitted"
     found = Validator().validate(str(submitted / "solved" / name / f"{name}.ipynb"))
     assert not set(found) & {"failed", "changed", "type_changed"}, found
     found = Validator().validate(str(submitted / "blank" / name / f"{name}.ipynb"))
-    assert len(found["failed"]) == len(COURSE.plan(name).exercises)
+    assert len(found["failed"]) == len(COURSE.plan(name).points)

@@ -1,5 +1,6 @@
 """Whatever a student's code does, its caller gets an outcome in time, and nothing of it stays."""
 
+import json
 import os
 import sys
 import time
@@ -11,7 +12,10 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.exercises.codec import encode
+from nao_course.exercises.running import Outcome
 from nao_course.grading import worker as module
+from nao_course.grading.sandbox import probe
+from nao_course.grading.server import WarmServer
 from nao_course.grading.worker import Worker
 from tests.toy import toy
 
@@ -121,8 +125,9 @@ def early_answer(x):
         except OSError: pass
 def odd_outcome(x):
     from nao_course.exercises import Outcome, running
-    import nao_course.grading, __main__
-    __main__.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
+    import __main__
+    for each in (__main__, sys.modules.get("nao_course.grading.worker")):
+        if each: each.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
 def environment():
     return sorted(os.environ)
 def threads():
@@ -139,15 +144,27 @@ def notebook(tmp_path_factory):
     return toy.write(tmp_path_factory.mktemp("student") / "own.ipynb", STUDENT)
 
 
+@pytest.fixture(scope="module", params=["own process", "warm server"])
+def server(request):
+    """The two ways to start a worker: all laws hold for both."""
+    if request.param == "own process":
+        yield None
+    elif not sys.platform.startswith("linux"):
+        pytest.skip("the warm server forks on Linux alone")
+    else:
+        with WarmServer(probe()) as server:
+            yield server
+
+
 @pytest.fixture(scope="module")
-def running(notebook):
-    with Worker(notebook, seconds=10.0) as worker:
+def running(notebook, server):
+    with Worker(notebook, seconds=10.0, server=server) as worker:
         yield worker
 
 
 @pytest.fixture
-def hurried(notebook):
-    with Worker(notebook, seconds=10.0) as worker:
+def hurried(notebook, server):
+    with Worker(notebook, seconds=10.0, server=server) as worker:
         worker.call("double", ONE)
         worker.seconds = 0.5
         yield worker
@@ -258,9 +275,9 @@ def test_what_is_expected_is_never_sent(running, monkeypatch):
     assert b"telling" not in sent[0]
 
 
-def test_the_environment_is_scrubbed_and_single_threaded(running, monkeypatch, notebook):
+def test_the_environment_is_scrubbed_and_single_threaded(running, monkeypatch, notebook, server):
     monkeypatch.setenv("A_SECRET", "1")
-    with Worker(notebook) as worker:
+    with Worker(notebook, server=server) as worker:
         names = worker.call("environment", Case(())).value
         assert "A_SECRET" not in names
         assert {"OMP_NUM_THREADS", "MPLBACKEND"} <= set(names)
@@ -301,7 +318,7 @@ def test_no_process_is_left(notebook):
     assert gone(second)
 
 
-def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_path):
+def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_path, server):
     path = toy.write(
         tmp_path / "own.ipynb",
         "def before(x): return x",
@@ -309,7 +326,7 @@ def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_
         "import os\nz = os._exit(5)",
         "def after(x): return x + 1",
     )
-    with Worker(path, seconds=1.0) as worker:
+    with Worker(path, seconds=1.0, server=server) as worker:
         assert worker.call("before", ONE).value == 3.0
         assert worker.call("after", ONE).value == 4.0
         assert worker.definitions.names == ("before", "after")
@@ -320,9 +337,9 @@ def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_
     }
 
 
-def test_a_notebook_that_only_ends_is_given_up(tmp_path):
+def test_a_notebook_that_only_ends_is_given_up(tmp_path, server):
     path = toy.write(tmp_path / "own.ipynb", *["import os\nx = os._exit(5)"] * 10, "def f(x): return x")
-    with Worker(path, seconds=5.0) as worker:
+    with Worker(path, seconds=5.0, server=server) as worker:
         assert worker.call("f", ONE).came == "died"
         began = time.monotonic()
         assert worker.call("f", ONE).came == "died"
@@ -331,19 +348,19 @@ def test_a_notebook_that_only_ends_is_given_up(tmp_path):
         assert "status 5" in worker.definitions.skipped[0].reason
 
 
-def test_what_is_no_notebook_has_a_reason(tmp_path):
+def test_what_is_no_notebook_has_a_reason(tmp_path, server):
     (tmp_path / "bad.ipynb").write_text("{")
     for name, reason in (("bad.ipynb", "not a notebook"), ("missing.ipynb", "no such file")):
-        with Worker(tmp_path / name) as worker:
+        with Worker(tmp_path / name, server=server) as worker:
             outcome = worker.call("f", ONE)
             assert outcome.came == "not found"
             assert reason in outcome.text
             assert reason in worker.definitions.skipped[0].reason
 
 
-def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path):
+def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path, server):
     path = toy.write(tmp_path / "own.ipynb", "def f(x): return x\ndef g(x): return f(x) + 1")
-    with Worker(path, {"f": "def f(x): return 10 * x"}) as worker:
+    with Worker(path, {"f": "def f(x): return 10 * x"}, server=server) as worker:
         assert worker.call("g", ONE).value == 31.0
         worker.overrides = {"g": "def g(x):\n    return -f(x)"}
         assert worker.call("g", ONE).value == -3.0
@@ -357,7 +374,7 @@ def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path):
         assert worker.call("g", ONE).value == 4.0
 
 
-def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path):
+def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path, server):
     (tmp_path / "colorsys.py").write_text("raise RuntimeError('it must not stand before Python's own')")
     (tmp_path / "my_helper.py").write_text("def twice(x): return 2 * x")
     path = toy.write(
@@ -366,9 +383,123 @@ def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path):
         "def hue(): return colorsys.rgb_to_hls(1, 0, 0)[0]",
         "class Sampler:\n    def __new__(cls, values, n, rng): return float(rng.choice(values, n).mean())",
     )
-    with Worker(path) as worker:
+    helpers = [tmp_path / "colorsys.py", tmp_path / "my_helper.py"]
+    with Worker(path, server=server, helpers=helpers) as worker:
         assert worker.call("twice", ONE).value == 6.0
         assert worker.call("hue", Case(())).value == 0.0
         law = worker.call("Sampler", Case((np.arange(10.0), 5, 30)), "sampling_law").value
-    assert law.shape == (3,)
+    assert len(law) == 3
     assert law[2] == 1.0
+
+
+def test_a_released_set_up_cell_stands_in_for_an_edited_one(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", "def hue(): return colorsys.rgb_to_hls(1, 0, 0)[0]")
+    with Worker(path, setup="import colorsys\ncolorsys = 5", server=server) as worker:
+        assert worker.call("hue", Case(())).value == 0.0
+    with Worker(path, server=server) as worker:
+        assert worker.call("hue", Case(())).text.startswith("NameError")
+
+
+def test_written_answers_and_the_stamp_are_read_in_the_worker(tmp_path, server):
+    answer = {"grade": True, "solution": True, "grade_id": "explain"}
+    cells = [
+        {"cell_type": "markdown", "metadata": {"nbgrader": answer}, "source": ["Because\n", "it is."]},
+        {
+            "cell_type": "markdown",
+            "metadata": {"nbgrader": {**answer, "solution": False}},
+            "source": "read only",
+        },
+        {"cell_type": "markdown", "metadata": {"nbgrader": answer}, "source": "And more."},
+        {
+            "cell_type": "markdown",
+            "metadata": {"nbgrader": answer | {"grade_id": "long"}},
+            "source": "x" * 10**6,
+        },
+    ]
+    stamp = {"lesson": "01_toy", "version": "1.2"}
+    path = tmp_path / "own.ipynb"
+    path.write_text(json.dumps({"cells": cells, "metadata": {"nao_course": stamp}, "nbformat": 4}))
+    with Worker(path, server=server) as worker:
+        found = worker.definitions
+    assert found.written["explain"] == "Because\nit is.\n\nAnd more."
+    assert len(found.written["long"]) == 2**16
+    assert (found.lesson, found.version) == ("01_toy", "1.2")
+
+
+LENDING = """
+def base(x): return -1.0
+def user(x):
+    return [base(x), base(x=x), base(2 * x)]
+def asks_for_ever(x):
+    while True: base(x)
+def asks_oddly(x): return base(lambda: x)
+def asks_for_another(x):
+    import os
+    from nao_course.exercises import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(("ask", "secret", (1,), {})))
+        except OSError: pass
+    return x
+"""
+
+
+@pytest.fixture
+def lending(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", LENDING)
+    with Worker(path, seconds=10.0, server=server) as worker:
+        yield worker
+
+
+def test_a_function_that_is_lent_answers_from_the_grader_until_it_is_taken_back(lending):
+    asked = []
+
+    def answer(args, kwargs):
+        asked.append((args, kwargs))
+        return Outcome("value", 10.0 * sum(args) + sum(kwargs.values()))
+
+    assert lending.call("user", ONE).value == [-1.0, -1.0, -1.0]
+    lending.lend({"base": answer})
+    assert lending.call("user", ONE).value == [30.0, 3.0, 60.0]
+    assert asked == [((3.0,), {}), ((), {"x": 3.0}), ((6.0,), {})]
+    lending.close()  # a process that had to be killed
+    assert lending.call("user", ONE).value == [30.0, 3.0, 60.0]
+    lending.lend({})
+    assert lending.call("user", ONE).value == [-1.0, -1.0, -1.0]
+
+
+def test_a_lent_function_that_fails_raises_in_the_students_code(lending):
+    lending.lend({"base": lambda args, kwargs: Outcome("raised", text="ValueError: too small")})
+    outcome = lending.call("user", ONE)
+    assert outcome.came == "raised"
+    assert outcome.text == "RuntimeError: base gives no answer to this: raised ValueError: too small"
+    assert outcome.line.endswith("return [base(x), base(x=x), base(2 * x)]")
+    assert lending.call("asks_oddly", ONE).text.startswith("CodecError")
+
+
+def test_time_in_the_grader_is_not_the_students(lending):
+    def slowly(args, kwargs):
+        time.sleep(0.4)
+        return Outcome("value", 1.0)
+
+    lending.definitions  # noqa: B018 - it loads
+    lending.seconds, lending.total = 0.8, 1.0
+    lending.lend({"base": slowly})
+    assert lending.call("user", ONE).value == [1.0, 1.0, 1.0]
+
+
+def test_asking_for_ever_and_for_what_is_not_lent_gains_nothing(lending, monkeypatch):
+    lending.lend({"base": lambda args, kwargs: Outcome("value", 1.0)})
+    lending.definitions  # noqa: B018 - it loads
+    monkeypatch.setattr(module, "MOST_ASKED", 500)
+    assert "too often" in lending.call("asks_for_ever", ONE).text
+    assert lending.call("asks_for_another", ONE).came == "died"
+    lending.lend({})
+    lending.seconds = 0.5
+    assert lending.call("asks_for_ever", ONE).came == "timed out"
+
+
+def test_a_submission_has_a_total_of_time(notebook, server):
+    with Worker(notebook, seconds=0.7, total=2.0, server=server) as worker:
+        came = [worker.call("sleeps", ONE).text for _ in range(5)]
+        assert "no answer within 0.7 s" in came
+        assert came[-1] == "all 2 s that a submission has are used up"

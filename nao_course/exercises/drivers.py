@@ -13,7 +13,7 @@ STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-1
 
 def sampling_law(
     function: Callable[..., float], values: npt.NDArray[Any], n_samples: int, repeats: int
-) -> npt.NDArray[np.float64]:
+) -> tuple[float, float, float]:
     """Call a function that draws a random sample, many times.
 
     Parameters
@@ -29,7 +29,7 @@ def sampling_law(
 
     Returns
     -------
-    ndarray, shape (3,)
+    tuple of float
         Mean and standard deviation of its answers, and the fraction that come out the same for the same seed.
     """
     first, again = (
@@ -38,7 +38,7 @@ def sampling_law(
         )
         for seeds in (range(repeats), range(min(repeats, 20)))
     )
-    return np.array([first.mean(), first.std(), float((first[: len(again)] == again).mean())])
+    return float(first.mean()), float(first.std()), float((first[: len(again)] == again).mean())
 
 
 def jacobian(

@@ -93,6 +93,9 @@ class Exercise:
     with_reference : float
         Fraction of the points that are earned where it is right with the reference's `uses`, but not with the student's
         own: one error is not punished twice.
+    equivalents : mapping of str to str
+        Lines of the solution's mutants that are right, just written in another way, each with the reason. `nao-course
+        mutate` counts these mutants apart, and runs them on more hidden cases than the others.
     """
 
     name: str
@@ -108,6 +111,7 @@ class Exercise:
     driver: str = ""
     in_place: bool = False
     with_reference: float = 1.0
+    equivalents: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

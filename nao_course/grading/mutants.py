@@ -39,6 +39,7 @@ from nao_course.grading.plans import (
 )
 from nao_course.grading.worker import Worker
 
+MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
 SECONDS = 3.0  # that a mutant may take for one case; after that it counts as caught
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
@@ -81,6 +82,12 @@ class Mutant:
     source: str
 
     @property
+    def lines(self) -> frozenset[str]:
+        """The lines that the original does not have, without indents."""
+        before = {line.strip() for line in self.original.splitlines()}
+        return frozenset(line.strip() for line in self.source.splitlines()) - before
+
+    @property
     def diff(self) -> str:
         """What was changed, as a unified diff."""
         before, after = self.original.splitlines(), self.source.splitlines()
@@ -98,11 +105,14 @@ class Trial:
         Which.
     hidden, public : bool
         Whether the hidden cases and the public checks tell it from the solution.
+    reason : str
+        Why it is right, where the declaration says so and no hidden case speaks against it.
     """
 
     mutant: Mutant
     hidden: bool
     public: bool
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -122,12 +132,19 @@ class MutationReport:
 
     @property
     def survivors(self) -> list[Mutant]:
-        """Mutants that lose no points; some are right, and just another way to write it."""
-        return [trial.mutant for trial in self.trials if not trial.hidden]
+        """Mutants that lose no points though nobody has said that they are right."""
+        return [trial.mutant for trial in self.trials if not trial.hidden and not trial.reason]
+
+    @property
+    def equivalents(self) -> list[Trial]:
+        """Mutants that are right, each with its reason."""
+        return [trial for trial in self.trials if trial.reason]
 
     def caught(self, exercise: str | None = None) -> tuple[int, int, int]:
-        """How many mutants the hidden cases catch, how many the public checks, and of how many."""
-        trials = [trial for trial in self.trials if exercise in (None, trial.mutant.exercise)]
+        """How many wrong mutants the hidden cases catch, how many the public checks, and of how many."""
+        trials = [
+            trial for trial in self.trials if not trial.reason and exercise in (None, trial.mutant.exercise)
+        ]
         return sum(trial.hidden for trial in trials), sum(trial.public for trial in trials), len(trials)
 
 
@@ -157,6 +174,11 @@ def mutate(
     notebook = solution_notebook(name, solutions)
     sources = _sources(notebook, [exercise.name for exercise in plan.exercises])
     tests = {exercise.name: _tests(exercise, functions[exercise.name], seeds) for exercise in plan.exercises}
+    more = {
+        each.name: _tests(each, functions[each.name], MORE_SEEDS)[0]
+        for each in plan.exercises
+        if each.equivalents
+    }
     mutants = [mutant for each in plan.exercises for mutant in make_mutants(each.name, sources[each.name])]
     with ExitStack() as stack:
         free: SimpleQueue[Worker] = SimpleQueue()
@@ -168,7 +190,13 @@ def mutate(
             try:
                 worker.overrides = {mutant.exercise: mutant.source}
                 exercise, hidden, public = plan[mutant.exercise], *tests[mutant.exercise]
-                return Trial(mutant, _fails(worker, exercise, hidden), _fails(worker, exercise, public))
+                caught = _fails(worker, exercise, hidden)
+                reason = "; ".join(
+                    text for line, text in exercise.equivalents.items() if line in mutant.lines
+                )
+                if reason and not caught:
+                    caught = _fails(worker, exercise, more[mutant.exercise])
+                return Trial(mutant, caught, _fails(worker, exercise, public), "" if caught else reason)
             finally:
                 free.put(worker)
 
@@ -182,10 +210,23 @@ def show(report: MutationReport, console: Console | None = None) -> None:
     console = console or Console()
     for mutant in report.survivors:
         console.print(Syntax(mutant.diff, "diff", background_color="default", word_wrap=True))
-    table = Table("exercise", "mutants", "caught by hidden cases", "by public checks", title=report.lesson)
+    for trial in report.equivalents:
+        console.print(f"{trial.mutant.exercise}: {', '.join(sorted(trial.mutant.lines))}", markup=False)
+        console.print(f"    is right: {trial.reason}", markup=False)
+    columns = (
+        "exercise",
+        "mutants",
+        "right ones",
+        "of the others: caught by hidden cases",
+        "by public checks",
+    )
+    table = Table(*columns, title=report.lesson)
     for name in [*dict.fromkeys(trial.mutant.exercise for trial in report.trials), None]:
         hidden, public, total = report.caught(name)
-        table.add_row(name or "all", str(total), _share(hidden, total), _share(public, total))
+        right = sum(name in (None, trial.mutant.exercise) for trial in report.equivalents)
+        table.add_row(
+            name or "all", str(total + right), str(right), _share(hidden, total), _share(public, total)
+        )
     console.print(table)
 
 

@@ -220,6 +220,18 @@ RGB_TO_HSL = Exercise(
         "OpenCV in floats": _hsl_opencv,
         "float32": _hsl_float32,
     },
+    equivalents={
+        "grey = spread <= 0": "a largest minus a smallest value is never below 0",
+        "in_blue = np.where(largest <= green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)": "no channel is above the largest one, so at most it equals it",
+        "sixth = np.where(largest <= red, (green - blue) / divisor, in_blue)": "no channel is above the largest one, so at most it equals it",
+        "divisor = np.where(grey, 2.0, spread)": "a grey pixel's numerators are 0, whatever they are divided by",
+        "saturation = spread / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's spread is 0, whatever it is divided by",
+        "largest = np.maximum(blue, np.maximum(red, green))": "the largest of three numbers does not depend on their order",
+        "largest = np.maximum(np.maximum(green, red), blue)": "the largest of three numbers does not depend on their order",
+        "smallest = np.minimum(blue, np.minimum(red, green))": "the smallest of three numbers does not depend on their order",
+        "smallest = np.minimum(np.minimum(green, red), blue)": "the smallest of three numbers does not depend on their order",
+        "saturation = spread / np.where(grey, 1.0, 1 - np.abs(1 - (largest + smallest)))": "an absolute value has no sign",
+    },
 )
 
 
@@ -241,7 +253,7 @@ _CALLS = count()
 
 
 def _sample_of_its_own(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    """As np.random would: other pixels at each call. The driver calls 320 times, so each case sees the same ones."""
+    """As np.random would: other pixels at each call. The driver calls 320 times, or 6 x 320: each case sees the same ones."""
     return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 320))
 
 
@@ -269,8 +281,15 @@ AVERAGE_LIGHTNESS = Exercise(
     points=1,
     stars=1,
     driver="sampling_law",
-    public=lambda: [Case((_patchy(np.random.default_rng(12), 32, 40), 40, 300), "300 samples of 40 pixels")],
-    hidden=lambda rng: [Case((_patchy(rng, 48, 64), 50, 300)), Case((_patchy(rng, 60, 40), 20, 300))],
+    public=lambda: [
+        Case((_patchy(np.random.default_rng(12), 32, 40), 40, 300), "300 samples of 40 pixels"),
+        Case((np.array([[250.0, 0.0]]), 1, 1900), "a picture of two pixels"),
+    ],
+    hidden=lambda rng: [
+        Case((_patchy(rng, 48, 64), 50, 300)),
+        Case((_patchy(rng, 60, 40), 20, 300)),
+        Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 1900)),
+    ],
     comparison=Close(
         rtol=0.25,
         atol=1e-9,
@@ -323,6 +342,9 @@ AVERAGE_LIGHTNESS = Exercise(
         "a loop": _sample_loop,
         "rows and columns apart": _sample_apart,
         "without replacement": _sample_without_replacement,
+    },
+    equivalents={
+        "return lightness.ravel()[chosen].mean()": "NumPy's float64 is a float",
     },
 )
 
@@ -470,6 +492,12 @@ HUE_MASK = Exercise(
             np.logical_and(hue >= low, hue <= high), (low > high) & ((hue >= low) | (hue <= high))
         ),
     },
+    equivalents={
+        "return above & below if low <= high else above + below": "+ of two boolean arrays is their |",
+        "return above & below if low <= high else above ^ below": "where low > high no hue is both above low and below high, and only there ^ differs from |",
+        "return above * below if low <= high else above | below": "* of two boolean arrays is their &",
+        "above, below = (hue <= high, hue >= low)": "the names are swapped, and & and | do not mind",
+    },
 )
 
 
@@ -526,6 +554,9 @@ CALIBRATE_HUE = Exercise(
         Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
         Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
         Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.3]]), 5.0), "epsilon reaches over 0"),
+        Case(
+            (np.array([[350.0, 355.0, 5.0, 10.0]]), np.full((1, 4), 0.8), 2.0), "the example of the docstring"
+        ),
     ],
     hidden=lambda rng: [
         *(
@@ -537,6 +568,10 @@ CALIBRATE_HUE = Exercise(
         Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
         Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
         Case(_grass(rng, 55.0, 10.0)),
+        Case((np.array([[351.0, 356.0, 6.0, 11.0]]), np.full((1, 4), 0.7), 1.5)),
+        *(
+            Case((np.array([[3.0, 3.0 + gap]]), np.full((1, 2), 0.5))) for gap in (179.6, 180.4)
+        ),  # a close race
     ],
     comparison=Close(rtol=0, atol=0.02),
     hints=(
@@ -596,6 +631,12 @@ CALIBRATE_HUE = Exercise(
         "a loop": _limits_loop,
         "about the mean direction": _limits_about_mean,
         "a list of float32": _limits_list,
+    },
+    equivalents={
+        "low, high = (coloured[last + 1 - len(coloured)], coloured[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
+        "coloured = np.unique(hue[saturation != 0])": "no saturation is below 0",
+        "return ((low - epsilon) % 360, float((high + epsilon) % 360))": "NumPy's float64 is a float",
+        "return (float((low - epsilon) % 360), (high + epsilon) % 360)": "NumPy's float64 is a float",
     },
 )
 
@@ -726,8 +767,10 @@ COLOR_LABELS = Exercise(
             (picture(np.random.default_rng(21), 12, 16), (350.0, 60.0), (40.0, 70.0), 120.0),
             "green through 0",
         ),
+        Case((primaries(), (60.0, 180.0), (0.0, 50.0), 130.0, 1.0), "a floor that only pure colours reach"),
     ],
     hidden=lambda rng: [
+        Case((primaries()[::-1], (70.0, 180.0), (0.0, 60.0), 130.0, 1.0)),
         Case((picture(rng, 30, 40), _GREEN, _YELLOW, 180.0)),
         Case((picture(rng, 30, 40), _GREEN, _YELLOW, 120.0, 0.3071)),
         Case((picture(rng, 30, 40), (330.0, 120.0), (40.0, 80.0), 200.0, 0.0)),
@@ -803,6 +846,10 @@ COLOR_LABELS = Exercise(
         ),
     ],
     alternatives={"a loop": _labels_loop, "np.select and OpenCV": _labels_select, "int64": _labels_int},
+    equivalents={
+        "labels[hue_mask(hue, *green) * coloured] = 1": "* of two boolean arrays is their &",
+        "labels[hue_mask(hue, *yellow) * coloured] = 2": "* of two boolean arrays is their &",
+    },
 )
 
 
