@@ -292,10 +292,16 @@ def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer
         if source.startswith("prediction(") or re.search(r"\*\*Predict, and write it down", source)
     ]
     assert predicted and "**Predict" in "".join(sources[predicted[0] - 1 : predicted[0] + 1])
-    questions = read_public(name).questions
-    assert len(questions) >= 2 and all(f'check.question("{each.name}")' in sources for each in questions)
-    for question in questions:
-        replies = list(question.choices.values())
+    asked = {
+        each.name: list(each.choices.values())
+        for each in read_public(name).questions
+        if f'check.question("{each.name}")' in sources
+    }
+    assert len(asked) == len(read_public(name).questions)
+    for number, cell in enumerate(re.split(r"^\*\*Think\.\*\*", "\n".join(sources), flags=re.MULTILINE)[1:]):
+        asked[f"think {number}"] = re.findall(r"</summary>\n+(.+?)\n*</details>", cell, re.DOTALL)
+    assert len(asked) >= 2
+    for replies in asked.values():
         assert len(replies) >= 3 and len(set(replies)) == len(replies) and all(map(str.strip, replies))
 
 
