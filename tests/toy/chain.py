@@ -1,0 +1,104 @@
+"""A course of one small lesson whose exercises build on each other, ready to be graded without being built."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from nao_course.grading.building import Course, load_course
+
+LESSON = "90_chain"
+SECRET = b"a secret of sixteen bytes, or more"
+DECLARATION = """
+import numpy as np
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Written
+
+def arrays(rng):
+    return [Case((rng.uniform(-1000, 1000, (4, 3)),)) for _ in range(3)]
+
+def exercise(name, points, mistake, **more):
+    public = [Case((np.array([[1.5, -2.0], [0.25, 3.0]]),), "small"), Case((np.ones((2, 1)),), "ones")]
+    wrong = [Mistake("slip", mistake, f"That is the slip in {name}.")]
+    return Exercise(name, points, lambda: public, arrays, ("a", "b"), wrong, {}, **more)
+
+PLAN = LessonPlan(
+    [
+        exercise("double", 2, lambda x: 3 * x),
+        exercise("plus_one", 1, lambda x: x + 2),
+        exercise("both", 3, lambda x: 2 * x, uses=("double", "plus_one"), with_reference=0.5),
+        exercise("total", 1, lambda x: float(x.mean()), in_place=True),
+    ],
+    written=[Written("why", 2, "Why?", "Because.")],
+)
+"""
+SETUP = "import numpy as np"
+RIGHT = {
+    "double": "def double(x):\n    return 2 * x",
+    "plus_one": "def plus_one(x):\n    return x + 1",
+    "both": "def both(x):\n    return plus_one(double(x))",
+    "total": "def total(x):\n    return float(x.sum())",
+}
+BLANK = {name: f"def {name}(x):\n    raise NotImplementedError" for name in RIGHT}
+MISTAKES = {
+    "double": "def double(x):\n    return 3 * x",
+    "plus_one": "def plus_one(x):\n    return x + 2",
+    "both": "def both(x):\n    return 2 * x",
+    "total": "def total(x):\n    return float(x.mean())",
+}
+
+
+def cell(
+    kind: str, source: str, grading: dict[str, object] | None = None, role: str = ""
+) -> dict[str, object]:
+    """A cell of a notebook."""
+    metadata: dict[str, object] = {"nbgrader": grading} if grading else {}
+    metadata |= {"nao_course": {"role": role}} if role else {}
+    code = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    return {
+        "cell_type": kind,
+        "id": f"c{abs(hash(source)) % 10**8}",
+        "metadata": metadata,
+        "source": source,
+        **code,
+    }
+
+
+def notebook(functions: dict[str, str] | None = None, answer: str = "", extra: str = "") -> bytes:
+    """The lesson with some functions; the others are right."""
+    cells = [cell("code", SETUP, role="setup")]
+    for name, source in (RIGHT | (functions or {})).items():
+        grading = {"schema_version": 3, "grade_id": name, "solution": True, "grade": False, "locked": False}
+        cells.append(cell("code", source, grading))
+    grading = {
+        "schema_version": 3,
+        "grade_id": "why",
+        "solution": True,
+        "grade": True,
+        "locked": False,
+        "points": 2,
+    }
+    cells.append(cell("markdown", answer, grading, "written"))
+    if extra:
+        cells.append(cell("code", extra))
+    stamp = {"nao_course": {"lesson": LESSON, "version": "1"}}
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}).encode()
+
+
+def make_course(root: Path) -> Course:
+    """Lay the course out in a folder."""
+    for folder in ("solutions/exercises", "notebooks"):
+        (root / folder).mkdir(parents=True)
+    (root / "course.toml").write_text('title = "Chain"\nversion = "1"\n')
+    (root / "solutions" / f"{LESSON}.md").write_text("# Chain\n")
+    (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
+    (root / "solutions" / f"{LESSON}.ipynb").write_bytes(notebook())
+    (root / "notebooks" / f"{LESSON}.ipynb").write_bytes(notebook(BLANK))
+    return load_course(root)
+
+
+def hand_in(root: Path, student: str, content: bytes) -> Path:
+    """Put a student's notebook where it is looked for."""
+    (root / student).mkdir(parents=True, exist_ok=True)
+    path = root / student / f"{LESSON}.ipynb"
+    path.write_bytes(content)
+    return path
