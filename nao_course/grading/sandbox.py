@@ -68,8 +68,8 @@ class Bounds:
     Parameters
     ----------
     memory : int
-        Bytes: of each process's address space beyond what the server itself has, and, where there is a PID namespace,
-        of what all its processes hold together.
+        Bytes: of what each process may map to write to, beyond what the server itself has (with what it shares or only
+        reserves, twice that), and, where there is a PID namespace, of what all its processes hold together.
     processes : int
         Processes and threads.
     scratch : int
@@ -476,7 +476,8 @@ def limit_resources(bounds: Bounds) -> None:
         "RLIMIT_FSIZE": bounds.scratch,
         "RLIMIT_NOFILE": bounds.files,
         "RLIMIT_NPROC": bounds.processes if sys.platform == "linux" else resource.RLIM_INFINITY,
-        "RLIMIT_AS": _address_space() + bounds.memory if sys.platform == "linux" else resource.RLIM_INFINITY,
+        "RLIMIT_AS": _mapped(0) + 2 * bounds.memory if sys.platform == "linux" else resource.RLIM_INFINITY,
+        "RLIMIT_DATA": _mapped(5) + bounds.memory if sys.platform == "linux" else resource.RLIM_INFINITY,
         "RLIMIT_MSGQUEUE": 0,
         "RLIMIT_MEMLOCK": 0,
     }
@@ -490,10 +491,10 @@ def limit_resources(bounds: Bounds) -> None:
             resource.setrlimit(kind, (least, least))
 
 
-def _address_space() -> int:
-    """Bytes that this process has mapped."""
+def _mapped(which: int) -> int:
+    """Bytes that this process has mapped: in all (0), or that it may write to alone (5)."""
     with open("/proc/self/statm") as file:
-        return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        return int(file.read().split()[which]) * os.sysconf("SC_PAGE_SIZE")
 
 
 # --- trying ---

@@ -54,6 +54,7 @@ _WARM = (
 _KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")
 _SECONDS_TO_START = 90.0  # all those imports, on a machine that is busy
 _SECONDS_TO_REPLY = 20.0
+_SECONDS_TO_END = 2.0
 _WATCH = 0.05  # seconds between two looks at how much memory the workers hold
 _MOST_BYTES = 2**16  # of a message
 TOO_MUCH_MEMORY = "the process and its children used more than {0} MB of memory"
@@ -174,9 +175,11 @@ class WarmServer:
         self.generation += 1
         control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._control = control
-        self._folder = tempfile.mkdtemp(prefix="nao-course-")
+        if "mount namespace" not in self.sandbox.on:
+            self._folder = tempfile.mkdtemp(prefix="nao-course-")
         told = {"on": sorted(self.sandbox.on), "bounds": asdict(self.bounds), "folder": self._folder}
         environment = {name: os.environ[name] for name in _KEPT if name in os.environ} | SINGLE_THREADED
+        environment["MALLOC_ARENA_MAX"] = "2"  # else each thread takes 64 MB of its address space
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), json.dumps(told)],
@@ -225,9 +228,11 @@ class WarmServer:
             self._control.close()  # it ends when nobody can ask any more
             self._control = None
         if self._process:
-            with contextlib.suppress(ProcessLookupError):
+            try:
+                self._process.wait(_SECONDS_TO_END)
+            except subprocess.TimeoutExpired:
                 self._process.kill()
-            self._process.wait()
+                self._process.wait()
             self._process = None
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -373,9 +378,11 @@ class _Server:
         """End workers whose processes together hold too much memory."""
         if self.ours is None:
             return
-        most = self.walls.bounds.memory
+        parents, own = dict(_processes()), _held("self")
         for worker in self.workers.values():
-            if not worker.over and worker.keeper and _memory_of(worker.process) > most:
+            roots = {worker.process, worker.keeper}
+            held = sum(max(_held(str(each)) - own, 0) for each in parents if _descends(each, roots, parents))
+            if worker.keeper and not worker.over and held > self.walls.bounds.memory:
                 worker.over = True
                 os.kill(worker.keeper, signal.SIGKILL)
 
@@ -409,23 +416,19 @@ def _processes() -> Iterator[tuple[int, int]]:
                 yield int(name), int(file.read().rpartition(b")")[2].split()[1])
 
 
-def _memory_of(worker: int) -> int:
-    """Bytes that all processes of a worker's PID namespace hold beyond what each shares with the server."""
-    try:
-        namespace = os.readlink(f"/proc/{worker}/ns/pid")
-    except OSError:
-        return 0
-    shared, total = _held("self"), 0
-    for process, _ in _processes():
-        with contextlib.suppress(OSError):
-            if os.readlink(f"/proc/{process}/ns/pid") == namespace:
-                total += max(_held(str(process)) - shared, 0)
-    return total
+def _descends(process: int, roots: set[int | None], parents: Mapping[int, int]) -> bool:
+    """Whether a process is one of some, or comes from one."""
+    while process in parents:
+        if process in roots:
+            return True
+        process = parents[process]
+    return False
 
 
 def _held(process: str) -> int:
+    """Bytes of memory that a process holds, but for files; 0 for one that has just ended."""
     held = 0
-    with open(f"/proc/{process}/status", "rb") as file:
+    with contextlib.suppress(OSError), open(f"/proc/{process}/status", "rb") as file:
         for line in file:
             if line.startswith((b"RssAnon:", b"RssShmem:", b"VmSwap:")):
                 held += int(line.split()[1]) * 1024
