@@ -216,6 +216,45 @@ def regrade(
         commands.regrade_student(console, grades, student, lesson, points, reason)
 
 
+@app.command()
+def export(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    format_: str = typer.Option(..., "--format", help="csv or gradescope."),
+    lesson: str = typer.Option("", help="Number of a lesson; by default all."),
+) -> None:
+    """Write grades for another system into GRADES/exports (instructors)."""
+    with _plainly():
+        from nao_course.grading import handing_over
+
+        for line in handing_over.export(grades, format_, lesson):
+            _say(line)
+
+
+@app.command()
+def marks(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    file: Path | None = typer.Argument(
+        None, help="A sheet that is filled in; without it, sheets are written."
+    ),
+) -> None:
+    """Write sheets to mark written answers with, or read one back (instructors)."""
+    with _plainly():
+        from nao_course.grading import handing_over
+
+        for line in handing_over.marks(grades, file):
+            _say(line)
+
+
+@app.command()
+def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
+    """Write a page about the class: scores, exercises, what was refused (instructors)."""
+    with _plainly():
+        from nao_course.grading import handing_over
+
+        for line in handing_over.report(grades):
+            _say(line)
+
+
 @new.command("exercise")
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""

@@ -136,6 +136,9 @@ def feedback_page(score: Score) -> str:
 
 def _score(score: Score) -> Iterator[Markup]:
     """The number, the bar, and one sentence that says what they are made of."""
+    if score.points == 0 and score.result.status == "graded":
+        yield element("p", "This lesson gives no points: it is there to try things out.")
+        return
     waiting = sum(each.points for each in score.waiting)
     of = f" of {_points(score.points)}{' so far' if waiting else ''}"
     yield element("p", number(score.earned), element("span", of), class_="score")

@@ -79,9 +79,14 @@ table { border-collapse: collapse; width: 100%; margin-top: 0.6rem; font-size: 0
 th, td { text-align: left; padding: 0.35rem 0.6rem 0.35rem 0; border-bottom: 1px solid var(--line);
   vertical-align: top; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
+th[scope="row"] { min-width: 7rem; }
 .scroll { overflow-x: auto; }
+.scroll th, .scroll td { white-space: nowrap; padding-right: 1rem; }
+main > h3 { margin-top: 1.6rem; }
+.card > table { margin-top: 0; }
+tr:last-child > * { border-bottom: 0; }
 figure { margin: 0.8rem 0 0; }
-figure img { background: #ffffff; border-radius: 0.4rem; width: 100%; }
+figure img { background: #ffffff; border-radius: 0.4rem; width: 100%; min-width: 34rem; max-width: none; }
 figcaption { font-size: 0.9rem; color: var(--soft); margin-top: 0.4rem; }
 footer { margin-top: 2.5rem; padding-top: 0.8rem; border-top: 1px solid var(--line); font-size: 0.85rem;
   color: var(--soft); }
