@@ -268,7 +268,7 @@ class _Server:
             if poll.poll(_WATCH * 1000 if self.workers else None):
                 message, descriptors, _, _ = socket.recv_fds(self.control, _MOST_BYTES, 1)
                 if not message:
-                    os._exit(0)
+                    self.leave()
                 self.say(self.answer(json.loads(message), descriptors))
             self.watch()
 
@@ -276,7 +276,14 @@ class _Server:
         try:
             self.control.send(json.dumps(reply).encode())
         except OSError:
-            os._exit(0)
+            self.leave()
+
+    def leave(self) -> NoReturn:
+        """End, with all workers; where there is a PID namespace, they do so by themselves."""
+        if self.ours is None:
+            for number in list(self.workers):
+                self.end(number)
+        os._exit(0)
 
     def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
         if "end" in request:
@@ -358,8 +365,7 @@ class _Server:
         _, status = os.waitpid(worker.process, 0)
         if worker.keeper:
             os.waitpid(worker.keeper, 0)
-        else:
-            self.sweep()
+        self.sweep()
         if not self.mounts:
             shutil.rmtree(worker.folder, ignore_errors=True)
         if worker.over:
@@ -368,6 +374,8 @@ class _Server:
 
     def sweep(self) -> None:
         """End what workers left behind; where there is no PID namespace, it becomes the server's child."""
+        if self.ours is not None:
+            return
         known = {worker.process for worker in self.workers.values()}
         while strays := [child for child in _children(os.getpid()) if child not in known]:
             for stray in strays:
@@ -449,6 +457,7 @@ def _warm_up() -> None:
 def _serve(control: socket.socket, told: Mapping[str, Any], users: list[int]) -> NoReturn:
     try:
         syscalls.die_with_parent(signal.SIGKILL)
+        syscalls.adopt_orphans()
         on = frozenset(told["on"])
         paths = tuple(walls_module.readable())
         program = walls_module.seccomp_program() if "seccomp" in on else b""

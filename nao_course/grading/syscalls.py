@@ -24,6 +24,7 @@ ATTR_RDONLY, ATTR_NOSUID, ATTR_NODEV = 1, 2, 4  # of mount_setattr
 _SYS_MOUNT_SETATTR, _SYS_LANDLOCK = 442, (444, 445, 446)  # the same on all of Linux's processors but Alpha
 _AT_FDCWD, _AT_RECURSIVE = -100, 0x8000
 _PR_SET_PDEATHSIG, _PR_SET_DUMPABLE, _PR_SET_SECCOMP, _PR_SET_NO_NEW_PRIVS = 1, 4, 22, 38
+_PR_SET_CHILD_SUBREAPER = 36
 _CAPABILITIES_VERSION = 0x20080522
 
 # Landlock: rights in files by the version that brought them (linux/landlock.h).
@@ -100,6 +101,11 @@ def _prctl(option: int, value: int, pointer: object = None) -> None:
 def die_with_parent(signal: int) -> None:
     """Have this process sent a signal when the thread that forked it ends."""
     _prctl(_PR_SET_PDEATHSIG, signal)
+
+
+def adopt_orphans() -> None:
+    """Become the parent of every process below this one whose own parent ends."""
+    _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
 def no_new_privileges() -> None:
