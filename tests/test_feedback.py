@@ -43,7 +43,7 @@ def test_what_works_stands_before_what_does_not():
     )
 
 
-@pytest.mark.parametrize("state", set(get_args(State)) - {"right"})
+@pytest.mark.parametrize("state", sorted({*get_args(State)} - {"right", "not attempted"}))
 def test_every_way_to_fail_has_its_own_words_and_says_what_to_do(state):
     _, short, meaning = _STATES[state]
     assert sum(short == each[1] for each in _STATES.values()) == 1
@@ -51,6 +51,16 @@ def test_every_way_to_fail_has_its_own_words_and_says_what_to_do(state):
     for said in (short, "The shape is (3,).", "line 3: return x", "0 of 2 points"):
         assert said in text
     assert len(meaning) > 20
+
+
+def test_what_is_not_written_stands_last_and_in_short():
+    text = page(
+        exercise("not attempted", name="later", public=("later: not written yet.",)), exercise("wrong")
+    ).text
+    assert text.index("rgb_to_hsl") < text.index("Not written yet") < text.index("later 0 of 2 points")
+    assert text.count("not written yet") == 0, "once is enough"
+    changed = page(exercise("not attempted"), overrides=[override()]).text
+    assert "1 of 2 points" in changed and "The sheet allowed it." in changed
 
 
 def test_the_hint_stands_once_though_the_public_check_says_it_too():

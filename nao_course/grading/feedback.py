@@ -58,7 +58,7 @@ _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what
     "not attempted": (
         "calm",
         "Not written yet",
-        "The function still raises NotImplementedError, as it does in the blank notebook.",
+        "Here the function still raises `NotImplementedError`, as in the blank notebook.",
     ),
     "not found": (
         "bad",
@@ -165,29 +165,46 @@ def _whole(score: Score, exercise: ExerciseResult) -> bool:
 
 
 def _exercises(score: Score) -> Iterator[Markup]:
-    """What works first, in short; then the others, one block each."""
-    plain = [each for each in score.result.exercises if _is_plainly_right(score, each)]
-    others = [each for each in score.result.exercises if each not in plain]
+    """What works first, in short; then what failed, one block each; then what is not written, in short."""
+    plain = [each for each in score.result.exercises if _is_plain(score, each, "right")]
+    unwritten = [each for each in score.result.exercises if _is_plain(score, each, "not attempted")]
+    others = [each for each in score.result.exercises if each not in plain and each not in unwritten]
     if plain:
-        rows = [
-            element(
-                "li",
-                element("span", element("span", "✔ ", class_="good", aria_hidden="true"), *_title(each)),
-                element("span", _points(each.earned), class_="points"),
-                *(element("p", "One thing: ", prose(note), class_="small soft") for note in each.notes),
-            )
-            for each in plain
-        ]
         yield element("h2", "What works")
-        yield element("ul", *rows, class_="right")
+        yield _short_list(plain, "good", "✔ ")
     if others:
         yield element("h2", "What to look at" if plain else "Your exercises")
         for each in others:
             yield element("article", *_exercise(score, each), class_="card")
+    if unwritten:
+        _, short, meaning = _STATES["not attempted"]
+        yield element("h2", short)
+        yield element("p", prose(meaning), class_="soft")
+        yield _short_list(unwritten, "calm", "○ ")
 
 
-def _is_plainly_right(score: Score, exercise: ExerciseResult) -> bool:
-    return exercise.state == "right" and not exercise.with_reference and exercise.name not in score.overrides
+def _is_plain(score: Score, exercise: ExerciseResult, state: State) -> bool:
+    """Whether an exercise's state and points say it all."""
+    return exercise.state == state and not exercise.with_reference and exercise.name not in score.overrides
+
+
+def _short_list(exercises: Iterable[ExerciseResult], colour: str, sign: str) -> Markup:
+    rows = [
+        element(
+            "li",
+            element("span", element("span", sign, class_=colour, aria_hidden="true"), *_title(each)),
+            element("span", _earned(each), class_="points"),
+            *(element("p", "One thing: ", prose(note), class_="small soft") for note in each.notes),
+        )
+        for each in exercises
+    ]
+    return element("ul", *rows, class_="right")
+
+
+def _earned(exercise: ExerciseResult) -> str:
+    if exercise.state == "right":
+        return _points(exercise.earned)
+    return f"{number(exercise.earned)} of {_points(exercise.points)}"
 
 
 def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
@@ -231,7 +248,8 @@ def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
         yield Said("text", f"It is right in {exercise.passed} of {exercise.cases} hidden cases.")
     if exercise.line:
         yield Said("code", exercise.line, "Your own line where it happened:")
-    if lines := [line for line in exercise.public if line != exercise.hint]:
+    lines = [line for line in exercise.public if line != exercise.hint]
+    if lines and exercise.state != "not attempted":  # there it says the same
         yield Said("code", "\n".join(lines), "The public check, check(…) in your notebook, says:")
     if exercise.hint:
         yield Said("box", exercise.hint, "Hint", "calm")
