@@ -199,7 +199,7 @@ def test_an_error_of_the_graders_own_is_said_and_the_status_is_not_0(
 
 def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_path):
     assignment = prepare(course, "90", chain.SECRET)
-    found = list(of_lessons(gather(handed_in, tmp_path, course.names()), course.names()))
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
     results = []
     for jobs in (1, 2, 4):
         random.Random(jobs).shuffle(found)
@@ -238,7 +238,7 @@ def refusal(submission, assignment):
 
 def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in, tmp_path):
     assignment = prepare(course, "90", chain.SECRET)
-    found = list(of_lessons(gather(handed_in, tmp_path, course.names()), course.names()))
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
     done = []
 
     def tell(submission):
@@ -256,9 +256,40 @@ def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in
 
 
 @posix
+def test_control_c_on_the_command_is_no_traceback(course, tmp_path):
+    for number in range(40):
+        chain.hand_in(tmp_path / "in", f"s{number}", chain.notebook(extra=f"n = {number}"))
+    words = [
+        sys.executable,
+        "-m",
+        "nao_course.cli",
+        "grade",
+        str(tmp_path / "in"),
+        "--out",
+        str(tmp_path / "grades"),
+    ]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
+    while not (tmp_path / "grades" / "feedback").is_dir() and process.poll() is None:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (130, "")
+    assert "Stopped. What is graded is kept" in said
+    assert 0 < len(kept(tmp_path / "grades")) < 40
+
+
+@posix
 def test_a_full_disk_ends_the_run_with_a_clear_error(course, server, handed_in, tmp_path, monkeypatch):
     assignment = prepare(course, "90", chain.SECRET)
-    found = list(of_lessons(gather(handed_in, tmp_path, course.names()), course.names()))
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
     with Journal(tmp_path / "grades") as journal:
         pages = journal._database.execute("PRAGMA page_count").fetchone()[0]
         journal._database.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own full disk
@@ -325,7 +356,7 @@ from nao_course.grading.journal import Journal
 from nao_course.grading.runs import grade_all
 from nao_course.grading.sandbox import Sandbox, Layer
 from nao_course.grading.server import WarmServer
-from nao_course.grading.submissions import gather
+from nao_course.grading.submissions import gather, of_lessons
 assignment = pickle.loads(Path(sys.argv[1]).read_bytes())
 found = gather(Path(sys.argv[2]), Path(sys.argv[3]), [assignment.lesson]).submissions
 sandbox = pickle.loads(Path(sys.argv[5]).read_bytes())

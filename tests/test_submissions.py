@@ -145,8 +145,12 @@ def test_all_lessons_of_all_students_come_in_order_whatever_the_folders_order(lo
     random.Random(1).shuffle(names)
     found = look(put(tmp_path / "in", *names))
     assert who(found) == [(student, lesson) for student in "abc" for lesson in LESSONS]
-    chosen = [(each.student, each.lesson) for each in of_lessons(found, ["02_goal_posts"])]
-    assert chosen == [(student, "02_goal_posts") for student in "abc"]
+    chosen = gather(tmp_path / "in", tmp_path, LESSONS, ["02_goal_posts"])
+    assert who(chosen) == [(student, "02_goal_posts") for student in "abc"]
+    assert chosen.unknown == ()
+    put(tmp_path / "in", "d/01_hsl_filtering.ipynb", content=b"")
+    everything = of_lessons(gather(tmp_path / "in", tmp_path, LESSONS), LESSONS)
+    assert [each.student for each in everything] == [*"aaabbbccc", "d"]
 
 
 def test_two_students_of_one_name_or_in_other_case_stay_two(look, tmp_path):
@@ -421,7 +425,8 @@ def test_an_encrypted_or_oddly_packed_notebook_is_refused(look, tmp_path):
 def test_a_broken_zip_of_which_the_lesson_is_known_is_refused_and_else_reported(look, tmp_path):
     put(tmp_path / "in", "ada/work.zip", content=b"PK")
     assert look(tmp_path / "in").unknown[0].startswith("ada/work.zip: it is no zip")
-    assert "no zip" in reasons(look(tmp_path / "in", ["01_hsl_filtering"]))["ada", "01_hsl_filtering"]
+    found = gather(tmp_path / "in", tmp_path, LESSONS, ["01_hsl_filtering"])
+    assert "no zip" in reasons(found)["ada", "01_hsl_filtering"]
 
 
 @pytest.mark.parametrize("path", ["nothing", "in.zip"])

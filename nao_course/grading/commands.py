@@ -44,8 +44,8 @@ def grade_folder(
     with Journal(out) as journal, tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(path, Path(scratch), course.names() if not lessons else wanted)
-        waiting = list(of_lessons(found, wanted))
+        found = gather(path, Path(scratch), course.names(), wanted)
+        waiting = of_lessons(found, wanted)
         if not waiting and not found.unknown:
             raise ValueError(
                 f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
@@ -160,7 +160,7 @@ def regrade_student(
             console.print("It is graded again by the next `nao-course grade`.")
             return
         with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
-            found = gather(path, Path(scratch), load_course().names())
+            found = gather(path, Path(scratch), load_course().names(), [result.lesson])
             mine = [each for each in of_lessons(found, [result.lesson]) if each.student == student]
             if not mine:
                 raise ValueError(f"{path} holds no {result.lesson} of {student!r} any more")

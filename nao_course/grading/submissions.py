@@ -22,7 +22,7 @@ import json
 import re
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -160,7 +160,9 @@ def clean_name(name: str) -> str:
     return name
 
 
-def gather(path: Path, scratch: Path, lessons: Sequence[str]) -> Gathered:
+def gather(
+    path: Path, scratch: Path, lessons: Sequence[str], wanted: Sequence[str] | None = None
+) -> Gathered:
     """Find all submissions; of several of one student and lesson, the newest one that can be taken.
 
     Parameters
@@ -171,6 +173,8 @@ def gather(path: Path, scratch: Path, lessons: Sequence[str]) -> Gathered:
         An empty folder of the caller's, where what counts is unpacked to; nothing is written elsewhere.
     lessons : sequence of str
         Names of the lessons that there are.
+    wanted : sequence of str, optional
+        Those to find; all by default. Where it is one, a zip that cannot be opened counts as a submission of it.
 
     Returns
     -------
@@ -182,7 +186,7 @@ def gather(path: Path, scratch: Path, lessons: Sequence[str]) -> Gathered:
     ValueError
         If there is no such folder or zip, or it is none.
     """
-    search = _Search(scratch, tuple(lessons))
+    search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted))
     if path.is_dir():
         items: Iterable[Item] = in_folder(path)
     elif path.is_file():
@@ -273,8 +277,8 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
 class _Search:
     """What has been found so far."""
 
-    def __init__(self, scratch: Path, lessons: tuple[str, ...]) -> None:
-        self.scratch, self.lessons = scratch, lessons
+    def __init__(self, scratch: Path, lessons: tuple[str, ...], wanted: tuple[str, ...]) -> None:
+        self.scratch, self.lessons, self.wanted = scratch, lessons, wanted
         self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
         self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
         self.unknown: list[str] = []
@@ -298,7 +302,7 @@ class _Search:
             path = self.unpack(item, "handed_in.zip", LARGEST_ZIP)
             inside = in_zip(path, students=True)
         except Refused as refused:
-            lesson = lesson_of(name.file, self.lessons) or (self.lessons[0] if len(self.lessons) == 1 else "")
+            lesson = lesson_of(name.file, self.lessons) or (self.wanted[0] if len(self.wanted) == 1 else "")
             if lesson:
                 self.add(
                     replace(item, problem=str(refused)), name, lesson, (), (name.order, item.time), shown
@@ -346,7 +350,8 @@ class _Search:
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""
-        chosen = [self.choose(*key) for key in sorted(self.candidates)]
+        keys = sorted(key for key in self.candidates if key[1] in self.wanted)
+        chosen = [self.choose(*key) for key in keys]
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
@@ -405,7 +410,7 @@ def _receipt_time(items: Iterable[Item]) -> float:
     return 0.0
 
 
-def of_lessons(gathered: Gathered, lessons: Sequence[str]) -> Iterator[Submission]:
-    """Yield what was handed in for some lessons, refused ones too, in the order of students and lessons."""
+def of_lessons(gathered: Gathered, lessons: Sequence[str]) -> list[Submission]:
+    """Return what has to have a result, refused or not, in the order of students and lessons."""
     both = sorted((*gathered.submissions, *gathered.refused), key=lambda each: (each.student, each.lesson))
-    return (each for each in both if each.lesson in lessons)
+    return [each for each in both if each.lesson in lessons]
