@@ -425,8 +425,8 @@ def test_what_is_denied_is_told_to_the_assistant(confined):
     attempt(worker, "os.kill(1, 9)")
     attempt(worker, "os.system('id')")
     for k in range(50):
-        attempt(worker, "os.listdir(args[0])", f"/home/{k}")
-    assert {"open /etc/shadow", "sends a signal to process 1", "os.listdir /home/1"} <= set(worker.notes)
+        attempt(worker, "os.listdir(args[0])", f"/var/spool/{k}")
+    assert {"open /etc/shadow", "sends a signal to process 1", "os.listdir /var/spool/1"} <= set(worker.notes)
     assert any("example.org" in note for note in worker.notes)
     assert any("starts a program" in note for note in worker.notes)
     assert len(worker.notes) == 20

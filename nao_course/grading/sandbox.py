@@ -422,8 +422,8 @@ class Walls:
         if "mount namespace" in self.on:
             self._mount(user or 0, folder)
         os.chdir(folder)
-        limit_resources(self.bounds)
         self._become(user)
+        limit_resources(self.bounds)  # not before: a new user namespace hands its limit up to all of its user's
         self._lock([folder])
 
     def idle(self, user: int | None) -> None:
