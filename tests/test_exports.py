@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.grading import building, gradescope
+from nao_course.grading import building, gradescope, sandbox
 from nao_course.grading.exports import (
     ExportError,
     all_scores,
@@ -321,6 +321,32 @@ def test_gradescope_is_told_what_is_missing_and_what_cannot_be_graded(archive, t
     assert made["score"] == 0 and made["output"].startswith("Refused: ")
 
 
+@posix
+@pytest.mark.slow
+def test_a_submission_cannot_read_the_solution_that_lies_beside_it_there(archive, tmp_path):
+    if sandbox.probe().level == "process":
+        pytest.skip("the sandbox of this machine cannot close folders")
+    root = tmp_path / "autograder"
+    spy = f"""
+def to_radians(degrees):
+    texts = []
+    for name in ("source/secret", "source/solutions/exercises/00_meet_the_nao.py", "submission/00_meet_the_nao.ipynb"):
+        try:
+            texts.append(open({str(root)!r} + "/" + name).read()[:20])
+        except OSError as error:
+            texts.append(type(error).__name__)
+    raise ValueError("I read " + "; ".join(texts))
+"""
+    notebook = json.loads((ROOT / "notebooks" / "00_meet_the_nao.ipynb").read_text(encoding="utf-8"))
+    cells = [cell for cell in notebook["cells"] if "def to_radians" in "".join(cell["source"])]
+    cells[0]["source"] = spy
+    laid_out(archive, root, {"00_meet_the_nao.ipynb": json.dumps(notebook).encode()})
+    done, made = run_there(root)
+    assert done.returncode == 0, done.stderr
+    said = next(each["output"] for each in made["tests"] if each["name"] == "to_radians")
+    assert re.search(r"I read (\w+Error; ){2}\w+Error", said), said
+
+
 def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monkeypatch):
     (tmp_path / "submission").mkdir()
     (tmp_path / "submission" / "00_meet_the_nao.ipynb").write_bytes(b"{}")
@@ -329,6 +355,14 @@ def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monke
     (write / "results.json").write_text("{}")
     failed = SimpleNamespace(failed=["the grader failed"])
     monkeypatch.setattr(gradescope.commands, "run", lambda *_: failed)
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("landlock", True),)))
     with pytest.raises(RuntimeError, match="the grader failed"):
         gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
     assert list(write.iterdir()) == []
+
+
+def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
+    with pytest.raises(RuntimeError, match="keeps a submission from reading the solution.*landlock"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert not (tmp_path / "results").exists()

@@ -24,6 +24,7 @@ from nao_course.grading.exports import as_text, gradescope_results
 from nao_course.grading.journal import Journal
 from nao_course.grading.lessons import LessonError
 from nao_course.grading.pages import visible, write_whole
+from nao_course.grading.sandbox import probe
 from nao_course.grading.scores import score
 from nao_course.grading.secret import keyed
 from nao_course.grading.submissions import gather, of_lessons
@@ -32,6 +33,11 @@ ROOT = Path("/autograder")
 ROOT_VARIABLE = "NAO_COURSE_AUTOGRADER"  # another root, for trying it out elsewhere
 LOCK = "requirements-dev.lock"
 _AS_THEY_ARE = ("course.toml", "pyproject.toml", "README.md", "LICENSE", LOCK)
+_CLOSING = {
+    "landlock",
+    "mount namespace",
+    "unprivileged user",
+}  # layers; each keeps the solution from being read
 _KINDS = {".py", ".typed", ".bin"}
 _SETUP = f"""#!/usr/bin/env bash
 # Runs once, as root, when Gradescope builds the image: a Python that is new enough, and the libraries.
@@ -154,10 +160,15 @@ def grade_submission(root: Path, course: Course, lesson: str) -> Path:
     Raises
     ------
     RuntimeError
-        If the grader itself failed.
+        If the grader itself failed, or a submission could read the solution here.
     """
     path = root / "results" / "results.json"
     path.unlink(missing_ok=True)
+    if not probe().on & _CLOSING:
+        raise RuntimeError(
+            "nothing on this machine keeps a submission from reading the solution beside it: one of "
+            f"{', '.join(sorted(_CLOSING))} is wanted. Nothing was graded."
+        )
     with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
         return write_whole(path, as_text(_results(root / "submission", Path(scratch), course, lesson)))
 
