@@ -327,7 +327,7 @@ def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(n
             below = descendants(server.process)
             os.kill(process(), signal.SIGKILL)
             assert eventually(
-                lambda below=below: not any(os.path.exists(f"/proc/{each}/root/etc") for each in below)
+                lambda below=below: all(map(ended, below))
             )
             with pytest.raises(ServerEnded, match="died"):
                 attempt(worker, "2")

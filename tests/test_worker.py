@@ -503,3 +503,19 @@ def test_a_submission_has_a_total_of_time(notebook, server):
         came = [worker.call("sleeps", ONE).text for _ in range(5)]
         assert "no answer within 0.7 s" in came
         assert came[-1] == "all 2 s that a submission has are used up"
+
+
+def test_the_texts_of_an_answer_are_bounded_whoever_writes_them(tmp_path, server):
+    source = """
+import sys, __main__
+from nao_course.exercises import Outcome, running
+long = "x" * 10**6
+def lies(x):
+    for each in (__main__, sys.modules.get("nao_course.grading.worker")):
+        if each: each.encoded = lambda *_: running.encoded(Outcome("raised", None, long, long, False, long))
+"""
+    path = toy.write(tmp_path / "own.ipynb", source, *["print(1)"] * 1500)
+    with Worker(path, server=server) as worker:
+        outcome = worker.call("lies", ONE)
+        assert (len(outcome.text), len(outcome.line), len(outcome.output)) == (1000, 1000, 8192)
+        assert len(worker.definitions.skipped) == 1000

@@ -145,12 +145,15 @@ class WarmServer:
         """
         ours, theirs = socket.socketpair()
         with self._lock, theirs:
-            self._running()
-            self._forks += 1
-            reply = self._ask({"fork": self._forks}, theirs)
-            if "failed" in reply:
+            try:
+                self._running()
+                self._forks += 1
+                reply = self._ask({"fork": self._forks}, theirs)
+                if "failed" in reply:
+                    raise SandboxError(f"no worker could be forked: {reply['failed']}")
+            except BaseException:
                 ours.close()
-                raise SandboxError(f"no worker could be forked: {reply['failed']}")
+                raise
             return Fork(self._forks, self.generation, ours)
 
     def end(self, fork: Fork) -> str:
@@ -242,20 +245,97 @@ class WarmServer:
 # --- the server's side ---
 
 
+@dataclass(frozen=True)
+class _Keeper:
+    """The first process of a PID namespace, with a descriptor of its own and one of the namespace."""
+
+    process: int
+    itself: int
+    namespace: int
+
+    def kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.itself, signal.SIGKILL)
+
+    def wait(self) -> None:
+        """Wait until it, and with it the namespace, is gone."""
+        poll = select.poll()
+        poll.register(self.itself, select.POLLIN)
+        poll.poll()
+        os.close(self.itself)
+
+
+class _Nursery:
+    """A small process that forks keepers: forking the whole server for each would double what a worker costs."""
+
+    def __init__(self, walls: Walls, users: list[int]) -> None:
+        self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        if os.fork() == 0:
+            try:
+                _close_all_but([theirs.fileno()])
+                _make_keepers(theirs, walls, users[-1] if users else None)
+            finally:
+                os._exit(1)
+        theirs.close()
+
+    def keeper(self) -> _Keeper:
+        """Return a new keeper; OSError where there can be none."""
+        self.channel.send(b"next")
+        message, descriptors, _, _ = socket.recv_fds(self.channel, 100, 1)
+        if not descriptors:
+            raise OSError(message.decode() or "the process that makes PID namespaces has ended")
+        process = int(message)
+        return _Keeper(process, os.pidfd_open(process), descriptors[0])
+
+
+def _make_keepers(channel: socket.socket, walls: Walls, user: int | None) -> NoReturn:
+    """Answer each message with a new PID namespace, until nobody asks any more."""
+    syscalls.die_with_parent(signal.SIGKILL)
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # ended keepers are cleared away by the kernel
+    own = os.open("/proc/self/ns/pid", os.O_RDONLY)
+    while channel.recv(100):
+        try:
+            syscalls.unshare(syscalls.CLONE_NEWPID)
+            keeper = os.fork()
+            if keeper == 0:
+                _keep(walls, user)
+            made = os.open("/proc/self/ns/pid_for_children", os.O_RDONLY)
+            syscalls.setns(own, syscalls.CLONE_NEWPID)
+            socket.send_fds(channel, [str(keeper).encode()], [made])
+            os.close(made)
+        except OSError as error:
+            channel.send(str(error).encode()[:100])
+    os._exit(0)
+
+
+def _keep(walls: Walls, user: int | None) -> NoReturn:
+    """Only be there: all other processes of the namespace end with this one."""
+    try:
+        _close_all_but([])
+        walls.idle(user)
+        while True:
+            signal.pause()
+    finally:
+        os._exit(1)
+
+
 @dataclass
 class _Forked:
     """A worker as the server knows it."""
 
     process: int
-    keeper: int | None
+    keeper: _Keeper | None
     slot: int
     folder: str
     over: bool = False
 
 
 class _Server:
-    def __init__(self, control: socket.socket, walls: Walls, users: list[int], folder: str) -> None:
+    def __init__(
+        self, control: socket.socket, walls: Walls, users: list[int], folder: str, nursery: _Nursery | None
+    ) -> None:
         self.control, self.walls, self.users, self.folder = control, walls, users, folder
+        self.nursery = nursery
         self.workers: dict[int, _Forked] = {}
         self.mounts = "mount namespace" in walls.on
         self.ours = os.open("/proc/self/ns/pid", os.O_RDONLY) if "pid namespace" in walls.on else None
@@ -304,17 +384,18 @@ class _Server:
         folder = SCRATCH if self.mounts else self.make_folder(number, user)
         keeper = None
         try:
-            if self.ours is not None:
-                syscalls.unshare(syscalls.CLONE_NEWPID)
-                keeper = self.child(lambda: self.keep(user), [])
+            if self.nursery:
+                keeper = self.nursery.keeper()
+                syscalls.setns(keeper.namespace, syscalls.CLONE_NEWPID)
             process = self.child(lambda: self.work(user, folder, channel), [channel])
         except OSError:
             if keeper:
-                os.kill(keeper, signal.SIGKILL)
-                os.waitpid(keeper, 0)
+                keeper.kill()
+                keeper.wait()
             raise
         finally:
-            if self.ours is not None:
+            if keeper and self.ours is not None:
+                os.close(keeper.namespace)
                 syscalls.setns(self.ours, syscalls.CLONE_NEWPID)
         self.workers[number] = _Forked(process, keeper, slot, folder)
 
@@ -338,12 +419,6 @@ class _Server:
         finally:
             os._exit(70)
 
-    def keep(self, user: int | None) -> NoReturn:
-        """Be the first process of a PID namespace: all others end with it."""
-        self.walls.idle(user)
-        while True:
-            signal.pause()
-
     def work(self, user: int | None, folder: str, channel: int) -> NoReturn:
         try:
             self.walls.close_around(user, folder)
@@ -355,16 +430,16 @@ class _Server:
 
     def end(self, number: int) -> str:
         worker = self.workers.pop(number)
-        for process in (worker.keeper, worker.process):
-            if process:
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(process, signal.SIGKILL)
-        if not worker.keeper:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(worker.process, signal.SIGKILL)
+        if worker.keeper:
+            worker.keeper.kill()
+        else:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(worker.process, signal.SIGKILL)
         _, status = os.waitpid(worker.process, 0)
         if worker.keeper:
-            os.waitpid(worker.keeper, 0)
+            worker.keeper.wait()
         self.sweep()
         if not self.mounts:
             shutil.rmtree(worker.folder, ignore_errors=True)
@@ -388,11 +463,11 @@ class _Server:
             return
         parents, own = dict(_processes()), _held("self")
         for worker in self.workers.values():
-            roots = {worker.process, worker.keeper}
+            roots = {worker.process, worker.keeper.process if worker.keeper else None}
             held = sum(max(_held(str(each)) - own, 0) for each in parents if _descends(each, roots, parents))
             if worker.keeper and not worker.over and held > self.walls.bounds.memory:
                 worker.over = True
-                os.kill(worker.keeper, signal.SIGKILL)
+                worker.keeper.kill()
 
 
 def _close_all_but(descriptors: list[int]) -> None:
@@ -460,11 +535,13 @@ def _serve(control: socket.socket, told: Mapping[str, Any], users: list[int]) ->
         syscalls.adopt_orphans()
         on = frozenset(told["on"])
         paths = tuple(walls_module.readable())
-        program = walls_module.seccomp_program() if "seccomp" in on else b""
+        program = walls_module.seccomp_program(on) if "seccomp" in on else b""
+        walls = Walls(on, paths, program, Bounds(**told["bounds"]))
+        nursery = _Nursery(walls, users) if "pid namespace" in on else None
         _warm_up()
         if "mount namespace" in on:
             walls_module.narrow_view(paths)
-        server = _Server(control, Walls(on, paths, program, Bounds(**told["bounds"])), users, told["folder"])
+        server = _Server(control, walls, users, told["folder"], nursery)
     except BaseException as error:  # noqa: BLE001 - the grader says what it was
         control.send(json.dumps({"failed": f"{type(error).__name__}: {error}"[:1000]}).encode())
         os._exit(1)

@@ -20,6 +20,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self, get_args
 
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
 
 REPLY = Limits(size=64 * 2**20)
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
+MOST_TEXT = 1000  # characters of an exception's message
+MOST_SKIPPED = 1000  # statements that are listed as not run
+MOST_WRITTEN_ANSWERS = 100
 MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is left out in the next one
 MOST_NOTES = 20
 MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
@@ -243,7 +247,7 @@ class Worker:
                 outcome = self._next(channel)
             if number != self._calls or not _well_formed(outcome):
                 channel.give_up()
-            return outcome
+            return _shortened(outcome)
         except Ended as ended:
             self.close()
             return ended.outcome
@@ -359,7 +363,7 @@ class Worker:
                         at = None
                         raise Ended("not found", reason)
                     case ("found", [*names], [*skipped], dict(written), str(lesson), str(version)):
-                        told = tuple(self._skipped(each) for each in skipped)
+                        told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
                         self._found = Found(
                             _texts(names), told, _answers(written), lesson[:100], version[:100]
                         )
@@ -374,7 +378,7 @@ class Worker:
     def _skipped(self, statement: Any) -> Skipped:
         match statement:
             case (int(cell), int(line), str(reason)):
-                return Skipped(cell, line, self._left_out.get((cell, line), reason))
+                return Skipped(cell, line, self._left_out.get((cell, line), reason[:MOST_TEXT]))
         raise Ended("died", UNREADABLE)
 
 
@@ -386,7 +390,8 @@ def _texts(values: Any) -> tuple[str, ...]:
 
 def _answers(written: dict[str, Any]) -> dict[str, str]:
     if all(isinstance(text, str) for text in written.values()):
-        return {name[:100]: text[:MOST_WRITTEN] for name, text in written.items()}
+        some = islice(written.items(), MOST_WRITTEN_ANSWERS)
+        return {name[:100]: text[:MOST_WRITTEN] for name, text in some}
     raise Ended("died", UNREADABLE)
 
 
@@ -396,6 +401,12 @@ def _well_formed(outcome: Any) -> bool:
         case Outcome(came=str(came), text=str(), line=str(), changed=bool(), output=str()):
             return came in get_args(Came)
     return False
+
+
+def _shortened(outcome: Outcome) -> Outcome:
+    """An outcome whose texts are no longer than an honest worker makes them."""
+    text, line = outcome.text[:MOST_TEXT], outcome.line[:MOST_TEXT]
+    return replace(outcome, text=text, line=line, output=outcome.output[:MOST_OUTPUT])
 
 
 class _Channel:
