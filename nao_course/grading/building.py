@@ -6,10 +6,9 @@ import os
 import re
 import shutil
 import sys
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from subprocess import DEVNULL
 from tempfile import TemporaryDirectory
@@ -25,115 +24,20 @@ from nao_course.exercises import LessonPlan
 from nao_course.exercises.checking import pack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.grading import lessons
-from nao_course.grading.lessons import LessonError
-from nao_course.grading.plans import PlanError, check_plan, load_plan, publish
+from nao_course.grading.course import ANSWER_HERE as ANSWER_HERE
+from nao_course.grading.course import NUMBERED, LessonError
+from nao_course.grading.course import Course as Course
+from nao_course.grading.course import load_course as load_course
+from nao_course.grading.plans import PlanError, check_plan, publish
 
 CHECKS = Path("nao_course", "exercises", "checks")
-ANSWER_HERE = "*Write your answer here: double-click this text.*"
 LARGEST = 1_000_000  # bytes of an executed notebook
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
-_NUMBERED = "[0-9][0-9]_*"
 _ADDRESS = re.compile(r"0x[0-9a-f]{7,16}\b")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)")
 _WIDGET = "application/vnd.jupyter.widget-view+json"
 
 Tell = Callable[[str, str], None]
-
-
-@dataclass(frozen=True)
-class Course:
-    """A checkout of the course, as its course.toml describes it.
-
-    Parameters
-    ----------
-    root : Path
-        The folder of course.toml.
-    title, version : str
-        What releases are called and stamped with.
-    chosen : tuple of str
-        Numbers of the lessons that are released; all where there are none.
-    points : mapping of str to float
-        Points by the exercise's name, where they are not those of its declaration.
-    """
-
-    root: Path
-    title: str
-    version: str
-    chosen: tuple[str, ...] = ()
-    points: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def solutions(self) -> Path:
-        """The folder of the lessons' texts."""
-        return self.root / "solutions"
-
-    def names(self, wanted: Sequence[str] = ()) -> list[str]:
-        """Return the names of lessons, given by number or name; of all by default.
-
-        Raises
-        ------
-        LessonError
-            If there is no such lesson.
-        """
-        there = sorted(path.stem for path in self.solutions.glob(f"{_NUMBERED}.md"))
-        missing = [each for each in wanted if not any(_means(each, name) for name in there)]
-        if missing:
-            raise LessonError(f"there is no lesson {', '.join(missing)} in {self.solutions.name}/; {there}")
-        return [name for name in there if not wanted or any(_means(each, name) for each in wanted)]
-
-    def text(self, name: str) -> Path:
-        """The file of a lesson's text."""
-        return self.solutions / f"{name}.md"
-
-    def plan(self, name: str) -> LessonPlan:
-        """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises."""
-        path = self.solutions / "exercises" / f"{name}.py"
-        plan = load_plan(path) if path.exists() else LessonPlan(())
-        return replace(
-            plan,
-            exercises=[
-                replace(each, points=self.points.get(each.name, each.points)) for each in plan.exercises
-            ],
-            written=[replace(each, points=self.points.get(each.name, each.points)) for each in plan.written],
-        )
-
-
-def _means(wanted: str, name: str) -> bool:
-    return wanted == name or wanted.zfill(2) == name.split("_")[0]
-
-
-def load_course(folder: Path | None = None) -> Course:
-    """Read the course.toml of a folder or of the nearest one above it.
-
-    Raises
-    ------
-    LessonError
-        If there is none, or it is not understood.
-    """
-    start = (folder or Path.cwd()).resolve()
-    for root in (start, *start.parents):
-        if (root / "course.toml").is_file():
-            break
-    else:
-        raise LessonError(
-            "no course.toml in this folder or above: this command is for a checkout of the course"
-        )
-    try:
-        table = tomllib.loads((root / "course.toml").read_text(encoding="utf-8"))
-        course = Course(
-            root,
-            table.pop("title"),
-            table.pop("version"),
-            tuple(table.pop("lessons", ())),
-            dict(table.pop("points", {})),
-        )
-    except (tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise LessonError(f"course.toml: {type(error).__name__}: {error}") from None
-    if table:
-        raise LessonError(
-            f"course.toml: {sorted(table)} is not understood; there are title, version, lessons, points"
-        )
-    return course
 
 
 # --- build ---
@@ -280,7 +184,7 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
     shutil.copytree(course.root / "nao_course", stage / "nao_course")
     (stage / CHECKS).mkdir(exist_ok=True)
     (stage / "solutions").mkdir()
-    for path in course.solutions.glob(f"{_NUMBERED}.ipynb"):  # of lessons that are not built this time
+    for path in course.solutions.glob(f"{NUMBERED}.ipynb"):  # of lessons that are not built this time
         shutil.copy2(path, stage / "solutions")
     if (course.solutions / "images").is_dir():
         shutil.copytree(course.solutions / "images", stage / "solutions" / "images")
@@ -388,7 +292,7 @@ def _stale(course: Course) -> tuple[Path, ...]:
     return tuple(
         path.relative_to(course.root)
         for folder, suffix in folders
-        for path in sorted((course.root / folder).glob(f"{_NUMBERED}{suffix}"))
+        for path in sorted((course.root / folder).glob(f"{NUMBERED}{suffix}"))
         if path.stem not in names
     )
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import signal
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing import get_context
 from pathlib import Path
 
 import typer
@@ -15,8 +18,8 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from nao_course.grading.building import load_course
-from nao_course.grading.grader import prepare
+from nao_course.grading.course import Course, load_course
+from nao_course.grading.grader import Assignment, prepare
 from nao_course.grading.journal import Journal, Override
 from nao_course.grading.results import SubmissionResult
 from nao_course.grading.runs import Summary, feedback_writer, grade_all, mean_score
@@ -71,7 +74,7 @@ def run(
         try:
             return grade_all(
                 waiting,
-                cache(lambda lesson: prepare(course, lesson, secret)),
+                cache(lambda lesson: prepared(course, lesson, secret)),
                 journal,
                 jobs=jobs,
                 server=server,
@@ -82,6 +85,12 @@ def run(
         except KeyboardInterrupt:
             console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
             raise typer.Exit(130) from None
+
+
+def prepared(course: Course, lesson: str, secret: bytes) -> Assignment:
+    """Prepare an assignment in a process that ends: what a solution imports is not held while grading."""
+    with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
+        return pool.submit(prepare, course, lesson, secret).result()
 
 
 @contextmanager

@@ -29,6 +29,7 @@ from nao_course.exercises.definitions import NO_DEFINITION, load_definitions, re
 from nao_course.exercises.exercise import Case, Exercise, PublicExercise, Written
 from nao_course.exercises.running import Outcome
 from nao_course.grading.containers import Refused
+from nao_course.grading.course import ANSWER_HERE
 from nao_course.grading.plans import hidden_cases, publish
 from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
 from nao_course.grading.sandbox import SandboxError
@@ -37,7 +38,7 @@ from nao_course.grading.submissions import Files, Submission, read
 from nao_course.grading.worker import UNREADABLE, Found, ServerEnded, Worker
 
 if TYPE_CHECKING:
-    from nao_course.grading.building import Course
+    from nao_course.grading.course import Course
     from nao_course.grading.server import WarmServer
 
 RULES = "1"  # how it is graded; another number has everything graded again
@@ -153,8 +154,6 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     LessonError, PlanError, FileNotFoundError
         If there is no such lesson, its declaration does not fit its solution, or it has not been built.
     """
-    from nao_course.grading.building import ANSWER_HERE
-
     (name,) = course.names([lesson])
     plan, notebook = course.plan(name), course.solutions / f"{name}.ipynb"
     released = course.root / "notebooks" / f"{name}.ipynb"

@@ -15,6 +15,8 @@ import nbformat
 from IPython.core.inputtransformer2 import TransformerManager
 from nbformat import NotebookNode
 
+from nao_course.grading.course import LessonError as LessonError
+
 HEADER = """---
 jupytext:
   text_representation:
@@ -45,10 +47,6 @@ _VOLATILE = {
     "scrolled",
     "trusted",
 }
-
-
-class LessonError(ValueError):
-    """A lesson that cannot be built; its message says where, one line for each thing that is wrong."""
 
 
 # --- text -> notebook ---
