@@ -1,10 +1,13 @@
 """What goes through the codec comes back the same, and what a stranger sends does no harm."""
 
 import contextlib
+import json
 import struct
 import subprocess
 import sys
+import time
 import tracemalloc
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,6 +121,42 @@ class Text(str):
     pass
 
 
+class Pretends:
+    """Says that it is an array, and raises when it is asked for one."""
+
+    __class__ = np.ndarray
+
+    def __array__(self, *_):
+        raise ZeroDivisionError
+
+
+class Broken(np.random.Generator):
+    @property
+    def bit_generator(self):
+        raise ZeroDivisionError
+
+
+class Nameless(type):
+    @property
+    def __module__(cls):
+        raise ZeroDivisionError
+
+
+class Loud(np.ndarray):
+    """An array all of whose properties are a stranger's code."""
+
+    def __array__(self, *_, **__):
+        raise AssertionError
+
+    dtype = nbytes = shape = property(__array__)  # type: ignore[assignment]
+    tobytes = astype = __array__  # type: ignore[assignment]
+
+
+def test_no_code_of_an_arrays_own_class_runs():
+    loud = np.arange(3.0).view(Loud)
+    assert decode(encode(loud)).tolist() == [0, 1, 2]
+
+
 @pytest.mark.parametrize(
     "value",
     [
@@ -138,6 +177,10 @@ class Text(str):
         np.random.Generator(np.random.Philox(1)),
         CodecError("x"),
         Pair,
+        Pretends(),
+        object.__new__(Pair),
+        Broken(np.random.PCG64(1)),
+        Nameless("Odd", (), {})(),
     ],
     ids=lambda value: type(value).__name__,
 )
@@ -222,6 +265,14 @@ def test_a_value_too_large_is_refused_before_it_is_made(value):
         frame('{"a":["<f8"],"shape":[1],"b":8}', bytes(8)),
         frame('{"a":"<f8","b":8}', bytes(8)),
         frame('{"n":{"a":"<f8"}}'),
+        frame('{"n":{"a":"<f8","shape":[1],"b":8}}', bytes(8)),
+        frame('{"s":"\\ud800"}'),
+        frame('{"d":{"\\ud800":1}}'),
+        frame('{"s":"\u00e9"}'),
+        frame('{"s":"x"}'.encode("utf-16")),
+        frame("1" + "0" * 160),
+        frame('{"i":"0x' + "f" * 200 + '"}'),
+        frame('{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{"state":1.0,"inc":1}}}}}'),
         frame('{"o":"os:system","v":{}}'),
         frame('{"o":"nao_course.cli:app","v":{}}'),
         frame('{"o":["x"],"v":{}}'),
@@ -313,3 +364,209 @@ def test_only_a_trusted_frame_has_modules_imported():
     data = frame('{"o":"nao_course.slam:Nothing","v":{}}')
     run = subprocess.run([sys.executable, "-c", code], input=data, capture_output=True, check=True)
     assert run.stdout.split() == [b"refused", b"False", b"refused", b"True"]
+
+
+def test_a_boolean_that_is_neither_true_nor_false_becomes_true():
+    back = decode(frame('{"a":"|b1","shape":[3],"b":3}', b"\0\1\2"))
+    assert back.tobytes() == b"\0\1\1"
+
+
+# --- fuzz: frames of the codec's own words in any order, and true frames that were cut up ---
+
+NUMBERS = (
+    st.sampled_from([0, 1, 2, 8, -1, 2**31, 2**62, 2**63 - 1, 2**63, 2**64, 10**150, 10**155]) | st.integers()
+)
+WORDS = st.sampled_from(
+    [
+        *(
+            "<f8",
+            "<f4",
+            "|b1",
+            "|u1",
+            "<c16",
+            ">f8",
+            "|O",
+            "<U4",
+            "<M8[s]",
+            "0x1.8p+1",
+            "nan",
+            "-inf",
+            "0x1p99999",
+        ),
+        *(
+            "-0xff",
+            "0x" + "f" * 128,
+            "0x" + "f" * 129,
+            "PCG64",
+            "PCG64DXSM",
+            "bit_generator",
+            "\ud800",
+            "\udfff\ud800",
+        ),
+        *("nao_course.exercises.exercise:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
+        *("nao_course.exercises.comparisons:Close", "builtins:object", "value", "refused", "first", "second"),
+    ]
+)
+KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "came", "\ud800"])
+anything = st.recursive(
+    st.none() | st.booleans() | NUMBERS | WORDS | st.floats(),
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(KEYS, inner, max_size=4),
+    max_leaves=20,
+)
+
+
+@st.composite
+def nodes(draw, depth=3):
+    """A header's node that is right but for what it is made of."""
+    if depth == 0 or draw(st.integers(0, 9)) == 0:
+        return draw(anything)
+    inner = nodes(depth - 1)
+    shape = st.lists(st.sampled_from([0, 1, 1, 2, 3, -1, True, 2**32, 2**62, 2**63]), max_size=4)
+    array = st.fixed_dictionaries(
+        {"a": st.sampled_from(["<f8", "|b1", "|u1", "<c16", "<f2", "|O"]), "shape": shape, "b": NUMBERS}
+    )
+    long_shape = array.map(lambda node: node | {"shape": [1] * draw(st.integers(30, 70)), "b": 1})
+    generator = st.fixed_dictionaries(
+        {
+            "bit_generator": st.just({"s": "PCG64"}),
+            "state": st.fixed_dictionaries({"d": st.fixed_dictionaries({"state": NUMBERS, "inc": NUMBERS})}),
+            "has_uint32": NUMBERS | inner,
+            "uinteger": NUMBERS | inner,
+        }
+    )
+    return draw(
+        st.one_of(
+            NUMBERS,
+            array,
+            long_shape,
+            st.fixed_dictionaries({"n": array}),
+            st.fixed_dictionaries({"b": NUMBERS}),
+            st.fixed_dictionaries({"i": WORDS}),
+            st.fixed_dictionaries({"f": WORDS}),
+            st.fixed_dictionaries({"s": WORDS | st.text()}),
+            st.fixed_dictionaries({"l": st.lists(inner, max_size=3)}),
+            st.fixed_dictionaries({"t": st.lists(inner, max_size=3)}),
+            st.fixed_dictionaries({"d": st.dictionaries(WORDS, inner, max_size=3)}),
+            st.fixed_dictionaries({"g": st.fixed_dictionaries({"d": generator})}),
+            st.fixed_dictionaries({"o": WORDS, "v": st.dictionaries(KEYS, inner, max_size=2)}),
+        )
+    )
+
+
+def lawful(data, limits=None):
+    """Decode: it is refused, or a value that can be sent on; nothing else, and not a word on the way."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            value = decode(data, limits)
+        except CodecError:
+            return
+        encode(value)
+
+
+@settings(max_examples=200, deadline=None)
+@given(nodes(), st.binary(max_size=40))
+@example({"d": {"x": {"s": "\ud800"}}}, b"")
+@example({"l": [10**155]}, b"")
+@example({"i": "0x" + "f" * 129}, b"")
+def test_a_frame_of_the_right_words_gives_what_can_be_sent_on_or_a_refusal(node, body):
+    lawful(frame(json.dumps(node), body))
+
+
+@settings(max_examples=150, deadline=None)
+@given(nodes(), st.binary(max_size=40), st.data())
+def test_a_key_that_is_given_twice_gives_a_value_or_a_refusal(node, body, data):
+    text = json.dumps(node)
+    at = data.draw(st.sampled_from([i for i, letter in enumerate(text) if letter == "{"] or [0]))
+    extra = json.dumps(data.draw(anything))
+    lawful(frame(f'{text[: at + 1]}"{data.draw(KEYS.filter(str.isascii))}":{extra},{text[at + 1 :]}', body))
+
+
+def parts(data):
+    header, _ = struct.unpack("<4xQQ", data[:20])
+    return data[20 : 20 + header], data[20 + header :]
+
+
+@settings(max_examples=500, deadline=None)
+@given(values, values, st.data())
+def test_true_frames_that_are_cut_flipped_and_spliced_give_a_value_or_a_refusal(one, other, data):
+    (header, body), (header2, body2) = parts(encode(one)), parts(encode(other))
+    for _ in range(data.draw(st.integers(1, 3))):
+        first, second = data.draw(st.integers(0, len(header))), data.draw(st.integers(0, len(header2)))
+        match data.draw(st.sampled_from(["splice", "cut", "flip", "bodies"])):
+            case "splice":
+                header = header[:first] + header2[second:]
+            case "cut":
+                header = header[:first]
+            case "flip" if header:
+                changed = bytearray(header)
+                changed[min(first, len(header) - 1)] ^= 1 << data.draw(st.integers(0, 7))
+                header = bytes(changed)
+            case _:
+                body = body + body2
+    lawful(frame(header, body))
+
+
+@given(st.integers(0, 2**64 - 1), st.integers(0, 2**64 - 1), st.binary(max_size=30))
+def test_announced_lengths_are_believed_only_where_they_are_true(header, body, rest):
+    data = struct.pack("<4sQQ", b"NAO1", header, body) + rest
+    assert header + body == len(rest) or peak(lambda: decode(data)) < 10**5
+
+
+SMALL = Limits(size=2**20, header=2**18, nodes=5000)
+HOSTILE = {
+    "empty lists": ("[]", ","),
+    "empty dicts": ("{}", ","),
+    "dicts of one": ('{"":0}', ","),
+    "lists of one": ('{"l":[{"l":[]}]}', ","),
+    "empty arrays": ('{"a":"<f8","shape":[0],"b":0}', ","),
+    "arrays of no rows": ('{"a":"<f8","shape":[0,1099511627776],"b":0}', ","),
+    "texts": ('{"s":"' + "x" * 40 + '"}', ","),
+    "long numbers": ("1" * 4300, ","),
+    "long hexadecimal numbers": ('{"i":"0x' + "f" * 10_000 + '"}', ","),
+    "floats": ('{"f":"0x1p1"}', ","),
+    "generators": ('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}', ","),
+    "types": (f'{{"o":"{__name__}:Pair","v":{{"first":1,"second":1}}}}', ","),
+}
+
+
+def filled(each, between, length):
+    """A header of about some length that holds one thing over and over."""
+    return frame('{"l":[' + between.join([each] * (length // len(each + between) - 2)) + "]}")
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_full_frame_takes_memory_by_the_limits_only(kind):
+    data = filled(*HOSTILE[kind], SMALL.header)
+    tracemalloc.start()
+    try:
+        lawful(data, SMALL)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 40 * SMALL.header + 1500 * SMALL.nodes
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_frame_of_the_largest_header_is_read_or_refused_in_seconds(kind):
+    data = filled(*HOSTILE[kind], Limits().header)
+    began = time.process_time()
+    with contextlib.suppress(CodecError):
+        decode(data)
+    assert time.process_time() - began < 8
+
+
+@pytest.mark.parametrize("letter", ["x", "\N{ROBOT FACE}", "\0"])
+def test_a_text_too_long_is_refused_before_it_is_written_down(letter):
+    text = letter * 2**20
+    assert peak(lambda: encode(text, Limits(header=2**18))) < 2**18
+
+
+def test_a_value_takes_about_twice_its_size_to_encode():
+    array = np.zeros(2**21, np.uint8)
+    tracemalloc.start()
+    try:
+        encode([array[::2]] * 4)
+        assert tracemalloc.get_traced_memory()[1] < 2.5 * 2**22
+    finally:
+        tracemalloc.stop()

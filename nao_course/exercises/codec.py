@@ -96,17 +96,22 @@ def encode(value: object, limits: Limits | None = None) -> bytes:
         For a value of another kind, or too large a one.
     """
     writer = _Writer(limits or Limits())
-    node = writer.node(value, 0)
+    try:
+        node = writer.node(value, 0)
+    except CodecError:
+        raise
+    except Exception as error:  # noqa: BLE001 - properties of a stranger's class may raise what they like
+        raise CodecError(f"a value that cannot be sent ({type(error).__name__})") from None
     header = json.dumps(node, separators=(",", ":")).encode()
-    if len(header) > writer.limits.header:
-        raise CodecError(f"a value with more than {writer.limits.header} bytes beside its arrays")
-    body = b"".join(writer.buffers)
-    return _PREFIX.pack(MAGIC, len(header), len(body)) + header + body
+    writer.refuse_a_header_of(len(header))
+    length = sum(map(len, writer.buffers))
+    return b"".join((_PREFIX.pack(MAGIC, len(header), length), header, *writer.buffers))
 
 
 class _Writer:
     def __init__(self, limits: Limits) -> None:
-        self.limits, self.buffers, self.count, self.size = limits, list[bytes](), 0, 0
+        self.limits, self.buffers = limits, list[bytes]()
+        self.count, self.size, self.letters = 0, 0, 0
 
     def node(self, item: Any, depth: int) -> Any:
         self.count += 1
@@ -129,11 +134,11 @@ class _Writer:
             return {"l" if kind is list else "t": [self.node(each, depth + 1) for each in item]}
         if kind is dict:
             return {"d": {self.key(key): self.node(each, depth + 1) for key, each in item.items()}}
-        if isinstance(item, np.ndarray):
+        if issubclass(kind, np.ndarray):  # `isinstance` would believe what an object says of itself
             return self.array(np.asarray(item))
-        if isinstance(item, np.generic):
+        if issubclass(kind, np.generic):
             return {"n": self.array(np.asarray(item))}
-        if isinstance(item, np.random.Generator):
+        if issubclass(kind, np.random.Generator):
             return {"g": self.node(_state(item), depth + 1)}
         name = _type_name(kind)
         if _TYPES.get(name) is kind:
@@ -142,15 +147,17 @@ class _Writer:
         raise CodecError(f"a value of type {kind.__name__} cannot be sent")
 
     def whole(self, item: int) -> Any:
-        if item.bit_length() > _MOST_BITS:
-            raise CodecError(f"a whole number of more than {_MOST_BITS} bits")
-        return item if item.bit_length() <= 53 else {"i": hex(item)}
+        return item if _whole(item).bit_length() <= 53 else {"i": hex(item)}
 
     def text(self, item: str) -> str:
         self.spend(len(item))
-        if not item.isascii() and any("\ud800" <= letter <= "\udfff" for letter in item):
-            raise CodecError("a text with half a character in it")
-        return item
+        self.letters += len(item)
+        self.refuse_a_header_of(self.letters)  # before JSON makes up to twelve bytes of each
+        return _whole_characters(item)
+
+    def refuse_a_header_of(self, length: int) -> None:
+        if length > self.limits.header:
+            raise CodecError(f"a value with more than {self.limits.header} bytes beside its arrays")
 
     def key(self, item: object) -> str:
         if type(item) is not str:
@@ -213,7 +220,7 @@ def decode(frame: bytes, limits: Limits | None = None, *, trusted: bool = False)
         raise CodecError(f"a frame of {len(frame)} bytes that says it has {start + body_length}")
     try:
         reader = _Reader(memoryview(frame)[start:], limits, trusted)
-        value = reader.value(json.loads(frame[PREFIX_SIZE:start]), 0)
+        value = reader.value(json.loads(str(frame[PREFIX_SIZE:start], "ascii")), 0)
     except CodecError:
         raise
     except Exception as error:  # noqa: BLE001 - a registered class may raise what it likes at what it is given
@@ -246,15 +253,17 @@ class _Reader:
     def __init__(self, body: memoryview, limits: Limits, trusted: bool) -> None:
         self.body, self.limits, self.trusted, self.at, self.count = body, limits, trusted, 0, 0
         self.readers: dict[str, Callable[[dict[str, Any], int], Any]] = {
-            "i": lambda node, _: int(_string(node["i"]), 16),
-            "f": lambda node, _: float.fromhex(node["f"]),
+            "i": lambda node, _: _whole(int(_string(node["i"]), 16)),
+            "f": lambda node, _: float.fromhex(_string(node["f"])),
             "s": lambda node, _: _string(node["s"]),
             "b": lambda node, _: bytes(self.take(node["b"])),
             "a": lambda node, _: self.array(node),
-            "n": lambda node, _: self.array(node["n"])[()],
+            "n": lambda node, _: _single(self.array(node["n"])),
             "l": lambda node, depth: [self.value(each, depth) for each in _list(node["l"])],
             "t": lambda node, depth: tuple(self.value(each, depth) for each in _list(node["t"])),
-            "d": lambda node, depth: {key: self.value(each, depth) for key, each in node["d"].items()},
+            "d": lambda node, depth: {
+                _string(key): self.value(each, depth) for key, each in node["d"].items()
+            },
             "g": lambda node, depth: _generator(self.value(node["g"], depth)),
             "o": self.registered,
         }
@@ -263,8 +272,10 @@ class _Reader:
         self.count += 1
         if self.count > self.limits.nodes or depth > self.limits.depth:
             raise CodecError("too many values, or nested too deeply")
-        if node is None or type(node) in (bool, int):
+        if node is None or type(node) is bool:
             return node
+        if type(node) is int:
+            return _whole(node)
         if type(node) is not dict:
             raise CodecError("not a frame")
         read = self.readers.get(next(iter(node), ""))
@@ -283,7 +294,10 @@ class _Reader:
         shape = _list(node["shape"])
         if dtype is None or not all(type(size) is int and size >= 0 for size in shape):
             raise CodecError("an array of an unknown kind")
-        return np.frombuffer(self.take(node["b"]), dtype=dtype).reshape(shape).copy()
+        flat = np.frombuffer(self.take(node["b"]), dtype=dtype)
+        if dtype.kind == "b":  # a byte of 2 would be neither True nor False
+            flat = flat.view(np.uint8) != 0
+        return flat.reshape(shape).copy()
 
     def registered(self, node: dict[str, Any], depth: int) -> Any:
         name = _string(node["o"])
@@ -304,12 +318,37 @@ def _list(value: Any) -> list[Any]:
 def _string(value: Any) -> str:
     if type(value) is not str:
         raise CodecError("not a frame")
-    return value
+    return _whole_characters(value)
+
+
+def _whole_characters(text: str) -> str:
+    """A text as it is; one with half a character could be written to no file."""
+    if not text.isascii() and any("\ud800" <= letter <= "\udfff" for letter in text):
+        raise CodecError("a text with half a character in it")
+    return text
+
+
+def _whole(number: int) -> int:
+    if number.bit_length() > _MOST_BITS:
+        raise CodecError(f"a whole number of more than {_MOST_BITS} bits")
+    return number
+
+
+def _single(array: np.ndarray[Any, Any]) -> Any:
+    if array.shape != ():
+        raise CodecError("not a frame")
+    return array[()]
 
 
 def _generator(state: Any) -> np.random.Generator:
-    if not isinstance(state, dict) or state.get("bit_generator") != _GENERATOR:
-        raise CodecError("a random generator that is not numpy's default")
-    bits: Any = np.random.PCG64(0)
-    bits.state = state
-    return np.random.Generator(bits)
+    match state:
+        case {
+            "bit_generator": "PCG64",
+            "state": {"state": int(), "inc": int()},
+            "has_uint32": int(),
+            "uinteger": int(),
+        }:
+            bits: Any = np.random.PCG64(0)
+            bits.state = state
+            return np.random.Generator(bits)
+    raise CodecError("a random generator that is not numpy's default")
