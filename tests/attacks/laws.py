@@ -1,0 +1,105 @@
+"""What has to be true after a run over a catalogue, of each attack and of the run as a whole."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from html.parser import HTMLParser
+
+from tests.attacks.range import Attack, Graded, Range, hidden_numbers, honest, honest_points, points, told
+
+_NEUTRAL = "student"
+
+
+def gained_nothing(graded: Graded, attacks: Sequence[Attack], attack: Attack) -> None:
+    """The attack has the honest score, stated beforehand, and says what it has to say."""
+    student = name_of(attacks, attack, attack.name)
+    result = graded.results[student]
+    said = told(result)
+    assert points(result) == dict(attack.honest), said
+    assert result.status == ("refused" if attack.refused else "graded"), said
+    assert bool(result.reason) == attack.refused, said
+    assert attack.says in said, said
+
+
+def neighbours_are_undisturbed(
+    graded: Graded, attacks: Sequence[Attack], attack: Attack, alone: Graded
+) -> None:
+    """The honest students before and after it have their points and, word for word, their pages."""
+    for kind in ("right", "half"):
+        student = name_of(attacks, attack, kind)
+        result = graded.results[student]
+        assert points(result) == honest_points(attack, kind), told(result)
+        assert result.notes == (), told(result)
+        undisturbed = next(
+            name
+            for name in alone.pages
+            if name.endswith(f"-{kind}") and _lesson(alone, name) == attack.lesson
+        )
+        assert _neutral(graded.pages[student], student) == _neutral(alone.pages[undisturbed], undisturbed)
+
+
+def page_is_safe(graded: Graded, attacks: Sequence[Attack], attack: Attack, hidden: set[str]) -> None:
+    """The student's page holds no hidden number, no element of an attacker's and no characters that play tricks."""
+    student = name_of(attacks, attack, attack.name)
+    page = graded.pages[student]
+    assert page.rstrip().endswith("</html>")
+    numbers = set(re.findall(r"\d+\.\d+", page))
+    assert not [each for each in hidden if any(number.startswith(each) for number in numbers)]
+    for text in attack.hides:
+        assert text not in page
+    tricks = {each for each in page if unicodedata.category(each) in ("Cc", "Cs") and each not in "\n\t"}
+    assert not tricks
+    parser = _Elements()
+    parser.feed(page)
+    assert "nao_attack" not in parser.seen
+
+
+def nothing_is_left(graded: Graded) -> None:
+    """The run ended well, each student has one row, and nothing but the grades has changed."""
+    assert graded.status == 0, graded.output[-3000:]
+    assert graded.students == sorted(graded.expected)
+    assert graded.again == 0
+    assert graded.processes == []
+    assert graded.changed == []
+    assert graded.heard == []
+
+
+def alone(field: Range, attacks: Sequence[Attack]) -> Graded:
+    """An undisturbed run: honest students only, of each lesson that the attacks are of."""
+    lessons = {attack.lesson: honest(attack, "right") for attack in attacks}
+    return field.run(list(lessons.values()))
+
+
+def hidden(field: Range) -> set[str]:
+    """Numbers that no page may hold."""
+    return hidden_numbers(field.assignment)
+
+
+def name_of(attacks: Sequence[Attack], attack: Attack, which: str) -> str:
+    """The student's name of an attack, or of its neighbour."""
+    number = [each.name for each in attacks].index(attack.name)
+    return f"s{number:03}-{('right', attack.name, 'half').index(which)}-{which}"
+
+
+def _lesson(graded: Graded, student: str) -> str:
+    return graded.results[student].lesson
+
+
+def _neutral(page: str, student: str) -> str:
+    return page.replace(student, _NEUTRAL)
+
+
+class _Elements(HTMLParser):
+    """Collects all that a browser would take for elements and attributes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen += f" {tag} {attrs}"
+
+    def handle_comment(self, data: str) -> None:
+        self.seen += data

@@ -1,0 +1,572 @@
+"""A range for the grader: hostile and odd submissions, each between two honest ones, graded by the real command.
+
+How an entry is added
+---------------------
+Append an `Attack` to the ATTACKS of a catalogue: `code.py` for hostile code, `accidents.py` for broken files and odd
+but honest notebooks; each has a test module like `test_code.py`, which grades it in one run. State its honest score first: `honest` names what each exercise has to earn, and all others have to
+earn nothing. Then say how the submission is made, in one of these ways:
+
+- `functions`: source of exercises' cells that take the place of the right ones of RIGHT ("" deletes the cell); `before`
+  and `after`: source of a cell of the student's own before and after them;
+- `edit`: a function that is given the notebook's dict, with all of that in it, and changes it;
+- `files`: what else lies in the student's folder, by name; a name of None is none, an `{lesson}.ipynb` takes the
+  notebook's place;
+- `make`: a function that is given the student's folder, which exists and is empty, and puts anything there.
+
+An attack that looks for something answers wrong unless it finds it (`loot`), so that the honest score is what it earns
+without. In source, `@NAME@` stands for a place of the range: COURSE, SOLUTION (a notebook), SUBMISSIONS, NEIGHBOUR (a
+notebook), GRADES, HOME, SECRET, OPEN (a folder that anyone may write to), TCP and UDP (ports that listen), UNIX and
+ABSTRACT (sockets that listen).
+
+What has to be true of all of them is in `laws.py`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import socket
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nao_course.grading.building import Course, load_course
+from nao_course.grading.grader import Assignment, prepare
+from nao_course.grading.journal import Journal
+from nao_course.grading.results import SubmissionResult, as_json
+from nao_course.grading.sandbox import LEVELS
+from nao_course.grading.submissions import safe_name
+
+ROOT = Path(__file__).resolve().parents[2]
+LESSON, REAL = "91_range", "01_hsl_filtering"
+SECONDS = 2.0  # of a call
+KEY = b"the secret of the range, which nobody may see"
+ROWS = {  # of the table of attacks and accidents, by the word that an entry names its row with
+    "loops": "endless loop; loop that swallows every interrupt; sleeping at import",
+    "ends": "sys.exit, os._exit, SIGKILL to itself, segfault, abort in a C library",
+    "hogs": "memory hog, fork bomb, 60 setsid children, threads that never end, 10 GB file",
+    "large": "prints 100 MB; stored outputs of 50 MB; a 200 MB notebook; deeply nested JSON",
+    "broken": "corrupt JSON, empty file, wrong format, kernel or encoding, a directory, a symlink, hostile zips",
+    "patches": "patches numpy.testing, numpy.allclose, builtins, json, struct, the codec, sys.modules, ast, gc",
+    "answers": "objects that equal everything, subclasses, NaN, huge or object arrays, hand-written frames",
+    "reads": "reads solutions, tests, the journal, other submissions, other processes, descriptors, the warm server",
+    "writes": "writes or deletes outside, changes permissions, edits its own notebook, the release, others' work",
+    "network": "opens a connection, DNS, UDP, a Unix or abstract socket, listens on a port",
+    "signals": "signals the grader, ptrace, leaves a detached child that wakes up later",
+    "looks": "looks up its caller's frames, times the comparison, a table of known inputs",
+    "metadata": "edits, deletes or doubles cells, raises the points, moves definitions",
+    "styles": "honest work in another shape: defined twice, lambda, class, partial, helper file",
+    "honest": "honest warnings, prints, slow, float32, lists",
+}
+
+DECLARATION = """
+import numpy as np
+from nao_course.exercises import Case, Exercise, LessonPlan, Mistake
+
+def exercise(name, points, public, hidden, **more):
+    wrong = [Mistake("zero", lambda *_: 0.0, f"That is always zero in {name}.")]
+    return Exercise(name, points, lambda: public, hidden, ("a", "b"), wrong, {}, **more)
+
+def number(rng):
+    return float(rng.uniform(-1000, 1000))
+
+def numbers(rng):
+    return rng.uniform(-1000, 1000, (5, 4))
+
+PLAN = LessonPlan([
+    exercise("clamp", 1, [Case((1.5, 0.0, 1.0), "above"), Case((-2.5, 0.0, 1.0), "below")],
+             lambda rng: [Case((number(rng), -400.0, 400.0)) for _ in range(4)]),
+    exercise("scaled", 2, [Case((np.array([[1.0, 3.0], [2.0, 5.0]]),), "small")],
+             lambda rng: [Case((numbers(rng),)) for _ in range(3)]),
+    exercise("drawn", 4, [Case((np.random.default_rng(1), 5), "five")],
+             lambda rng: [Case((np.random.default_rng(rng.integers(2**60)), 7)) for _ in range(3)]),
+    exercise("middle", 8, [Case((np.array([[1.0, 3.0], [2.0, 5.0]]),), "small")],
+             lambda rng: [Case((numbers(rng),)) for _ in range(3)], uses=("scaled",), with_reference=0.5),
+])
+"""
+SETUP = "import numpy as np"
+POINTS = {"clamp": 1, "scaled": 2, "drawn": 4, "middle": 8}
+RIGHT = {
+    "clamp": "def clamp(x, low, high):\n    return max(low, min(high, x))",
+    "scaled": "def scaled(values):\n    return (values - values.min()) / np.ptp(values)",
+    "drawn": "def drawn(rng, n):\n    return rng.normal(size=n).cumsum()",
+    "middle": "def middle(values):\n    return float(np.median(scaled(values)))",
+}
+BLANK = {name: source.split("\n")[0] + "\n    raise NotImplementedError" for name, source in RIGHT.items()}
+# One exercise is right by itself, one with the reference's earlier function, one is wrong and one raises.
+HALF = {
+    "scaled": "def scaled(values):\n    return values / np.ptp(values) - 3.0",
+    "drawn": BLANK["drawn"] + "('no')",
+}
+HALF_POINTS = {"clamp": 1.0, "middle": 4.0}
+REAL_POINTS = {
+    "rgb_to_hsl": 3, "average_lightness": 1, "white_threshold": 1, "hue_mask": 2, "calibrate_hue": 3, "color_labels": 3,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Attack:
+    """One submission, and what must come of it.
+
+    Parameters
+    ----------
+    name : str
+        Unique in all catalogues; letters, digits and underscores.
+    row : str
+        A key of ROWS.
+    honest : mapping of str to float
+        Points by exercise; what is not named earns nothing.
+    functions : mapping of str to str
+        Source of exercises that are not the right ones.
+    before, after : str
+        Source of a cell before and after the exercises.
+    edit : callable, optional
+        Changes the notebook's dict.
+    files : mapping of str to (bytes, str or None)
+        What else is handed in.
+    make : callable, optional
+        Puts into the student's folder what is handed in, instead of a notebook.
+    says : str
+        What has to be in the result: among its notes, reason, or what it tells the student.
+    hides : tuple of str
+        What must not be on the student's page.
+    refused : bool
+        Whether it gets a reason instead of a score.
+    lesson : str
+        Whose notebook it is.
+    """
+
+    name: str
+    row: str
+    honest: Mapping[str, float] = field(default_factory=dict)
+    functions: Mapping[str, str] = field(default_factory=dict)
+    before: str = ""
+    after: str = ""
+    edit: Callable[[dict[str, Any]], object] | None = None
+    files: Mapping[str, bytes | str | None] = field(default_factory=dict)
+    make: Callable[[Path], object] | None = None
+    says: str = ""
+    hides: tuple[str, ...] = ()
+    refused: bool = False
+    lesson: str = LESSON
+
+
+def all_but(*names: str, **points: float) -> dict[str, float]:
+    """The points of every exercise of the range but some; of some, other points."""
+    return {name: float(worth) for name, worth in POINTS.items() if name not in names} | points
+
+
+# --- what is handed in ---
+
+
+def cell(source: str, name: str = "", role: str = "") -> dict[str, Any]:
+    """A code cell; with a name, an exercise's."""
+    grading = {"schema_version": 3, "grade_id": name, "solution": True, "grade": False, "locked": False}
+    metadata: dict[str, Any] = {"nbgrader": grading} if name else {}
+    metadata |= {"nao_course": {"role": role}} if role else {}
+    whole = {
+        "cell_type": "code",
+        "metadata": metadata,
+        "source": source,
+        "outputs": [],
+        "execution_count": None,
+    }
+    return whole | {"id": "c" + hashlib.sha256(f"{name}{source}".encode("utf-8", "replace")).hexdigest()[:10]}
+
+
+def notebook(attack: Attack, right: Mapping[str, str] | None = None, setup: str = SETUP) -> dict[str, Any]:
+    """The notebook of an attack, but for places; `right` are the right functions of its lesson."""
+    cells = [cell(setup, role="setup")]
+    cells += [cell(attack.before)] if attack.before else []
+    for name, source in {**(RIGHT if right is None else right), **attack.functions}.items():
+        if source:
+            cells += [cell(source, name), _check(name)]
+    cells += [cell(attack.after)] if attack.after else []
+    stamp = {"nao_course": {"lesson": attack.lesson, "version": "1"}}
+    return {"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}
+
+
+def _check(name: str) -> dict[str, Any]:
+    made = cell(f"check('{name}', {name})", name, "check")
+    made["metadata"]["nbgrader"] |= {
+        "grade_id": f"check_{name}", "solution": False, "grade": True, "points": 0, "locked": True,
+    }  # fmt: skip
+    return made
+
+
+# --- the range ---
+
+
+@dataclass
+class Listeners:
+    """Sockets that wait for somebody to speak to them."""
+
+    folder: Path
+    sockets: dict[str, socket.socket] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+
+    def __enter__(self) -> Listeners:
+        """Listen."""
+        abstract = f"nao_attack_{os.getpid()}_{time.monotonic_ns()}"
+        short = tempfile.mkdtemp(prefix="nao_")  # a Unix socket's path has at most 107 bytes
+        os.chmod(short, 0o777)
+        self.names = {"UNIX": f"{short}/socket", "ABSTRACT": abstract}
+        kinds = {
+            "TCP": (socket.AF_INET, socket.SOCK_STREAM, ("127.0.0.1", 0)),
+            "UDP": (socket.AF_INET, socket.SOCK_DGRAM, ("127.0.0.1", 0)),
+            "UNIX": (socket.AF_UNIX, socket.SOCK_STREAM, self.names["UNIX"]),
+            "ABSTRACT": (socket.AF_UNIX, socket.SOCK_STREAM, f"\0{abstract}"),
+        }
+        for name, (family, kind, address) in kinds.items():
+            made = self.sockets[name] = socket.socket(family, kind)
+            made.bind(address)
+            made.setblocking(False)
+            if kind == socket.SOCK_STREAM:
+                made.listen()
+            if family == socket.AF_INET:
+                self.names[name] = str(made.getsockname()[1])
+        os.chmod(self.names["UNIX"], 0o666)
+        return self
+
+    def heard(self) -> list[str]:
+        """Names of those that somebody has spoken to."""
+        found = []
+        for name, each in self.sockets.items():
+            try:
+                each.recv(1) if each.type == socket.SOCK_DGRAM else each.accept()
+                found.append(name)
+            except BlockingIOError:
+                continue
+        return found
+
+    def __exit__(self, *_: object) -> None:
+        """Close them."""
+        for each in self.sockets.values():
+            each.close()
+        shutil.rmtree(Path(self.names["UNIX"]).parent)
+
+
+# The real command in a process of its own, with a shorter clock; what it leaves becomes a child of the runner.
+_COMMAND = """
+import sys
+from dataclasses import replace
+from nao_course import cli
+from nao_course.grading import commands
+from nao_course.grading.sandbox import Layer, Sandbox
+grade_all, probe = commands.grade_all, commands.probe
+off, seconds = sys.argv.pop(1).split(","), float(sys.argv.pop(1))
+commands.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
+    waiting, lambda lesson: replace(assignment_of(lesson), seconds=seconds), *rest, **more)
+commands.probe = lambda: Sandbox(tuple(
+    Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
+if __name__ == "__main__":
+    cli.app()
+"""
+_RUNNER = """
+import ctypes, json, os, subprocess, sys, time
+from pathlib import Path
+
+def below(process):
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text(errors="replace").rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(words[1]) == process and words[0] not in "ZX":
+            found += [(int(stat.parent.name), (stat.parent / "cmdline").read_bytes().decode("utf-8", "replace"))]
+    return found
+
+ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER
+start = time.monotonic()
+done = subprocess.run([sys.executable, "-c", *sys.argv[1:]], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                      stderr=subprocess.STDOUT)
+seconds = time.monotonic() - start
+while (left := below(os.getpid())) and time.monotonic() < start + seconds + 3.0:
+    time.sleep(0.05)
+print(json.dumps([done.returncode, seconds, left, done.stdout.decode("utf-8", "replace")]))
+"""
+
+
+@dataclass(frozen=True)
+class Graded:
+    """What a run came to.
+
+    Parameters
+    ----------
+    status : int
+        Exit status of the command.
+    seconds : float
+        How long it took.
+    processes : list
+        What it left running.
+    output : str
+        What it said.
+    results : mapping of str to SubmissionResult
+        By student.
+    pages : mapping of str to str
+        The student's page by student.
+    students : list of str
+        In the journal's order.
+    again : int
+        Results that took another one's place.
+    expected : list of str
+        Those that have to be there.
+    changed : list of str
+        Files that are not what they were, and what else was left behind.
+    heard : list of str
+        Sockets that somebody has spoken to.
+    """
+
+    status: int
+    seconds: float
+    processes: list[Any]
+    output: str
+    results: Mapping[str, SubmissionResult]
+    pages: Mapping[str, str]
+    students: list[str]
+    again: int
+    expected: list[str]
+    changed: list[str]
+    heard: list[str]
+
+
+@dataclass
+class Range:
+    """A course, a class and everything around it, in a folder.
+
+    Parameters
+    ----------
+    root : Path
+        An empty folder.
+    seconds : float
+        Wall clock of a call.
+    off : sequence of str
+        Layers of the sandbox to do without: to see attacks succeed.
+    """
+
+    root: Path
+    seconds: float = SECONDS
+    off: Sequence[str] = ()
+    jobs: int = 2
+
+    def __post_init__(self) -> None:
+        """Lay it out."""
+        self.course = make_course(self.root / "course")
+        self.open, self.home, self.temporary = (self.root / name for name in ("open", "home", "tmp"))
+        self.cache = self.root / "cache"  # of Matplotlib: the server itself writes it when it starts
+        for folder in (self.open, self.home / ".ssh", self.temporary, self.cache):
+            folder.mkdir(parents=True)
+        for path in (self.root, self.open):
+            path.chmod(0o777 if path == self.open else 0o755)
+        (self.open / "anyones.txt").write_text("before")
+        (self.open / "anyones.txt").chmod(0o666)
+        (self.home / ".ssh" / "id_rsa").write_text("a private key")
+        (self.root / "secret").write_bytes(KEY)
+        (self.root / "secret").chmod(0o600)
+        self.submissions, self.grades = self.root / "in", self.root / "grades"
+
+    @cached_property
+    def right(self) -> Mapping[str, Mapping[str, str]]:
+        """Cells of the right functions, by lesson and exercise."""
+        cells = json.loads((ROOT / "solutions" / f"{REAL}.ipynb").read_text(encoding="utf-8"))["cells"]
+        found = {
+            each["metadata"].get("nbgrader", {}).get("grade_id"): "".join(each["source"]) for each in cells
+        }
+        return {LESSON: RIGHT, REAL: {name: found[name] for name in REAL_POINTS} | {"setup": found["setup"]}}
+
+    @cached_property
+    def assignment(self) -> Assignment:
+        """What the range's own lesson is graded by."""
+        return prepare(self.course, LESSON, KEY)
+
+    def places(self, listeners: Listeners, neighbour: str) -> dict[str, str]:
+        """What stands for @NAME@ in source."""
+        found = {
+            "COURSE": self.course.root, "SOLUTION": self.course.solutions / f"{LESSON}.ipynb",
+            "SUBMISSIONS": self.submissions, "GRADES": self.grades, "HOME": self.home, "OPEN": self.open,
+            "SECRET": self.root / "secret", "NEIGHBOUR": self.submissions / neighbour / f"{LESSON}.ipynb",
+        }  # fmt: skip
+        return {f"@{name}@": str(each) for name, each in (found | listeners.names).items()}
+
+    def hand_in(self, student: str, attack: Attack, places: Mapping[str, str]) -> None:
+        """Put a submission where the command looks for it."""
+        folder = self.submissions / student
+        folder.mkdir(parents=True)
+        if attack.make:
+            attack.make(folder)
+            return
+        right = dict(self.right[attack.lesson])
+        made = notebook(attack, right, right.pop("setup", SETUP))
+        if attack.edit:
+            attack.edit(made)
+        for name, content in ({f"{attack.lesson}.ipynb": json.dumps(made)} | dict(attack.files)).items():
+            if isinstance(content, str):
+                for place, path in places.items():
+                    content = content.replace(place, path)
+            if content is not None:
+                path = folder / name
+                path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+    def run(self, attacks: Sequence[Attack]) -> Graded:
+        """Grade attacks, each between two honest students of the same lesson."""
+        expected = []
+        with Listeners(self.root) as listeners:
+            for number, attack in enumerate(attacks):
+                names = [f"s{number:03}-{i}-{name}" for i, name in enumerate(("right", attack.name, "half"))]
+                expected += names
+                places = self.places(listeners, names[0])
+                for name, each in zip(
+                    names, (honest(attack, "right"), attack, honest(attack, "half")), strict=True
+                ):
+                    self.hand_in(name, each, places)
+            before = self.state()
+            status, seconds, processes, output = self.command()
+            after = self.state()
+            changed = sorted(
+                name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
+            )
+            return Graded(
+                status, seconds, processes, output, *self.kept(), expected, changed, listeners.heard()
+            )
+
+    def command(self) -> tuple[int, float, list[Any], str]:
+        """Run `nao-course grade`."""
+        environment = os.environ | {
+            "HOME": str(self.home), "TMPDIR": str(self.temporary), "NAO_COURSE_SECRET": str(self.root / "secret"),
+            "PYTHONPATH": str(ROOT), "COLUMNS": "200", "MPLCONFIGDIR": str(self.cache),
+        }  # fmt: skip
+        words = ["grade", self.submissions, "--out", self.grades, "--jobs", self.jobs]
+        words += [] if self.off else ["--require-sandbox", LEVELS[-1]]
+        told = [_COMMAND, ",".join(self.off), self.seconds, *words]
+        runner = [sys.executable, "-c", _RUNNER, *map(str, told)]
+        done = subprocess.run(
+            runner, cwd=self.course.root, env=environment, stdout=subprocess.PIPE, check=True
+        )
+        return tuple(json.loads(done.stdout))
+
+    def kept(self) -> tuple[dict[str, SubmissionResult], dict[str, str], list[str], int]:
+        """What the journal and the feedback folder hold."""
+        with Journal(self.grades, make=False) as journal:
+            results = journal.results()
+            again = sum(len(journal.history(each.student, each.lesson)) for each in results)
+        pages = {}
+        for each in results:
+            path = self.grades / "feedback" / safe_name(each.student) / f"{each.lesson}.html"
+            pages[each.student] = path.read_text(encoding="utf-8") if path.exists() else ""
+        return {each.student: each for each in results}, pages, [each.student for each in results], again
+
+    def state(self) -> dict[str, str]:
+        """All that no submission may change: files by their content, mounts, shared memory."""
+        found = dict(_files(self.root, besides=(self.grades, self.cache)))
+        found |= _files(Path(np.__file__).parent, contents=False)
+        found["mounts"] = Path("/proc/self/mountinfo").read_text()
+        for kind in ("shm", "sem", "msg"):
+            table = Path("/proc/sysvipc") / kind
+            found[kind] = table.read_text() if table.exists() else ""
+        for folder in ("/dev/shm", "/dev/mqueue", "/tmp", "/var/tmp"):
+            found[folder] = repr(sorted(name for name in _listing(folder) if "nao_attack" in name))
+        return found
+
+
+def make_course(root: Path) -> Course:
+    """Lay out a course of the range's lesson and the real first one, in a folder."""
+    for folder in ("solutions/exercises", "notebooks"):
+        (root / folder).mkdir(parents=True)
+    (root / "course.toml").write_text('title = "Range"\nversion = "1"\n')
+    (root / "solutions" / f"{LESSON}.md").write_text("# Range\n")
+    (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
+    right = Attack("right", "honest")
+    (root / "solutions" / f"{LESSON}.ipynb").write_text(json.dumps(notebook(right)))
+    (root / "notebooks" / f"{LESSON}.ipynb").write_text(json.dumps(notebook(replace(right, functions=BLANK))))
+    for name in (f"solutions/{REAL}.md", f"solutions/{REAL}.ipynb", f"solutions/exercises/{REAL}.py"):
+        shutil.copy(ROOT / name, root / name)
+    released = ROOT / "notebooks" / f"{REAL}.ipynb"
+    shutil.copy(released if released.exists() else root / "solutions" / released.name, root / "notebooks")
+    return load_course(root)
+
+
+def honest(attack: Attack, kind: str) -> Attack:
+    """An honest neighbour of an attack: all right, or half right."""
+    wrong = (
+        HALF
+        if attack.lesson == LESSON
+        else {"hue_mask": "def hue_mask(hue, low, high):\n    return hue > low"}
+    )
+    return Attack(kind, "honest", functions=wrong if kind == "half" else {}, lesson=attack.lesson)
+
+
+def honest_points(attack: Attack, kind: str) -> dict[str, float]:
+    """What that neighbour earns."""
+    if attack.lesson == LESSON:
+        return (
+            {name: float(worth) for name, worth in POINTS.items()} if kind == "right" else dict(HALF_POINTS)
+        )
+    return {
+        name: float(worth) for name, worth in REAL_POINTS.items() if kind == "right" or name != "hue_mask"
+    }
+
+
+def points(result: SubmissionResult) -> dict[str, float]:
+    """What each exercise earned, where it earned anything."""
+    return {each.name: each.earned for each in result.exercises if each.earned}
+
+
+def told(result: SubmissionResult) -> str:
+    """All that a result says, to student or assistant."""
+    said = as_json(replace(result, seconds=0.0))
+    return json.dumps(said, ensure_ascii=False)
+
+
+def hidden_numbers(assignment: Assignment) -> set[str]:
+    """The beginnings of all hidden numbers: five digits."""
+    values = [
+        case.args[0] for task in assignment.tasks for case in task.hidden if task.public.name != "drawn"
+    ]
+    numbers = [
+        number for value in values for number in ([value] if isinstance(value, float) else value.ravel())
+    ]
+    return {f"{abs(number):.3f}"[:6] for number in numbers if abs(number) >= 10}
+
+
+def _files(folder: Path, besides: Sequence[Path] = (), *, contents: bool = True) -> Iterator[tuple[str, str]]:
+    for at, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if Path(at, name) not in besides]
+        for name in [*folders, *names]:
+            path = Path(at, name)
+            status = path.lstat()
+            kept = f"{stat.filemode(status.st_mode)} {status.st_uid}"
+            if stat.S_ISREG(status.st_mode):
+                content = hashlib.sha256(path.read_bytes()).hexdigest() if contents else status.st_mtime_ns
+                kept += f" {status.st_size} {content}"
+            yield str(path), kept
+
+
+def _listing(folder: str) -> list[str]:
+    return os.listdir(folder) if os.path.isdir(folder) else []
+
+
+@contextmanager
+def ranges() -> Iterator[Callable[..., Range]]:
+    """Make ranges in folders of their own; all go at the end."""
+    with ExitStack() as stack:
+
+        def make(**more: Any) -> Range:
+            folder = stack.enter_context(
+                tempfile.TemporaryDirectory(prefix="nao_range_", ignore_cleanup_errors=True)
+            )
+            return Range(Path(folder), **more)
+
+        yield make
