@@ -293,6 +293,21 @@ def test_calls_that_only_an_attack_needs_are_denied(confined):
     assert denied(attempt(worker, "checked(libc.memfd_create(b'x', 0))"))
 
 
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+def test_a_worker_has_no_privileges_and_cannot_get_any(confined, layers):
+    status = attempt(
+        confined(*layers), "open('/proc/self/status').read()" if layers != ("landlock",) else "''"
+    ).value
+    if layers != ("landlock",):  # its /proc is that of the host, which is closed
+        for name in ("CapInh", "CapPrm", "CapEff", "CapAmb"):
+            assert f"{name}:\\t0000000000000000" in status
+        assert "NoNewPrivs:\\t1" in status
+    assert (
+        attempt(confined(*layers), "libc.prctl(3, 0, 0, 0, 0), libc.prctl(39, 0, 0, 0, 0)").value == "(0, 1)"
+    )
+
+
 # --- network ---
 
 SPEAK = {

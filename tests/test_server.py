@@ -326,15 +326,30 @@ def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(n
             assert attempt(worker, "1").value == "1"
             below = descendants(server.process)
             os.kill(process(), signal.SIGKILL)
-            assert eventually(
-                lambda below=below: all(map(ended, below))
-            )
+            assert eventually(lambda below=below: all(map(ended, below)))
             with pytest.raises(ServerEnded, match="died"):
                 attempt(worker, "2")
             with Worker(notebook, server=server) as another:
                 assert attempt(another, "3").value == "3"
             assert attempt(worker, "4").value == "4"
         assert server.generation == 3
+
+
+def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
+    need(*NAMESPACES)
+    with WarmServer(probe(), BOUNDS) as server:
+        with Worker(notebook, server=server) as first, Worker(notebook, server=server) as second:
+            assert (attempt(first, "1").value, attempt(second, "1").value) == ("1", "1")
+            below = descendants(server.process)
+            os.kill(server.process, signal.SIGKILL)
+            assert eventually(lambda: all(map(ended, below)))
+            with pytest.raises(ServerEnded):
+                attempt(first, "2")
+            assert attempt(first, "3").value == "3"
+            with pytest.raises(ServerEnded):
+                attempt(second, "4")
+            assert attempt(first, "5").value == "5"  # by the new server still
+        assert server.generation == 2
 
 
 def test_a_server_that_stops_answering_is_replaced(notebook, monkeypatch):

@@ -519,3 +519,52 @@ def lies(x):
         outcome = worker.call("lies", ONE)
         assert (len(outcome.text), len(outcome.line), len(outcome.output)) == (1000, 1000, 8192)
         assert len(worker.definitions.skipped) == 1000
+
+
+PATCHES = [
+    "json.dumps = json.loads = lambda *args, **kwargs: {}",
+    "struct.Struct.pack = None",
+    "codec._PREFIX = None",
+    "codec._TYPES.clear()",
+    "codec._Writer.node = lambda *args: {'l': [None] * 10**5}",
+    "codec._Writer.array = lambda *args: {'a': '<f8', 'shape': [-1], 'b': -8}",
+    "codec._Writer.array = lambda *args: {'a': '<f8', 'shape': [2**40, 2**40], 'b': 0}",
+    "codec.encode = lambda *args: b'NAO1'",
+    "builtins.len = lambda x: 0",
+    "builtins.isinstance = lambda *args: True",
+    "builtins.type = object",
+    "builtins.exec = builtins.compile = builtins.print = None",
+    "np.asarray = np.frombuffer = np.ndarray = None",
+    "np.testing.assert_allclose = np.allclose = np.array_equal = lambda *args, **kwargs: True",
+    "os.write = os.read = lambda *args: b''",
+    "os.getpid = lambda: 1",
+    "ast.parse = gc.collect = gc.get_objects = None",
+    "sys.modules.clear()",
+    "sys.stdout = sys.stderr = None",
+    "sys.settrace(lambda *args: 1 / 0)",
+    "[each.clear() for each in gc.get_objects() if type(each) is dict and 'codec' in each]",
+    "Outcome.__init__ = lambda *args, **kwargs: None",
+    "sys.setrecursionlimit(50)",
+    "threading.Thread(target=lambda: [os.write(each, b'x' * 10**6) for each in (3, 4, 5)]).start()",
+]
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+def test_what_a_student_puts_in_place_of_anything_costs_them_alone(tmp_path, server, patch):
+    source = f"""
+import ast, builtins, gc, json, os, struct, sys, threading
+import numpy as np
+from nao_course.exercises import Outcome, codec
+def f(x): return 2 * x
+def g(x):
+    {patch}
+    return 3 * x
+"""
+    path = toy.write(tmp_path / "own.ipynb", source)
+    with Worker(path, seconds=2.0, server=server) as worker:
+        for _ in range(2):
+            outcome = worker.call("g", ONE)
+            assert outcome.came in ("value", "raised", "died", "timed out", "unsendable"), outcome
+            assert type(outcome.value) in (float, type(None), list, dict, np.ndarray, int)
+        worker.close()
+        assert worker.call("f", ONE).value == 6.0
