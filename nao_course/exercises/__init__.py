@@ -3,7 +3,7 @@
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
-from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Verdict
+from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Sampled, Verdict
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question, Written
 from nao_course.exercises.running import Outcome, call
@@ -30,6 +30,7 @@ __all__ = [
     "Points",
     "Question",
     "Report",
+    "Sampled",
     "Verdict",
     "Written",
     "call",

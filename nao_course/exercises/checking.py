@@ -10,11 +10,13 @@ from html import escape
 from importlib import resources
 from typing import Any, Literal
 
+import numpy as np
+
 from nao_course.exercises import running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.codec import Limits, decode, encode
 from nao_course.exercises.comparisons import Verdict
-from nao_course.exercises.exercise import PublicExercise, PublicLesson
+from nao_course.exercises.exercise import Case, PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
 
@@ -32,6 +34,15 @@ _WRONG = {
     "shape": "Wrong shape",
     "nan": "Not a number",
     "value": "Wrong value",
+}
+_BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
+_ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
+    "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "
+    "between comparisons in brackets, or np.where.",
+    "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
+    "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
+    "unsupported operand type(s) for &": f"& {_BRACKETS}",
+    "positional argument": "Keep the function's first line as it was given: the check calls it with those arguments.",
 }
 _MARKS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
 _DATA = "checks"
@@ -209,12 +220,28 @@ def _explain(
     state: State = "wrong"
     if verdict is not None:
         lines = [f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}."]
+        lines += _input_at(exercise.cases[first], verdict)
     elif outcome.came == "unsendable":
         lines = [f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}."]
     else:
         state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
         lines += [outcome.line] if outcome.line else []
+        lines += [advice for start, advice in _ADVICE.items() if start in outcome.text]
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
+
+
+def _input_at(case: Case, verdict: Verdict) -> list[str]:
+    """Show the element of the first argument that the first wrong element of the answer was made from."""
+    given = case.args[0] if case.args else None
+    place = len(verdict.at)
+    if not isinstance(given, np.ndarray) or not place or given.ndim not in (place, place + 1):
+        return []
+    if (
+        any(index >= size for index, size in zip(verdict.at, given.shape, strict=False))
+        or given[verdict.at].size > 4
+    ):
+        return []
+    return [f"There the input is {' '.join(f'{float(value):g}' for value in given[verdict.at].ravel())}."]
 
 
 def _passed(right: int, checks: int) -> str:

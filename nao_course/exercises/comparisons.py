@@ -29,10 +29,13 @@ class Verdict:
         "right", or in which way the answer differs.
     text : str
         For the student: what came out, never what was expected to.
+    at : tuple of int
+        Index of the first element of an array that differs; empty where there is none.
     """
 
     kind: Kind
     text: str = ""
+    at: tuple[int, ...] = ()
 
     def __bool__(self) -> bool:
         """Whether the answer is right."""
@@ -85,7 +88,13 @@ class Close(Comparison):
         wanted, have = expected.astype(float), got.astype(float)
         misplaced = np.isnan(wanted) != np.isnan(have)
         if np.count_nonzero(misplaced) > self.allowed * wanted.size:
-            return Verdict("nan", f"{where} is NaN where it should not be, or is not where it should be")
+            at = tuple(int(i) for i in np.argwhere(misplaced)[0])
+            what = (
+                f"{where} is NaN{_at(at)}"
+                if np.isnan(have[at])
+                else f"{where} is not NaN{_at(at)} where it should be"
+            )
+            return Verdict("nan", what, at)
         with np.errstate(all="ignore"):
             difference = np.abs(have - wanted)
             if self.period:
@@ -190,6 +199,43 @@ class Between(Comparison):
         return bool(Close(rtol=0.02).compare(answer, got))
 
 
+@register
+@dataclass(frozen=True)
+class Sampled(Comparison):
+    """What the driver `sampling_law` says of a function that draws random samples.
+
+    Parameters
+    ----------
+    rtol : float
+        Of the mean and the standard deviation of its answers: they are themselves sampled.
+    """
+
+    rtol: float = 0.25
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare (mean, standard deviation, whether a seed decides the answer) with the expected ones."""
+        if got is None:
+            return Verdict("nothing", "your answer is None: a return may be missing")
+        if not isinstance(got, tuple | list) or len(got) != 3:
+            return Verdict("type", f"your answer is {_a(got)}, not one number")
+        mean, scatter, repeatable = got
+        if repeatable is not True:
+            return Verdict(
+                "value", "the same rng gave two different answers; rng.integers or rng.choice draw from it"
+            )
+        law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
+        verdict = law.compare(tuple(expected[:2]), (mean, scatter))
+        if not verdict and Close().compare(0.0, scatter):
+            return Verdict("value", f"whatever rng it gets, your answer is the same: {_number(mean)}")
+        return verdict
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether both depend on the generator in the same way, and mean and scatter agree."""
+        if answer is None or got is None:
+            return answer is got
+        return answer[2] is got[2] and bool(Close(rtol=self.rtol, atol=1e-6).compare(answer[:2], got[:2]))
+
+
 def _structure(
     expected: Any,
     got: Any,
@@ -287,7 +333,11 @@ def _differences(wrong: Any, got: Array, where: str, allowed: float) -> Verdict:
         return Verdict("value", f"{where}, {_number(got[()])}, is off")
     index = tuple(int(i) for i in np.argwhere(wrong)[0])
     share = f"{count} of {wrong.size} elements of {where} are off"
-    return Verdict("value", f"{share}, the first at {list(index)}: you have {_number(got[index])}")
+    return Verdict("value", f"{share}, the first at {list(index)}: you have {_number(got[index])}", index)
+
+
+def _at(index: tuple[int, ...]) -> str:
+    return f" at {list(index)}" if index else ""
 
 
 def _number(value: Any) -> str:

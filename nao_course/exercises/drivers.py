@@ -13,7 +13,7 @@ STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-1
 
 def sampling_law(
     function: Callable[..., float], values: npt.NDArray[Any], n_samples: int, repeats: int
-) -> tuple[float, float, float]:
+) -> tuple[float, float, bool] | None:
     """Call a function that draws a random sample, many times.
 
     Parameters
@@ -29,16 +29,19 @@ def sampling_law(
 
     Returns
     -------
-    tuple of float
-        Mean and standard deviation of its answers, and the fraction that come out the same for the same seed.
+    tuple of (float, float, bool), or None
+        Mean and standard deviation of its answers, and whether the same seeds give the same answers again. None where
+        an answer is None.
     """
-    first, again = (
-        np.array(
-            [function(values.copy(), n_samples, np.random.default_rng(seed)) for seed in seeds], dtype=float
-        )
-        for seeds in (range(repeats), range(min(repeats, 20)))
-    )
-    return float(first.mean()), float(first.std()), float((first[: len(again)] == again).mean())
+
+    def answers(seeds: range) -> list[float]:
+        return [function(values.copy(), n_samples, np.random.default_rng(seed)) for seed in seeds]
+
+    first, again = answers(range(repeats)), answers(range(min(repeats, 20)))
+    if any(answer is None for answer in (*first, *again)):
+        return None
+    drawn, same = np.array(first, dtype=float), np.array(again, dtype=float)
+    return float(drawn.mean()), float(drawn.std()), bool((drawn[: len(same)] == same).all())
 
 
 def jacobian(

@@ -132,7 +132,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
     try:
         value = function(*args, **kwargs)
     except NotImplementedError as error:
-        return _raised(error) if error.args else Outcome("not attempted")
+        return _not_written(error, args[0] if driver else function)
     except KeyboardInterrupt:
         return Outcome("interrupted")
     except _TimeIsUp:
@@ -159,10 +159,24 @@ def describe(error: BaseException) -> str:
     return text[:500].encode("utf-8", "replace").decode()
 
 
+def _not_written(error: NotImplementedError, function: Any) -> Outcome:
+    """Tell a function that is still blank from one that calls a blank one."""
+    frames = [frame.name for frame in traceback.extract_tb(error.__traceback__) if _is_own(frame)]
+    if error.args:
+        return _raised(error)
+    if len(frames) > 1 and frames[-1] not in (frames[0], "<lambda>", getattr(function, "__name__", "")):
+        return Outcome("raised", text=f"NotImplementedError: {frames[-1]} is not written yet")
+    return Outcome("not attempted")
+
+
+def _is_own(frame: traceback.FrameSummary) -> bool:
+    return not frame.filename.startswith(_NOT_THE_STUDENTS)
+
+
 def _raised(error: BaseException) -> Outcome:
     """Name an exception and the student's own line: the last one that is in no library."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(_NOT_THE_STUDENTS)]
+    own = [frame for frame in frames if _is_own(frame)]
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
     return Outcome("raised", text=describe(error), line=line[:500].encode("utf-8", "replace").decode())
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question, Sampled, Written
 
 Array = npt.NDArray[Any]
 
@@ -88,6 +88,20 @@ def _grey_nan(picture: Array) -> tuple[Array, Array, Array]:
     return hue, saturation, lightness
 
 
+def _divided_by_nothing(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return hue, np.where(np.isin(lightness, (0.0, 255.0)), np.nan, saturation), lightness
+
+
+def _hsv_saturation(picture: Array) -> tuple[Array, Array, Array]:
+    hue, _, lightness = _hsl(picture)
+    return hue, _hsl(picture, hsv=True)[1], lightness
+
+
+def _mean_of_three(picture: Array) -> tuple[Array, Array, Array]:
+    return *_hsl(picture)[:2], picture.astype(float).mean(axis=2)
+
+
 def _bytes_subtracted(picture: Array) -> tuple[Array, Array, Array]:
     red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
     top, spread = picture.max(axis=2), picture.max(axis=2) - picture.min(axis=2)
@@ -140,10 +154,10 @@ RGB_TO_HSL = Exercise(
     hidden=lambda rng: [Case((primaries()[:, ::-1],)), *(Case((picture(rng, 24, 32),)) for _ in range(3))],
     comparison=Close(rtol=1e-3, atol=2e-3, names=("your hue", "your saturation", "your lightness")),
     hints=(
-        "Begin with largest - smallest. It is 0 for grey pixels: put a 1 there with np.where before you divide. Which of the "
-        "channels is largest decides which line of equation 1.3 holds.",
-        "np.where(largest == red, A, np.where(largest == green, B, C)) has the three lines of equation 1.3 as A, B and C; times "
-        "60, modulo 360, and 0 for grey. The saturation of a grey pixel is 0 by itself, if its divisor is not 0.",
+        "largest == red says where equation 1.3's first line holds, largest == green where the second does. Write all three lines with "
+        "divisor below the fraction, and choose between them with np.where, one inside the other.",
+        "np.where(largest == red, A, np.where(largest == green, B, C)), times 60, modulo 360. For the saturation, the divisor of equation "
+        "1.2 is 0 for black and white: np.where(grey, 1.0, ...) there, too.",
     ),
     mistakes=[
         Mistake(
@@ -203,6 +217,21 @@ RGB_TO_HSL = Exercise(
             "Your hues are in radians. Hues are the one kind of angle that this course has in degrees, 0 to 360, as the field does.",
         ),
         Mistake(
+            "black and white divided by zero",
+            _divided_by_nothing,
+            "Black and white: their divisor 1 - |M + m - 1| is 0. Put a 1 there, too, where a pixel is grey.",
+        ),
+        Mistake(
+            "HSV's saturation",
+            _hsv_saturation,
+            "That is the saturation of HSV, (M - m) / M. HSL's is equation 1.2: (M - m) / (1 - |M + m - 1|).",
+        ),
+        Mistake(
+            "the mean of three channels",
+            _mean_of_three,
+            "That is the mean of all three channels. The lightness of HSL is halfway between the largest and the smallest.",
+        ),
+        Mistake(
             "HSV",
             lambda picture: _hsl(picture, hsv=True),
             "That is HSV: its value is the largest channel and its saturation is relative to that. HSL's lightness is "
@@ -221,16 +250,16 @@ RGB_TO_HSL = Exercise(
         "float32": _hsl_float32,
     },
     equivalents={
-        "grey = spread <= 0": "a largest minus a smallest value is never below 0",
+        "grey = largest <= smallest": "a largest value is never below a smallest one",
         "in_blue = np.where(largest <= green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)": "no channel is above the largest one, so at most it equals it",
         "sixth = np.where(largest <= red, (green - blue) / divisor, in_blue)": "no channel is above the largest one, so at most it equals it",
-        "divisor = np.where(grey, 2.0, spread)": "a grey pixel's numerators are 0, whatever they are divided by",
-        "saturation = spread / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's spread is 0, whatever it is divided by",
+        "divisor = np.where(grey, 2.0, largest - smallest)": "a grey pixel's numerators are 0, whatever they are divided by",
+        "saturation = (largest - smallest) / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's spread is 0, whatever it is divided by",
         "largest = np.maximum(blue, np.maximum(red, green))": "the largest of three numbers does not depend on their order",
         "largest = np.maximum(np.maximum(green, red), blue)": "the largest of three numbers does not depend on their order",
         "smallest = np.minimum(blue, np.minimum(red, green))": "the smallest of three numbers does not depend on their order",
         "smallest = np.minimum(np.minimum(green, red), blue)": "the smallest of three numbers does not depend on their order",
-        "saturation = spread / np.where(grey, 1.0, 1 - np.abs(1 - (largest + smallest)))": "an absolute value has no sign",
+        "saturation = (largest - smallest) / np.where(grey, 1.0, 1 - np.abs(1 - (largest + smallest)))": "an absolute value has no sign",
     },
 )
 
@@ -282,23 +311,15 @@ AVERAGE_LIGHTNESS = Exercise(
     stars=1,
     driver="sampling_law",
     public=lambda: [
-        Case((_patchy(np.random.default_rng(12), 32, 40), 40, 300), "300 samples of 40 pixels"),
+        Case((_patchy(np.random.default_rng(12), 40, 32).T.copy(), 40, 300), "300 samples of 40 pixels"),
         Case((np.array([[250.0, 0.0]]), 1, 1900), "a picture of two pixels"),
     ],
     hidden=lambda rng: [
         Case((_patchy(rng, 48, 64), 50, 300)),
-        Case((_patchy(rng, 60, 40), 20, 300)),
+        Case((_patchy(rng, 60, 40).T.copy(), 20, 300)),
         Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 1900)),
     ],
-    comparison=Close(
-        rtol=0.25,
-        atol=1e-9,
-        names=(
-            "the mean of your answers",
-            "how much your answers scatter",
-            "the part of your answers that the same generator gives again",
-        ),
-    ),
+    comparison=Sampled(),
     hints=(
         "The generator draws for you: rng.integers(0, n, size=k) gives k whole numbers from 0 to n - 1, and "
         "rng.choice(values, k) gives k of the values.",
@@ -308,19 +329,29 @@ AVERAGE_LIGHTNESS = Exercise(
         Mistake(
             "all pixels",
             lambda lightness, n_samples, rng: float(lightness.mean()),
-            "Your answer is the same for every generator. Either it looks at every pixel, where the paper draws a random "
-            "sample, or it begins a generator of its own with a fixed seed.",
+            "Your answer is the mean of all pixels. The paper draws a random sample: n_samples of them.",
+        ),
+        Mistake(
+            "the last pixel never drawn",
+            lambda lightness, n_samples, rng: float(
+                lightness.ravel()[rng.integers(0, max(lightness.size - 1, 1), n_samples)].mean()
+            ),
+            "The last pixel is never drawn: the upper end of rng.integers is not included, so it is lightness.size itself.",
+        ),
+        Mistake(
+            "whole rows drawn",
+            lambda lightness, n_samples, rng: float(rng.choice(lightness, n_samples).mean()),
+            "Whole rows are drawn: rng.choice takes elements along the first axis. Make one long row of it first, with ravel().",
         ),
         Mistake(
             "np.random",
             _sample_of_its_own,
-            "The same rng must give the same answer: draw with rng.integers or rng.choice, not with np.random or a generator of "
-            "your own.",
+            "Draw with the rng that is handed in, not with np.random or a generator of your own: then an experiment can be repeated.",
         ),
         Mistake(
             "the first pixels",
             lambda lightness, n_samples, rng: float(lightness.ravel()[:n_samples].mean()),
-            "Those are the first pixels, from the top of the picture, where there is no grass. Draw them at random.",
+            "Those are always the first pixels. Draw them at random, all over the picture.",
         ),
         Mistake(
             "the sum",
@@ -397,6 +428,18 @@ WHITE_THRESHOLD = Exercise(
             "The fraction is upside down: it is the mean over the maximum, between 0 and 1.",
         ),
         Mistake(
+            "255 in the fraction",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
+                beta + (max_lightness - beta) * mean_lightness / 255.0
+            ),
+            "In the fraction, too, the maximum is the argument max_lightness, not 255.",
+        ),
+        Mistake(
+            "120 and 135",
+            lambda mean_lightness, beta=120.0, max_lightness=255.0: 120.0 + 135.0 * mean_lightness / 255.0,
+            "That is the worked example. Use the arguments beta and max_lightness instead of 120, 255 and their difference 135.",
+        ),
+        Mistake(
             "255 for the maximum",
             lambda mean_lightness, beta=120.0, max_lightness=255.0: (
                 beta + (255.0 - beta) * mean_lightness / 255.0
@@ -428,6 +471,13 @@ WHITE_THRESHOLD = Exercise(
 # --- 1.4 hue_mask ---
 
 
+def _mask_about_0(hue: Array, low: float, high: float) -> Array:
+    """What works where the interval through 0 ends before 180: hues above 180 become negative."""
+    if low > high:
+        hue, low = np.where(hue > 180, hue - 360, hue), low - 360
+    return (hue >= low) & (hue <= high)
+
+
 def _mask(hue: Array, low: float, high: float) -> Array:
     if low <= high:
         return (hue >= low) & (hue <= high)
@@ -442,6 +492,10 @@ HUE_MASK = Exercise(
         Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
         Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
         Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
+        Case(
+            (np.array([[90.0, 165.0, 170.0, 175.0, 300.0, 0.0, 10.0, 15.0]]), 170.0, 10.0),
+            "more than half the circle",
+        ),
     ],
     hidden=lambda rng: [
         *(Case((hues(rng, m, 80, (20, 30)), float(m - 25), float(m + 25))) for m in (60, 120, 200)),
@@ -449,6 +503,7 @@ HUE_MASK = Exercise(
         Case((hues(rng, 10, 60, (20, 30)), 350.0, 40.0)),
         Case((np.array([0.0, 10.0, 10.5, 349.5, 350.0, 359.5]), 350.0, 10.0)),
         Case((np.array([[90.0, 90.5, 89.5]]), 90.0, 90.0)),
+        Case((hues(rng, 0, 180, (20, 30)), float(rng.uniform(80, 170)), float(rng.uniform(0, 60)))),
     ],
     comparison=Exact(),
     hints=(
@@ -468,6 +523,11 @@ HUE_MASK = Exercise(
             "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
         ),
         Mistake(
+            "hues above 180 moved",
+            _mask_about_0,
+            "Right for narrow intervals through 0. One from 170 through 0 to 10 is allowed, too: its hues of 175 are above low.",
+        ),
+        Mistake(
             "or for and",
             lambda hue, low, high: (hue >= low) | (hue <= high),
             "Your mask lets everything through: each hue is above low or below high. Both must hold.",
@@ -476,6 +536,11 @@ HUE_MASK = Exercise(
             "bytes",
             lambda hue, low, high: _mask(hue, low, high).astype(np.uint8) * 255,
             "Your mask has 0 and 255, as OpenCV's do. True and False are wanted: they can be used as an index.",
+        ),
+        Mistake(
+            "ones and zeros",
+            lambda hue, low, high: np.where(_mask(hue, low, high), 1, 0),
+            "Your mask has 1 and 0. A comparison such as hue >= low gives True and False by itself: leave the rest away.",
         ),
         Mistake(
             "inverted",
@@ -511,6 +576,21 @@ def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float,
     widest = int(gaps.argmax())
     low, high = coloured[(widest + 1) % len(coloured)], coloured[widest]
     return float((low - epsilon) % 360), float((high + epsilon) % 360)
+
+
+def _limits_by_steps(hue: Array, saturation: Array, epsilon: float, end: float) -> tuple[float, float]:
+    """With a last step that ends at `end`; with end 0 it goes backwards and is never the largest."""
+    coloured = np.unique(hue[saturation > 0])
+    gaps = np.diff(coloured, append=end)
+    last = int(gaps.argmax())
+    low, high = coloured[(last + 1) % len(coloured)], coloured[last]
+    return float((low - epsilon) % 360), float((high + epsilon) % 360)
+
+
+def _limits_without_modulo(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    coloured = np.unique(hue[saturation > 0])
+    last = int(np.diff(coloured, append=coloured[0] + 360).argmax())
+    return float((coloured[last + 1] - epsilon) % 360), float((coloured[last] + epsilon) % 360)
 
 
 def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
@@ -553,7 +633,12 @@ CALIBRATE_HUE = Exercise(
         Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
         Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
         Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
-        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.3]]), 5.0), "epsilon reaches over 0"),
+        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.01]]), 5.0), "epsilon reaches over 0"),
+        Case((np.array([[200.0, 330.0]]), np.array([[0.5, 0.4]]), 0.0), "two hues, 200 and 330"),
+        Case(
+            (np.array([[0.0, 5.0, 10.0]]), np.array([[0.5, 0.4, 0.3]]), 1.0),
+            "pure red, which has the hue 0, and no grey",
+        ),
         Case(
             (np.array([[350.0, 355.0, 5.0, 10.0]]), np.full((1, 4), 0.8), 2.0), "the example of the docstring"
         ),
@@ -568,17 +653,19 @@ CALIBRATE_HUE = Exercise(
         Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
         Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
         Case(_grass(rng, 55.0, 10.0)),
+        Case((np.array([[float(rng.uniform(185, 215)), 340.0]]), np.array([[0.3, 0.02]]))),
+        Case((np.array([[0.0, 7.0, 14.0]]), np.array([[0.5, 0.4, 0.3]]), 2.0)),
         Case((np.array([[351.0, 356.0, 6.0, 11.0]]), np.full((1, 4), 0.7), 1.5)),
         *(
             Case((np.array([[3.0, 3.0 + gap]]), np.full((1, 2), 0.5))) for gap in (179.6, 180.4)
         ),  # a close race
     ],
-    comparison=Close(rtol=0, atol=0.02),
+    comparison=Close(rtol=0, atol=0.02, names=("low", "high")),
     hints=(
-        "First leave out the pixels without a colour: a grey pixel has saturation 0, and its hue of 0 means nothing. Then "
-        "start with hues that do not cross 0.",
-        "Sort the hues and look at the gaps between neighbours, also the one from the last through 360 to the first. "
-        "The widest gap is what is outside; low is the hue after it and high the one before it.",
+        "np.diff(hues, append=hues[0] + 360) has the step behind each hue; the last one leads through 0 to the first hue, one turn "
+        "later. Where is the largest? argmax() says.",
+        "If the widest gap is behind hue number k, then high is hue number k and low the one behind the gap, k + 1. Behind the last "
+        "comes the first: index (k + 1) % len(hues). Then epsilon, outwards, and both modulo 360.",
     ),
     mistakes=[
         Mistake(
@@ -601,9 +688,64 @@ CALIBRATE_HUE = Exercise(
             "but red is between them.",
         ),
         Mistake(
+            "no wrap, no modulo",
+            lambda hue, saturation, epsilon=0.0: (
+                float(hue[saturation > 0].min() - epsilon),
+                float(hue[saturation > 0].max() + epsilon),
+            ),
+            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: look for the widest "
+            "gap instead. And limits below 0 or above 360 are taken modulo 360.",
+        ),
+        Mistake(
+            "no wrap, grey included",
+            lambda hue, saturation, epsilon=0.0: (float(hue.min() - epsilon), float(hue.max() + epsilon)),
+            "These are the smallest and largest hue of all pixels. Grey ones have no hue: leave them out. And hues live on a circle, "
+            "where red is on both sides of 0: look for the widest gap.",
+        ),
+        Mistake(
+            "no wrap, no epsilon",
+            lambda hue, saturation, epsilon=0.0: (
+                float(hue[saturation > 0].min()),
+                float(hue[saturation > 0].max()),
+            ),
+            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0: look for the widest gap. And "
+            "epsilon widens the limits.",
+        ),
+        Mistake(
+            "the last step left out",
+            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 0.0),
+            "The step from the last hue through 0 to the first is missing, or it goes backwards: np.diff(hues, append=hues[0] + 360).",
+        ),
+        Mistake(
+            "the last step ends at 360",
+            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 360.0),
+            "The last step does not end at 360, but at the first hue, one turn later: append=hues[0] + 360.",
+        ),
+        Mistake(
+            "behind the last nothing",
+            _limits_without_modulo,
+            "Behind the last hue comes the first: take the index (k + 1) % len(hues).",
+        ),
+        Mistake(
+            "epsilon on one side",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0],
+                _limits(hue, saturation, epsilon)[1],
+            ),
+            "Epsilon widens the interval on both sides: low becomes smaller, too.",
+        ),
+        Mistake(
+            "swapped before epsilon",
+            lambda hue, saturation, epsilon=0.0: (
+                (_limits(hue, saturation)[1] - epsilon) % 360,
+                (_limits(hue, saturation)[0] + epsilon) % 360,
+            ),
+            "Low and high have changed places: the widest gap is what is outside. Low comes behind it, high before it.",
+        ),
+        Mistake(
             "swapped",
             lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, epsilon)[::-1],
-            "Low and high have changed places.",
+            "Low and high have changed places: the widest gap is what is outside, and low comes behind it.",
         ),
         Mistake(
             "epsilon forgotten",
@@ -665,6 +807,18 @@ def _labels(
     for kind in order:
         mask, label = masks[kind]
         labels[mask] = label
+    return labels
+
+
+def _labels_floor_for_green(
+    picture: Array,
+    green: tuple[float, float],
+    yellow: tuple[float, float],
+    threshold: float,
+    min_saturation: float = 0.16,
+) -> Array:
+    labels = _labels(picture, green, yellow, threshold, min_saturation)
+    labels[(_labels(picture, green, yellow, threshold, 0.0) == 2) & (labels != 3)] = 2
     return labels
 
 
@@ -768,6 +922,7 @@ COLOR_LABELS = Exercise(
             "green through 0",
         ),
         Case((primaries(), (60.0, 180.0), (0.0, 50.0), 130.0, 1.0), "a floor that only pure colours reach"),
+        Case((primaries(), (60.0, 180.0), (0.0, 50.0), 255.0, 0.5), "no pixel is above 255"),
     ],
     hidden=lambda rng: [
         Case((primaries()[::-1], (70.0, 180.0), (0.0, 60.0), 130.0, 1.0)),
@@ -825,6 +980,23 @@ COLOR_LABELS = Exercise(
             "White lines are missing: near white a little noise is a high saturation. The floor is for green and yellow only.",
         ),
         Mistake(
+            "white and green exchanged",
+            lambda *args: np.array([0, 3, 2, 1], dtype=np.uint8)[_labels(*args)],
+            "White and green have changed places: green is 1, white is 3.",
+        ),
+        Mistake(
+            "floor for green only",
+            _labels_floor_for_green,
+            "Yellow needs the minimal saturation, too: nearly grey pixels have any hue.",
+        ),
+        Mistake(
+            "white at the threshold",
+            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
+                picture, green, yellow, threshold - 1e-9, min_saturation
+            ),
+            "Equation 4.1 has >, not >=: a pixel exactly at the threshold is not white.",
+        ),
+        Mistake(
             "labels swapped",
             _labels_swapped,
             "Green and yellow have changed places: green is 1, yellow is 2.",
@@ -837,7 +1009,7 @@ COLOR_LABELS = Exercise(
         Mistake(
             "labels with a point",
             lambda *args: _labels(*args).astype(float),
-            "Labels are whole numbers: say dtype=np.uint8 where you make the array. OpenCV takes no others in lesson 03.",
+            "Labels are whole numbers: say dtype=np.uint8 where you make the array.",
         ),
         Mistake(
             "luma",
@@ -871,15 +1043,16 @@ PLAN = LessonPlan(
         ),
         Question(
             "why_epsilon",
-            "Why does the paper widen green by epsilon, but not yellow?",
+            "Why does the paper widen green by epsilon, and does not say so of yellow?",
             {
-                "The goal is small, the carpet is everywhere.": "The carpet is seen near and far, in shadow and in glare, "
-                "and the calibration picture shows only one place. There is one goal, in one light.",
-                "Yellow is a brighter colour than green.": "How bright a colour is does not matter to its hue. What matters is "
-                "how much the hue varies from place to place.",
-                "Epsilon makes the filter faster.": "It costs the same: two comparisons for each pixel either way.",
+                "The carpet is everywhere, and its example shows only one place.": "It is seen near and far, in shadow and in glare, and "
+                "its hue differs a little from place to place. A goal is small, in one place and one light.",
+                "Yellow's example has more pixels, so it shows all of its hues.": "It is the smaller one. What counts is not how many "
+                "pixels an example has, but whether it shows the colour in every light that will occur.",
+                "A wider yellow would take in the carpet's hues.": "Not so soon: from yellow, at 60 degrees, to the carpet it is 50 "
+                "degrees and more. You can try it in the panel below.",
             },
-            "The goal is small, the carpet is everywhere.",
+            "The carpet is everywhere, and its example shows only one place.",
         ),
     ],
     written=[
