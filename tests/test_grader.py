@@ -63,7 +63,8 @@ def of(result, name):
 
 def hidden_numbers(assignment):
     values = [case.args[0] for task in assignment.tasks for case in task.hidden]
-    return {f"{abs(number):.3f}"[:5] for value in values for number in value.ravel()}
+    shown = {f"{abs(number):.3f}"[:5] for value in values for number in value.ravel()}
+    return shown | {each.replace(".", "") for each in shown if not each.startswith("0")}
 
 
 def told_to_the_student(result):
@@ -182,7 +183,7 @@ def test_a_written_answer_is_what_the_cell_says(marked):
 
 
 def module_blank():
-    from nao_course.grading.building import ANSWER_HERE
+    from nao_course.exercises.exercise import ANSWER_HERE
 
     return ANSWER_HERE
 
@@ -489,24 +490,24 @@ def declared(tmp_path, kind, number):
     return Submission("ada", "01_hsl_filtering", path, (("declared.py", tmp_path / "declared.py"),))
 
 
-MOST = 14
+PLAN = load_course(ROOT).plan("01_hsl_filtering")
+MISTAKES = max(len(each.mistakes) for each in PLAN.exercises)
+ALTERNATIVES = max(len(each.alternatives) for each in PLAN.exercises)
 
 
-@pytest.mark.parametrize("number", range(MOST))
+@pytest.mark.parametrize("number", range(MISTAKES))
 def test_each_mistake_of_lesson_01_loses_its_points_and_gets_its_hint(server, lesson_01, tmp_path, number):
     course, assignment = lesson_01
     result = grade(declared(tmp_path, "mistakes", number), assignment, server)
     for exercise, got in zip(course.plan("01_hsl_filtering").exercises, result.exercises, strict=True):
-        assert len(exercise.mistakes) <= MOST
         mistake = exercise.mistakes[number % len(exercise.mistakes)]
         assert (got.name, got.earned, got.mistake) == (exercise.name, 0, mistake.name)
         assert got.hint == mistake.message
 
 
-@pytest.mark.parametrize("number", range(5))
+@pytest.mark.parametrize("number", range(ALTERNATIVES))
 def test_each_alternative_of_lesson_01_gets_all_points(server, lesson_01, tmp_path, number):
-    course, assignment = lesson_01
-    assert all(len(each.alternatives) <= 5 for each in course.plan("01_hsl_filtering").exercises)
+    _, assignment = lesson_01
     result = grade(declared(tmp_path, "alternatives", number), assignment, server)
     assert {each.name: each.state for each in result.exercises if each.state != "right"} == {}
 

@@ -190,7 +190,7 @@ def test_the_newest_counts_and_the_others_are_named(look, tmp_path):
 def test_canvas_counts_how_often_it_was_handed_in(look, tmp_path):
     names = [
         "x_1_20_01_hsl_filtering.ipynb",
-        "x_1_22_01_hsl_filtering-2.ipynb",
+        "x_1_19_01_hsl_filtering-2.ipynb",
         "x_1_21_01_hsl_filtering-1.ipynb",
     ]
     (found,) = look(packed(tmp_path / "in.zip", dict.fromkeys(names, NOTEBOOK))).submissions

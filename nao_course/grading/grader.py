@@ -26,10 +26,9 @@ import numpy as np
 from nao_course.exercises.checking import explain
 from nao_course.exercises.comparisons import Verdict
 from nao_course.exercises.definitions import NO_DEFINITION, load_definitions, read_cells
-from nao_course.exercises.exercise import Case, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, Case, Exercise, PublicExercise, Written
 from nao_course.exercises.running import Outcome
 from nao_course.grading.containers import Refused
-from nao_course.grading.course import ANSWER_HERE
 from nao_course.grading.plans import hidden_cases, publish
 from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
 from nao_course.grading.sandbox import SandboxError
@@ -446,7 +445,6 @@ class _Sitting:
         with _worker(self.assignment.reference, self.assignment, self.server) as reference:
             self.worker.lend({name: _lent(reference, name) for name in task.uses})
             hidden = self.hidden(task)
-            self.worker.lend({})
         right = hidden.state == "right"
         names = " and ".join(task.uses)
         came = "right" if right else "not right either"
