@@ -13,7 +13,7 @@ from nao_course.exercises import Case
 from nao_course.grading import sandbox as module
 from nao_course.grading.sandbox import LEVELS, Bounds, Layer, Sandbox, SandboxError, probe
 from nao_course.grading.server import WarmServer
-from nao_course.grading.worker import Worker
+from nao_course.grading.worker import SINGLE_THREADED, Worker
 from tests.sandboxed import attacker, attempt, denied, need, only
 from tests.toy import toy
 
@@ -303,6 +303,8 @@ def test_a_worker_has_no_privileges_and_cannot_get_any(confined, layers):
         for name in ("CapInh", "CapPrm", "CapEff", "CapAmb"):
             assert f"{name}:\\t0000000000000000" in status
         assert "NoNewPrivs:\\t1" in status
+    if layers == NAMESPACES:
+        assert "NoNewPrivs:\\t1" in attempt(confined(*layers), "open('/proc/1/status').read()").value
     assert (
         attempt(confined(*layers), "libc.prctl(3, 0, 0, 0, 0), libc.prctl(39, 0, 0, 0, 0)").value == "(0, 1)"
     )
@@ -376,6 +378,22 @@ def arrived(sockets):
                 each.accept()[0].close()
             count += 1
     return count
+
+
+@linux
+def test_two_workers_cannot_speak_to_each_other(confined):
+    first, second = confined(*NAMESPACES), confined(*NAMESPACES)
+    listen = "s = sys.kept = socket.socket(socket.AF_UNIX); s.bind(chr(0) + 'x'); s.listen()\n1"
+    speak = "socket.socket(socket.AF_UNIX).connect(chr(0) + 'x')"
+    assert attempt(first, listen).value == "1"
+    assert attempt(first, speak).value == "None"
+    assert denied(attempt(second, speak), "ConnectionRefusedError")
+
+
+@linux
+def test_nothing_of_the_graders_environment_is_left(confined):
+    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *SINGLE_THREADED}
+    assert attempt(confined(), "sorted(os.environ)").value == repr(sorted(names))
 
 
 # --- honest work ---
