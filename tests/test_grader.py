@@ -362,7 +362,7 @@ def test_a_notebook_that_only_ends_python_is_graded_as_that(marked):
 
 
 def test_an_error_of_the_graders_own_is_no_score(server, assignment, tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "explain", lambda *_: 1 / 0)
+    monkeypatch.setattr(module, "_written", lambda *_: 1 / 0)
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     with pytest.raises(GraderError, match="ada, 90_chain: the grader failed .ZeroDivisionError"):
         grade(Submission("ada", chain.LESSON, path), assignment, server)
@@ -373,14 +373,9 @@ def test_an_answer_that_the_comparison_falls_over_is_no_usable_answer(marked, mo
         raise MemoryError
 
     monkeypatch.setattr(Close, "compare", compare)
-    monkeypatch.setattr(module, "explain", lambda exercise, *_: module_report(exercise))
-    assert set(states(marked()).values()) == {"no usable answer"}
-
-
-def module_report(exercise):
-    from nao_course.exercises.checking import Report
-
-    return Report(exercise.name, "wrong", ("",))
+    result = marked()
+    assert set(states(result).values()) == {"no usable answer"}
+    assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
 
 
 def test_a_lost_server_has_the_submission_graded_again(server, assignment, tmp_path, monkeypatch):

@@ -418,8 +418,7 @@ class _Sitting:
 
     def result(self, task: Task, outcomes: Sequence[Outcome]) -> ExerciseResult:
         """Grade one exercise; its public cases have been run."""
-        stopped = f"stopped after {self.assignment.seconds:g} seconds"
-        lines = [line[:LONGEST_TEXT] for line in explain(task.public, outcomes, stopped).lines]
+        lines = self.explained(task.public, outcomes)
         hint = next((line for line in lines if line in task.mistakes), "")
         hopeless = outcomes[-1].came in ("not attempted", "not found", "timed out", "died")
         hidden = self.fail(outcomes[-1], 0) if hopeless else self.hidden(task)
@@ -439,6 +438,15 @@ class _Sitting:
             task.mistakes.get(hint, ""),
             notes=(_CHANGES,) if right and hidden.changed else (),
         )
+
+    def explained(self, exercise: PublicExercise, outcomes: Sequence[Outcome]) -> list[str]:
+        """What the public check says; of answers that it cannot even look at, that."""
+        try:
+            with np.errstate(all="ignore"):
+                report = explain(exercise, outcomes, f"stopped after {self.assignment.seconds:g} seconds")
+        except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
+            return [f"{exercise.number} {exercise.name}: {UNREADABLE}."]
+        return [line[:LONGEST_TEXT] for line in report.lines]
 
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
