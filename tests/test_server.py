@@ -3,6 +3,7 @@
 import ast
 import contextlib
 import gc
+import json
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.grading import server as module
-from nao_course.grading.sandbox import Bounds, SandboxError, probe
+from nao_course.grading.sandbox import Bounds, Layer, Sandbox, SandboxError, probe
 from nao_course.grading.server import WarmServer
 from nao_course.grading.worker import ServerEnded, Worker
 from tests.sandboxed import attacker, attempt, need, only
@@ -440,6 +441,29 @@ def test_without_namespaces_nothing_is_left_either(notebook, layers):
                 assert len(servers_family(server)) > len(known) + 5
             assert servers_family(server) == known
     assert state() == before
+
+
+@pytest.mark.parametrize("missing", ["_try_namespace", "_try_all", "_try_seccomp"])
+def test_a_machine_that_refuses_some_layers_still_grades_behind_the_others(notebook, missing):
+    code = f"""
+import json
+from nao_course.grading import sandbox
+def refused(*_): raise OSError("refused here")
+sandbox.{missing} = refused
+print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._trial()]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT, check=True
+    )
+    sandbox = Sandbox(tuple(Layer(*each) for each in json.loads(done.stdout)))
+    assert any("refused here" in layer.detail for layer in sandbox.layers if not layer.on)
+    assert sandbox.level != "full"
+    with WarmServer(sandbox, BOUNDS) as server, Worker(notebook, server=server) as worker:
+        assert (
+            attempt(worker, "__import__('colorsys').rgb_to_hls(1, 0, 0)[0], len(os.listdir())").value
+            == "(0.0, 1)"
+        )
+        assert attempt(worker, "open('mine', 'w').write('x')").value == "1"
 
 
 def test_where_nothing_can_be_forked_a_worker_is_a_process_with_limits(notebook, monkeypatch):

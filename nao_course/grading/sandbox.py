@@ -22,6 +22,11 @@ if sys.platform != "win32":
 if sys.platform == "linux":
     from nao_course.grading import syscalls
 
+# What holds at each level, beside the codec, limits for each process and the kill by wall clock:
+#   process     nothing else: a student's code can read and write what the grader can.
+#   landlock    files, TCP, signals, abstract sockets are closed; UDP and the number of processes are not.
+#   namespaces  files, network and processes are the worker's own; it ends as a whole; all it uses is bounded.
+#   full        all of this twice, by independent means, as a user without rights, and with fewer system calls.
 LEVELS = ("process", "landlock", "namespaces", "full")
 _NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
 _LINUX = (*_NAMESPACES, "landlock", "seccomp", "unprivileged user")
@@ -583,7 +588,7 @@ def _try_seccomp() -> None:
     _must_fail(lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM), "opening a socket")
 
 
-def _try_user(namespace: bool) -> None:
+def _try_user(*, namespace: bool) -> None:
     """Become an unprivileged user, who can still read Python's own files."""
     if os.geteuid() != 0:
         return
@@ -614,7 +619,7 @@ def _trial() -> list[Layer]:
     found["mount namespace"] = found["mount namespace"] or _tried(_try_view)
     found["landlock"] = _tried(_try_landlock)
     found["seccomp"] = _tried(_try_seccomp)
-    found["unprivileged user"] = _tried(lambda: _try_user(not found["user namespace"]))
+    found["unprivileged user"] = _tried(lambda: _try_user(namespace=not found["user namespace"]))
     details = dict.fromkeys(found, "")
     if not found["landlock"]:
         details["landlock"] = f"version {syscalls.landlock_version()}"
@@ -628,6 +633,8 @@ def _trial() -> list[Layer]:
         on = frozenset(name for name, reason in found.items() if not reason)
         if reason := _tried(lambda: _try_all(on)):
             found |= dict.fromkeys(_NAMESPACES, f"together: {reason}")
+    if any(found[name] for name in _NAMESPACES):
+        found["unprivileged user"] = _tried(lambda: _try_user(namespace=False))
     return [Layer(name, not reason, reason or details[name]) for name, reason in found.items()]
 
 

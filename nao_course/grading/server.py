@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, NoReturn, Self
@@ -336,6 +337,7 @@ class _Server:
     ) -> None:
         self.control, self.walls, self.users, self.folder = control, walls, users, folder
         self.nursery = nursery
+        self.watched = 0.0
         self.workers: dict[int, _Forked] = {}
         self.mounts = "mount namespace" in walls.on
         self.ours = os.open("/proc/self/ns/pid", os.O_RDONLY) if "pid namespace" in walls.on else None
@@ -350,7 +352,8 @@ class _Server:
                 if not message:
                     self.leave()
                 self.say(self.answer(json.loads(message), descriptors))
-            self.watch()
+            if time.monotonic() - self.watched > _WATCH:
+                self.watch()
 
     def say(self, reply: Mapping[str, Any]) -> None:
         try:
@@ -459,6 +462,7 @@ class _Server:
 
     def watch(self) -> None:
         """End workers whose processes together hold too much memory."""
+        self.watched = time.monotonic()
         if self.ours is None:
             return
         parents, own = dict(_processes()), _held("self")
