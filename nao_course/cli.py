@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 import typer
@@ -19,14 +20,17 @@ from nao_course.exercises.definitions import load_definitions
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
-app.add_typer(new, name="new")
+_STUDENTS = (
+    find_spec("nao_course.grading") is None
+)  # a student's copy: what is not in it is not in the help either
+app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
-_MARKS = {"right": "[green]✔ right[/]", "not attempted": "○ not attempted"}
+_MARKS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
 
 
 @app.callback()
 def main() -> None:
-    """The course's commands: check, submit and renew are for students, the others for instructors."""
+    """The course's commands: check, submit and renew are for students."""
 
 
 @contextmanager
@@ -79,6 +83,11 @@ def check(notebook: Path) -> None:
         table.add_row(
             f"{exercise.number} {exercise.name}", f"{exercise.points:g}", mark, escape("\n".join(lines))
         )
+    for question in public.written:
+        mark, said = "○ nothing written", "A person marks it."
+        if question.number not in found.unwritten:
+            mark = "● written"
+        table.add_row(f"{question.number} in your own words", f"{question.points:g}", mark, said)
     console.print(table)
     for each in skipped:
         if each.reason != "not a definition":
@@ -101,7 +110,22 @@ def submit(
         table.add_row(name, digest[:16])
     console.print(table)
     _say(", ".join(f"{name} {version}" for name, version in receipt.versions.items()))
-    _say(f"Hand in {receipt.path}. Your receipt: {receipt.code[:16]}")
+    for name in receipt.files:
+        if name.endswith(".ipynb"):
+            _say(_state_of(Path(name).stem, folder or _notebooks()))
+    _say(f"Hand in {receipt.path} as your course says. Your receipt is in it, too: {receipt.code[:16]}")
+
+
+def _state_of(lesson: str, folder: Path) -> str:
+    """Say how much of a lesson is done, as far as the public checks can tell."""
+    try:
+        public, found = read_public(lesson), student.functions(lesson, folder)
+    except ValueError as error:
+        return f"{lesson}: {error}"
+    missing = [f"{report.name} ({report.state})" for report in found.reports]
+    missing += [f"{number} (nothing written)" for number in found.unwritten]
+    done = f"{len(found)} of {len(public.exercises)} exercises pass their public checks"
+    return f"{lesson}: {done}{'; not yet: ' + ', '.join(missing) if missing else ''}."
 
 
 @app.command()
@@ -119,7 +143,7 @@ def _notebooks() -> Path:
 # --- instructors ---
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def build(
     lessons: list[str] | None = typer.Argument(None, help="Numbers of lessons; by default all."),
     from_notebook: str = typer.Option(
@@ -161,7 +185,7 @@ def _progress() -> Progress:
     )
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
     with _plainly():
@@ -172,7 +196,7 @@ def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Processes at a time.")) -> None:
     """Change a lesson's solutions a little, many times, and list the changes that no test notices (instructors)."""
     with _plainly():
@@ -184,7 +208,7 @@ def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Proc
 # --- grading ---
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def grade(
     submissions: Path = typer.Argument(
         ..., help="A folder of submissions, or the zip that Moodle or Canvas gives."
@@ -201,7 +225,7 @@ def grade(
         commands.grade_folder(console, submissions, out, lesson, jobs, require_sandbox)
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def regrade(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     student: str = typer.Option(..., help="Whose submission."),
@@ -216,7 +240,7 @@ def regrade(
         commands.regrade_student(console, grades, student, lesson, points, reason)
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def export(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     format_: str = typer.Option(..., "--format", help="csv or gradescope."),
@@ -230,7 +254,7 @@ def export(
             _say(line)
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def marks(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     file: Path | None = typer.Argument(
@@ -245,7 +269,7 @@ def marks(
             _say(line)
 
 
-@app.command()
+@app.command(hidden=_STUDENTS)
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises, what was refused (instructors)."""
     with _plainly():

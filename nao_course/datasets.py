@@ -143,8 +143,8 @@ def data_folder() -> Path:
             f"{DATA_VARIABLE} names {named!r}, which is no folder" if named else f"{DATA_VARIABLE} is not set"
         )
         raise FileNotFoundError(
-            f"The recorded real pictures are not here: {where}. They are no part of the course; whoever has them sets the "
-            f"environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013 (docs/real_data.md)."
+            f"The recorded real pictures are not here: {where}. They are no part of the course; whoever has them sets "
+            f"the environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013 (docs/real_data.md)."
         )
     return folder
 

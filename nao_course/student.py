@@ -13,6 +13,7 @@ from typing import Any
 
 from nao_course.exercises.checking import Report, grade_public, read_public
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_definitions
+from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.trying import Message
 
 
@@ -28,11 +29,14 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         The functions that can be used.
     reports : tuple of Report
         What the checks said of the others.
+    unwritten : tuple of str
+        Written questions without an answer.
     """
 
     lesson: str
     right: Mapping[str, Callable[..., Any]]
     reports: tuple[Report, ...] = ()
+    unwritten: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
         """Return a function.
@@ -114,7 +118,7 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
     for exercise in public.exercises:
         if exercise.name not in found:
             lines = (f"{exercise.number} {exercise.name}: not found in {path.name}.", *reasons)
-            reports.append(Report(exercise.name, "not attempted", lines))
+            reports.append(Report(exercise.name, "raised" if reasons else "not attempted", lines))
             continue
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
             report = grade_public(exercise, found[exercise.name])
@@ -122,7 +126,12 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
             right[exercise.name] = found[exercise.name]
         else:
             reports.append(report)
-    return StudentFunctions(lesson, right, tuple(reports))
+    unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
+    return StudentFunctions(lesson, right, tuple(reports), tuple(unwritten))
+
+
+def _blank(answer: str) -> bool:
+    return answer.strip() in ("", ANSWER_HERE)
 
 
 @lru_cache(maxsize=32)

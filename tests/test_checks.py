@@ -17,6 +17,7 @@ from nao_course.exercises import (
     Case,
     CheckFailed,
     Checks,
+    Close,
     Exact,
     Points,
     checking,
@@ -24,7 +25,9 @@ from nao_course.exercises import (
     running,
 )
 from nao_course.exercises.asking import ask, reply
+from nao_course.exercises.checking import grade_public
 from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.exercise import PublicExercise
 from nao_course.grading.plans import load_plan, publish, publish_exercise
 from tests.toy import toy
 
@@ -84,7 +87,11 @@ def interrupted(x, low, high):
             "wrong",
             "Wrong shape (above): your answer has shape (1,)",
         ),
-        (lambda x, low, high: "3", "wrong", "Wrong kind of answer (above): your answer is a str, not numbers"),
+        (
+            lambda x, low, high: "3",
+            "wrong",
+            "Wrong kind of answer (above): your answer is a str, not numbers",
+        ),
         (
             lambda x, low, high: x > low,
             "wrong",
@@ -96,7 +103,11 @@ def interrupted(x, low, high):
             "wrong",
             "1 of 3 public checks pass. Wrong value (above): your answer, 3, is off.",
         ),
-        (lambda x, low, high: print, "wrong", "Wrong kind of answer (above): a value of type builtin_function"),
+        (
+            lambda x, low, high: print,
+            "wrong",
+            "Wrong kind of answer (above): a value of type builtin_function",
+        ),
         (interrupted, "interrupted", "stopped by you"),
         (3.0, "wrong", "a function is wanted, got a float"),
         (None, "wrong", "a function is wanted, got a NoneType"),
@@ -359,3 +370,43 @@ def test_a_loop_that_never_ends_and_swallows_exceptions_is_stopped_and_the_clock
     assert [outcome.came for outcome in outcomes] == ["timed out"]
     assert signal.getsignal(signal.SIGALRM) is before
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
+
+
+def test_what_numpy_says_of_the_commonest_slips_is_said_in_a_beginners_words(check):
+    hues = np.array([1.0, 2.0])
+    for slip, advice in (
+        (lambda *_: 1 if hues > 1 else 2, "no single True or False"),
+        (lambda *_: 0 < hues < 2, "no single True or False"),
+        (lambda *_: hues >= 1.0 & hues, "put each comparison in brackets"),
+        (lambda x: x, "Keep the function's first line"),
+    ):
+        assert advice in check("clamp", slip).lines[-1]
+
+
+def test_a_written_function_that_calls_an_unwritten_one_is_not_called_unwritten(check):
+    def helper():
+        raise NotImplementedError
+
+    def clamp(x, low, high):
+        return helper()
+
+    report = check("clamp", clamp)
+    assert report.state == "raised" and "helper is not written yet" in report.lines[0]
+
+
+def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
+    pixels = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)
+    wanted = pixels.max(axis=2).astype(float)
+    public = PublicExercise(
+        "largest", "1.1", 1.0, 1, Close(), [Case((pixels,), "a picture", expected=wanted)], [], [], "", False
+    )
+
+    def one_wrong(picture):
+        answer = picture.max(axis=2).astype(float)
+        answer[1, 2] = 99
+        return answer
+
+    assert grade_public(public, one_wrong).lines[-1] == "There the input is 18 19 20."
+    flat = replace(public, cases=[Case((wanted,), expected=wanted)])
+    assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1

@@ -12,7 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
+from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.grading import building, lessons
+from nao_course.grading.release import release_problems
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = """
@@ -152,6 +154,59 @@ def test_a_student_copy_has_nbgraders_metadata_and_no_solution(built):
         assert metadata == wanted | more
     assert check.metadata.nao_course == {"role": "check"}
     assert check.metadata.editable is False
+
+
+def with_a_written_question(course):
+    write(
+        course.text("01_toy"),
+        "```{raw-cell}",
+        '+++ {"written": "say_why"}\n\nBecause two times one is two.\n\n```{raw-cell}',
+    )
+    plan = course.solutions / "exercises" / "01_toy.py"
+    text = plan.read_text().replace("import Case, Exercise,", "import Written, Case, Exercise,")
+    written = 'Written("say_why", 2, "Why is it two?", "one point for each two")'
+    plan.write_text(
+        text.replace(
+            "PLAN = LessonPlan(exercises=[DOUBLE])", f"PLAN = LessonPlan([DOUBLE], written=[{written}])"
+        )
+    )
+
+
+def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
+    with_a_written_question(course)
+    assert run("build").exit_code == 0
+    notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
+    ((_, cell),) = lessons.written_cells(notebook)
+    assert cell.source == ANSWER_HERE and "two times one" not in nbformat.writes(notebook)
+    assert dict(cell.metadata.nbgrader) | {"checksum": ""} == {
+        "schema_version": 3,
+        "task": False,
+        "cell_type": "markdown",
+        "checksum": "",
+        "grade": True,
+        "solution": True,
+        "locked": False,
+        "grade_id": "say_why",
+        "points": 2.0,
+    }
+    solved = nbformat.read("solutions/01_toy.ipynb", as_version=4)
+    assert lessons.written_cells(solved)[0][1].source == "Because two times one is two."
+    assert lessons.write_lesson(solved) == course.text("01_toy").read_text()
+    write(course.text("01_toy"), '"say_why"', '"say_how"')
+    assert "begin with +++" in run("build").output
+
+
+def test_an_instructors_answer_in_a_release_is_refused(course):
+    with_a_written_question(course)
+    assert run("build").exit_code == 0
+    there = Path("notebooks/01_toy.ipynb")
+    files = {"release/notebooks/01_toy.ipynb": there.read_bytes()}
+    assert release_problems(course, files) == []
+    leaking = there.read_text().replace(ANSWER_HERE, "Because two times one is two.")
+    assert any(
+        "a written answer is in it" in each
+        for each in release_problems(course, {"release/notebooks/01_toy.ipynb": leaking.encode()})
+    )
 
 
 def test_points_of_the_course_file_count(course):
@@ -364,7 +419,10 @@ def test_an_edited_notebook_is_not_built_over(built):
             lambda cells: cells[2].update(source="one\n\n+++\n\ntwo"),
             r"cell 3.*MyST would read it as another cell",
         ),
-        (lambda cells: cells[2].metadata.update(nbgrader={"grade": True}), r"cell 3.*no graded text cells"),
+        (
+            lambda cells: cells[2].metadata.update(nbgrader={"grade": True}),
+            r"cell 3.*a graded text cell is a written answer",
+        ),
         (lambda cells: cells[3].update(source="def double(value):"), r"cell 4.*is not Python"),
         (lambda cells: cells[4].metadata.nbgrader.update(points=7), "the points of double were changed"),
     ],
@@ -384,9 +442,11 @@ def test_what_text_cannot_hold_is_refused(built, change, said):
 def test_check_says_in_a_table_what_is_right_and_what_is_not():
     blank, solved = (str(ROOT / folder / "01_hsl_filtering.ipynb") for folder in ("notebooks", "solutions"))
     result = run("check", solved)
-    assert result.exit_code == 0 and result.output.count("✔ right") == 6
+    assert result.exit_code == 0 and result.output.count("✔ passes") == 6
+    assert result.output.count("● written") == 1
     result = run("check", blank)
     assert result.exit_code == 1 and result.output.count("○ not attempted") == 6
+    assert result.output.count("○ nothing written") == 1
 
 
 def test_check_names_what_went_wrong(tmp_path):
@@ -409,7 +469,11 @@ def test_check_names_what_went_wrong(tmp_path):
 def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
     result = run("submit", str(ROOT / "notebooks"), "--out", str(tmp_path))
     (made,) = tmp_path.iterdir()
-    assert result.exit_code == 0 and made.name in result.output and "Your receipt:" in result.output
+    assert result.exit_code == 0 and made.name in result.output and "Your receipt is in it" in result.output
+    assert "01_hsl_filtering: 0 of 6 exercises pass their public checks; not yet: rgb_to_hsl" in result.output
+    assert "1.W1 (nothing written)" in result.output
+    result = run("submit", str(ROOT / "solutions"), "--out", str(tmp_path / "solved"))
+    assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
 
 
 def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished(built):

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Between, Close, Exact, Points
+from nao_course.exercises.comparisons import Between, Close, Exact, Points, Sampled
+from nao_course.exercises.drivers import sampling_law
 
 nan, inf = np.nan, np.inf
 numbers = st.floats(-1e300, 1e300) | st.sampled_from([nan, inf, -inf])
@@ -234,3 +235,63 @@ def test_an_expected_value_is_never_said(comparison, expected):
         assert not verdict
         assert verdict.text
         assert "987" not in verdict.text
+
+
+def law(function, values=None, n_samples=40, repeats=300):
+    values = np.arange(100.0).reshape(10, 10) if values is None else values
+    return sampling_law(function, values, n_samples, repeats)
+
+
+def sample(values, n_samples, rng):
+    return values.ravel()[rng.integers(0, values.size, n_samples)].mean()
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (
+            lambda v, n, rng: np.random.default_rng().choice(v.ravel(), n).mean(),
+            "the same rng gave two different",
+        ),
+        (lambda v, n, rng: v.mean(), "whatever rng it gets"),
+        (
+            lambda v, n, rng: v.ravel()[np.random.default_rng(7).integers(0, v.size, n)].mean(),
+            "whatever rng it gets",
+        ),
+        (lambda v, n, rng: rng.choice(v.ravel()), "the scatter of your answers"),
+        (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
+        (lambda v, n, rng: None, "a return may be missing"),
+    ],
+)
+def test_a_random_sample_is_judged_by_its_law(function, said):
+    assert said in Sampled().compare(law(sample), law(function)).text
+
+
+def test_another_way_to_draw_the_same_sample_is_right():
+    for right in (
+        lambda v, n, rng: rng.choice(v.ravel(), n, replace=False).mean(),
+        lambda v, n, rng: rng.permutation(v.ravel())[:n].mean(),
+    ):
+        assert Sampled().compare(law(sample), law(right))
+
+
+def test_a_sample_of_one_kind_is_like_another_of_its_kind():
+    def own(v, n, rng):
+        return np.random.default_rng().choice(v.ravel(), n).mean()
+
+    assert Sampled().alike(law(own), law(own))
+    assert not Sampled().alike(law(own), law(sample))
+    assert Sampled().alike(None, None) and not Sampled().alike(None, law(sample))
+
+
+def test_values_of_a_tuple_are_called_by_their_names():
+    comparison = Close(names=("your hue", "your saturation"))
+    assert "of your saturation are off" in comparison.compare((1.0, np.zeros(3)), (1.0, np.ones(3))).text
+    assert "2 values (your hue, your saturation) are wanted" in comparison.compare((1.0, 2.0), 3.0).text
+    assert comparison.compare((1.0, np.zeros(2)), (1.0, np.array([0.0, np.nan]))).at == (1,)
+
+
+def test_labels_are_whole_numbers():
+    wanted = np.array([[0, 1], [2, 3]], dtype=np.uint8)
+    assert Exact().compare(wanted, wanted.astype(np.int64)) and Exact().compare(wanted, wanted.tolist())
+    assert Exact().compare(wanted, wanted.astype(float)).kind == "type"

@@ -290,3 +290,46 @@ def test_a_drawing_says_what_it_shows():
 def test_the_library_holds_no_way_back_from_a_pixel_to_the_ground():
     names = [name for name in dir(plotting) if "ground" in name.lower() or "inverse" in name.lower()]
     assert names == []
+
+
+def test_a_table_is_text_and_html_with_nothing_unescaped():
+    shown = plotting.table(["<b>", "n"], [["a & b", 1.5], ["c", None]])
+    assert repr(shown) == "<b>    n\na & b  1.5\nc      None"
+    assert (
+        "<td" in shown._repr_html_()
+        and "<b>" not in shown._repr_html_()
+        and "a &amp; b" in shown._repr_html_()
+    )
+    with pytest.raises(ValueError, match="row 2 has 1 values for 2 columns"):
+        plotting.table(["a", "b"], [[1, 2], [3]])
+
+
+def test_labels_are_painted_in_their_colours():
+    painted = plotting.painted([[0, 1], [2, 3]])
+    assert painted.dtype == np.uint8 and painted.shape == (2, 2, 3)
+    assert np.allclose(
+        painted.reshape(4, 3) / 255, [to_rgb(each) for each in plotting.LABEL_COLOURS], atol=1 / 255
+    )
+    with pytest.raises(ValueError, match="labels must be"):
+        plotting.painted([[4]])
+
+
+def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
+    drawing = plotting.draw_hue_circle({"ball": [350, 5]}, {"ball": (348.0, 12.0)})
+    (arc,) = [line for line in drawing.figure.axes[0].lines if len(line.get_xdata()) == 200]
+    swept = np.degrees(arc.get_xdata())
+    assert np.isclose(swept[0], 348) and np.isclose(swept[-1], 372) and (np.diff(swept) > 0).all()
+    assert "limits from 348.0 to 12.0 degrees" in drawing.alt
+    for wrong in ({}, {"a": [1]}):
+        with pytest.raises(ValueError, match=r"at least one entry|limits are for"):
+            plotting.draw_hue_circle(wrong, {"b": (1.0, 2.0)})
+
+
+def test_a_picture_is_drawn_beside_its_hue_saturation_and_lightness(rng):
+    picture = rng.integers(0, 256, (6, 8, 3), dtype=np.uint8)
+    drawing = plotting.draw_hsl(picture, np.full((6, 8), 120.0), np.full((6, 8), 0.25), np.full((6, 8), 80.0))
+    assert len(drawing.figure.axes) == 4 and "120 degrees, 0.25 and 80" in drawing.alt
+    shown = drawing.figure.axes[1].images[0].get_array()
+    assert (shown[..., 1] > 200).all() and (shown[..., [0, 2]] == 0).all()
+    with pytest.raises(ValueError, match="saturation must have shape"):
+        plotting.draw_hsl(picture, np.zeros((6, 8)), np.zeros((6, 7)), np.zeros((6, 8)))

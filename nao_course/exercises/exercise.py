@@ -11,6 +11,8 @@ import numpy as np
 from nao_course.exercises.codec import decode, encode, register
 from nao_course.exercises.comparisons import Close, Comparison
 
+ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
+
 
 @register
 @dataclass(frozen=True)
@@ -262,9 +264,20 @@ class PublicQuestion:
 
 @register
 @dataclass(frozen=True)
+class PublicWritten:
+    """A written question as a student knows it: without what it is marked by."""
+
+    name: str
+    number: str
+    points: float
+
+
+@register
+@dataclass(frozen=True)
 class PublicLesson:
     """What a lesson's checks and questions need: the content of its data file."""
 
     name: str
     exercises: list[PublicExercise]
     questions: list[PublicQuestion]
+    written: list[PublicWritten] = field(default_factory=list)

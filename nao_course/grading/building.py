@@ -23,8 +23,8 @@ from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums
 from nao_course.exercises import LessonPlan
 from nao_course.exercises.checking import pack
 from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.grading import lessons
-from nao_course.grading.course import ANSWER_HERE as ANSWER_HERE
 from nao_course.grading.course import NUMBERED, LessonError
 from nao_course.grading.course import Course as Course
 from nao_course.grading.course import load_course as load_course

@@ -10,7 +10,6 @@ from pathlib import Path
 from nao_course.exercises.exercise import LessonPlan
 from nao_course.grading.plans import load_plan
 
-ANSWER_HERE = "*Write your answer here: double-click this text.*"  # in a student's copy
 NUMBERED = "[0-9][0-9]_*"
 
 

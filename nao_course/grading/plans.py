@@ -24,6 +24,7 @@ from nao_course.exercises.exercise import (
     PublicLesson,
     PublicMistake,
     PublicQuestion,
+    PublicWritten,
     Question,
     Written,
 )
@@ -202,7 +203,11 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
     questions = [
         PublicQuestion(each.name, each.text, dict(each.choices), each.right) for each in plan.questions
     ]
-    return PublicLesson(lesson, exercises, questions)
+    written = [
+        PublicWritten(each.name, f"{lesson_number}.W{number}", float(each.points))
+        for number, each in enumerate(plan.written, start=1)
+    ]
+    return PublicLesson(lesson, exercises, questions, written)
 
 
 def publish_exercise(number: str, exercise: Exercise, function: Callable[..., Any]) -> PublicExercise:
@@ -298,7 +303,11 @@ def check_plan(
 
 
 def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:
-    kinds: tuple[Sequence[Exercise | Question | Written], ...] = (plan.exercises, plan.questions, plan.written)
+    kinds: tuple[Sequence[Exercise | Question | Written], ...] = (
+        plan.exercises,
+        plan.questions,
+        plan.written,
+    )
     names = [each.name for kind in kinds for each in kind]
     for name in _twice([*names, *(name for name in taken if name in names)]):
         yield f"{name}: the name is used twice"
