@@ -353,6 +353,7 @@ def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
         assert server.generation == 2
 
 
+@pytest.mark.slow
 def test_a_server_that_stops_answering_is_replaced(notebook, monkeypatch):
     need(*NAMESPACES)
     monkeypatch.setattr(module, "_SECONDS_TO_REPLY", 1.0)
@@ -443,6 +444,7 @@ def test_without_namespaces_nothing_is_left_either(notebook, layers):
     assert state() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("missing", ["_try_namespace", "_try_all", "_try_seccomp"])
 def test_a_machine_that_refuses_some_layers_still_grades_behind_the_others(notebook, missing):
     code = f"""
