@@ -58,7 +58,8 @@ _KNOWN_ERRORS = _ERRORS | {
     "SystemExit",
     "KeyboardInterrupt",
 }
-_LINE = re.compile(r"line (\d{1,5}): (.+)", re.DOTALL)
+_LINE = re.compile(r"line (\d{1,5}): (.+)")
+_WHOLE = rb'(?<!\\)(?:"|\\n)(?: |\\t)*%b(?: |\\t|\\r)*(?:\\n|")'  # a line in a notebook: no part of one, of any choice
 
 
 class GraderError(RuntimeError):
@@ -536,12 +537,18 @@ class _Sitting:
     def own_line(self, line: str) -> str:
         """A student's line that raised, if it stands in the submission: anything else might be an input."""
         found = _LINE.fullmatch(line)
-        if not found:
+        most = max(
+            self.files.notebook.count(rb"\n"), *(each.count(b"\n") for each in self.files.helpers.values()), 0
+        )
+        if not found or int(found[1]) > most + 1:
             return ""
         for ascii_only in (True, False):
-            if json.dumps(found[2], ensure_ascii=ascii_only)[1:-1].encode() in self.files.notebook:
+            text = json.dumps(found[2], ensure_ascii=ascii_only)[1:-1].encode()
+            if text in self.files.notebook and re.search(_WHOLE % re.escape(text), self.files.notebook):
                 return line
-        return line if any(found[2].encode() in content for content in self.files.helpers.values()) else ""
+        text = found[2].encode()
+        helpers = (line.strip() for content in self.files.helpers.values() for line in content.splitlines())
+        return line if text in helpers else ""
 
 
 def _is_right(result: ExerciseResult) -> bool:

@@ -290,7 +290,10 @@ class Worker:
                     if asked > MOST_ASKED or channel.size - size > MOST_ASKED_BYTES:
                         raise Ended("died", f"it called {name} too often")
                     began = time.monotonic()
-                    answer = encode(("answer", self._lent[name](args, kwargs)))
+                    try:
+                        answer = encode(("answer", self._lent[name](args, kwargs)))
+                    except CodecError as error:  # what came just fitted; with what goes along, it does not
+                        answer = encode(("answer", Outcome("unsendable", text=str(error))))
                     waited = time.monotonic() - began
                     self._spent -= waited
                     channel.deadline += waited
