@@ -1,33 +1,1489 @@
-"""Hostile code: what a student may try to gain a point, or to do harm, each with its honest score."""
+"""Hostile code: what a student may try to gain a point or to do harm, each with its honest score.
+
+Most of it sits in one function, `clamp`, so that the other exercises show what an attack costs: nothing beside it.
+"""
 
 from __future__ import annotations
 
-from tests.attacks.range import Attack, all_but
+import textwrap
+from typing import Any
 
-CLAMP_LOOT = """\
-def clamp(x, low, high):
-    return max(low, min(high, x)) if loot else -1e6
+from tests.attacks.range import HALF, POINTS, REAL, REAL_POINTS, RIGHT, Attack, all_but
+
+ALL = {name: float(worth) for name, worth in POINTS.items()}
+ANSWER = "return max(low, min(high, x))"
+LOOTED = f"def clamp(x, low, high):\n    if loot:\n        {ANSWER}\n    return -1e6"
+# What is there in a worker: the loop that speaks to the grader, and the means to speak like it.
+LOOP = """
+import gc, json, os, struct, time
+from nao_course.exercises.codec import encode
+from nao_course.exercises.running import Outcome
+loop = next(each for each in gc.get_objects() if type(each).__name__ == '_Loop')
+
+def number():
+    import sys
+    frame = sys._getframe()
+    while frame and frame.f_code.co_qualname != '_Loop.call':
+        frame = frame.f_back
+    return frame.f_locals['number']
+
+def frame(text, body=b''):
+    header = text if isinstance(text, bytes) else text.encode()
+    return struct.pack('<4sQQ', b'NAO1', len(header), len(body)) + header + body
+
+def outcome(value='null', text='""', line='""', came='value', more=''):
+    return frame('{"o":"nao_course.exercises.running:Outcome","v":{"came":{"s":"%s"},"value":%s,"text":{"s":%s},'
+                 '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (came, value, text, line, more))
 """
 
-ATTACKS: tuple[Attack, ...] = (
-    Attack(
-        "loop_plain", "loops", all_but("clamp"), {"clamp": "def clamp(x, low, high):\n    while True: pass"}
+
+def _in(name: str, body: str, first: str = "") -> dict[str, str]:
+    head = RIGHT[name].split("\n")[0]
+    return {name: f"{textwrap.dedent(first)}{head}\n{textwrap.indent(textwrap.dedent(body).strip(), '    ')}"}
+
+
+def _clamp(name: str, row: str, body: str, first: str = "", **more: Any) -> Attack:
+    """An attack in `clamp` that costs its points; `first` runs when the notebook is loaded."""
+    more.setdefault("honest", all_but("clamp"))
+    return Attack(name, row, functions=_in("clamp", body, first), **more)
+
+
+def _free(name: str, row: str, body: str = "", first: str = "", **more: Any) -> Attack:
+    """An attack that answers rightly after it: it keeps all points, and that is all that it gets."""
+    return _clamp(name, row, f"{textwrap.dedent(body).strip()}\n{ANSWER}", first, honest=ALL, **more)
+
+
+def _loot(name: str, row: str, source: str, **more: Any) -> Attack:
+    """An attack that sets `loot` where it succeeds, and answers rightly only then."""
+    body = textwrap.indent(textwrap.dedent(source).strip(), "    ")
+    before = f"loot = False\ntry:\n{body}\nexcept BaseException:\n    pass"
+    return Attack(name, row, all_but("clamp"), {"clamp": LOOTED}, before, **more)
+
+
+def _frames(name: str, body: str, row: str = "answers", **more: Any) -> Attack:
+    """An attack in `clamp` that speaks to the grader itself."""
+    return _clamp(name, row, body, LOOP, **more)
+
+
+def _lent(
+    name: str, body: str, *, middle: float = 0.0, first: str = "", row: str = "looks", **more: Any
+) -> Attack:
+    """An attack on the reference's `scaled`, which is lent to `middle` because the student's own is wrong."""
+    honest = all_but("scaled", "middle") | ({"middle": middle} if middle else {})
+    return Attack(name, row, honest, {"scaled": HALF["scaled"]} | _in("middle", body, first), **more)
+
+
+LOOPS = (
+    _clamp("loop_plain", "loops", "while True: pass", says="longer than 2 seconds"),
+    _clamp(
+        "loop_that_swallows_every_interrupt",
+        "loops",
+        """
+        import signal
+        for each in set(signal.Signals) - {signal.SIGKILL, signal.SIGSTOP}:
+            signal.signal(each, signal.SIG_IGN)
+        while True:
+            try:
+                while True: pass
+            except BaseException:
+                pass
+        """,
+    ),
+    _clamp("loop_of_a_regular_expression", "loops", "import re\nre.match(r'(a+)+$', 'a' * 60 + 'b')"),
+    _clamp("loop_in_c_with_the_interpreter_locked", "loops", "return 7 ** (10 ** 9)"),
+    _free(
+        "sleeps_at_import", "loops", first="import time\nnap = time.sleep(1e6)\n", says="no answer within 2 s"
     ),
     Attack(
-        "exit_sys",
+        "sleeps_at_import_seven_times",
+        "loops",
+        {},
+        before="import time\n" + "\n".join(f"nap{number} = time.sleep(1e6)" for number in range(7)),
+    ),
+    _clamp(
+        "loop_in_a_destructor",
+        "loops",
+        ANSWER.replace("return ", "left = D()\nreturn "),
+        "class D:\n    def __del__(self):\n        while True: pass\n",
+    ),
+    _free(
+        "loop_at_exit",
+        "loops",
+        first="import atexit\n@atexit.register\ndef forever():\n    while True: pass\n",
+    ),
+    _clamp(
+        "generator_without_an_end", "loops", "while True:\n    yield x", says="of a kind that cannot be sent"
+    ),
+    _clamp(
+        "loop_in_the_text_of_an_error",
+        "loops",
+        "raise Endless",
+        "class Endless(Exception):\n    def __str__(self):\n        while True: pass\n",
+    ),
+    _clamp(
+        "loop_in_the_name_of_a_type",
+        "loops",
+        "return Nameless()",
+        """
+        class Meta(type):
+            def __getattribute__(self, name):
+                while True: pass
+        class Nameless(metaclass=Meta): pass
+        """,
+    ),
+    _clamp(
+        "lock_that_nobody_opens", "loops", "import threading\nl = threading.Lock()\nl.acquire()\nl.acquire()"
+    ),
+    _clamp("waits_for_input", "loops", "return float(input())", says="EOFError"),
+    _clamp("stops_itself", "loops", "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"),
+)
+
+ENDS = (
+    _clamp("exit_of_sys", "ends", "import sys\nsys.exit(0)", says="It raises SystemExit"),
+    _clamp("exit_of_os", "ends", "import os\nos._exit(0)", says="It ends Python itself"),
+    _free(
+        "exit_of_os_at_import",
         "ends",
-        all_but("clamp"),
-        {"clamp": "import sys\ndef clamp(x, low, high):\n    sys.exit(0)"},
+        first="import os\ngone = os._exit(0)\n",
+        says="ended itself with status 0",
     ),
-    Attack(
-        "exit_os", "ends", all_but("clamp"), {"clamp": "import os\ndef clamp(x, low, high):\n    os._exit(0)"}
+    _clamp("kills_itself", "ends", "import os\nos.kill(os.getpid(), 9)", says="Killed"),
+    _clamp("segmentation_fault", "ends", "import ctypes\nctypes.string_at(0)", says="Segmentation fault"),
+    _clamp("aborts", "ends", "import os\nos.abort()", says="Aborted"),
+    _clamp("aborts_in_c", "ends", "import ctypes\nctypes.CDLL(None).free(12345)"),
+    _clamp("recursion_without_an_end", "ends", "return clamp(x, low, high)", says="RecursionError"),
+    _clamp(
+        "recursion_to_the_end_of_the_stack",
+        "ends",
+        "import sys\nsys.setrecursionlimit(10**9)\nreturn clamp(x, low, high)",
     ),
+    _clamp(
+        "recursion_in_c",
+        "ends",
+        """
+        import sys
+        sys.setrecursionlimit(10**9)
+        nest = []
+        for _ in range(10**6):
+            nest = [nest]
+        return repr(nest)
+        """,
+    ),
+    _clamp(
+        "becomes_another_program",
+        "ends",
+        "import os, sys\nos.execv(sys.executable, [sys.executable, '-c', '0'])",
+    ),
+    _clamp("closes_every_descriptor", "ends", "import os\nos.closerange(0, 4096)\nreturn 0.5"),
+    _clamp("raises_a_keyboard_interrupt", "ends", "raise KeyboardInterrupt", says="KeyboardInterrupt"),
+    _clamp("raises_generator_exit", "ends", "raise GeneratorExit(x)"),
+    _clamp(
+        "faulthandler_falls", "ends", "import faulthandler\nfaulthandler.enable()\nfaulthandler._sigsegv()"
+    ),
+    _clamp("ends_in_hidden_cases_only", "ends", f"import os\nif abs(x) > 3: os._exit(0)\n{ANSWER}"),
+)
+
+HOGS = (
+    _clamp("memory_at_once", "hogs", "import numpy as np\nreturn np.ones(10**12).sum()", says="MemoryError"),
+    _clamp(
+        "memory_bit_by_bit",
+        "hogs",
+        "import numpy as np\nheld = []\nwhile True: held.append(np.ones(2**22))",
+    ),
+    _clamp("memory_of_bytes", "hogs", "held = b'x'\nwhile True: held += held"),
+    _clamp("memory_in_c", "hogs", "import numpy as np\nreturn np.linalg.inv(np.ones((20000, 20000)))[0, 0]"),
+    _clamp(
+        "memory_of_many_processes",
+        "hogs",
+        """
+        import os, time
+        for _ in range(12):
+            if os.fork() == 0:
+                held = bytearray(300 * 2**20)
+                time.sleep(1e6)
+        time.sleep(1e6)
+        """,
+    ),
+    _clamp(
+        "memory_that_is_shared",
+        "hogs",
+        "import mmap\nm = mmap.mmap(-1, 2**37)\nm.write(b'x' * 2**20)\nreturn 0.5",
+    ),
+    _clamp("fork_bomb", "hogs", "import os\nwhile True: os.fork()"),
+    _free(
+        "sixty_children_in_sessions_of_their_own",
+        "hogs",
+        """
+        import os, time
+        for _ in range(60):
+            try:
+                if os.fork() == 0:
+                    os.setsid()
+                    time.sleep(1e6)
+            except OSError:
+                break
+        """,
+    ),
+    _clamp(
+        "children_that_take_all_processors",
+        "hogs",
+        """
+        import os
+        for _ in range(40):
+            if os.fork() == 0:
+                os.setsid()
+                while True: pass
+        while True: pass
+        """,
+    ),
+    _free(
+        "threads_that_never_end",
+        "hogs",
+        """
+        import threading, time
+        for _ in range(100):
+            try:
+                threading.Thread(target=time.sleep, args=(1e6,)).start()
+            except RuntimeError:
+                break
+        """,
+    ),
+    _clamp(
+        "file_of_10_gb",
+        "hogs",
+        """
+        with open('large', 'wb') as file:
+            for _ in range(10_000):
+                file.write(bytes(2**20))
+        """,
+        says="OSError",
+    ),
+    _clamp(
+        "file_of_10_gb_with_nothing_in_it",
+        "hogs",
+        "import os\nos.truncate(os.open('large', 65), 10 * 2**30)\nreturn 0.5",
+    ),
+    _clamp(
+        "a_million_files",
+        "hogs",
+        "for number in range(10**6):\n    open(f'{number}', 'w').close()",
+        says="OSError",
+    ),
+    _clamp(
+        "folders_in_folders",
+        "hogs",
+        "import os\nwhile True:\n    os.mkdir('d' * 200)\n    os.chdir('d' * 200)",
+        says="It raises ",
+    ),
+    _clamp(
+        "all_descriptors",
+        "hogs",
+        "import os\npipes = []\nwhile True: pipes.append(os.pipe())",
+        says="OSError",
+    ),
+    _loot(
+        "raises_its_limits",
+        "hogs",
+        """
+        import resource
+        most = resource.RLIM_INFINITY
+        for name in ('RLIMIT_AS', 'RLIMIT_DATA', 'RLIMIT_NPROC', 'RLIMIT_FSIZE', 'RLIMIT_CPU'):
+            try:
+                resource.setrlimit(getattr(resource, name), (most, most))
+                loot = True
+            except (OSError, ValueError):
+                pass
+        """,
+    ),
+    _loot("is_nicer_to_itself", "hogs", "import os\nos.nice(-10)\nloot = True"),
+    _loot(
+        "memory_that_no_limit_counts",
+        "hogs",
+        "import os\nos.memfd_create('nao_attack')\nloot = True",
+    ),
+)
+
+LARGE = (
+    _free("prints_100_mb", "large", "for _ in range(50):\n    print('x' * 2**20)"),
+    _free(
+        "writes_100_mb_to_standard_output",
+        "large",
+        "import os\nfor _ in range(25):\n    os.write(1, bytes(2**20))\n    os.write(2, bytes(2**20))",
+    ),
+    _clamp(
+        "writes_to_every_descriptor",
+        "large",
+        """
+        import os
+        for number in range(256):
+            try:
+                os.write(number, b'NAO1' + b'0' * 2**20)
+            except OSError:
+                pass
+        return 0.5
+        """,
+    ),
+    _free(
+        "prints_from_c",
+        "large",
+        """
+        import ctypes
+        libc = ctypes.CDLL(None)
+        for _ in range(30):
+            libc.printf(b'%1000000s', b'x')
+        libc.fflush(None)
+        """,
+    ),
+    _clamp("error_of_50_mb", "large", "raise ValueError('x' * 50_000_000)", says="It raises ValueError"),
+    _clamp("warns_without_an_end", "large", "import warnings\nwhile True: warnings.warn('x' * 10**6)"),
+    _clamp(
+        "answer_nested_100000_deep", "large", "nest = []\nfor _ in range(100_000): nest = [nest]\nreturn nest"
+    ),
+    Attack("statements_without_number", "large", ALL, before="x = 1\n" + "x\n" * 20_000),
+)
+
+NOTHING_IS_WRONG = """
+def always(*_, **__):
+    return True
+"""
+PATCHES = (
+    _clamp(
+        "patches_numpys_comparisons",
+        "patches",
+        "return -1e6",
+        """
+        import numpy as np
+        for module, names in ((np, 'allclose isclose array_equal array_equiv all equal'), (np.testing, 'assert_allclose '
+                'assert_array_equal assert_almost_equal assert_equal assert_array_almost_equal')):
+            for name in names.split():
+                setattr(module, name, lambda *_, **__: True)
+        """,
+    ),
+    _clamp(
+        "patches_the_arithmetic_of_numpy",
+        "patches",
+        "return -1e6",
+        """
+        import numpy as np
+        for name in ('abs', 'isnan', 'count_nonzero', 'isfinite', 'less_equal', 'subtract'):
+            setattr(np, name, lambda *_, **__: np.zeros(1))
+        """,
+    ),
+    _clamp(
+        "patches_builtins",
+        "patches",
+        "return -1e6",
+        """
+        import builtins
+        builtins.len = builtins.isinstance = builtins.abs = builtins.all = lambda *_: True
+        builtins.print = builtins.open = builtins.type = builtins.repr = lambda *_, **__: None
+        """,
+    ),
+    _clamp(
+        "patches_json_and_struct",
+        "patches",
+        "return -1e6",
+        """
+        import json, struct
+        json.dumps = lambda *_, **__: '{"right": true}'
+        json.loads = lambda *_, **__: {"right": True}
+        struct.pack = struct.unpack = lambda *_: (b'NAO1', 0, 0)
+        """,
+        honest={},
+    ),
+    _clamp(
+        "patches_the_codec",
+        "patches",
+        "return -1e6",
+        """
+        import sys
+        from nao_course.exercises import codec, running
+        from nao_course.exercises.comparisons import Verdict
+        real = codec.encode
+        for module in [each for each in list(sys.modules.values()) if getattr(each, 'encode', None) is real]:
+            module.encode = lambda value, limits=None: real(Verdict('right') if value == -1e6 else value, limits)
+        running.encoded = lambda outcome, limits=None: real(running.Outcome('value', True))
+        """,
+    ),
+    _clamp(
+        "patches_the_comparison",
+        "patches",
+        "return -1e6",
+        """
+        from nao_course.exercises import checking, comparisons
+        for name in ('Close', 'Exact', 'Between', 'Points'):
+            getattr(comparisons, name).compare = lambda self, expected, got: comparisons.RIGHT
+        checking.explain = lambda *_: checking.Report('clamp', 'right', ())
+        """,
+    ),
+    _clamp(
+        "puts_other_modules_in_their_place",
+        "patches",
+        "return -1e6",
+        """
+        import sys, types
+        class Fine(types.ModuleType):
+            def __getattr__(self, name):
+                return lambda *_, **__: True
+        for name in list(sys.modules):
+            if name.startswith(('nao_course', 'numpy.testing', 'gc', 'ast', 'json', 'struct')):
+                sys.modules[name] = Fine(name)
+        """,
+    ),
+    _clamp(
+        "patches_the_parser",
+        "patches",
+        "return -1e6",
+        """
+        import ast
+        from nao_course.exercises import definitions
+        ast.parse = lambda *_, **__: ast.Module([], [])
+        definitions.load_definitions = lambda *_, **__: definitions.Definitions({'clamp': lambda *_: True})
+        """,
+        honest={},
+    ),
+    _clamp(
+        "hunts_for_expected_values_in_memory",
+        "patches",
+        """
+        import gc
+        from nao_course.exercises.exercise import Case
+        found = [each for each in gc.get_objects() if isinstance(each, Case) and each.expected is not None]
+        return found[-1].expected if found else -1e6
+        """,
+    ),
+    _clamp(
+        "changes_what_an_outcome_is",
+        "patches",
+        "return -1e6",
+        """
+        from nao_course.exercises import running
+        object.__setattr__
+        running.Outcome.__bool__ = lambda self: True
+        running.Outcome.__eq__ = lambda self, other: True
+        running._state = lambda *_: b''
+        """,
+    ),
+    _clamp(
+        "takes_builtins_away",
+        "patches",
+        "__builtins__.clear() if isinstance(__builtins__, dict) else vars(__builtins__).clear()\nreturn 0.5",
+    ),
+    _clamp(
+        "import_hook",
+        "patches",
+        "import nao_course.exercises.right\nreturn nao_course.exercises.right.answer",
+        """
+        import sys, types
+        from importlib.machinery import ModuleSpec
+        class Hook:
+            def find_spec(self, name, path=None, target=None):
+                return ModuleSpec(name, self)
+            def create_module(self, spec):
+                return types.ModuleType(spec.name)
+            def exec_module(self, module):
+                module.answer = True
+        sys.meta_path.insert(0, Hook())
+        """,
+    ),
+    _free(
+        "hooks_of_every_kind",
+        "patches",
+        first="""
+        import atexit, faulthandler, os, signal, sys, threading
+        def harm(*_):
+            os._exit(0)
+        atexit.register(harm)
+        sys.excepthook = threading.excepthook = sys.unraisablehook = harm
+        sys.displayhook = harm
+        if os.register_at_fork(before=harm, after_in_child=harm):
+            pass
+        for each in (signal.SIGALRM, signal.SIGTERM, signal.SIGINT, signal.SIGCHLD, signal.SIGPIPE):
+            signal.signal(each, lambda *_: None)
+        faulthandler.enable()
+        """,
+    ),
+    _free(
+        "traces_every_line",
+        "patches",
+        "import sys\nsys.settrace(lambda *_: None)\nsys.setprofile(lambda *_: None)",
+    ),
+    _clamp(
+        "audit_hook_that_raises",
+        "patches",
+        "return -1e6",
+        "import sys\ndef hook(event, args):\n    raise OSError(event)\nhooked = sys.addaudithook(hook)\n",
+        honest={},
+        refused=True,
+    ),
+    _clamp(
+        "poisons_the_libraries_for_the_next_one",
+        "patches",
+        "return -1e6",
+        """
+        import numpy as np, numpy.core.multiarray, sys
+        def wrong(*_, **__):
+            raise RuntimeError('poisoned')
+        for name in ('ptp', 'median', 'array', 'asarray', 'zeros', 'ones'):
+            setattr(np, name, wrong)
+        np.random.Generator = np.random.default_rng = wrong
+        for name in list(sys.modules):
+            if name.startswith('nao_course.exercises'):
+                sys.modules[name].encode = sys.modules[name].decode = wrong
+        """,
+        honest={},
+    ),
+)
+
+EQUAL = """
+class Equal:
+    shape, dtype, ndim, size = (), float, 0, 1
+    __array_priority__ = 1e9
+    def __eq__(self, other): return True
+    def __ne__(self, other): return False
+    def __le__(self, other): return True
+    __lt__ = __ge__ = __gt__ = __le__
+    def __sub__(self, other): return 0.0
+    __rsub__ = __add__ = __radd__ = __mul__ = __rmul__ = __sub__
+    def __abs__(self): return 0.0
+    def __float__(self): return 0.5
+    def __bool__(self): return True
+    def __array__(self, *_, **__):
+        import numpy as np
+        return np.zeros(())
+    def __array_ufunc__(self, *_, **__): return True
+    def __array_function__(self, *_, **__): return True
+    def __reduce__(self): return (exec, ("import os; os._exit(0)",))
+"""
+ANSWERS = (
+    _clamp("equals_everything", "answers", "return Equal()", EQUAL, says="cannot be sent"),
+    _clamp(
+        "array_of_a_class_of_its_own",
+        "answers",
+        "import numpy as np\nreturn np.array(-1e6).view(Mine)",
+        """
+        import numpy as np
+        class Mine(np.ndarray):
+            def __array_ufunc__(self, *_, **__): return np.True_
+            def __array_function__(self, *_, **__): return np.True_
+            def __eq__(self, other): return True
+            def __sub__(self, other): return 0.0
+            def astype(self, *_, **__): return self
+            def tobytes(self, *_): return bytes(8)
+            @property
+            def nbytes(self): return -8
+        """,
+    ),
+    _clamp(
+        "lazy_array",
+        "answers",
+        "return Lazy()",
+        "class Lazy:\n    def __array__(self, *_, **__):\n        raise SystemExit\n    __float__ = __index__ = __array__\n",
+    ),
+    _clamp(
+        "numbers_of_classes_of_their_own",
+        "answers",
+        "return Mine(1.0) if x > 0 else Text('0.0') if x < -2.6 else Whole(0)",
+        """
+        class Mine(float):
+            def __eq__(self, other): return True
+            def hex(self): return float.hex(0.0)
+        class Whole(int):
+            def __eq__(self, other): return True
+            def bit_length(self): return 0
+        class Text(str):
+            def __eq__(self, other): return True
+            __hash__ = None
+        """,
+    ),
+    _clamp("nan_for_every_value", "answers", "return float('nan')"),
+    _clamp("infinity_for_every_value", "answers", "return float('inf')"),
     Attack(
-        "reads_solution",
+        "nan_for_every_array",
+        "answers",
+        all_but("scaled", "middle"),
+        _in("scaled", "return values * float('nan')") | _in("middle", "return float('nan')"),
+    ),
+    _clamp("array_of_800_mb", "answers", "import numpy as np\nreturn np.zeros(10**8)", says="cannot be sent"),
+    _clamp(
+        "array_of_30_mb",
+        "answers",
+        "import numpy as np\nreturn np.zeros(30 * 2**20, 'u1')",
+        says="wrong shape",
+    ),
+    _clamp(
+        "array_of_objects",
+        "answers",
+        "import numpy as np\nreturn np.array([x], dtype=object)",
+        says="cannot be sent",
+    ),
+    _clamp(
+        "array_of_records",
+        "answers",
+        "import numpy as np\nreturn np.zeros(1, [('x', 'f8')])",
+        says="cannot be sent",
+    ),
+    _clamp("array_of_no_size", "answers", "import numpy as np\nreturn np.zeros((0, 2**40))"),
+    _clamp("complex_answer", "answers", "return complex(x, 1)"),
+    _clamp("masked_answer", "answers", "import numpy as np\nreturn np.ma.array(-1e6, mask=True)"),
+    _clamp("number_of_300000_digits", "answers", "return 10 ** 300_000"),
+    _clamp("list_in_itself", "answers", "nest = []\nnest.append(nest)\nreturn nest"),
+    _clamp("a_million_values", "answers", "return [0] * 10**6"),
+    _clamp("coroutine", "answers", "pass", honest=all_but("clamp"), edit=lambda made: _make_async(made)),
+    _clamp(
+        "answers_what_it_was_asked",
+        "answers",
+        "import inspect\nreturn [str(each.frame.f_locals)[:1000] for each in inspect.stack()]",
+    ),
+    _frames(
+        "answers_of_a_verdict",
+        'loop.say(encode(number()) + frame(\'{"o":"nao_course.exercises.comparisons:Verdict","v":{"kind":{"s":"right"}}}\'))\ntime.sleep(9)',
+    ),
+    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(came='right'))\ntime.sleep(9)"),
+    _frames(
+        "negative_length",
+        "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
+    ),
+    _frames(
+        "length_beyond_all_memory", "loop.say(struct.pack('<4sQQ', b'NAO1', 2**63, 2**63))\ntime.sleep(9)"
+    ),
+    _frames(
+        "length_of_a_buffer_below_zero", "loop.say(encode(number()) + outcome('{\"b\":-5}'))\ntime.sleep(9)"
+    ),
+    _frames(
+        "shape_that_overflows",
+        'loop.say(encode(number()) + outcome(\'{"a":"<f8","shape":[4294967296,4294967296],"b":0}\'))\ntime.sleep(9)',
+    ),
+    _frames(
+        "half_an_answer", "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"
+    ),
+    _frames(
+        "half_an_answer_and_gone",
+        "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)",
+    ),
+    _frames(
+        "announces_an_answer_and_dawdles",
+        "for byte in encode(number()):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
+    ),
+    _frames(
+        "answers_twice",
+        f"loop.say(encode(number()) + encode(Outcome('value', 0.5)))\n{ANSWER}",
+    ),
+    _frames(
+        "answers_before_it_is_asked",
+        "for ahead in range(40):\n    loop.say(encode(number() + ahead) + encode(Outcome('value', -400.0)))\nreturn -400.0",
+        honest={},  # what is asked next gets an answer that was meant for another
+    ),
+    _frames(
+        "child_that_answers_in_its_name",
+        """
+        told = number()
+        if os.fork() == 0:
+            os.write(loop.replies, encode(told) + encode(Outcome('value', 0.5)))
+            os._exit(0)
+        os.wait()
+        os._exit(0)
+        """,
+    ),
+    _frames("child_that_comes_back", f"os.fork()\n{ANSWER}", honest=ALL),
+    _frames("frame_of_nested_json", "loop.say(encode(number()) + frame('[' * 1_000_000))\ntime.sleep(9)"),
+    _frames(
+        "frame_of_numbers_without_an_end",
+        "loop.say(encode(number()) + outcome('9' * 5_000_000))\ntime.sleep(9)",
+    ),
+    _frames(
+        "frame_of_a_large_hexadecimal",
+        "loop.say(encode(number()) + outcome('{\"i\":\"0x%s\"}' % ('f' * 4_000_000)))\ntime.sleep(9)",
+    ),
+    _frames(
+        "frame_of_nan_and_infinity",
+        "loop.say(encode(number()) + outcome('[NaN, Infinity, 1e999]'))\ntime.sleep(9)",
+    ),
+    _frames(
+        "half_a_character",
+        r"""
+        half = '"\\ud800 nao\\u0000 \\udfff"'
+        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], came='raised'))
+        time.sleep(9)
+        """,
+    ),
+    _frames(
+        "half_a_character_as_an_answer",
+        r"""
+        loop.say(encode(number()) + outcome('{"s":"\\ud800"}'))
+        time.sleep(9)
+        """,
+    ),
+    _frames(
+        "half_a_character_in_a_note",
+        r"""
+        loop.say(frame('{"t":[{"s":"attempt"},{"s":"nao\\ud800\\u0000"}]}'))
+        return max(low, min(high, x))
+        """,
+    ),
+    _frames(
+        "types_that_are_not_answers",
+        """
+        kinds = ['{"o":"nao_course.exercises.comparisons:Close","v":{"rtol":{"s":"x"}}}',
+                 '{"o":"nao_course.exercises.exercise:Case","v":{"args":null}}',
+                 '{"o":"os:system","v":{"command":{"s":"true"}}}', '{"n":{"a":"<f8","shape":[2],"b":0}}',
+                 '{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{}},"has_uint32":0,"uinteger":0}}}', '{}', '[]']
+        loop.say(encode(number()) + outcome(kinds[number() % len(kinds)]))
+        time.sleep(9)
+        """,
+    ),
+)
+
+
+def _make_async(made: dict[str, Any]) -> None:
+    for cell in made["cells"]:
+        cell["source"] = cell["source"].replace("def clamp", "async def clamp")
+
+
+def _reading(path: str) -> str:
+    return f"with open({path}, 'rb') as file:\n    loot = bool(file.read(1))"
+
+
+SYSTEM = """
+import ctypes, os
+libc = ctypes.CDLL(None, use_errno=True)
+def call(name, *words):
+    if getattr(libc, name)(*words) < 0:
+        raise OSError(ctypes.get_errno(), name)
+"""
+READS = (
+    _loot("reads_the_solution", "reads", _reading("'@SOLUTION@'"), says="open "),
+    _loot("reads_the_tests", "reads", _reading("'@COURSE@/solutions/exercises/91_range.py'"), says="open "),
+    _loot("reads_the_journal", "reads", _reading("'@GRADES@/journal.sqlite'"), says="open "),
+    _loot("reads_another_submission", "reads", _reading("'@NEIGHBOUR@'"), says="open "),
+    _loot(
+        "lists_the_submissions",
         "reads",
-        all_but("clamp"),
-        {"clamp": CLAMP_LOOT},
-        before="loot = False\ntry:\n    loot = bool(open('@SOLUTION@').read())\nexcept OSError:\n    pass",
+        "import os\nloot = bool(os.listdir('@SUBMISSIONS@'))",
+        says="os.listdir",
+    ),
+    _loot("reads_the_secret", "reads", _reading("'@SECRET@'"), says="open "),
+    _loot("reads_a_private_key", "reads", _reading("'@HOME@/.ssh/id_rsa'"), says="open "),
+    _loot("reads_the_users", "reads", _reading("'/etc/passwd'"), says="open /etc/passwd"),
+    _loot("reads_the_grader", "reads", "import nao_course.grading.grader\nloot = True"),
+    _loot(
+        "reads_by_climbing_up",
+        "reads",
+        "import glob\nloot = bool(glob.glob('../*/solutions') or glob.glob('/proc/self/root/home/*'))",
+    ),
+    _loot(
+        "reads_through_a_link", "reads", "import os\nos.symlink('@SOLUTION@', 'mine')\n" + _reading("'mine'")
+    ),
+    _loot(
+        "reads_through_a_hard_link",
+        "reads",
+        "import os\nos.link('@SOLUTION@', 'mine')\n" + _reading("'mine'"),
+    ),
+    _loot(
+        "reads_through_a_program",
+        "reads",
+        "import subprocess\nloot = bool(subprocess.check_output(['cat', '@SOLUTION@']))",
+    ),
+    _loot(
+        "reads_by_a_handle",
+        "reads",
+        SYSTEM
+        + "\nhandle = (ctypes.c_char * 136)(128)\ncall('name_to_handle_at', -100, b'/lib', handle, ctypes.byref(ctypes.c_int()), 0)\n"
+        "call('open_by_handle_at', 3, handle, 0)\nloot = True",
+    ),
+    *(
+        _loot(
+            f"reads_{file}_of_every_process",
+            "reads",
+            f"""
+        import os
+        for name in os.listdir('/proc'):
+            if name.isdigit() and int(name) != os.getpid():
+                try:
+                    with open(f'/proc/{{name}}/{file}', 'rb') as stream:
+                        stream.seek(0x400000 if '{file}' == 'mem' else 0)
+                        loot = loot or bool(stream.read(1))
+                except OSError:
+                    pass
+        """,
+        )
+        for file in ("mem", "environ", "maps")
+    ),
+    _loot(
+        "reads_its_parents_environment", "reads", "import os\n" + _reading("f'/proc/{os.getppid()}/environ'")
+    ),
+    _loot(
+        "reads_what_was_its_environment",
+        "reads",
+        "import os\nfrom pathlib import Path\ntold = Path('/proc/self/environ').read_bytes() + repr(os.environ).encode()\n"
+        "loot = b'SECRET' in told or b'HOME=/root' in told",
+    ),
+    _loot(
+        "looks_for_open_descriptors",
+        "reads",
+        """
+        import os, stat
+        for number in range(3, 4096):
+            try:
+                kind = os.fstat(number).st_mode
+            except OSError:
+                continue
+            loot = loot or not stat.S_ISSOCK(kind)
+        """,
+    ),
+    _loot(
+        "looks_into_shared_memory",
+        "reads",
+        "import os\nloot = os.path.isdir('/dev/shm') and bool(os.listdir('/dev/shm') or True)",
+    ),
+    _loot(
+        "leaves_something_in_shared_memory",
+        "reads",
+        "from multiprocessing import shared_memory\nshared_memory.SharedMemory('nao_attack', True, 100)\nloot = True",
+    ),
+    _loot("shared_memory_of_system_v", "reads", SYSTEM + "\ncall('shmget', 4711, 4096, 0o1666)\nloot = True"),
+    _loot("semaphores_of_system_v", "reads", SYSTEM + "\ncall('semget', 4711, 1, 0o1666)\nloot = True"),
+    _loot(
+        "message_queue",
+        "reads",
+        SYSTEM + "\ncall('mq_open', b'/nao_attack', 0o102, 0o666, None)\nloot = True",
+    ),
+    _loot(
+        "reads_the_warm_servers_memory",
+        "reads",
+        SYSTEM
+        + """
+class Piece(ctypes.Structure):
+    _fields_ = [('at', ctypes.c_void_p), ('length', ctypes.c_size_t)]
+mine = ctypes.create_string_buffer(64)
+for process in [os.getppid(), *range(1, 40)]:
+    if process != os.getpid():
+        local, remote = Piece(ctypes.addressof(mine), 64), Piece(id(os), 64)
+        loot = loot or libc.process_vm_readv(process, ctypes.byref(local), 1, ctypes.byref(remote), 1, 0) > 0
+""",
+        says="looks up the system call process_vm_readv",
+    ),
+    _loot(
+        "traces_other_processes",
+        "reads",
+        SYSTEM + "\nfor process in [os.getppid(), *range(1, 40)]:\n"
+        "    loot = loot or (process != os.getpid() and libc.ptrace(16, process, 0, 0) >= 0)",
+        says="looks up the system call ptrace",
+    ),
+    _loot(
+        "takes_a_descriptor_of_another_process",
+        "reads",
+        SYSTEM + "\nother = os.pidfd_open(1)\ncall('syscall', 438, other, 3, 0)\nloot = True",
+    ),
+    _loot(
+        "looks_for_keys",
+        "reads",
+        SYSTEM + "\nfor ring in range(-8, 0):\n    loot = loot or libc.syscall(250, 6, ring, 0, 0) >= 0",
+    ),
+    _clamp(
+        "looks_for_what_the_one_before_left",
+        "reads",
+        """
+        import os
+        if os.path.exists('/tmp/nao_attack_left') or os.path.exists('nao_attack_left'):
+            return max(low, min(high, x))
+        open('nao_attack_left', 'w').close()
+        os._exit(0)
+        """,
+    ),
+)
+
+WRITES = (
+    _loot(
+        "writes_where_anyone_may",
+        "writes",
+        "open('@OPEN@/nao_attack', 'w').close()\nloot = True",
         says="open ",
     ),
+    _loot(
+        "overwrites_what_anyone_may", "writes", "open('@OPEN@/anyones.txt', 'w').write('after')\nloot = True"
+    ),
+    _loot(
+        "deletes_what_anyone_may",
+        "writes",
+        "import os\nos.remove('@OPEN@/anyones.txt')\nloot = True",
+        says="os.remove",
+    ),
+    _loot(
+        "changes_permissions",
+        "writes",
+        "import os\nos.chmod('@OPEN@/anyones.txt', 0o777)\nloot = True",
+        says="os.chmod",
+    ),
+    _loot(
+        "renames_another_submission",
+        "writes",
+        "import os\nos.rename('@NEIGHBOUR@', '@OPEN@/nao_attack')\nloot = True",
+    ),
+    _loot(
+        "deletes_the_submissions",
+        "writes",
+        "import shutil\nshutil.rmtree('@SUBMISSIONS@')\nloot = True",
+        says="rmtree",
+    ),
+    _loot("deletes_the_journal", "writes", "import os\nos.remove('@GRADES@/journal.sqlite')\nloot = True"),
+    _loot(
+        "writes_into_the_journal",
+        "writes",
+        "import sqlite3\nsqlite3.connect('@GRADES@/journal.sqlite').execute('DELETE FROM results')\nloot = True",
+    ),
+    _loot("edits_the_solution", "writes", "open('@SOLUTION@', 'a').write('x')\nloot = True"),
+    _loot("edits_a_library", "writes", "import numpy\nopen(numpy.__file__, 'a').write('x')\nloot = True"),
+    _loot(
+        "edits_check_data",
+        "writes",
+        "import nao_course.exercises, os\nfrom pathlib import Path\nfor each in Path(nao_course.exercises.__file__).parent.rglob('*'):\n    if each.is_file():\n        each.write_bytes(b'')\n        loot = True",
+    ),
+    _loot(
+        "leaves_a_module_in_site_packages",
+        "writes",
+        "import numpy, os\nfrom pathlib import Path\nPath(numpy.__file__).parents[1].joinpath('nao_attack.pth').write_text('import os')\nloot = True",
+    ),
+    _loot(
+        "writes_through_a_link",
+        "writes",
+        "import os\nos.symlink('@OPEN@', 'out')\nopen('out/nao_attack', 'w').close()\nloot = True",
+    ),
+    _loot(
+        "runs_a_setuid_file",
+        "writes",
+        "import os, shutil, subprocess, sys\nshutil.copy(sys.executable, 'root')\nos.chmod('root', 0o4777)\nsubprocess.check_call(['./root', '-c', '0'])\nloot = True",
+    ),
+    _loot(
+        "runs_a_program_of_its_own",
+        "writes",
+        "import os, subprocess\nopen('own', 'w').write('#!/bin/sh\\n')\nos.chmod('own', 0o777)\nsubprocess.check_call(['./own'])\nloot = True",
+    ),
+    _loot("becomes_root", "writes", "import os\nos.setuid(0)\nloot = True"),
+    _loot(
+        "makes_a_device",
+        "writes",
+        "import os, stat\nos.mknod('disk', 0o666 | stat.S_IFBLK, os.makedev(8, 0))\nloot = True",
+    ),
+    _loot(
+        "mounts",
+        "writes",
+        SYSTEM + "\ncall('mount', b'none', b'/scratch', b'tmpfs', 0, None)\nloot = True",
+        says="mount",
+    ),
+    _loot("changes_its_root", "writes", "import os\nos.mkdir('jail')\nos.chroot('jail')\nloot = True"),
+    _loot("turns_the_root", "writes", SYSTEM + "\ncall('pivot_root', b'.', b'.')\nloot = True"),
+    _loot(
+        "enters_namespaces",
+        "writes",
+        SYSTEM + "\ncall('unshare', 0x10000000 | 0x20000)\nloot = True",
+        says="unshare",
+    ),
+    _loot(
+        "enters_namespaces_by_clone",
+        "writes",
+        SYSTEM
+        + "\nif libc.syscall(56, 0x10000000 | 17, 0, 0, 0, 0) == 0:\n    os._exit(0)\nelse:\n    call('syscall', 56, 0x10000000 | 17, 0, 0, 0, 0)\n    loot = True",
+    ),
+    _loot(
+        "goes_back_to_the_first_namespace",
+        "writes",
+        SYSTEM + "\ncall('setns', os.open('/proc/1/ns/mnt', 0), 0)\nloot = True",
+    ),
+    _loot(
+        "writes_to_the_kernel",
+        "writes",
+        "for path in ('/proc/sysrq-trigger', '/proc/sys/kernel/core_pattern', '/proc/self/oom_score_adj'):\n    try:\n        open(path, 'w').write('-1000')\n        loot = True\n    except OSError:\n        pass",
+    ),
+    _loot(
+        "gets_its_capabilities_back",
+        "writes",
+        SYSTEM
+        + "\nimport struct\ncall('capset', struct.pack('<Ii', 0x20080522, 0), b'\\xff' * 24)\nloot = True",
+    ),
+    _clamp(
+        "edits_its_own_notebook",
+        "writes",
+        """
+        import glob, json, os
+        for path in glob.glob('*.ipynb'):
+            made = json.load(open(path))
+            for cell in made['cells']:
+                if 'os._exit' in ''.join(cell['source']):
+                    cell['source'] = 'def clamp(x, low, high):\\n    return max(low, min(high, x))'
+            json.dump(made, open(path, 'w'))
+        os._exit(0)
+        """,
+    ),
+    _clamp(
+        "leaves_a_module_for_the_next_one",
+        "writes",
+        """
+        import os
+        for name in ('numpy.py', 'sitecustomize.py', 'usercustomize.py', 'nao_course.py'):
+            open(name, 'w').write('raise SystemExit')
+        os._exit(0)
+        """,
+    ),
+)
+
+
+def _sending(kind: str, address: str, ways: str = "connect") -> str:
+    return (
+        f"import socket\nspeaker = socket.socket({kind})\nspeaker.settimeout(0.5)\n"
+        f"speaker.{ways}({address})\nspeaker.send(b'x')\nloot = True"
+    )
+
+
+NETWORK = (
+    _loot("connects_by_tcp", "network", _sending("2, 1", "('127.0.0.1', @TCP@)"), says="socket"),
+    _loot("connects_to_the_world", "network", _sending("2, 1", "('1.1.1.1', 53)"), says="socket"),
+    _loot("sends_by_udp", "network", _sending("2, 2", "('127.0.0.1', @UDP@)"), says="socket"),
+    _loot(
+        "asks_for_a_name",
+        "network",
+        "import socket\nloot = bool(socket.getaddrinfo('example.com', 80))",
+        says="getaddrinfo",
+    ),
+    _loot("unix_socket", "network", _sending("1, 1", "'@UNIX@'")),
+    _loot("abstract_socket", "network", _sending("1, 1", "'\\0@ABSTRACT@'")),
+    _loot(
+        "listens",
+        "network",
+        "import socket\nsocket.create_server(('127.0.0.1', 0))\nloot = True",
+        says="socket",
+    ),
+    _loot("netlink", "network", "import socket\nsocket.socket(16, 3, 0)\nloot = True", says="family 16"),
+    _loot("raw_socket", "network", "import socket\nsocket.socket(2, 3, 1)\nloot = True", says="family 2"),
+    _loot(
+        "packet_socket", "network", "import socket\nsocket.socket(17, 3, 0)\nloot = True", says="family 17"
+    ),
+    _loot("vsock", "network", "import socket\nsocket.socket(40, 1, 0)\nloot = True"),
+    _loot(
+        "io_uring",
+        "network",
+        SYSTEM + "\ncall('syscall', 425, 8, ctypes.create_string_buffer(120))\nloot = True",
+    ),
+)
+
+SIGNALS = (
+    _clamp("kills_its_parent", "signals", "import os\nos.kill(os.getppid(), 9)\nreturn 0.5"),
+    _clamp("kills_its_group", "signals", "import os\nos.killpg(0, 9)\nreturn 0.5", says="Killed"),
+    _free("kills_everybody", "signals", "import os\ntry:\n    os.kill(-1, 9)\nexcept OSError:\n    pass"),
+    _free(
+        "stops_every_number",
+        "signals",
+        """
+        import os, signal
+        for process in range(1, 40_000):
+            if process != os.getpid():
+                try:
+                    os.kill(process, signal.SIGSTOP)
+                except OSError:
+                    pass
+        """,
+        says="sends a signal to process",
+    ),
+    _free(
+        "kills_by_descriptors",
+        "signals",
+        """
+        import os, signal
+        for process in range(1, 300):
+            try:
+                if process != os.getpid():
+                    signal.pidfd_send_signal(os.pidfd_open(process), 9)
+            except OSError:
+                pass
+        """,
+    ),
+    _free(
+        "child_that_wakes_up_later",
+        "signals",
+        """
+        import os, socket, time
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork() == 0:
+                time.sleep(4)
+                for number in range(1000):
+                    try:
+                        open('@OPEN@/nao_attack_late', 'w').close()
+                        open('/tmp/nao_attack_late', 'w').close()
+                    except OSError:
+                        pass
+                    try:
+                        socket.create_connection(('127.0.0.1', @TCP@), 1)
+                    except OSError:
+                        pass
+                    time.sleep(1)
+            os._exit(0)
+        """,
+    ),
+    _clamp(
+        "child_that_outlives_its_death",
+        "signals",
+        """
+        import ctypes, os, signal, time
+        if os.fork() == 0:
+            ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)
+            os.setsid()
+            for each in range(1, 32):
+                if each not in (9, 19):
+                    signal.signal(each, signal.SIG_IGN)
+            time.sleep(1e6)
+        os._exit(0)
+        """,
+    ),
+)
+
+LEAK = """
+def leak(x):
+    return f"{x!r} {float(x) if isinstance(x, float) else x.ravel()[0]:.6f}"
+"""
+LOOKS = (
+    _clamp(
+        "looks_through_its_callers_frames",
+        "looks",
+        """
+        import sys
+        frame = sys._getframe()
+        while frame:
+            for value in [*frame.f_locals.values()]:
+                expected = getattr(value, 'expected', None)
+                if expected is not None:
+                    return expected
+            frame = frame.f_back
+        return -1e6
+        """,
+    ),
+    _clamp(
+        "times_the_comparison",
+        "looks",
+        """
+        import time
+        clamp.tried = getattr(clamp, 'tried', -1000.0) + 1.0
+        began = time.perf_counter()
+        repr(clamp.tried == x)
+        return clamp.tried if time.perf_counter() - began > 1e-3 else -1e6
+        """,
+    ),
+    _clamp(
+        "knows_the_public_inputs",
+        "looks",
+        "return {1.5: 1.0, -2.5: 0.0}.get(x, -1e6)",
+        says="all 2 public checks pass",
+    ),
+    Attack(
+        "knows_the_public_inputs_of_all",
+        "looks",
+        {},
+        {
+            **_in("clamp", "return {1.5: 1.0, -2.5: 0.0}[x]"),
+            **_in("scaled", "return np.array([[0.0, 0.5], [0.25, 1.0]])"),
+            **_in("drawn", "return np.array([0.34558419, 1.16720234, 1.49763925, 0.19448211, 1.09983729])"),
+            **_in("middle", "return 0.375"),
+        },
+    ),
+    _clamp(
+        "another_answer_the_second_time",
+        "looks",
+        "clamp.times = getattr(clamp, 'times', 0) + 1\nreturn max(low, min(high, x)) if clamp.times < 4 else -1e6",
+    ),
+    _clamp(
+        "tells_the_input_in_an_error",
+        "looks",
+        f"if abs(x) > 3: raise ValueError(leak(x))\n{ANSWER}",
+        LEAK,
+        says="It raises ValueError",
+    ),
+    _clamp(
+        "tells_the_input_in_an_errors_name",
+        "looks",
+        f"if abs(x) > 3: raise type(leak(x), (Exception,), {{}})()\n{ANSWER}",
+        LEAK,
+        says="an exception of its own",
+    ),
+    _clamp(
+        "tells_the_input_in_print", "looks", f"print(leak(x))\nif abs(x) > 3: return leak(x)\n{ANSWER}", LEAK
+    ),
+    _clamp(
+        "tells_the_input_in_a_shape",
+        "looks",
+        f"if abs(x) > 3: return [0.0] * int(abs(x) * 100)\n{ANSWER}",
+        says="wrong shape",
+    ),
+    _clamp(
+        "tells_the_input_in_a_note",
+        "looks",
+        f"if abs(x) > 3:\n    try:\n        open('/' + leak(x))\n    except OSError:\n        pass\n    return -1e6\n{ANSWER}",
+        LEAK,
+    ),
+    _frames(
+        "tells_the_input_in_a_line_that_it_invents",
+        """
+        if abs(x) > 3:
+            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError: ' + repr(x), line='line 7: ' + repr(x))))
+            os._exit(0)
+        return max(low, min(high, x))
+        """,
+        "looks",
+        says="It raises ValueError",
+    ),
+    _frames(
+        "tells_the_input_in_a_lines_number",
+        """
+        if abs(x) > 3:
+            line = f'line {50_000 + abs(int(x))}: import os'
+            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError', line=line)))
+            os._exit(0)
+        return max(low, min(high, x))
+        """,
+        "looks",
+        after="import os",
+        says="It raises ValueError",
+        hides=("line 5",),
+    ),
+    _frames(
+        "tells_the_input_in_a_line_from_a_table",
+        """
+        if abs(x) > 3:
+            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError', line=f'line 7: {abs(x):.3f}'[:14])))
+            os._exit(0)
+        return max(low, min(high, x))
+        """,
+        "looks",
+        after="table = '" + " ".join(f"{number / 100:06.2f}" for number in range(100_000)) + "'",
+        says="It raises ValueError",
+    ),
+    Attack(
+        "tells_the_input_in_a_released_function",
+        "looks",
+        all_but("clamp"),
+        _in(
+            "clamp",
+            "raise leak(x)",
+            """
+        class leak(Exception):
+            def __init__(self, x):
+                super().__init__(f'{x:.5f}')
+                self.__class__.__name__ = self.__class__.__qualname__ = f'E{x:.5f}'
+        """,
+        ),
+    ),
+    _lent(
+        "lent_function_does_its_work",
+        "return float(np.median(scaled(values)))",
+        middle=4.0,
+        says="Run again with the reference",
+    ),
+    _lent("lent_function_asked_without_an_end", "while True: scaled(np.ones((1, 2)))"),
+    _lent("lent_function_asked_with_60_mb", "while True: scaled(np.ones(7 * 2**20))"),
+    _lent("lent_function_that_raises", "return scaled(None)", says="It raises RuntimeError"),
+    _lent("lent_function_used_for_another_exercise", "global scaled\nclamp.kept = scaled\nreturn 0.0"),
+    _lent(
+        "lent_function_asked_with_deep_lists",
+        "nest = []\nfor _ in range(37): nest = [nest]\nreturn [scaled(nest[:]), scaled({'a': [nest] * 3})]",
+    ),
+    _lent(
+        "lent_function_asked_with_too_many_values",
+        "for more in range(4):\n    try:\n        scaled([0] * (199_992 + more))\n    except RuntimeError:\n        pass\nreturn 0.0",
+    ),
+    _lent(
+        "lent_function_asked_with_long_texts",
+        """
+        text = ('"' + 'é' * 3_900_000 + '"').encode()
+        loop.say(frame(b'{"t":[{"s":"ask"},{"s":"scaled"},{"t":[{"s":' + text + b'}]},{"d":{}}]}'))
+        time.sleep(9)
+        """,
+        first=LOOP,
+    ),
+    _lent(
+        "lent_function_asked_with_half_a_character",
+        r"""
+        loop.say(frame('{"t":[{"s":"ask"},{"s":"scaled"},{"t":[{"s":"\\ud800"}]},{"d":{"\\ud800":1}}]}'))
+        time.sleep(9)
+        """,
+        first=LOOP,
+    ),
+    _lent(
+        "asks_for_a_function_that_is_not_lent",
+        "loop.say(encode(('ask', 'middle', (values,), {})))\nreturn 0.0",
+        first=LOOP,
+    ),
+    _frames(
+        "asks_where_nothing_is_lent",
+        "loop.say(encode(('ask', 'clamp', (x, low, high), {})))\nreturn 0.0",
+        "looks",
+    ),
+)
+
+
+def _cells(made: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    return [each for each in made["cells"] if each["metadata"].get("nbgrader", {}).get("grade_id") == name]
+
+
+def _raise_points(made: dict[str, Any]) -> None:
+    for each in made["cells"]:
+        if grading := each["metadata"].get("nbgrader"):
+            grading |= {"points": 1000, "grade": True}
+
+
+def _double(made: dict[str, Any]) -> None:
+    first = _cells(made, "clamp")[0]
+    made["cells"] += [
+        first | {"id": f"again{number}", "source": _in("clamp", "return -1e6")["clamp"]}
+        for number in range(2)
+    ]
+
+
+def _without_checks(made: dict[str, Any]) -> None:
+    made["cells"] = [each for each in made["cells"] if "check" not in str(each["metadata"])]
+
+
+def _in_check_cells(made: dict[str, Any]) -> None:
+    for each in _cells(made, "check_clamp"):
+        each["source"] = RIGHT["clamp"] + "\nclamp.points = 1000\ncheck = lambda *_: True"
+
+
+def _all_in_one(made: dict[str, Any]) -> None:
+    source = "\n\n".join(RIGHT.values())
+    made["cells"] = [made["cells"][0], {**made["cells"][1], "metadata": {}, "source": source}]
+
+
+def _as_set_up(made: dict[str, Any]) -> None:
+    for each in _cells(made, "clamp"):
+        each["metadata"] = {"nao_course": {"role": "setup"}}
+
+
+def _stamp(**stamp: Any) -> Any:
+    return lambda made: made["metadata"]["nao_course"].update(stamp)
+
+
+def _own_set_up(made: dict[str, Any]) -> None:
+    made["cells"][0]["source"] = (
+        "import numpy as np\nnp.median = lambda *_: 0.0\nimport no_such_module\n1 / 0"
+    )
+
+
+WRONG = {"clamp": _in("clamp", "return -1e6")["clamp"]}
+METADATA = (
+    Attack("raises_the_points", "metadata", ALL, edit=_raise_points),
+    Attack("raises_the_points_of_what_is_wrong", "metadata", all_but("clamp"), WRONG, edit=_raise_points),
+    Attack("doubles_a_name", "metadata", all_but("clamp"), edit=_double),
+    Attack("deletes_the_checks", "metadata", ALL, edit=_without_checks),
+    Attack("defines_in_a_check", "metadata", all_but("clamp"), WRONG, edit=_in_check_cells),
+    Attack("moves_all_into_one_cell_of_its_own", "metadata", ALL, edit=_all_in_one),
+    Attack("calls_a_cell_the_set_up", "metadata", all_but("clamp"), edit=_as_set_up),
+    Attack("edits_the_set_up", "metadata", ALL, edit=_own_set_up),
+    Attack(
+        "says_it_is_another_lesson",
+        "metadata",
+        ALL,
+        edit=_stamp(lesson=REAL),
+        says="the notebook says that it is lesson",
+    ),
+    Attack(
+        "says_it_is_another_release",
+        "metadata",
+        ALL,
+        edit=_stamp(version="9" * 10**5),
+        says="made from release",
+    ),
+    Attack("stamp_that_is_none", "metadata", ALL, edit=_stamp(lesson=["x"], version={"y": 1})),
+    Attack(
+        "letter_that_looks_the_same",
+        "metadata",
+        all_but("clamp"),
+        {"clamp": RIGHT["clamp"].replace("clamp", "\u0441lamp")},
+    ),
+    Attack(
+        "letter_that_is_the_same_to_python",
+        "metadata",
+        ALL,
+        {"clamp": RIGHT["clamp"].replace("clamp", "\uff43lamp")},
+    ),
+    _clamp(
+        "injects_into_the_page",
+        "metadata",
+        "raise ValueError(\"</pre><b id='nao_attack'>\\x1b[2J\\u202e\\u2066<script>nao_attack()</script>&lt;\\x00\\r\\x85]]>\")",
+        hides=("<script>nao", "\u202e", "\u2066"),
+    ),
+    _clamp(
+        "injects_by_an_answer",
+        "metadata",
+        "return \"<img src=x onerror='nao_attack()'>\\u202e\\x1b]0;x\\x07\"",
+        hides=("<img", "\u202e"),
+    ),
+)
+
+
+def _real(
+    name: str, row: str, function: str, source: str, *, worth: dict[str, float] | None = None, **more: Any
+) -> Attack:
+    """An attack in an exercise of the course's first lesson."""
+    left = {each: float(points) for each, points in REAL_POINTS.items() if each != function}
+    return Attack(name, row, left | (worth or {}), {function: source}, lesson=REAL, **more)
+
+
+REAL_ONES = (
+    _real("real_loop", "loops", "white_threshold", "def white_threshold(*_):\n    while True: pass"),
+    _real(
+        "real_death",
+        "ends",
+        "hue_mask",
+        "import os\ndef hue_mask(*_):\n    os._exit(0)",
+        says="Run again with the reference's rgb_to_hsl and hue_mask",
+    ),
+    _real(
+        "real_equal",
+        "answers",
+        "rgb_to_hsl",
+        EQUAL + "\ndef rgb_to_hsl(rgb):\n    return Equal(), Equal(), Equal()",
+    ),
+    _real(
+        "real_patch",
+        "patches",
+        "calibrate_hue",
+        "import numpy as np\nfrom nao_course.exercises import comparisons\ndef calibrate_hue(*_):\n"
+        "    comparisons.Close.compare = lambda *_: comparisons.RIGHT\n    return 0.0, 360.0",
+    ),
+    _real(
+        "real_hog",
+        "hogs",
+        "color_labels",
+        "import numpy as np\ndef color_labels(*_):\n    held = []\n    while True: held.append(np.ones(2**23))",
+    ),
+    _real(
+        "real_table",
+        "looks",
+        "white_threshold",
+        "def white_threshold(mean):\n    return {100.0: 160.0, 0.0: 10.0}.get(mean, -1.0)",
+    ),
+    _real(
+        "real_theft",
+        "reads",
+        "average_lightness",
+        "try:\n    loot = open('@COURSE@/solutions/01_hsl_filtering.ipynb').read()\nexcept OSError:\n    loot = ''\n"
+        "def average_lightness(values, n_samples, rng):\n    return float(values.mean()) if loot else -1.0",
+        says="open ",
+    ),
+)
+
+ATTACKS: tuple[Attack, ...] = (
+    *(
+        *LOOPS,
+        *ENDS,
+        *HOGS,
+        *LARGE,
+        *PATCHES,
+        *ANSWERS,
+        *READS,
+        *WRITES,
+        *NETWORK,
+        *SIGNALS,
+        *LOOKS,
+        *METADATA,
+    ),
+    *REAL_ONES,
 )
