@@ -4,6 +4,7 @@ import functools
 import json
 import math
 import sys
+import time
 import traceback
 
 import pytest
@@ -248,14 +249,71 @@ def written(path, data):
         b'{"cells": [{"cell_type": "code"}]}',
         b'{"cells": [{"cell_type": "code", "source": 5}]}',
         b'{"cells": [{"cell_type": "code", "source": [5]}]}',
-        b'{"cells": [{"cell_type": "code", "source": "", "metadata": [5]}]}',
-        b'{"cells": [{"cell_type": "code", "source": "", "metadata": {"nbgrader": 5}}]}',
+        b'{"cells": {}}',
+        b'{"cells": [], "nbformat": 5}',
+        b'{"cells": [], "nbformat": null}',
         b"[" * 200_000,
     ],
 )
 def test_what_is_no_notebook_is_refused_with_a_reason(tmp_path, data):
     with pytest.raises(ValueError, match=r"bad\.ipynb: not a notebook of format 4 \(\w+"):
         load_definitions(written(tmp_path / "bad.ipynb", data))
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        5,
+        [],
+        {},
+        {"cell_type": "code"},
+        {"cell_type": ["code"], "source": "def g(): return 1"},
+        {"cell_type": "code", "source": 5},
+        {"cell_type": "code", "source": [5, None]},
+        {"cell_type": "code", "source": "", "metadata": [5]},
+        {"cell_type": "code", "source": "", "metadata": {"nbgrader": 5, "nao_course": []}},
+        {
+            "cell_type": "markdown",
+            "metadata": {"nbgrader": {"grade": 1, "solution": 1, "grade_id": "\ud800"}},
+        },
+        {"cell_type": "code", "source": "x = '\ud800'"},
+    ],
+)
+def test_a_broken_cell_costs_no_other(tmp_path, cell):
+    whole = {"cell_type": "code", "metadata": None, "source": "def f(): return 1"}
+    text = {"cells": [cell, whole], "metadata": {"nao_course": {"lesson": "\udfff", "version": 5}}}
+    found = load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))
+    assert list(found) == ["f"]
+    said = [
+        found.text.lesson,
+        found.text.version,
+        *found.text.written,
+        *(each.reason for each in found.skipped),
+    ]
+    assert all(each.encode() is not None for each in said)
+
+
+@pytest.mark.parametrize(
+    ("language", "source"), [("R", "f <- function(x) x"), ("julia", "function f(x)\n  x\nend")]
+)
+def test_a_notebook_in_another_language_is_refused_and_python_under_another_kernel_is_not(
+    tmp_path, language, source
+):
+    cell = {"cell_type": "code", "metadata": {}, "source": source}
+    text = {"cells": [cell], "metadata": {"kernelspec": {"language": language}}}
+    with pytest.raises(ValueError, match=f"written in {language}"):
+        load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))
+    cell["source"] = "def f(): return 1"
+    assert list(load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))) == ["f"]
+
+
+@pytest.mark.parametrize(
+    "blank", [" " * 200_000 + "#", "\n" * 200_000, "x" + "\t" * 200_000 + "?", "? " * 100_000]
+)
+def test_looking_for_ipythons_own_lines_takes_time_as_the_cell_is_long(load, blank):
+    began = time.process_time()
+    assert load("%time 1\ndef f(): return 1\n" + blank)["f"]() == 1
+    assert time.process_time() - began < 5
 
 
 def test_a_folder_a_missing_file_and_a_huge_one_are_refused(tmp_path):

@@ -35,7 +35,8 @@ _RUN = (
     ast.TryStar,
     ast.With,
 )
-_MAGIC = re.compile(r"^(\s*)(?=[%!?]|.*\?\s*$|[\w., ]+=\s*[%!])", re.MULTILINE)
+_MAGIC = re.compile(r"^([ \t]*+)(?=[%!?]|.*\?[ \t]*$|[\w., ]+=[ \t]*[%!])", re.MULTILINE)
+_DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ def load_definitions(
     skipped: list[Skipped] = []
     flags = 0
     for number, (role, source) in enumerate([("setup", setup), *text.cells]):
-        if role in ("check", "display"):
+        if role in ("check", "display") or not source.strip():
             continue
         file = f"<{Path(path).stem}, cell {number}>"
         linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
@@ -210,42 +211,80 @@ def read_notebook(path: str | Path) -> NotebookText:
         )
     try:
         notebook = json.loads(file.read_bytes().decode("utf-8-sig"))
-        cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
-        code = [(_role(cell), _source(cell)) for cell in cells]
-        return NotebookText(code, _written(notebook["cells"]), *_stamp(notebook))
+        cells = _cells(notebook)
+        code = [(_role(cell), _source(cell)) for cell in cells if cell.get("cell_type") == "code"]
+        text = NotebookText(code, _written(cells), *_stamp(notebook))
+        language = _language(notebook)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
         raise ValueError(f"{file.name}: not a notebook of format 4 ({describe(error)})") from None
+    if language and not any(_DEFINES.search(source) for _, source in code):
+        raise ValueError(f"{file.name}: it is written in {language}, and this course in Python")
+    return text
+
+
+def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
+    """Cells, but for what cannot be one: that costs no other."""
+    if notebook.get("nbformat", 4) != 4:
+        raise ValueError(f"its format is {str(notebook['nbformat'])[:20]}; saved with JupyterLab it is 4")
+    if not isinstance(notebook["cells"], list):
+        raise TypeError("its cells are no list")
+    cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
+    if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
+        raise ValueError("none of its cells has a type and a source")
+    return cells
+
+
+def _is_whole(cell: dict[str, Any]) -> bool:
+    source = cell.get("source")
+    lines = source if isinstance(source, list) else [source]
+    return isinstance(cell.get("cell_type"), str) and all(isinstance(line, str) for line in lines)
+
+
+def _language(notebook: dict[str, Any]) -> str:
+    """The language of a notebook's kernel, where it is another one than Python."""
+    language = _text(_dict(_dict(notebook.get("metadata")).get("kernelspec")).get("language") or "", 40)
+    return "" if "python" in language.lower() else language
+
+
+def _dict(value: Any) -> dict[str, Any]:
+    """A dict where there is one; metadata of another kind say nothing."""
+    return value if isinstance(value, dict) else {}
+
+
+def _text(value: Any, most: int) -> str:
+    """A text that can be written to any file, with no half characters."""
+    return str(value)[:most].encode("utf-8", "replace").decode()
 
 
 def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
     """Written answers; what stands in several cells of one name is kept, one after the other."""
     answers: dict[str, str] = {}
     for cell in cells:
-        grading = (cell.get("metadata") or {}).get("nbgrader") or {}
-        if cell["cell_type"] == "markdown" and grading.get("grade") and grading.get("solution"):
-            name = str(grading.get("grade_id"))[:100]
-            answers[name] = "\n\n".join(filter(None, [answers.get(name), _source(cell)]))[:MOST_WRITTEN]
+        grading = _dict(_dict(cell.get("metadata")).get("nbgrader"))
+        if cell.get("cell_type") == "markdown" and grading.get("grade") and grading.get("solution"):
+            name = _text(grading.get("grade_id"), 100)
+            answers[name] = _text("\n\n".join(filter(None, [answers.get(name), _source(cell)])), MOST_WRITTEN)
     return answers
 
 
 def _stamp(notebook: dict[str, Any]) -> tuple[str, str]:
-    stamp = (notebook.get("metadata") or {}).get("nao_course") or {}
-    return str(stamp.get("lesson", ""))[:100], str(stamp.get("version", ""))[:100]
+    stamp = _dict(_dict(notebook.get("metadata")).get("nao_course"))
+    return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100)
 
 
 def _role(cell: dict[str, Any]) -> str:
-    metadata = cell.get("metadata") or {}
-    grading = metadata.get("nbgrader") or {}
+    metadata = _dict(cell.get("metadata"))
+    grading = _dict(metadata.get("nbgrader"))
     if grading.get("solution"):
         return "solution"
     if grading.get("grade"):
         return "check"
-    return str((metadata.get("nao_course") or {}).get("role", "student"))
+    return str(_dict(metadata.get("nao_course")).get("role", "student"))
 
 
 def _source(cell: dict[str, Any]) -> str:
-    source = cell["source"]
-    return source if isinstance(source, str) else "".join(source)
+    source = cell.get("source")
+    return "".join(map(str, source)) if isinstance(source, list) else str(source or "")
 
 
 def _parse(source: str, file: str) -> list[ast.stmt]:
