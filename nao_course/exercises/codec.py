@@ -22,6 +22,7 @@ _DTYPES = {
     np.dtype(name).str: np.dtype(name)
     for name in ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "c8", "c16")
 }
+_PLAINER = {"g": np.dtype("<f8"), "G": np.dtype("<c16")}  # long doubles differ from machine to machine
 _MOST_BITS = 512  # of a whole number; a random generator's state needs 128
 _GENERATOR = "PCG64"
 _TYPES: dict[str, type] = {}
@@ -165,10 +166,10 @@ class _Writer:
         return self.text(item)
 
     def array(self, item: np.ndarray[Any, Any]) -> Any:
-        kind = item.dtype.newbyteorder("<")
+        kind = _PLAINER.get(item.dtype.char) or item.dtype.newbyteorder("<")
         if kind.str not in _DTYPES:
             raise CodecError(f"an array of dtype {item.dtype} cannot be sent")
-        length = self.buffer(item.nbytes, lambda: item.astype(kind, copy=False).tobytes())
+        length = self.buffer(item.size * kind.itemsize, lambda: item.astype(kind, copy=False).tobytes())
         return {"a": kind.str, "shape": list(item.shape), "b": length}
 
     def buffer(self, length: int, data: Callable[[], bytes]) -> int:
