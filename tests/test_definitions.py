@@ -260,6 +260,18 @@ def test_what_is_no_notebook_is_refused_with_a_reason(tmp_path, data):
         load_definitions(written(tmp_path / "bad.ipynb", data))
 
 
+def test_a_table_that_is_filled_line_by_line_is_full_and_a_demonstration_does_not_run(load):
+    table = "T = []\nT.append(1)\nS = set()\nS.add(2)\nD = {}\nD.update(a=T[0])\nT.sort(key=print)\nprint(T.append(5))"
+    found = load(f"{table}\ndef f(): return T, S, D")
+    assert found["f"]() == ([1], {2}, {"a": 1})
+    assert [each.line for each in found.skipped] == [7, 8]
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="type statements came with Python 3.12")
+def test_a_type_statement_runs(load):
+    assert load("type Pair = tuple[int, int]\ndef f(x: Pair) -> Pair: return x")["f"]((1, 2)) == (1, 2)
+
+
 @pytest.mark.parametrize(
     "cell",
     [

@@ -34,7 +34,10 @@ _RUN = (
     ast.Try,
     ast.TryStar,
     ast.With,
+    ast.Match,
+    getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
+_FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}  # a table, of a list, set or dict
 _MAGIC = re.compile(r"^([ \t]*+)(?=[%!?]|.*\?[ \t]*$|[\w., ]+=[ \t]*[%!])", re.MULTILINE)
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
@@ -117,9 +120,9 @@ def load_definitions(
 ) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
-    Runs, in document order, the imports, definitions, assignments and if, for, try and with statements of solution
-    cells and of cells the student added, each guarded; of the set-up cell only its imports. Checks and
-    demonstrations do not run. The last definition of a name wins.
+    Runs, in document order, the imports, definitions, assignments, `table.append(x)` and the like, and if, for, try,
+    with and match statements of solution cells and of cells the student added, each guarded; of the set-up cell only
+    its imports. Checks and demonstrations do not run. The last definition of a name wins.
 
     Parameters
     ----------
@@ -163,7 +166,7 @@ def load_definitions(
             imports = isinstance(statement, _IMPORTS)
             if role == "setup" and not imports:
                 continue
-            if not isinstance(statement, _RUN):
+            if not isinstance(statement, _RUN) and not _fills_a_table(statement):
                 if not _is_text(statement):
                     skipped.append(Skipped(number, statement.lineno, NO_DEFINITION))
                 continue
@@ -308,6 +311,14 @@ def _stands_beside(value: Any, notebook: Path) -> bool:
     module = sys.modules.get(getattr(value, "__module__", None) or "")
     file = getattr(module, "__file__", None)
     return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
+
+
+def _fills_a_table(statement: ast.stmt) -> bool:
+    """Whether a statement puts something into a list, set or dict that has a name."""
+    match statement:
+        case ast.Expr(ast.Call(ast.Attribute(ast.Name(), name))):
+            return name in _FILLS
+    return False
 
 
 def _is_text(statement: ast.stmt) -> bool:
