@@ -44,7 +44,8 @@ def grade_folder(
     typer.Exit
         With status 1 where a submission has neither a score nor a reason.
     """
-    with Journal(out) as journal, tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
+    with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
+        load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
         found = gather(path, Path(scratch), course.names(), wanted)
@@ -53,9 +54,10 @@ def grade_folder(
             raise ValueError(
                 f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
             )
-        journal.began(path)
-        summary = run(console, journal, out, waiting, jobs, require_sandbox)
-        _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
+        with Journal(out) as journal:
+            journal.began(path)
+            summary = run(console, journal, out, waiting, jobs, require_sandbox)
+            _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
     if summary.failed:
         raise typer.Exit(1)
 

@@ -55,7 +55,9 @@ class Course:
         there = sorted(path.stem for path in self.solutions.glob(f"{NUMBERED}.md"))
         missing = [each for each in wanted if not any(_means(each, name) for name in there)]
         if missing:
-            raise LessonError(f"there is no lesson {', '.join(missing)} in {self.solutions.name}/; {there}")
+            raise LessonError(
+                f"there is no lesson {', '.join(map(_shown, missing))} in {self.solutions.name}/; {there}"
+            )
         return [name for name in there if not wanted or any(_means(each, name) for each in wanted)]
 
     def text(self, name: str) -> Path:
@@ -73,6 +75,11 @@ class Course:
             ],
             written=[replace(each, points=self.points.get(each.name, each.points)) for each in plan.written],
         )
+
+
+def _shown(name: str) -> str:
+    """A word of a command, where somebody may have typed anything."""
+    return name if name.isprintable() and len(name) <= 80 else repr(name[:80])
 
 
 def _means(wanted: str, name: str) -> bool:

@@ -32,25 +32,27 @@ def export(grades: Path, format_: str, lesson: str = "") -> Iterator[str]:
     ValueError
         If there is no such format, journal or lesson.
     """
-    gradescope = exports.check_format(format_) == "gradescope"
-    with Journal(grades, make=gradescope) as journal:  # an autograder is wanted before anything was graded
-        if gradescope:
-            yield from _gradescope(journal, grades / exports.FOLDER / "gradescope", lesson)
-        else:
-            yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
+    if exports.check_format(format_) == "gradescope":
+        yield from _gradescope(grades, lesson)
+        return
+    with Journal(grades, make=False) as journal:
+        yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
 
 
-def _gradescope(journal: Journal, folder: Path, lesson: str) -> Iterator[str]:
+def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
     from nao_course.grading.building import load_course
     from nao_course.grading.gradescope import write_autograder
     from nao_course.grading.secret import load_secret
 
     course, secret = load_course(), load_secret()
-    graded = sorted({each.lesson for each in journal.each_result()})
-    for name in course.names([lesson] if lesson else graded):
-        written = exports.write_gradescope(journal, folder, name)
-        yield f"wrote {counted(len(written), 'result')} into {folder / name}"
-        yield f"wrote {write_autograder(course, name, secret, folder)}"
+    wanted = course.names([lesson]) if lesson else []
+    folder = grades / exports.FOLDER / "gradescope"
+    with Journal(grades) as journal:  # an autograder is wanted before anything was graded
+        graded = sorted({each.lesson for each in journal.each_result()})
+        for name in wanted or course.names(graded):
+            written = exports.write_gradescope(journal, folder, name)
+            yield f"wrote {counted(len(written), 'result')} into {folder / name}"
+            yield f"wrote {write_autograder(course, name, secret, folder)}"
     yield "An autograder's zip holds the solution: upload it to Gradescope, and give it to nobody."
 
 

@@ -138,19 +138,21 @@ class Journal:
         """Make the tables of a new file; refuse a file that is another one's."""
         self._database.execute("PRAGMA synchronous = NORMAL")
         mark, version = self._pragma("application_id"), self._pragma("user_version")
-        if (mark, version) == (0, 0):
+        new = (mark, version) == (0, 0)
+        if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
                     for statement in _SCHEMA.split(";"):
                         self._database.execute(statement)
             mark, version = self._pragma("application_id"), self._pragma("user_version")
-            self._database.execute("PRAGMA journal_mode = WAL")
         if mark != _MARK:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
         if version > VERSION:
             raise JournalError(
                 f"{self.path} is of version {version}, and this nao_course knows {VERSION}: use a newer one"
             )
+        if new:
+            self._database.execute("PRAGMA journal_mode = WAL")
 
     def _pragma(self, name: str) -> int:
         return int(self._all(f"PRAGMA {name}")[0][0])
@@ -251,7 +253,7 @@ class Journal:
     def _result(self, text: str) -> SubmissionResult:
         try:
             return from_json(json.loads(text))
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise JournalError(
                 f"{self.path} holds a result that cannot be read ({type(error).__name__}: {error})"
             ) from None

@@ -111,7 +111,7 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
         raise TableError(f"{path.name} is empty")
     if separator is None:
         raise TableError(
-            f"{path.name}, row 1: the columns are {', '.join(map(repr, first))}; "
+            f"{path.name}, row 1: the columns are {_few(first)}; "
             f"{', '.join(map(repr, header))} are wanted. Leave the header as it was written."
         )
     try:
@@ -119,6 +119,12 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
     except csv.Error as error:
         raise TableError(f"{path.name} is no CSV table: {error}. Save it as CSV again.") from None
     return list(_rows(path.name, rows, header))
+
+
+def _few(names: Sequence[str]) -> str:
+    """The first of some names, each of them in short: a file that is no table may have anything in its first row."""
+    shown = [repr(name if len(name) <= 30 else name[:30] + "...") for name in names[:8]]
+    return ", ".join(shown) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
 
 
 def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> tuple[str | None, list[str]]:
