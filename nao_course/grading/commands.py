@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import signal
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -24,6 +23,7 @@ from nao_course.grading.journal import Journal, Override
 from nao_course.grading.results import SubmissionResult
 from nao_course.grading.runs import Summary, feedback_writer, grade_all, mean_score
 from nao_course.grading.sandbox import SandboxError, probe
+from nao_course.grading.scratch import scratch_folder
 from nao_course.grading.secret import load_secret
 from nao_course.grading.server import WarmServer
 from nao_course.grading.submissions import Submission, gather, of_lessons
@@ -44,11 +44,11 @@ def grade_folder(
     typer.Exit
         With status 1 where a submission has neither a score nor a reason.
     """
-    with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
+    with scratch_folder() as scratch:
         load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(path, Path(scratch), course.names(), wanted)
+        found = gather(path, scratch, course.names(), wanted)
         waiting = of_lessons(found, wanted)
         if not waiting and not found.unknown:
             raise ValueError(
@@ -170,8 +170,8 @@ def regrade_student(
         if path is None or not path.exists():
             console.print("It is graded again by the next `nao-course grade`.")
             return
-        with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
-            found = gather(path, Path(scratch), load_course().names(), [result.lesson])
+        with scratch_folder() as scratch:
+            found = gather(path, scratch, load_course().names(), [result.lesson])
             mine = [each for each in of_lessons(found, [result.lesson]) if each.student == student]
             if not mine:
                 raise ValueError(f"{path} holds no {result.lesson} of {student!r} any more")
