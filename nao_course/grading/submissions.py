@@ -346,7 +346,8 @@ class _Search:
                 item, problem=f"it has {item.size / 2**20:.0f} MB; {MOST_BYTES // 2**20} MB are the most"
             )
         key = (clean_name(name.student), lesson)
-        self.candidates[key].append(_Candidate(item, (*order, shown), home, shown))
+        found = self.candidates[key]
+        found.append(_Candidate(item, (*order, shown, len(found)), home, shown))  # a zip's later one counts
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""

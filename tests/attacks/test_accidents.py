@@ -1,0 +1,103 @@
+"""Accidents cost no more than what they hit, and honest work in any shape gets its points."""
+
+import zipfile
+from collections import Counter
+
+import pytest
+
+from tests.attacks import laws
+from tests.attacks.accidents import ATTACKS, FILE, NAMES, TEXT, UNKNOWN
+from tests.attacks.range import LESSON, POINTS, ROWS, Attack, honest, points, ranges
+from tests.sandboxed import need
+
+
+@pytest.fixture(scope="module")
+def field():
+    need("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace", "landlock",
+         "seccomp", "unprivileged user")  # fmt: skip
+    with ranges() as make:
+        yield make
+
+
+@pytest.fixture(scope="module")
+def hidden(field):
+    return laws.hidden(field())
+
+
+@pytest.fixture(scope="module")
+def alone(field):
+    return laws.alone(field(), ATTACKS)
+
+
+@pytest.fixture(scope="module")
+def graded(field):
+    return field().run(ATTACKS)
+
+
+def test_the_catalogue_covers_every_row_about_accidents():
+    assert {attack.row for attack in ATTACKS} == {"broken", "large", "styles", "honest"}
+    assert not [name for name, count in Counter(attack.name for attack in ATTACKS).items() if count > 1]
+    for attack in ATTACKS:
+        assert attack.row in ROWS and all(
+            0 < points <= POINTS[name] for name, points in attack.honest.items()
+        )
+
+
+@pytest.mark.slow
+def test_the_run_ends_well_and_leaves_nothing(graded):
+    laws.nothing_is_left(graded)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
+def test_an_accident_costs_what_is_stated_and_disturbs_nobody(attack, graded, alone, hidden):
+    laws.gained_nothing(graded, ATTACKS, attack)
+    laws.page_is_safe(graded, ATTACKS, attack, hidden)
+    laws.neighbours_are_undisturbed(graded, ATTACKS, attack, alone)
+
+
+def _graded(range_):
+    """What a run over the range's submissions comes to."""
+    before = range_.state()
+    status, _, processes, output = range_.command()
+    after = range_.state()
+    assert (status, processes) == (0, []), output
+    assert before == after
+    return output, *range_.kept()
+
+
+@pytest.mark.slow
+def test_what_is_no_notebook_of_a_lesson_is_named_with_its_reason_and_has_no_row(field):
+    range_ = field()
+    for number, (name, (content, _)) in enumerate(UNKNOWN.items()):
+        folder = range_.submissions / f"s{number:02}"
+        folder.mkdir(parents=True)
+        (folder / name).write_bytes(content)
+    range_.hand_in("zoe", honest(Attack("x", "honest"), "right"), {})
+    output, results, _, _, _ = _graded(range_)
+    assert list(results) == ["zoe"] and points(results["zoe"]) == POINTS
+    for number, (name, (_, reason)) in enumerate(UNKNOWN.items()):
+        (line,) = [line for line in output.splitlines() if line.strip().startswith(f"s{number:02}/{name}")]
+        assert reason in line
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "form", ["{name}/" + FILE, "{name}_" + FILE, "{name}_12_assignsubmission_file_/" + FILE]
+)
+def test_students_of_any_name_have_their_own_row_page_and_points(field, form):
+    range_ = field()
+    range_.submissions = range_.root / "in.zip"
+    with zipfile.ZipFile(range_.submissions, "w") as archive:
+        for name in NAMES:
+            archive.writestr(form.format(name=name), TEXT)
+    _, results, pages, students, again = _graded(range_)
+    assert len(students) == len(set(students)) == len(NAMES)
+    assert again == 0
+    assert all(points(result) == POINTS and result.lesson == LESSON for result in results.values())
+    assert all(name.isprintable() and len(name) <= 120 for name in students)
+    assert len(list((range_.grades / "feedback").rglob("*.html"))) == len(NAMES)
+    for page in pages.values():
+        parser = laws._Elements()
+        parser.feed(page)
+        assert "nao_attack" not in parser.seen and "\x1b" not in page
