@@ -16,6 +16,7 @@ from nao_course.exercises.codec import register
 
 Kind = Literal["right", "nothing", "type", "shape", "nan", "value"]
 Array = np.ndarray[Any, Any]
+_MOST_IN_LISTS = 2_000_000  # values of lists in lists, arrays in them included
 _KINDS = {"b": "True and False", "i": "whole numbers", "u": "whole numbers", "f": "numbers with a point"}
 
 
@@ -226,7 +227,8 @@ class Sampled(Comparison):
         law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
         verdict = law.compare(tuple(expected[:2]), (mean, scatter))
         if not verdict and Close().compare(0.0, scatter):
-            return Verdict("value", f"whatever rng it gets, your answer is the same: {_number(mean)}")
+            text = f"whatever rng it gets, your answer is the same, {_number(mean)}; draw with the rng that is handed in"
+            return Verdict("value", text)
         return verdict
 
     def alike(self, answer: Any, got: Any) -> bool:
@@ -301,12 +303,23 @@ def _as_numbers(got: Any, where: str) -> Array | Verdict:
     """Turn an answer into an array of numbers, or say why it is none."""
     if got is None:
         return Verdict("nothing", f"{where} is None: a return may be missing")
+    if isinstance(got, list | tuple) and (count := _how_many(got)) > _MOST_IN_LISTS:
+        return Verdict(
+            "type", f"{where} is {_a(got)} of {count} values; return an array where there are so many"
+        )
     try:
         if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in _KINDS:
             return array
     except (ValueError, OverflowError):  # rows of different lengths
         return Verdict("type", f"{where} is {_a(got)} whose rows do not fit together")
     return Verdict("type", f"{where} is {_a(got)}, not numbers")
+
+
+def _how_many(got: Any) -> int:
+    """Count values: a row of one type among rows of a smaller one makes numpy widen them all."""
+    if isinstance(got, list | tuple):
+        return sum(map(_how_many, got))
+    return got.size if isinstance(got, np.ndarray) else 1
 
 
 def _only_numbers(got: Any) -> bool:

@@ -48,6 +48,7 @@ MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is l
 MOST_NOTES = 20
 MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
+LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 UNREADABLE = "its answer could not be read"
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
 SECONDS_IN_ALL = 120.0  # for one submission
@@ -364,7 +365,7 @@ class Worker:
                         at = (cell, line)
                     case ("refused", str(reason)):
                         at = None
-                        raise Ended("not found", reason)
+                        raise Ended("not found", _printable(reason))
                     case ("found", [*names], [*skipped], dict(written), str(lesson), str(version)):
                         told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
                         self._found = Found(
@@ -383,6 +384,11 @@ class Worker:
             case (int(cell), int(line), str(reason)):
                 return Skipped(cell, line, self._left_out.get((cell, line), reason[:MOST_TEXT]))
         raise Ended("died", UNREADABLE)
+
+
+def _printable(text: str) -> str:
+    """The beginning of a text that a stranger wrote, without what a terminal would obey."""
+    return "".join(each if each.isprintable() else " " for each in text[:LONGEST_REASON])
 
 
 def _texts(values: Any) -> tuple[str, ...]:
