@@ -65,6 +65,11 @@ def _frames(name: str, body: str, row: str = "answers", **more: Any) -> Attack:
     return _clamp(name, row, body, LOOP, **more)
 
 
+def _load(name: str, source: str, **more: Any) -> Attack:
+    """An attack that speaks to the grader itself while its notebook is loaded."""
+    return Attack(name, "answers", before=LOOP + textwrap.dedent(source), **more)
+
+
 def _lent(
     name: str, body: str, *, middle: float = 0.0, first: str = "", row: str = "looks", **more: Any
 ) -> Attack:
@@ -720,6 +725,54 @@ ANSWERS = (
         loop.say(frame('{"t":[{"s":"attempt"},{"s":"nao\\ud800\\u0000"}]}'))
         return max(low, min(high, x))
         """,
+    ),
+    _clamp(
+        "list_of_rows_that_grows_when_it_becomes_an_array",
+        "answers",
+        "import numpy as np\nreturn [np.zeros(10**6, 'u1')] * 40 + [np.zeros(10**6, 'c16')]",
+    ),
+    _clamp(
+        "list_of_empty_rows_without_an_end",
+        "answers",
+        "import numpy as np\nreturn [np.zeros((2**60, 0))] * 100_000",
+    ),
+    _load(
+        "says_itself_what_it_defines",
+        """
+        names = [f'f{number}' for number in range(150_000)] + ['clamp', '__import__', 'x' * 10**6]
+        told = ('found', names, [[0, 0, 'x' * 10**6]], {'why': 'y' * 10**6}, 'z' * 10**6, 'v' * 10**6)
+        said = loop.say(encode(told))
+        """,
+        honest={},
+    ),
+    _load(
+        "refuses_itself_with_tricks_for_a_terminal",
+        r"""
+        reason = '\x1b]0;nao\x07\x1b[2J\u202e[red]<b id=nao_attack>' + 'x' * 10**6
+        said = loop.say(encode(('refused', reason)))
+        """,
+        honest={},
+        refused=True,
+    ),
+    _load(
+        "is_skipped_with_tricks_for_a_terminal",
+        r"""
+        reason = '\x1b]0;nao\x07\x1b[2J\u202e' + 'x' * 10**3
+        said = loop.say(encode(('found', ['clamp'], [[1, 2, reason]] * 1000, {}, reason, reason)))
+        """,
+        honest={},
+    ),
+    _load(
+        "says_that_it_is_unsafe",
+        "said = loop.say(encode(('unsafe', 'the sandbox is broken')))",
+        honest=ALL,
+        says="its answer could not be read",
+    ),
+    _load(
+        "says_something_else_at_import",
+        "said = [loop.say(encode(each)) for each in (None, 'ready', ('at', 1))]",
+        honest=ALL,
+        says="its answer could not be read",
     ),
     _frames(
         "types_that_are_not_answers",

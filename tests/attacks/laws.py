@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 
 from tests.attacks.range import Attack, Graded, Range, hidden_numbers, honest, honest_points, points, told
 
+MOST_MEMORY = 800 * 2**20  # bytes, of the grader's own process with two jobs
 _NEUTRAL = "student"
 
 
@@ -49,8 +50,7 @@ def page_is_safe(graded: Graded, attacks: Sequence[Attack], attack: Attack, hidd
     assert not [each for each in hidden if any(number.startswith(each) for number in numbers)]
     for text in attack.hides:
         assert text not in page
-    tricks = {each for each in page if unicodedata.category(each) in ("Cc", "Cs") and each not in "\n\t"}
-    assert not tricks
+    assert not _tricks(page)
     parser = _Elements()
     parser.feed(page)
     assert "nao_attack" not in parser.seen
@@ -64,6 +64,8 @@ def nothing_is_left(graded: Graded) -> None:
     assert graded.processes == []
     assert graded.changed == []
     assert graded.heard == []
+    assert not _tricks(graded.output), "a terminal would obey it"
+    assert graded.peak < MOST_MEMORY, f"the grader itself held {graded.peak / 2**20:.0f} MB"
 
 
 def alone(field: Range, attacks: Sequence[Attack]) -> Graded:
@@ -81,6 +83,13 @@ def name_of(attacks: Sequence[Attack], attack: Attack, which: str) -> str:
     """The student's name of an attack, or of its neighbour."""
     number = [each.name for each in attacks].index(attack.name)
     return f"s{number:03}-{('right', attack.name, 'half').index(which)}-{which}"
+
+
+def _tricks(text: str) -> set[str]:
+    """Characters that control a terminal or turn the direction of a text."""
+    return {each for each in text if unicodedata.category(each) in ("Cc", "Cs") and each not in "\n\t"} | (
+        set(text) & set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+    )
 
 
 def _lesson(graded: Graded, student: str) -> str:

@@ -260,7 +260,7 @@ class Listeners:
 
 # The real command in a process of its own, with a shorter clock; what it leaves becomes a child of the runner.
 _COMMAND = """
-import sys
+import resource, sys
 from dataclasses import replace
 from nao_course import cli
 from nao_course.grading import commands
@@ -272,7 +272,10 @@ commands.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
 commands.probe = lambda: Sandbox(tuple(
     Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
 if __name__ == "__main__":
-    cli.app()
+    try:
+        cli.app()
+    finally:
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 _RUNNER = """
 import ctypes, json, os, subprocess, sys, time
@@ -314,6 +317,8 @@ class Graded:
         What it left running.
     output : str
         What it said.
+    peak : int
+        Bytes that its own process held at most.
     results : mapping of str to SubmissionResult
         By student.
     pages : mapping of str to str
@@ -334,6 +339,7 @@ class Graded:
     seconds: float
     processes: list[Any]
     output: str
+    peak: int
     results: Mapping[str, SubmissionResult]
     pages: Mapping[str, str]
     students: list[str]
@@ -433,16 +439,14 @@ class Range:
                 ):
                     self.hand_in(name, each, places)
             before = self.state()
-            status, seconds, processes, output = self.command()
+            ended = self.command()
             after = self.state()
             changed = sorted(
                 name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
             )
-            return Graded(
-                status, seconds, processes, output, *self.kept(), expected, changed, listeners.heard()
-            )
+            return Graded(*ended, *self.kept(), expected, changed, listeners.heard())
 
-    def command(self) -> tuple[int, float, list[Any], str]:
+    def command(self) -> tuple[int, float, list[Any], str, int]:
         """Run `nao-course grade`."""
         environment = os.environ | {
             "HOME": str(self.home), "TMPDIR": str(self.temporary), "NAO_COURSE_SECRET": str(self.root / "secret"),
@@ -455,7 +459,9 @@ class Range:
         done = subprocess.run(
             runner, cwd=self.course.root, env=environment, stdout=subprocess.PIPE, check=True
         )
-        return tuple(json.loads(done.stdout))
+        status, seconds, processes, output = json.loads(done.stdout)
+        output, _, peak = output.rstrip().rpartition("\n")
+        return status, seconds, processes, output, int(peak) * 1024
 
     def kept(self) -> tuple[dict[str, SubmissionResult], dict[str, str], list[str], int]:
         """What the journal and the feedback folder hold."""
