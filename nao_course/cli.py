@@ -68,9 +68,9 @@ def check(notebook: Path) -> None:
     """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
     with _plainly():
         lesson = notebook.stem
-        public = read_public(lesson)
         if not notebook.is_file():
-            raise ValueError(f"there is no {notebook}")
+            raise ValueError(f"there is no file {notebook}")
+        public = read_public(lesson)
         skipped = load_definitions(notebook).skipped
         found = student.functions(lesson, notebook.parent)
     reports = {report.name: report for report in found.reports}

@@ -144,7 +144,7 @@ def data_folder() -> Path:
         )
         raise FileNotFoundError(
             f"The recorded real pictures are not here: {where}. They are no part of the course; whoever has them sets "
-            f"the environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013 (docs/real_data.md)."
+            f"the environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013."
         )
     return folder
 

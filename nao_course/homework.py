@@ -87,6 +87,8 @@ def submit(folder: Path, out: Path) -> Receipt:
     ValueError
         If there is no lesson's notebook, or a file is broken or too large.
     """
+    if not folder.is_dir():
+        raise ValueError(f"{folder} is no folder: submit packs a folder of notebooks")
     found = [*sorted(folder.glob("[0-9][0-9]_*.ipynb")), *sorted(folder.glob("*.py"))]
     files = {path.name: path.read_bytes() for path in found if path.is_file() and not path.is_symlink()}
     notebooks = {name: _parsed(name, content) for name, content in files.items() if name.endswith(".ipynb")}

@@ -229,7 +229,7 @@ def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(
 ) -> None:
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path / "nowhere"))
     with pytest.raises(
-        FileNotFoundError, match=r"(?s)nowhere.*sets the environment variable.*docs/real_data\.md"
+        FileNotFoundError, match=r"(?s)nowhere.*sets the environment variable.*amsterdam_2013"
     ):
         data_folder()
 

@@ -42,7 +42,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
-    "positional argument": "Keep the function's first line as it was given: the check calls it with those arguments.",
+    "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _MARKS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
 _DATA = "checks"
@@ -227,6 +227,10 @@ def _explain(
         state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
         lines += [outcome.line] if outcome.line else []
         lines += [advice for start, advice in _ADVICE.items() if start in outcome.text]
+        if f" {exercise.name}() " in outcome.text and "positional argument" in outcome.text:
+            lines.append(
+                "Keep the function's first line as it was given: the check calls it with those arguments."
+            )
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
 
 

@@ -227,7 +227,7 @@ class Sampled(Comparison):
         law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
         verdict = law.compare(tuple(expected[:2]), (mean, scatter))
         if not verdict and Close().compare(0.0, scatter):
-            text = f"whatever rng it gets, your answer is the same, {_number(mean)}; draw with the rng that is handed in"
+            text = f"whatever rng it gets, your answer is the same, {_number(mean)}: draw with the rng it is given"
             return Verdict("value", text)
         return verdict
 

@@ -88,6 +88,16 @@ def _grey_nan(picture: Array) -> tuple[Array, Array, Array]:
     return hue, saturation, lightness
 
 
+def _hue_divisor(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return hue, (saturation > 0).astype(float), lightness
+
+
+def _grey_blue(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return np.where(picture.max(axis=2) == picture.min(axis=2), 240.0, hue), saturation, lightness
+
+
 def _divided_by_nothing(picture: Array) -> tuple[Array, Array, Array]:
     hue, saturation, lightness = _hsl(picture)
     return hue, np.where(np.isin(lightness, (0.0, 255.0)), np.nan, saturation), lightness
@@ -215,6 +225,21 @@ RGB_TO_HSL = Exercise(
             "radians",
             lambda picture: (np.radians(_hsl(picture)[0]), *_hsl(picture)[1:]),
             "Your hues are in radians. Hues are the one kind of angle that this course has in degrees, 0 to 360, as the field does.",
+        ),
+        Mistake(
+            "the hue's divisor",
+            _hue_divisor,
+            "That is divided by the hue's divisor, M - m. The saturation has one of its own: 1 - |M + m - 1|, equation 1.2.",
+        ),
+        Mistake(
+            "60 forgotten",
+            lambda picture: (_hsl(picture)[0] / 60, *_hsl(picture)[1:]),
+            "Your hues go from 0 to 6: these are sixths of the circle. One sixth is 60 degrees.",
+        ),
+        Mistake(
+            "grey is blue",
+            _grey_blue,
+            "Grey has the hue 0. Yours is that of another line of equation 1.3, for all three channels are the largest: look at red first.",
         ),
         Mistake(
             "black and white divided by zero",
@@ -491,6 +516,7 @@ HUE_MASK = Exercise(
     public=lambda: [
         Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
         Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
+        Case((np.array([[59.5, 60.0, 60.5, 240.0]]), 60.0, 60.0), "one hue, from 60 to 60"),
         Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
         Case(
             (np.array([[90.0, 165.0, 170.0, 175.0, 300.0, 0.0, 10.0, 15.0]]), 170.0, 10.0),
@@ -521,6 +547,13 @@ HUE_MASK = Exercise(
             "limits excluded",
             lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
             "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
+        ),
+        Mistake(
+            "equal limits for all hues",
+            lambda hue, low, high: (
+                (hue >= low) & (hue <= high) if low < high else (hue >= low) | (hue <= high)
+            ),
+            "Equal limits are one hue, not all of them: only where low is *larger* than high does the interval go through 0.",
         ),
         Mistake(
             "hues above 180 moved",
@@ -671,7 +704,7 @@ CALIBRATE_HUE = Exercise(
         Mistake(
             "epsilon inwards",
             lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, -epsilon),
-            "Your limits are narrower than the picture's hues: epsilon is taken away from low and added to high.",
+            "Your limits are narrower than the picture's hues. Make low smaller and high larger by epsilon.",
         ),
         Mistake(
             "grey included",
@@ -727,6 +760,14 @@ CALIBRATE_HUE = Exercise(
             "Behind the last hue comes the first: take the index (k + 1) % len(hues).",
         ),
         Mistake(
+            "epsilon for low only",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation, epsilon)[0],
+                _limits(hue, saturation)[1],
+            ),
+            "Epsilon widens the interval on both sides: high becomes larger, too.",
+        ),
+        Mistake(
             "epsilon on one side",
             lambda hue, saturation, epsilon=0.0: (
                 _limits(hue, saturation)[0],
@@ -775,8 +816,8 @@ CALIBRATE_HUE = Exercise(
         "a list of float32": _limits_list,
     },
     equivalents={
-        "low, high = (coloured[last + 1 - len(coloured)], coloured[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
-        "coloured = np.unique(hue[saturation != 0])": "no saturation is below 0",
+        "low, high = (hues[last + 1 - len(hues)], hues[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
+        "hues = np.unique(hue[saturation != 0])": "no saturation is below 0",
         "return ((low - epsilon) % 360, float((high + epsilon) % 360))": "NumPy's float64 is a float",
         "return (float((low - epsilon) % 360), (high + epsilon) % 360)": "NumPy's float64 is a float",
     },
@@ -951,6 +992,23 @@ COLOR_LABELS = Exercise(
             "Bright yellow pixels must become white: white is written last.",
         ),
         Mistake(
+            "white first",
+            lambda *args: _labels(*args, order="wgy"),
+            "White is written first, and green and yellow go over it. What is written last wins: that must be white.",
+        ),
+        Mistake(
+            "green last",
+            lambda *args: _labels(*args, order="ywg"),
+            "Green is written last and wins over all. Write green first, then yellow, then white.",
+        ),
+        Mistake(
+            "floor excluded",
+            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
+                picture, green, yellow, threshold, min_saturation + 1e-9
+            ),
+            "A pixel that is exactly as saturated as min_saturation counts: at least means >=.",
+        ),
+        Mistake(
             "green wins over yellow",
             lambda *args: _labels(*args, order="ygw"),
             "Where green's and yellow's hues overlap, yellow wins: write it after green.",
@@ -1049,8 +1107,8 @@ PLAN = LessonPlan(
                 "its hue differs a little from place to place. A goal is small, in one place and one light.",
                 "Yellow's example has more pixels, so it shows all of its hues.": "It is the smaller one. What counts is not how many "
                 "pixels an example has, but whether it shows the colour in every light that will occur.",
-                "A wider yellow would take in the carpet's hues.": "Not so soon: from yellow, at 60 degrees, to the carpet it is 50 "
-                "degrees and more. You can try it in the panel below.",
+                "A wider yellow would take in the carpet's hues.": "Not so soon: from yellow, at 60 degrees, to the carpet it is some "
+                "50 degrees. You can try it in the panel below.",
             },
             "The carpet is everywhere, and its example shows only one place.",
         ),
