@@ -382,6 +382,14 @@ def test_what_numpy_says_of_the_commonest_slips_is_said_in_a_beginners_words(che
     ):
         assert advice in check("clamp", slip).lines[-1]
 
+    def one_argument(x):
+        return x
+
+    one_argument.__qualname__ = one_argument.__name__ = "clamp"
+    assert "Keep the function's first line" in check("clamp", one_argument).lines[-1]
+    calls_another = lambda x, low, high: np.clip(x)  # noqa: E731
+    assert "Keep the function's first line" not in repr(check("clamp", calls_another))
+
 
 def test_a_written_function_that_calls_an_unwritten_one_is_not_called_unwritten(check):
     def helper():

@@ -463,7 +463,10 @@ def test_check_names_what_went_wrong(tmp_path):
     path.write_text("{")
     result = run("check", str(path))
     assert result.exit_code == 1 and "not a notebook" in result.output
+    assert "there is no file" in run("check", str(tmp_path / "x.ipynb")).output
+    shutil.copy(path, tmp_path / "x.ipynb")
     assert "there is no lesson 'x'" in run("check", str(tmp_path / "x.ipynb")).output
+    assert "is no folder" in run("submit", str(path), "--out", str(tmp_path)).output
 
 
 def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):

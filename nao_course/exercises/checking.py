@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -227,7 +228,7 @@ def _explain(
         state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
         lines += [outcome.line] if outcome.line else []
         lines += [advice for start, advice in _ADVICE.items() if start in outcome.text]
-        if f" {exercise.name}() " in outcome.text and "positional argument" in outcome.text:
+        if re.search(rf"[ .](?:{exercise.name}|<lambda>)\(\) .*positional argument", outcome.text):
             lines.append(
                 "Keep the function's first line as it was given: the check calls it with those arguments."
             )
