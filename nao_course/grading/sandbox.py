@@ -351,6 +351,7 @@ _DENIED = (
     *("setdomainname", "migrate_pages", "move_pages", "nfsservctl", "personality"),
     *("shmget", "shmat", "shmctl", "semget", "semop", "semctl", "msgget", "msgsnd", "msgrcv", "mq_open"),
     *("memfd_create", "memfd_secret"),  # memory that no limit counts
+    "setsid",  # the kernel shares processors out by session: more of them would be more than a worker's share
 )
 
 

@@ -277,7 +277,7 @@ class Worker:
             match channel.receive():
                 case ("attempt", str(text)):
                     if len(self._noted) < MOST_NOTES:
-                        self._noted[text[:200]] = None
+                        self._noted[_printable(text[:200])] = None
                 case said:
                     return said
 
@@ -382,7 +382,7 @@ class Worker:
     def _skipped(self, statement: Any) -> Skipped:
         match statement:
             case (int(cell), int(line), str(reason)):
-                return Skipped(cell, line, self._left_out.get((cell, line), reason[:MOST_TEXT]))
+                return Skipped(cell, line, self._left_out.get((cell, line), _printable(reason)))
         raise Ended("died", UNREADABLE)
 
 
