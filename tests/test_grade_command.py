@@ -110,7 +110,8 @@ def test_a_class_is_graded_and_the_same_command_again_grades_nothing(course, war
         "graded",
         "refused",
         "eve, 90_chain: 90_chain.ipynb: not a notebook",
-        "mean score",
+        "mean so far",
+        "2.80 of 9 (5 graded in all)",
     ):
         assert word in first.output
     before = kept(tmp_path / "grades")
@@ -500,6 +501,30 @@ def test_a_submission_is_graded_again_on_demand_and_others_are_not(graded):
     assert said.exit_code == 0, said.output
     assert rows(graded, "history") == 1
     assert kept(graded) == before
+
+
+def test_a_submission_of_an_earlier_run_is_found_again(graded, handed_in, tmp_path):
+    late = tmp_path / "late"
+    (late / "zoe").mkdir(parents=True)
+    shutil.copy(next((handed_in / "ada").glob("*.ipynb")), late / "zoe")
+    assert run("grade", late, "--out", graded).exit_code == 0
+    result = run("regrade", graded, "--student", "bob")
+    assert result.exit_code == 0 and rows(graded, "history") == 1, result.output
+
+
+def test_what_the_sandbox_saw_is_said(course, warm, handed_in, tmp_path):
+    if probe().level == "process":
+        pytest.skip("there is no sandbox that could see something")
+    notebook = next((handed_in / "bob").glob("*.ipynb"))
+    cells = json.loads(notebook.read_text())
+    cells["cells"].append(
+        {"cell_type": "code", "source": "SEEN = open('/etc/shadow').read()", "metadata": {}, "outputs": []}
+    )
+    notebook.write_text(json.dumps(cells))
+    result = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert "Seen by the sandbox:" in result.output and "bob, 90_chain: open /etc/shadow" in result.output
+    assert run("report", tmp_path / "grades").exit_code == 0
+    assert "open /etc/shadow" in (tmp_path / "grades" / "report.html").read_text()
 
 
 def test_where_the_submissions_are_gone_it_waits_for_the_next_run(graded, handed_in, tmp_path):

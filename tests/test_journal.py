@@ -122,10 +122,10 @@ def test_marks_are_kept_all_or_none(tmp_path):
 
 def test_where_the_submissions_were_is_remembered(tmp_path):
     with Journal(tmp_path) as journal:
-        assert journal.last_submissions() is None
+        assert journal.places() == []
         journal.began(tmp_path / "a")
         journal.began(tmp_path / "b")
-        assert journal.last_submissions() == (tmp_path / "b").resolve()
+        assert journal.places() == [(tmp_path / name).resolve() for name in ("b", "a")]
 
 
 # --- what is no journal ---

@@ -127,10 +127,15 @@ def _show(
     table.add_row("unchanged", str(summary.unchanged))
     for lesson in sorted(lessons):
         count, mean, points = mean_score(journal, lesson)
-        table.add_row(f"{lesson}, mean score", f"{mean:.2f} of {points:g} ({count} in the journal)")
+        table.add_row(f"{lesson}, mean so far", f"{mean:.2f} of {points:g} ({count} graded in all)")
     console.print(table)
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
-    for title, lines in (("Refused", reasons), ("Left out", unknown), ("NOT GRADED", summary.failed)):
+    for title, lines in (
+        ("Refused", reasons),
+        ("Left out", unknown),
+        ("Seen by the sandbox", summary.attempts),
+        ("NOT GRADED", summary.failed),
+    ):
         if lines:
             console.print(title + ":")
             for line in lines[:_SHOWN]:
@@ -166,19 +171,25 @@ def regrade_student(
             )
             return
         journal.want_again(student, result.lesson)
-        path = journal.last_submissions()
-        if path is None or not path.exists():
-            console.print("It is graded again by the next `nao-course grade`.")
-            return
         with scratch_folder() as scratch:
-            found = gather(path, scratch, load_course().names(), [result.lesson])
-            mine = [each for each in of_lessons(found, [result.lesson]) if each.student == student]
+            mine = _handed_in(journal.places(), scratch, result)
             if not mine:
-                raise ValueError(f"{path} holds no {result.lesson} of {student!r} any more")
+                console.print("Its file is not where it was: the next `nao-course grade` grades it again.")
+                return
             summary = run(console, journal, grades, mine, 1, "")
             _show(console, journal, summary, [result.lesson], ())
     if summary.failed:
         raise typer.Exit(1)
+
+
+def _handed_in(places: Iterable[Path], scratch: Path, result: SubmissionResult) -> list[Submission]:
+    """Find a submission again where one of the runs had it."""
+    for number, place in enumerate(each for each in places if each.exists()):
+        found = gather(place, scratch / str(number), load_course().names(), [result.lesson])
+        mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
+        if mine:
+            return mine
+    return []
 
 
 def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:

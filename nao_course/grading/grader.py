@@ -30,7 +30,7 @@ from nao_course.exercises.exercise import ANSWER_HERE, Case, Exercise, PublicExe
 from nao_course.exercises.running import Outcome
 from nao_course.grading.containers import Refused
 from nao_course.grading.plans import hidden_cases, publish
-from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.grading.results import ATTEMPT, ExerciseResult, State, SubmissionResult, WrittenAnswer
 from nao_course.grading.sandbox import SandboxError
 from nao_course.grading.secret import keyed
 from nao_course.grading.submissions import Files, Submission, read
@@ -271,7 +271,7 @@ def _grade(
                 return refuse(submission, assignment, reason, files.hash)
             sitting = _Sitting(worker, assignment, files, server, stopped)
             exercises = sitting.all_exercises()
-            attempts = worker.notes
+            attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
     return SubmissionResult(
         submission.student,
         submission.lesson,

@@ -291,10 +291,10 @@ class Journal:
         with self._writing():
             self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), _now()))
 
-    def last_submissions(self) -> Path | None:
-        """Where the submissions of the last run were."""
-        rows = self._all("SELECT submissions FROM runs ORDER BY rowid DESC LIMIT 1")
-        return Path(rows[0][0]) if rows else None
+    def places(self) -> list[Path]:
+        """Where the submissions of all runs were, the last run's first."""
+        rows = self._all("SELECT submissions FROM runs GROUP BY submissions ORDER BY max(rowid) DESC")
+        return [Path(each[0]) for each in rows]
 
     # --- SQLite ---
 

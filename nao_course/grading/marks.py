@@ -155,7 +155,7 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
     """Refuse to write over marks that somebody has typed in and nobody has read."""
     if not path.is_file():
         return
-    say = f"run `nao-course marks GRADES {path.name}` with it first, or move it away"
+    say = f"run `nao-course marks {path.parent.parent} {path}` first, or move it away"
     try:
         rows = read_table(path, HEADER)
     except TableError as error:

@@ -124,7 +124,11 @@ def _lesson(lesson: str, made: Sequence[Score]) -> Iterator[Markup]:
         yield from _hardest(exercises)
         yield _exercises_table(exercises)
     if refused:
-        yield from _refused(refused)
+        rows = [(each.result.student, each.result.reason or "no reason was recorded") for each in refused]
+        yield from _named(f"Refused: {len(refused)}", rows)
+    attempts = [(each.result.student, said) for each in made for said in each.result.attempts]
+    if attempts:
+        yield from _named("Seen by the sandbox, and denied", attempts)
 
 
 def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
@@ -209,19 +213,16 @@ def _scrolling(content: Markup, label: str) -> Markup:
     return element("div", content, class_="scroll", tabindex="0", role="region", aria_label=label)
 
 
-def _refused(refused: Sequence[Score]) -> Iterator[Markup]:
-    rows = [
-        element(
-            "tr",
-            element("th", element("bdi", each.result.student), scope="row"),
-            element("td", each.result.reason or "no reason was recorded"),
-        )
-        for each in refused[:MOST_LISTED]
+def _named(title: str, rows: Sequence[tuple[str, str]]) -> Iterator[Markup]:
+    """What is to be said of single students."""
+    cells = [
+        element("tr", element("th", element("bdi", student), scope="row"), element("td", text))
+        for student, text in rows[:MOST_LISTED]
     ]
-    yield element("h3", f"Refused: {len(refused)}")
-    yield card(element("table", element("tbody", *rows)))
-    if len(refused) > MOST_LISTED:
-        yield element("p", f"and {len(refused) - MOST_LISTED} more", class_="soft")
+    yield element("h3", title)
+    yield card(element("table", element("tbody", *cells)))
+    if len(rows) > MOST_LISTED:
+        yield element("p", f"and {len(rows) - MOST_LISTED} more", class_="soft")
 
 
 def _percent(share: float) -> str:

@@ -18,6 +18,7 @@ State = Literal[
     "not found",
 ]
 Status = Literal["graded", "refused"]
+ATTEMPT = "the sandbox saw it try: "  # how a note about that begins
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,11 @@ class SubmissionResult:
     notes: tuple[str, ...] = ()
     level: str = ""
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def attempts(self) -> tuple[str, ...]:
+        """What the sandbox saw the student's code try, among the notes."""
+        return tuple(each.removeprefix(ATTEMPT) for each in self.notes if each.startswith(ATTEMPT))
 
     @property
     def earned(self) -> float:

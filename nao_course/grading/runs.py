@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from nao_course.grading.grader import Assignment, GraderError, Stopped, grade, submission_hash
 from nao_course.grading.journal import Journal, Mark, Override
 from nao_course.grading.results import SubmissionResult
+from nao_course.grading.scores import each_score
 from nao_course.grading.submissions import Submission
 
 if TYPE_CHECKING:
@@ -38,12 +39,15 @@ class Summary:
         Those that got a reason instead, now.
     failed : list of str
         Submissions that have neither: the grader itself failed.
+    attempts : list of str
+        What the sandbox saw students' code try.
     """
 
     graded: int = 0
     unchanged: int = 0
     refused: list[SubmissionResult] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
+    attempts: list[str] = field(default_factory=list)
 
 
 def grade_all(
@@ -103,6 +107,9 @@ def grade_all(
             else:
                 publish(outcome)
                 journal.keep(outcome, versions)
+                summary.attempts += [
+                    f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
+                ]
                 if outcome.status == "refused":
                     summary.refused.append(outcome)
                 else:
@@ -174,10 +181,11 @@ def installed() -> str:
 
 
 def mean_score(journal: Journal, lesson: str) -> tuple[int, float, float]:
-    """Return how many results of a lesson there are, their mean points and what the lesson is worth."""
+    """Return how many graded results of a lesson there are, their mean points so far and what it is worth."""
     count, earned, points = 0, 0.0, 0.0
-    for result in journal.each_result(lesson):
-        count, earned, points = count + 1, earned + result.earned, result.points
+    graded = (each for each in journal.each_result(lesson) if each.status == "graded")
+    for score in each_score(graded, journal.overrides(lesson), journal.marks(lesson)):
+        count, earned, points = count + 1, earned + score.earned, score.points
     return count, earned / max(count, 1), points
 
 

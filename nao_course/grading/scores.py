@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -78,13 +78,19 @@ def scores(
     results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
 ) -> list[Score]:
     """Put together what belongs to each of many results, in their order."""
+    return list(each_score(results, overrides, marks))
+
+
+def each_score(
+    results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+) -> Iterator[Score]:
+    """The same one by one, for results that are too many to be held."""
     changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
     marked: dict[tuple[str, str], dict[str, Mark]] = defaultdict(dict)
     for override in sorted(overrides, key=lambda each: each.time):
         changed[override.student, override.lesson][override.exercise] = override
     for mark in sorted(marks, key=lambda each: each.time):
         marked[mark.student, mark.lesson][mark.question] = mark
-    return [
-        Score(each, changed.get((each.student, each.lesson), {}), marked.get((each.student, each.lesson), {}))
-        for each in results
-    ]
+    for each in results:
+        key = (each.student, each.lesson)
+        yield Score(each, changed.get(key, {}), marked.get(key, {}))
