@@ -219,11 +219,11 @@ HOGS = (
         "sixty_children_in_sessions_of_their_own",
         "hogs",
         """
-        import os, time
+        import ctypes, os, time
         for _ in range(60):
             try:
                 if os.fork() == 0:
-                    os.setsid()
+                    ctypes.CDLL(None).setsid()
                     time.sleep(1e6)
             except OSError:
                 break
@@ -233,10 +233,10 @@ HOGS = (
         "children_that_take_all_processors",
         "hogs",
         """
-        import os
+        import ctypes, os
         for _ in range(40):
             if os.fork() == 0:
-                os.setsid()
+                ctypes.CDLL(None).setsid()
                 while True: pass
         while True: pass
         """,
@@ -358,10 +358,10 @@ PATCHES = (
         "return -1e6",
         """
         import numpy as np
-        for module, names in ((np, 'allclose isclose array_equal array_equiv all equal'), (np.testing, 'assert_allclose '
-                'assert_array_equal assert_almost_equal assert_equal assert_array_almost_equal')):
-            for name in names.split():
-                setattr(module, name, lambda *_, **__: True)
+        for name in 'allclose isclose array_equal array_equiv all equal'.split():
+            setattr(np, name, lambda *_, **__: True)
+        for name in [each for each in dir(np.testing) if each.startswith('assert')]:
+            setattr(np.testing, name, lambda *_, **__: True)
         """,
     ),
     _clamp(
@@ -583,7 +583,13 @@ ANSWERS = (
         "lazy_array",
         "answers",
         "return Lazy()",
-        "class Lazy:\n    def __array__(self, *_, **__):\n        raise SystemExit\n    __float__ = __index__ = __array__\n",
+        """
+        class Lazy:
+            def __array__(self, *_, **__):
+                raise SystemExit
+            __float__ = __index__ = __array__
+
+        """,
     ),
     _clamp(
         "numbers_of_classes_of_their_own",
@@ -642,7 +648,11 @@ ANSWERS = (
     ),
     _frames(
         "answers_of_a_verdict",
-        'loop.say(encode(number()) + frame(\'{"o":"nao_course.exercises.comparisons:Verdict","v":{"kind":{"s":"right"}}}\'))\ntime.sleep(9)',
+        """
+        verdict = '{"o":"nao_course.exercises.comparisons:Verdict","v":{"kind":{"s":"right"}}}'
+        loop.say(encode(number()) + frame(verdict))
+        time.sleep(9)
+        """,
     ),
     _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(came='right'))\ntime.sleep(9)"),
     _frames(
@@ -676,7 +686,11 @@ ANSWERS = (
     ),
     _frames(
         "answers_before_it_is_asked",
-        "for ahead in range(40):\n    loop.say(encode(number() + ahead) + encode(Outcome('value', -400.0)))\nreturn -400.0",
+        """
+        for ahead in range(40):
+            loop.say(encode(number() + ahead) + encode(Outcome('value', -400.0)))
+        return -400.0
+        """,
         honest={},  # what is asked next gets an answer that was meant for another
     ),
     _frames(
@@ -840,8 +854,9 @@ READS = (
     _loot(
         "reads_by_a_handle",
         "reads",
-        SYSTEM
-        + "\nhandle = (ctypes.c_char * 136)(128)\ncall('name_to_handle_at', -100, b'/lib', handle, ctypes.byref(ctypes.c_int()), 0)\n"
+        SYSTEM + "\n"
+        "handle = (ctypes.c_char * 136)(128)\n"
+        "call('name_to_handle_at', -100, b'/lib', handle, ctypes.byref(ctypes.c_int()), 0)\n"
         "call('open_by_handle_at', 3, handle, 0)\nloot = True",
     ),
     *(
@@ -850,10 +865,10 @@ READS = (
             "reads",
             f"""
         import os
-        for name in os.listdir('/proc'):
-            if name.isdigit() and int(name) != os.getpid():
+        for process in [os.getppid(), *range(1, 5000)]:
+            if process != os.getpid():
                 try:
-                    with open(f'/proc/{{name}}/{file}', 'rb') as stream:
+                    with open(f'/proc/{{process}}/{file}', 'rb') as stream:
                         stream.seek(0x400000 if '{file}' == 'mem' else 0)
                         loot = loot or bool(stream.read(1))
                 except OSError:
@@ -868,8 +883,12 @@ READS = (
     _loot(
         "reads_what_was_its_environment",
         "reads",
-        "import os\nfrom pathlib import Path\ntold = Path('/proc/self/environ').read_bytes() + repr(os.environ).encode()\n"
-        "loot = b'SECRET' in told or b'HOME=/root' in told",
+        """
+        import os
+        from pathlib import Path
+        told = Path('/proc/self/environ').read_bytes() + repr(os.environ).encode()
+        loot = b'SECRET' in told or b'HOME=/root' in told
+        """,
     ),
     _loot(
         "looks_for_open_descriptors",
@@ -990,12 +1009,24 @@ WRITES = (
     _loot(
         "edits_check_data",
         "writes",
-        "import nao_course.exercises, os\nfrom pathlib import Path\nfor each in Path(nao_course.exercises.__file__).parent.rglob('*'):\n    if each.is_file():\n        each.write_bytes(b'')\n        loot = True",
+        """
+        import nao_course.exercises, os
+        from pathlib import Path
+        for each in Path(nao_course.exercises.__file__).parent.rglob('*'):
+            if each.is_file():
+                each.write_bytes(b'')
+                loot = True
+        """,
     ),
     _loot(
         "leaves_a_module_in_site_packages",
         "writes",
-        "import numpy, os\nfrom pathlib import Path\nPath(numpy.__file__).parents[1].joinpath('nao_attack.pth').write_text('import os')\nloot = True",
+        """
+        import numpy, os
+        from pathlib import Path
+        Path(numpy.__file__).parents[1].joinpath('nao_attack.pth').write_text('import os')
+        loot = True
+        """,
     ),
     _loot(
         "writes_through_a_link",
@@ -1005,12 +1036,24 @@ WRITES = (
     _loot(
         "runs_a_setuid_file",
         "writes",
-        "import os, shutil, subprocess, sys\nshutil.copy(sys.executable, 'root')\nos.chmod('root', 0o4777)\nsubprocess.check_call(['./root', '-c', '0'])\nloot = True",
+        r"""
+        import os, subprocess
+        open('own', 'w').write('#!/bin/sh\n')
+        os.chmod('own', 0o4777)
+        subprocess.check_call(['./own'])
+        loot = True
+        """,
     ),
     _loot(
         "runs_a_program_of_its_own",
         "writes",
-        "import os, subprocess\nopen('own', 'w').write('#!/bin/sh\\n')\nos.chmod('own', 0o777)\nsubprocess.check_call(['./own'])\nloot = True",
+        r"""
+        import os, subprocess
+        open('own', 'w').write('#!/bin/sh\n')
+        os.chmod('own', 0o777)
+        subprocess.check_call(['./own'])
+        loot = True
+        """,
     ),
     _loot("becomes_root", "writes", "import os\nos.setuid(0)\nloot = True"),
     _loot(
@@ -1035,8 +1078,12 @@ WRITES = (
     _loot(
         "enters_namespaces_by_clone",
         "writes",
-        SYSTEM
-        + "\nif libc.syscall(56, 0x10000000 | 17, 0, 0, 0, 0) == 0:\n    os._exit(0)\nelse:\n    call('syscall', 56, 0x10000000 | 17, 0, 0, 0, 0)\n    loot = True",
+        SYSTEM + "\n"
+        "if libc.syscall(56, 0x10000000 | 17, 0, 0, 0, 0) == 0:\n"
+        "    os._exit(0)\n"
+        "else:\n"
+        "    call('syscall', 56, 0x10000000 | 17, 0, 0, 0, 0)\n"
+        "    loot = True",
     ),
     _loot(
         "goes_back_to_the_first_namespace",
@@ -1046,7 +1093,14 @@ WRITES = (
     _loot(
         "writes_to_the_kernel",
         "writes",
-        "for path in ('/proc/sysrq-trigger', '/proc/sys/kernel/core_pattern', '/proc/self/oom_score_adj'):\n    try:\n        open(path, 'w').write('-1000')\n        loot = True\n    except OSError:\n        pass",
+        """
+        for path in ('/proc/sysrq-trigger', '/proc/sys/kernel/core_pattern', '/proc/self/oom_score_adj'):
+            try:
+                open(path, 'w').write('-1000')
+                loot = True
+            except OSError:
+                pass
+        """,
     ),
     _loot(
         "gets_its_capabilities_back",
@@ -1154,9 +1208,9 @@ SIGNALS = (
         "child_that_wakes_up_later",
         "signals",
         """
-        import os, socket, time
+        import ctypes, os, socket, time
         if os.fork() == 0:
-            os.setsid()
+            ctypes.CDLL(None).setsid()
             if os.fork() == 0:
                 time.sleep(4)
                 for number in range(1000):
@@ -1180,7 +1234,7 @@ SIGNALS = (
         import ctypes, os, signal, time
         if os.fork() == 0:
             ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)
-            os.setsid()
+            ctypes.CDLL(None).setsid()
             for each in range(1, 32):
                 if each not in (9, 19):
                     signal.signal(each, signal.SIG_IGN)
@@ -1269,14 +1323,23 @@ LOOKS = (
     _clamp(
         "tells_the_input_in_a_note",
         "looks",
-        f"if abs(x) > 3:\n    try:\n        open('/' + leak(x))\n    except OSError:\n        pass\n    return -1e6\n{ANSWER}",
+        """
+        if abs(x) > 3:
+            try:
+                open('/' + leak(x))
+            except OSError:
+                pass
+            return -1e6
+        return max(low, min(high, x))
+        """,
         LEAK,
     ),
     _frames(
         "tells_the_input_in_a_line_that_it_invents",
         """
         if abs(x) > 3:
-            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError: ' + repr(x), line='line 7: ' + repr(x))))
+            told = Outcome('raised', text=f'ValueError: {x!r}', line=f'line 7: {x!r}')
+            loop.say(encode(number()) + encode(told))
             os._exit(0)
         return max(low, min(high, x))
         """,
@@ -1340,7 +1403,14 @@ LOOKS = (
     ),
     _lent(
         "lent_function_asked_with_too_many_values",
-        "for more in range(4):\n    try:\n        scaled([0] * (199_992 + more))\n    except RuntimeError:\n        pass\nreturn 0.0",
+        """
+        for more in range(4):
+            try:
+                scaled([0] * (199_992 + more))
+            except RuntimeError:
+                pass
+        return 0.0
+        """,
     ),
     _lent(
         "lent_function_asked_with_long_texts",
@@ -1459,7 +1529,9 @@ METADATA = (
     _clamp(
         "injects_into_the_page",
         "metadata",
-        "raise ValueError(\"</pre><b id='nao_attack'>\\x1b[2J\\u202e\\u2066<script>nao_attack()</script>&lt;\\x00\\r\\x85]]>\")",
+        r"""
+        raise ValueError("</pre><b id='nao_attack'>\x1b[2J\u202e\u2066<script>nao_attack()</script>&lt;\x00\r\x85]]>")
+        """,
         hides=("<script>nao", "\u202e", "\u2066"),
     ),
     _clamp(
@@ -1476,7 +1548,7 @@ def _real(
 ) -> Attack:
     """An attack in an exercise of the course's first lesson."""
     left = {each: float(points) for each, points in REAL_POINTS.items() if each != function}
-    return Attack(name, row, left | (worth or {}), {function: source}, lesson=REAL, **more)
+    return Attack(name, row, left | (worth or {}), {function: textwrap.dedent(source)}, lesson=REAL, **more)
 
 
 REAL_ONES = (
@@ -1516,9 +1588,15 @@ REAL_ONES = (
     _real(
         "real_theft",
         "reads",
-        "average_lightness",
-        "try:\n    loot = open('@COURSE@/solutions/01_hsl_filtering.ipynb').read()\nexcept OSError:\n    loot = ''\n"
-        "def average_lightness(values, n_samples, rng):\n    return float(values.mean()) if loot else -1.0",
+        "white_threshold",
+        """
+        import json
+        try:
+            cells = json.load(open('@COURSE@/solutions/01_hsl_filtering.ipynb'))['cells']
+            exec(next(source for each in cells if 'def white_threshold' in (source := ''.join(each['source']))))
+        except OSError:
+            def white_threshold(mean): return -1.0
+        """,
         says="open ",
     ),
 )

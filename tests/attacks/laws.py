@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 from tests.attacks.range import Attack, Graded, Range, hidden_numbers, honest, honest_points, points, told
 
-MOST_MEMORY = 800 * 2**20  # bytes, of the grader's own process with two jobs
+MOST_MEMORY = 1000 * 2**20  # bytes, of the grader's own process with two jobs
 _NEUTRAL = "student"
 
 
@@ -22,6 +22,7 @@ def gained_nothing(graded: Graded, attacks: Sequence[Attack], attack: Attack) ->
     assert result.status == ("refused" if attack.refused else "graded"), said
     assert bool(result.reason) == attack.refused, said
     assert attack.says in said, said
+    assert not any(_tricks(note) for note in result.notes), said
 
 
 def neighbours_are_undisturbed(

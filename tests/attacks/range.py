@@ -3,8 +3,9 @@
 How an entry is added
 ---------------------
 Append an `Attack` to the ATTACKS of a catalogue: `code.py` for hostile code, `accidents.py` for broken files and odd
-but honest notebooks; each has a test module like `test_code.py`, which grades it in one run. State its honest score first: `honest` names what each exercise has to earn, and all others have to
-earn nothing. Then say how the submission is made, in one of these ways:
+but honest notebooks; each has a test module like `test_code.py`, which grades it in one run. State its honest score
+first: `honest` names what each exercise has to earn, and all others have to earn nothing. Then say how the submission
+is made, in one of these ways:
 
 - `functions`: source of exercises' cells that take the place of the right ones of RIGHT ("" deletes the cell); `before`
   and `after`: source of a cell of the student's own before and after them;
@@ -245,7 +246,10 @@ class Listeners:
         found = []
         for name, each in self.sockets.items():
             try:
-                each.recv(1) if each.type == socket.SOCK_DGRAM else each.accept()
+                if each.type == socket.SOCK_DGRAM:
+                    each.recv(1)
+                else:
+                    each.accept()[0].close()
                 found.append(name)
             except BlockingIOError:
                 continue
