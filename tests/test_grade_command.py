@@ -1,5 +1,6 @@
 """`nao-course grade` and `regrade`: each submission gets one score or one reason, whatever happens to the run."""
 
+import contextlib
 import json
 import os
 import random
@@ -9,9 +10,11 @@ import sqlite3
 import stat
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 from typer.testing import CliRunner
 
@@ -22,7 +25,7 @@ from nao_course.grading.grader import GraderError, prepare
 from nao_course.grading.journal import NAME, Journal, JournalError
 from nao_course.grading.results import as_json
 from nao_course.grading.runs import grade_all
-from nao_course.grading.sandbox import probe
+from nao_course.grading.sandbox import SandboxError, probe
 from nao_course.grading.secret import SecretError, keyed, load_secret
 from nao_course.grading.server import WarmServer
 from nao_course.grading.submissions import gather, of_lessons
@@ -206,10 +209,17 @@ def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_p
         random.Random(jobs).shuffle(found)
         grades = tmp_path / f"grades{jobs}"
         with Journal(grades) as journal:
-            summary = grade_all(found, lambda lesson: assignment, journal, jobs=jobs, server=server)
+            publish = runs.feedback_writer(journal, grades / "feedback")
+            summary = grade_all(
+                found, lambda lesson: assignment, journal, jobs=jobs, server=server, publish=publish
+            )
         assert (summary.graded, len(summary.refused), summary.failed) == (5, 1, [])
-        results.append(json.dumps(list(kept(grades).values())))
-    assert results[0] == results[1] == results[2]
+        pages = {
+            path.relative_to(grades): path.read_bytes()
+            for path in sorted((grades / "feedback").rglob("*.html"))
+        }
+        results.append((json.dumps(list(kept(grades).values())), pages))
+    assert results[0] == results[1] == results[2] and len(results[0][1]) == 6
 
 
 def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, monkeypatch):
@@ -387,7 +397,7 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
     """Thirty times kill -9 and the same again: each submission has the result of an undisturbed run, once."""
     import pickle
 
-    root, students = tmp_path / "in", 14
+    root, students = tmp_path / "in", 100
     kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
     for number in range(students):
         chain.hand_in(root, f"s{number:02}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
@@ -421,7 +431,7 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
             )
             process.stdout.readline()
             try:
-                process.wait(chance.uniform(0.0, 0.8))
+                process.wait(chance.uniform(0.0, 1.5))
             except subprocess.TimeoutExpired:
                 process.kill()
                 kills += 1
@@ -436,6 +446,55 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
     while of_this_run(marker.encode()) and time.monotonic() < deadline:
         time.sleep(0.2)
     assert of_this_run(marker.encode()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_path):
+    """Thirty times kill -9 of a worker's process, or of the warm server: nobody's result is another."""
+    root, students = tmp_path / "in", 100
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(students):
+        chain.hand_in(root, f"s{number:03}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
+    assignment = prepare(course, "90", chain.SECRET)
+    found = gather(root, tmp_path, course.names()).submissions
+    chance, kills = random.Random(4), 0
+    servers = []
+
+    def one_run(grades):
+        """What the command does, until the server cannot be started."""
+        with contextlib.suppress(SandboxError), WarmServer(probe()) as server, Journal(grades) as journal:
+            servers.append(server)
+            return not grade_all(found, lambda _: assignment, journal, jobs=2, server=server).failed
+        return False
+
+    assert one_run(tmp_path / "undisturbed")
+    wanted, over = kept(tmp_path / "undisturbed"), threading.Event()
+
+    def kill():
+        nonlocal kills
+        while not over.wait(chance.uniform(0.2, 4.0)):
+            process = servers[-1].process
+            if not process:  # it is just not there
+                continue
+            with contextlib.suppress(psutil.NoSuchProcess):
+                server = psutil.Process(process)
+                family = server.children(recursive=True)
+                (chance.choice(family) if family and kills % 6 else server).kill()
+                kills += 1
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        rounds = 0
+        while kills < 30:
+            grades, rounds = tmp_path / f"grades{rounds}", rounds + 1
+            assert any(one_run(grades) for _ in range(50))  # the same command again goes on where it was
+            assert kept(grades) == wanted
+            assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+    finally:
+        over.set()
+        killer.join()
 
 
 # --- regrade ---

@@ -45,6 +45,7 @@ SECONDS = 10.0  # wall clock of a call
 LONGEST_ANSWER = 20_000  # characters of a written answer
 LONGEST_TEXT = 1000  # of what a public check says
 _MOST_NOTES = 20
+_MOST_TRIES = 4  # at a submission whose processes die
 _MOST_SERVERS = 3  # warm servers that may die under one submission
 _CHANGES = "Your function changes its input. Return a new array instead."
 _ERRORS = {
@@ -238,7 +239,9 @@ def grade(
     """
     start = time.monotonic()
     try:
-        result = _in_spite_of_the_server(lambda: _grade(submission, assignment, server, stopped))
+        result = _agreed(
+            lambda: _in_spite_of_the_server(lambda: _grade(submission, assignment, server, stopped))
+        )
     except (Stopped, SandboxError):
         raise
     except Exception as error:
@@ -248,7 +251,26 @@ def grade(
     return replace(result, level=level, seconds=time.monotonic() - start)
 
 
-def _in_spite_of_the_server(work: Callable[[], SubmissionResult]) -> SubmissionResult:
+def _agreed(work: Callable[[], tuple[SubmissionResult, int]]) -> SubmissionResult:
+    """Grade until no process has died, or two results agree.
+
+    A process may have been ended by somebody outside, or because the machine was short of memory. What is the
+    submission's own doing happens again.
+    """
+    result, deaths = work()
+    for _ in range(_MOST_TRIES - 1):
+        if not deaths:
+            break
+        before = result
+        result, deaths = work()
+        if result == before:
+            break
+    return result
+
+
+def _in_spite_of_the_server(
+    work: Callable[[], tuple[SubmissionResult, int]],
+) -> tuple[SubmissionResult, int]:
     """Begin again where the warm server died: that is no fault of this submission, as far as anyone can tell."""
     for _ in range(_MOST_SERVERS - 1):
         with contextlib.suppress(ServerEnded):
@@ -258,21 +280,23 @@ def _in_spite_of_the_server(work: Callable[[], SubmissionResult]) -> SubmissionR
 
 def _grade(
     submission: Submission, assignment: Assignment, server: WarmServer | None, stopped: Callable[[], bool]
-) -> SubmissionResult:
+) -> tuple[SubmissionResult, int]:
+    """Grade once; also say how many processes died on the way."""
     try:
         files = read(submission)
     except Refused as refused:
-        return refuse(submission, assignment, str(refused))
+        return refuse(submission, assignment, str(refused)), 0
     with _laid_out(files, assignment.lesson) as notebook:
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
         with _worker(notebook, assignment, server, helpers) as worker:
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
-                return refuse(submission, assignment, reason, files.hash)
+                return refuse(submission, assignment, reason, files.hash), worker.deaths
             sitting = _Sitting(worker, assignment, files, server, stopped)
             exercises = sitting.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
-    return SubmissionResult(
+            deaths = worker.deaths + sitting.deaths
+    result = SubmissionResult(
         submission.student,
         submission.lesson,
         "graded",
@@ -283,6 +307,7 @@ def _grade(
         written=_written(assignment, found.written),
         notes=(*submission.notes, *_remarks(found, assignment), *attempts),
     )
+    return result, deaths
 
 
 def refuse(submission: Submission, assignment: Assignment, reason: str, digest: str = "") -> SubmissionResult:
@@ -397,6 +422,7 @@ class _Sitting:
     ) -> None:
         self.stopped = stopped
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
+        self.deaths = 0  # of the reference's processes
 
     def all_exercises(self) -> tuple[ExerciseResult, ...]:
         """Grade them: public cases, hidden cases, and then those again that failed by earlier ones."""
@@ -454,6 +480,7 @@ class _Sitting:
         with _worker(self.assignment.reference, self.assignment, self.server) as reference:
             self.worker.lend({name: _lent(reference, name) for name in task.uses})
             hidden = self.hidden(task)
+            self.deaths += reference.deaths
         right = hidden.state == "right"
         names = " and ".join(task.uses)
         came = "right" if right else "not right either"

@@ -172,6 +172,7 @@ class Worker:
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
+    _deaths: int = field(default=0, init=False, repr=False)
     _calls: int = field(default=0, init=False, repr=False)
     _spent: float = field(default=0.0, init=False, repr=False)
 
@@ -197,6 +198,7 @@ class Worker:
                 self._running()
         except Ended as ended:
             self.close()
+            self._count(ended)
             return Found(skipped=(Skipped(0, 0, ended.outcome.text),))
         except BaseException:  # half an answer may be on its way
             self.close()
@@ -207,6 +209,11 @@ class Worker:
     def notes(self) -> tuple[str, ...]:
         """What the sandbox saw the student's code try; it may see less than there was."""
         return tuple(self._noted)
+
+    @property
+    def deaths(self) -> int:
+        """How many of its processes have died under it: by the student's code, or by someone outside."""
+        return self._deaths
 
     def lend(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
         """From now on, let functions of the notebook be stubs that ask for their answer here.
@@ -251,10 +258,14 @@ class Worker:
             return _shortened(outcome)
         except Ended as ended:
             self.close()
+            self._count(ended)
             return ended.outcome
         except BaseException:  # Ctrl-C within an answer: the next call must not read the rest of it
             self.close()
             raise
+
+    def _count(self, ended: Ended) -> None:
+        self._deaths += ended.outcome.came == "died"
 
     @contextlib.contextmanager
     def _clock(self) -> Iterator[None]:
@@ -317,6 +328,7 @@ class Worker:
                 self._load(self._channel, content)
             except Ended as ended:
                 self.close()
+                self._count(ended)
                 if left_out in (MOST_LEFT_OUT, len(self._left_out)):
                     self._failed = ended
         told = (dict(self.overrides), sorted(self._lent))
