@@ -5,9 +5,8 @@ from __future__ import annotations
 import difflib
 import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -71,12 +70,12 @@ def run(
     require_sandbox: str,
 ) -> Summary:
     """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
-    course, secret = load_course(), load_secret()
+    assignments = preparing(load_course(), sorted({each.lesson for each in waiting}), load_secret())
     with _sandboxed(console, require_sandbox) as server, _progress(console, len(waiting)) as done:
         try:
             return grade_all(
                 waiting,
-                cache(lambda lesson: prepared(course, lesson, secret)),
+                lambda lesson: assignments[lesson].result(),
                 journal,
                 jobs=jobs,
                 server=server,
@@ -89,10 +88,12 @@ def run(
             raise typer.Exit(130) from None
 
 
-def prepared(course: Course, lesson: str, secret: bytes) -> Assignment:
-    """Prepare an assignment in a process that ends: what a solution imports is not held while grading."""
-    with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
-        return pool.submit(prepare, course, lesson, secret).result()
+def preparing(course: Course, lessons: Sequence[str], secret: bytes) -> dict[str, Future[Assignment]]:
+    """Begin to prepare assignments in a process that ends: what solutions import is not held while grading."""
+    pool = ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    begun = {lesson: pool.submit(prepare, course, lesson, secret) for lesson in lessons}
+    pool.shutdown(wait=False)
+    return begun
 
 
 @contextmanager

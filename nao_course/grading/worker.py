@@ -39,7 +39,7 @@ from nao_course.grading.sandbox import Bounds, SandboxError, limit_resources
 if TYPE_CHECKING:
     from nao_course.grading.server import Fork, WarmServer
 
-REPLY = Limits(size=64 * 2**20)
+REPLY = Limits(size=64 * 2**20, header=4 * 2**20)
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
 MOST_TEXT = 1000  # characters of an exception's message
 MOST_SKIPPED = 1000  # statements that are listed as not run
