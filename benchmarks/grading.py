@@ -217,8 +217,10 @@ def many(number: int) -> Result:
     fifths = [float(part[:, 1].max()) for part in np.array_split(memory, 5)]
     rows = tuple((f"{20 * i} to {20 * (i + 1)} %", mb) for i, mb in enumerate(fifths))
     values = {**run, "peak PSS MB in each fifth": fifths}
-    title = f"{number} submissions in one go: {run['seconds in all']:.0f} s, {run['per minute']:.0f} a minute"
-    return Result("grading_many", values, (Table(title, ("part of the run", "peak PSS MB"), rows),))
+    note = f"{number} submissions in one go: {run['seconds in all']:.0f} s, {run['per minute']:.0f} a minute."
+    return Result(
+        "grading_many", values, (Table("memory", ("part of the run", "peak PSS MB"), rows),), (note,)
+    )
 
 
 if __name__ == "__main__":

@@ -172,11 +172,15 @@ def regrade_student(
             )
             return
         journal.want_again(student, result.lesson)
+        places = [each for each in journal.places() if each.exists()]
+        if not places:
+            console.print("It is graded again by the next `nao-course grade`.")
+            return
         with scratch_folder() as scratch:
-            mine = _handed_in(journal.places(), scratch, result)
+            mine = _handed_in(places, scratch, result)
             if not mine:
-                console.print("Its file is not where it was: the next `nao-course grade` grades it again.")
-                return
+                where = ", ".join(map(str, places))
+                raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
             summary = run(console, journal, grades, mine, 1, "")
             _show(console, journal, summary, [result.lesson], ())
     if summary.failed:
@@ -185,7 +189,7 @@ def regrade_student(
 
 def _handed_in(places: Iterable[Path], scratch: Path, result: SubmissionResult) -> list[Submission]:
     """Find a submission again where one of the runs had it."""
-    for number, place in enumerate(each for each in places if each.exists()):
+    for number, place in enumerate(places):
         found = gather(place, scratch / str(number), load_course().names(), [result.lesson])
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
         if mine:
