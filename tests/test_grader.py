@@ -4,6 +4,7 @@ import hashlib
 import json
 import pickle
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -324,6 +325,43 @@ def test_the_second_try_after_a_time_out_counts(server, assignment, tmp_path, mo
     monkeypatch.setattr(module.Worker, "call", slow_once)
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
+
+
+def test_the_second_try_has_the_machine_to_itself(server, assignment, tmp_path, monkeypatch):
+    real, inside, together = module.Worker.call, [], []
+
+    def call(self, name, case, driver=""):
+        inside.append(name)
+        together.append((self.notebook.parent, name, len(inside)))
+        try:
+            return real(self, name, case, driver)
+        finally:
+            inside.remove(name)
+
+    monkeypatch.setattr(module.Worker, "call", call)
+    slow = {"double": "import time\ndef double(x):\n    time.sleep(30)"}
+    quick = replace(assignment, seconds=0.5)
+    turns = module.Turns()
+
+    def graded(number):
+        path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
+        return grade(Submission(f"s{number}", chain.LESSON, path), quick, server, turns=turns)
+
+    with ThreadPoolExecutor(3) as pool:
+        results = list(pool.map(graded, range(6)))
+    assert {result.exercises[0].state for result in results} == {"timed out"}
+    tries = [each for each in together if each[1] == "double" and each[0] != assignment.reference.parent]
+    seconds = [second for _, second in tries_of_each(tries)]
+    assert len(seconds) == 6 and {many for _, _, many in seconds} == {1}
+    assert max(many for _, _, many in together) > 1
+
+
+def tries_of_each(tries):
+    """First and second try of each submission, whatever came between them."""
+    by_folder = {}
+    for each in tries:
+        by_folder.setdefault(each[0], []).append(each)
+    return [(first, second) for first, second in by_folder.values()]
 
 
 # --- what cannot be graded ---

@@ -14,6 +14,7 @@ import json
 import re
 import signal
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -198,6 +199,44 @@ def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., An
     )
 
 
+# --- side by side, and alone ---
+
+
+class Turns:
+    """Lets the calls of several submissions run side by side, and one alone: so that no time-out is another's fault."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._running, self._alone = 0, False
+
+    @contextlib.contextmanager
+    def beside(self) -> Iterator[None]:
+        """Run the block beside others', once nobody is alone."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._alone)
+            self._running += 1
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._running -= 1
+                self._changed.notify_all()
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Run the block once all others' have ended; none begins meanwhile."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._alone)
+            self._alone = True
+            self._changed.wait_for(lambda: not self._running)
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._alone = False
+                self._changed.notify_all()
+
+
 # --- one submission ---
 
 
@@ -207,6 +246,7 @@ def grade(
     server: WarmServer | None = None,
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
+    turns: Turns | None = None,
 ) -> SubmissionResult:
     """Grade a submission.
 
@@ -222,6 +262,8 @@ def grade(
         The sandbox level that this is, for the result.
     stopped : callable
         Asked before each call: whether to give up.
+    turns : Turns, optional
+        Shared by all that are graded at the same time.
 
     Returns
     -------
@@ -240,7 +282,9 @@ def grade(
     start = time.monotonic()
     try:
         result = _agreed(
-            lambda: _in_spite_of_the_server(lambda: _grade(submission, assignment, server, stopped))
+            lambda: _in_spite_of_the_server(
+                lambda: _grade(submission, assignment, server, stopped, turns or Turns())
+            )
         )
     except (Stopped, SandboxError):
         raise
@@ -279,7 +323,11 @@ def _in_spite_of_the_server(
 
 
 def _grade(
-    submission: Submission, assignment: Assignment, server: WarmServer | None, stopped: Callable[[], bool]
+    submission: Submission,
+    assignment: Assignment,
+    server: WarmServer | None,
+    stopped: Callable[[], bool],
+    turns: Turns,
 ) -> tuple[SubmissionResult, int]:
     """Grade once; also say how many processes died on the way."""
     try:
@@ -292,7 +340,7 @@ def _grade(
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
-            sitting = _Sitting(worker, assignment, files, server, stopped)
+            sitting = _Sitting(worker, assignment, files, server, stopped, turns)
             exercises = sitting.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             deaths = worker.deaths + sitting.deaths
@@ -419,8 +467,9 @@ class _Sitting:
         files: Files,
         server: WarmServer | None,
         stopped: Callable[[], bool],
+        turns: Turns,
     ) -> None:
-        self.stopped = stopped
+        self.stopped, self.turns = stopped, turns
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of the reference's processes
 
@@ -506,11 +555,12 @@ class _Sitting:
         return found
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
-        """Call a function; a time-out is tried once more in a fresh worker."""
-        for _ in range(2):
+        """Call a function; a time-out is tried once more in a fresh worker, while no other submission runs."""
+        for turn in (self.turns.beside, self.turns.alone):
             if self.stopped():
                 raise Stopped
-            outcome = self.worker.call(exercise.name, case, exercise.driver)
+            with turn():
+                outcome = self.worker.call(exercise.name, case, exercise.driver)
             if outcome.came != "timed out":
                 break
         return (

@@ -13,7 +13,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nao_course.grading.grader import Assignment, GraderError, Stopped, grade, submission_hash
+from nao_course.grading.grader import Assignment, GraderError, Stopped, Turns, grade, submission_hash
 from nao_course.grading.journal import Journal, Mark, Override
 from nao_course.grading.results import SubmissionResult
 from nao_course.grading.scores import each_score
@@ -98,7 +98,7 @@ def grade_all(
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set)
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, turns=Turns())
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     try:
         for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
