@@ -192,7 +192,7 @@ def _state(rng: np.random.Generator) -> dict[str, Any]:
     return state
 
 
-def decode(frame: bytes, limits: Limits | None = None, *, trusted: bool = False) -> Any:
+def decode(frame: bytes | bytearray, limits: Limits | None = None, *, trusted: bool = False) -> Any:
     """Turn a frame back into a value.
 
     Parameters
@@ -231,7 +231,7 @@ def decode(frame: bytes, limits: Limits | None = None, *, trusted: bool = False)
     return value
 
 
-def frame_lengths(prefix: bytes, limits: Limits | None = None) -> tuple[int, int]:
+def frame_lengths(prefix: bytes | bytearray, limits: Limits | None = None) -> tuple[int, int]:
     """Lengths of header and buffers, from a frame's first bytes; `PREFIX_SIZE` of them.
 
     Raises

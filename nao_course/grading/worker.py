@@ -39,7 +39,7 @@ from nao_course.grading.sandbox import Bounds, SandboxError, limit_resources
 if TYPE_CHECKING:
     from nao_course.grading.server import Fork, WarmServer
 
-REPLY = Limits(size=64 * 2**20, header=4 * 2**20)
+REPLY = Limits(size=32 * 2**20, header=4 * 2**20)  # a picture of 1280 x 960 in float64 has 28 MB
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
 MOST_TEXT = 1000  # characters of an exception's message
 MOST_SKIPPED = 1000  # statements that are listed as not run
@@ -460,16 +460,17 @@ class _Channel:
     def receive(self) -> Any:
         """Return what the worker says next."""
         try:
-            prefix = self.read(PREFIX_SIZE)
-            length = sum(frame_lengths(prefix, REPLY))
+            frame = bytearray()
+            self.read(frame, PREFIX_SIZE)
+            length = sum(frame_lengths(frame, REPLY))
             self.size += length
-            return decode(prefix + self.read(length), REPLY)
+            self.read(frame, PREFIX_SIZE + length)
+            return decode(frame, REPLY)
         except CodecError:
             self.give_up()
 
-    def read(self, length: int) -> bytes:
-        """Read that many bytes; they take up memory as they come, not as they are announced."""
-        data = bytearray()
+    def read(self, data: bytearray, length: int) -> None:
+        """Read until there are that many bytes; they take up memory as they come, not as they are announced."""
         while len(data) < length:
             self.wait(self.replies, "read")
             try:
@@ -481,7 +482,6 @@ class _Channel:
             if not part:
                 raise Ended("died", self.how_it_ended())
             data += part
-        return bytes(data)
 
     def wait(self, pipe: int, what: str) -> None:
         """Wait until a pipe can be read or written."""

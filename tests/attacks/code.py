@@ -753,8 +753,8 @@ ANSWERS = (
     _load(
         "says_itself_what_it_defines",
         """
-        names = [f'f{number}' for number in range(150_000)] + ['clamp', '__import__', 'x' * 10**6]
-        told = ('found', names, [[0, 0, 'x' * 10**6]], {'why': 'y' * 10**6}, 'z' * 10**6, 'v' * 10**6)
+        names = [f'f{number}' for number in range(150_000)] + ['clamp', '__import__', 'x' * 10**5]
+        told = ('found', names, [[0, 0, 'x' * 10**5]], {'why': 'y' * 10**5}, 'z' * 10**5, 'v' * 10**5)
         said = loop.say(encode(told))
         """,
         honest={},
