@@ -834,66 +834,24 @@ def _labels(
     threshold: float,
     min_saturation: float = 0.16,
     order: str = "gyw",
-    floor_white: bool = False,
+    floored: str = "gy",
+    white_is_grey: bool = False,
+    hls: bool = False,
     luma: bool = False,
 ) -> Array:
+    """The labels, with one thing done in another way: `floored` says which of green, yellow and white need the floor."""
     hue, saturation, lightness = _hsl(picture, luma=luma)
+    if hls:
+        saturation, lightness = lightness, saturation
     coloured = saturation >= min_saturation
     masks = {
-        "g": (_mask(hue, *green) & coloured, 1),
-        "y": (_mask(hue, *yellow) & coloured, 2),
-        "w": ((lightness > threshold) & (coloured if floor_white else True), 3),
+        "g": _mask(hue, *green),
+        "y": _mask(hue, *yellow),
+        "w": (lightness > threshold) & (~coloured if white_is_grey else True),
     }
     labels = np.zeros(picture.shape[:2], dtype=np.uint8)
     for kind in order:
-        mask, label = masks[kind]
-        labels[mask] = label
-    return labels
-
-
-def _labels_floor_for_green(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-) -> Array:
-    labels = _labels(picture, green, yellow, threshold, min_saturation)
-    labels[(_labels(picture, green, yellow, threshold, 0.0) == 2) & (labels != 3)] = 2
-    return labels
-
-
-def _labels_swapped(*args: Any) -> Array:
-    labels = _labels(*args)
-    return np.array([0, 2, 1, 3], dtype=np.uint8)[labels]
-
-
-def _labels_in_opencvs_order(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-) -> Array:
-    hue, lightness, saturation = _hsl(picture)
-    coloured = saturation >= min_saturation
-    labels = np.zeros(picture.shape[:2], dtype=np.uint8)
-    labels[_mask(hue, *green) & coloured] = 1
-    labels[_mask(hue, *yellow) & coloured] = 2
-    labels[lightness > threshold] = 3
-    return labels
-
-
-def _labels_with_a_ceiling(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-) -> Array:
-    labels = _labels(picture, green, yellow, 255.0, min_saturation)
-    _, saturation, lightness = _hsl(picture)
-    labels[(lightness > threshold) & (saturation < min_saturation)] = 3
+        labels[masks[kind] & (coloured if kind in floored else True)] = 1 + "gyw".index(kind)
     return labels
 
 
@@ -933,16 +891,6 @@ def _labels_select(
     return np.select(
         [lightness > threshold, coloured & _mask(hue, *yellow), coloured & _mask(hue, *green)], [3, 2, 1], 0
     ).astype(np.uint8)
-
-
-def _labels_int(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-) -> Array:
-    return _labels(picture, green, yellow, threshold, min_saturation).astype(np.int64)
 
 
 _GREEN, _YELLOW = (90.0, 150.0), (45.0, 95.0)  # they overlap: yellow wins
@@ -1015,14 +963,12 @@ COLOR_LABELS = Exercise(
         ),
         Mistake(
             "floor for white",
-            lambda *args: _labels(*args, floor_white=True),
+            lambda *args: _labels(*args, floored="gyw"),
             "White lines are missing: they have hardly any saturation. The floor is for green and yellow only.",
         ),
         Mistake(
             "no floor",
-            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
-                picture, green, yellow, threshold, 0.0
-            ),
+            lambda *args: _labels(*args, floored=""),
             "Grey pixels get a colour: min_saturation is not used.",
         ),
         Mistake(
@@ -1034,7 +980,7 @@ COLOR_LABELS = Exercise(
         ),
         Mistake(
             "white only where grey",
-            _labels_with_a_ceiling,
+            lambda *args: _labels(*args, white_is_grey=True),
             "White lines are missing: near white a little noise is a high saturation. The floor is for green and yellow only.",
         ),
         Mistake(
@@ -1044,7 +990,7 @@ COLOR_LABELS = Exercise(
         ),
         Mistake(
             "floor for green only",
-            _labels_floor_for_green,
+            lambda *args: _labels(*args, floored="g"),
             "Yellow needs the minimal saturation, too: nearly grey pixels have any hue.",
         ),
         Mistake(
@@ -1056,12 +1002,12 @@ COLOR_LABELS = Exercise(
         ),
         Mistake(
             "labels swapped",
-            _labels_swapped,
+            lambda *args: np.array([0, 2, 1, 3], dtype=np.uint8)[_labels(*args)],
             "Green and yellow have changed places: green is 1, yellow is 2.",
         ),
         Mistake(
             "OpenCV's order",
-            _labels_in_opencvs_order,
+            lambda *args: _labels(*args, hls=True),
             "Saturation and lightness have changed places: your rgb_to_hsl gives hue, saturation, lightness, in this order.",
         ),
         Mistake(
@@ -1075,7 +1021,11 @@ COLOR_LABELS = Exercise(
             "Your white is decided by the luma. Use the lightness of your rgb_to_hsl.",
         ),
     ],
-    alternatives={"a loop": _labels_loop, "np.select and OpenCV": _labels_select, "int64": _labels_int},
+    alternatives={
+        "a loop": _labels_loop,
+        "np.select and OpenCV": _labels_select,
+        "int64": lambda *args: _labels(*args).astype(np.int64),
+    },
     equivalents={
         "labels[hue_mask(hue, *green) * coloured] = 1": "* of two boolean arrays is their &",
         "labels[hue_mask(hue, *yellow) * coloured] = 2": "* of two boolean arrays is their &",

@@ -7,21 +7,7 @@ import pytest
 
 from tests.attacks import laws
 from tests.attacks.accidents import ATTACKS, FILE, NAMES, TEXT, UNKNOWN
-from tests.attacks.range import LESSON, POINTS, ROWS, Attack, honest, points, ranges
-from tests.sandboxed import need
-
-
-@pytest.fixture(scope="module")
-def field():
-    need("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace", "landlock",
-         "seccomp", "unprivileged user")  # fmt: skip
-    with ranges() as make:
-        yield make
-
-
-@pytest.fixture(scope="module")
-def hidden(field):
-    return laws.hidden(field())
+from tests.attacks.range import LESSON, POINTS, ROWS, Attack, honest, points
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.browser.filter_page import LABEL, FilterPage
-from tests.browser.lab import PROJECT, browser_page, jupyter_lab, wait_for
+from tests.browser.lab import PROJECT, browser_page, wait_for
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
@@ -19,13 +19,6 @@ SLOW = "import time\ntaken = []\n" + LABEL.replace(
     "    mean", "    taken.append(beta); time.sleep(0.4); print(len(taken), 'pictures')\n    mean"
 )
 ENDLESS = LABEL.replace("    mean", "    while beta > 200: pass\n    mean")
-
-
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("notebooks")
-    with jupyter_lab(folder, tmp_path_factory.mktemp("jupyter")) as running:
-        yield running
 
 
 @pytest.fixture

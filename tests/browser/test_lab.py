@@ -37,13 +37,6 @@ panel = ControlPanel(SimulatedNao(rng=4), slam=Mine())
 panel"""
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("notebooks")
-    with jupyter_lab(folder, tmp_path_factory.mktemp("jupyter")) as running:
-        yield running
-
-
 @pytest.fixture
 def page(lab, chromium):
     lab.console.clear()
