@@ -20,9 +20,8 @@ from nao_course.exercises.definitions import load_definitions
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
-_STUDENTS = (
-    find_spec("nao_course.grading") is None
-)  # a student's copy: what is not in it is not in the help either
+# A student's copy: what is not in it is not in the help either.
+_STUDENTS = find_spec("nao_course.grading") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
 _MARKS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
@@ -110,10 +109,10 @@ def submit(
         table.add_row(name, digest[:16])
     console.print(table)
     _say(", ".join(f"{name} {version}" for name, version in receipt.versions.items()))
-    for name in receipt.files:
+    _say(f"Hand in {receipt.path} as your course says. Your receipt is in it, too: {receipt.code[:16]}")
+    for name in receipt.files:  # last, for it runs the student's code
         if name.endswith(".ipynb"):
             _say(_state_of(Path(name).stem, folder or _notebooks()))
-    _say(f"Hand in {receipt.path} as your course says. Your receipt is in it, too: {receipt.code[:16]}")
 
 
 def _state_of(lesson: str, folder: Path) -> str:

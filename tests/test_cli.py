@@ -475,6 +475,8 @@ def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
     assert result.exit_code == 0 and made.name in result.output and "Your receipt is in it" in result.output
     assert "01_hsl_filtering: 0 of 6 exercises pass their public checks; not yet: rgb_to_hsl" in result.output
     assert "1.W1 (nothing written)" in result.output
+    hand_in, state = (result.output.index(words) for words in ("Hand in ", "pass their public checks"))
+    assert hand_in < state, "a student's code that never ends keeps nobody from handing in"
     result = run("submit", str(ROOT / "solutions"), "--out", str(tmp_path / "solved"))
     assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
 
