@@ -25,9 +25,9 @@ import psutil
 from rich.console import Console
 
 from benchmarks import ROOT, Result, Table
-from nao_course.grading import lessons
-from nao_course.grading.course import load_course
-from nao_course.grading.journal import Journal
+from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.gradebook.journal import Journal
 
 LESSON = "01_hsl_filtering"
 CLASS, PEERS = 200, 20

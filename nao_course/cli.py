@@ -21,7 +21,7 @@ from nao_course.exercises.definitions import load_definitions
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
 # A student's copy: what is not in it is not in the help either.
-_STUDENTS = find_spec("nao_course.grading") is None
+_STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
 _MARKS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
@@ -151,7 +151,7 @@ def build(
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
-        from nao_course.grading import building
+        from nao_course.instructor.authoring import build as building
 
         course = building.load_course()
         texts = {}
@@ -188,8 +188,8 @@ def _progress() -> Progress:
 def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
     with _plainly():
-        from nao_course.grading.building import load_course
-        from nao_course.grading.release import make_release
+        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring.release import make_release
 
         path = make_release(load_course(), out)
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
@@ -199,7 +199,7 @@ def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
 def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Processes at a time.")) -> None:
     """Change a lesson's solutions a little, many times, and list the changes that no test notices (instructors)."""
     with _plainly():
-        from nao_course.grading.mutants import main as run_mutants
+        from nao_course.instructor.authoring.mutation import main as run_mutants
 
         raise typer.Exit(run_mutants(lesson, jobs))
 
@@ -219,7 +219,7 @@ def grade(
 ) -> None:
     """Grade what is missing or has changed (instructors). The status is 0 when all have a score or a reason."""
     with _plainly():
-        from nao_course.grading import commands
+        from nao_course.instructor import commands
 
         commands.grade_folder(console, submissions, out, lesson, jobs, require_sandbox)
 
@@ -234,7 +234,7 @@ def regrade(
 ) -> None:
     """Grade a student's submission again, or give points by hand, with a reason (instructors)."""
     with _plainly():
-        from nao_course.grading import commands
+        from nao_course.instructor import commands
 
         commands.regrade_student(console, grades, student, lesson, points, reason)
 
@@ -247,7 +247,7 @@ def export(
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
-        from nao_course.grading import handing_over
+        from nao_course.instructor import handing_over
 
         for line in handing_over.export(grades, format_, lesson):
             _say(line)
@@ -262,7 +262,7 @@ def marks(
 ) -> None:
     """Write sheets to mark written answers with, or read one back (instructors)."""
     with _plainly():
-        from nao_course.grading import handing_over
+        from nao_course.instructor import handing_over
 
         for line in handing_over.marks(grades, file):
             _say(line)
@@ -272,7 +272,7 @@ def marks(
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises, what was refused (instructors)."""
     with _plainly():
-        from nao_course.grading import handing_over
+        from nao_course.instructor import handing_over
 
         for line in handing_over.report(grades):
             _say(line)
@@ -282,8 +282,8 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
-        from nao_course.grading import scaffolds
-        from nao_course.grading.building import load_course
+        from nao_course.instructor.authoring import scaffold as scaffolds
+        from nao_course.instructor.authoring.build import load_course
 
         for path in scaffolds.add_exercise(load_course(), lesson, name):
             _say(f"wrote {os.path.relpath(path)}")
@@ -293,8 +293,8 @@ def new_exercise(lesson: str, name: str) -> None:
 def new_lesson(number: str, name: str) -> None:
     """Begin a lesson: a text and a declaration, with TODO where work is needed."""
     with _plainly():
-        from nao_course.grading import scaffolds
-        from nao_course.grading.building import load_course
+        from nao_course.instructor.authoring import scaffold as scaffolds
+        from nao_course.instructor.authoring.build import load_course
 
         for path in scaffolds.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")

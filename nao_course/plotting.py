@@ -60,7 +60,7 @@ class Style:
     line: Any
 
 
-# After Okabe and Ito (2008) and Tol (2021); tests/test_plotting.py measures them for three kinds of vision.
+# After Okabe and Ito (2008) and Tol (2021); tests/plotting/test_plotting.py measures them for three kinds of vision.
 STYLES: Mapping[str, Style] = MappingProxyType(
     {
         "truth": Style("truth", "#1a1a1a", "o", "-"),

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.paths import PROJECT
+
 os.environ["MPLBACKEND"] = "Agg"  # here and in every kernel that a test starts: no test opens a window
 
-PROJECT = Path(__file__).resolve().parents[1]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSERS_ELSEWHERE = (
     "/Applications/Chromium.app/Contents/MacOS/Chromium",

@@ -5,7 +5,7 @@ from typing import get_args
 
 from hypothesis import strategies as st
 
-from nao_course.grading.results import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult, WrittenAnswer
 
 RUBRIC, MISTAKE, FOR_ASSISTANTS = "Rubric-7f3a", "Mistake-7f3a", "Assistant-7f3a"
 HOSTILE = (

@@ -7,8 +7,8 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.exercises.running import Outcome
-from nao_course.grading.sandbox import Layer, Sandbox, probe
-from nao_course.grading.worker import Worker
+from nao_course.instructor.sandbox.confinement import Layer, Sandbox, probe
+from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
 
 REQUIRE = "NAO_COURSE_REQUIRE_SANDBOX"

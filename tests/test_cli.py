@@ -13,10 +13,11 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.exercises.exercise import ANSWER_HERE
-from nao_course.grading import building, lessons
-from nao_course.grading.release import release_problems
+from nao_course.instructor.authoring import build as building
+from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring.release import release_problems
+from tests.paths import PROJECT
 
-ROOT = Path(__file__).resolve().parent.parent
 TEXT = """
 # A toy
 
@@ -87,7 +88,7 @@ PLAN = LessonPlan(exercises=[DOUBLE])
 @pytest.fixture
 def course(tmp_path, monkeypatch):
     """A course with one small lesson, in the working folder."""
-    shutil.copytree(ROOT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("*.bin"))
+    shutil.copytree(PROJECT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("*.bin"))
     (tmp_path / "solutions" / "exercises").mkdir(parents=True)
     (tmp_path / "solutions" / "01_toy.md").write_text(lessons.HEADER + TEXT)
     (tmp_path / "solutions" / "exercises" / "01_toy.py").write_text(PLAN)
@@ -440,7 +441,9 @@ def test_what_text_cannot_hold_is_refused(built, change, said):
 
 
 def test_check_says_in_a_table_what_is_right_and_what_is_not():
-    blank, solved = (str(ROOT / folder / "01_hsl_filtering.ipynb") for folder in ("notebooks", "solutions"))
+    blank, solved = (
+        str(PROJECT / folder / "01_hsl_filtering.ipynb") for folder in ("notebooks", "solutions")
+    )
     result = run("check", solved)
     assert result.exit_code == 0 and result.output.count("✔ passes") == 6
     assert result.output.count("● written") == 1
@@ -451,7 +454,7 @@ def test_check_says_in_a_table_what_is_right_and_what_is_not():
 
 def test_check_names_what_went_wrong(tmp_path):
     path = tmp_path / "00_meet_the_nao.ipynb"
-    notebook = nbformat.read(ROOT / "notebooks" / path.name, as_version=4)
+    notebook = nbformat.read(PROJECT / "notebooks" / path.name, as_version=4)
     (cell,) = (cell for _, cell in lessons.code_cells(notebook, "exercise"))
     cell.source = "def to_radians(angle_deg):\n    return angle_deg"
     nbformat.write(notebook, path)
@@ -470,14 +473,14 @@ def test_check_names_what_went_wrong(tmp_path):
 
 
 def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
-    result = run("submit", str(ROOT / "notebooks"), "--out", str(tmp_path))
+    result = run("submit", str(PROJECT / "notebooks"), "--out", str(tmp_path))
     (made,) = tmp_path.iterdir()
     assert result.exit_code == 0 and made.name in result.output and "Your receipt is in it" in result.output
     assert "01_hsl_filtering: 0 of 6 exercises pass their public checks; not yet: rgb_to_hsl" in result.output
     assert "1.W1 (nothing written)" in result.output
     hand_in, state = (result.output.index(words) for words in ("Hand in ", "pass their public checks"))
     assert hand_in < state, "a student's code that never ends keeps nobody from handing in"
-    result = run("submit", str(ROOT / "solutions"), "--out", str(tmp_path / "solved"))
+    result = run("submit", str(PROJECT / "solutions"), "--out", str(tmp_path / "solved"))
     assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
 
 
@@ -493,7 +496,7 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
     assert shown.index("predict_it") < shown.index("update_it") < shown.index("References")
     for name in ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock", "docs/for_students.md"):
         (built.root / name).parent.mkdir(exist_ok=True)
-        shutil.copy(ROOT / name, built.root / name)
+        shutil.copy(PROJECT / name, built.root / name)
     result = run("release", "--out", "dist")
     assert result.exit_code == 1 and "07_ekf_slam.ipynb says TODO" in result.output
     assert not Path("dist").exists()
@@ -536,18 +539,20 @@ app(sys.argv[1:])
 
 
 def test_a_students_side_needs_the_core_alone_and_the_instructors_says_what_it_misses(tmp_path):
-    def run_as_student(*words, here=ROOT):
+    def run_as_student(*words, here=PROJECT):
         environment = {**os.environ, "PYTHONPATH": str(here), "COLUMNS": "200"}
         command = [sys.executable, "-c", STUDENTS_PYTHON, *words]
         return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
 
-    notebook = str(ROOT / "solutions" / "01_hsl_filtering.ipynb")
+    notebook = str(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
     assert run_as_student("check", notebook).returncode == 0
-    assert run_as_student("submit", str(ROOT / "notebooks")).returncode == 0
+    assert run_as_student("submit", str(PROJECT / "notebooks")).returncode == 0
     assert run_as_student("renew").returncode == 0
     refused = run_as_student("build")
     assert refused.returncode == 1 and "not available here: it needs" in refused.stderr
-    shutil.copytree(ROOT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("grading"))
+    shutil.copytree(
+        PROJECT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("instructor")
+    )
     refused = run_as_student("release", "--out", "x", here=tmp_path)
     assert refused.returncode == 1 and "the instructor's side" in refused.stderr
 
@@ -560,12 +565,12 @@ def test_a_students_side_needs_the_core_alone_and_the_instructors_says_what_it_m
 def test_the_documentation_can_be_followed_word_for_word(page, tmp_path, monkeypatch):
     """Run the commands of a page in a copy of the course, but for those that stand for any lesson, NN."""
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    shutil.copytree(ROOT / "nao_course", tmp_path / "nao_course")
-    shutil.copytree(ROOT / "solutions", tmp_path / "solutions")
-    shutil.copytree(ROOT / "notebooks", tmp_path / "notebooks")
-    shutil.copy(ROOT / "course.toml", tmp_path)
+    shutil.copytree(PROJECT / "nao_course", tmp_path / "nao_course")
+    shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
+    shutil.copytree(PROJECT / "notebooks", tmp_path / "notebooks")
+    shutil.copy(PROJECT / "course.toml", tmp_path)
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    text = (PROJECT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```\n((?:(?:nao-course|rm) .*\n)+)```", text, re.MULTILINE)
     commands = [line.split() for block in blocks for line in block.splitlines() if " NN" not in line]
     assert len(commands) >= 3
@@ -580,4 +585,6 @@ def test_the_documentation_can_be_followed_word_for_word(page, tmp_path, monkeyp
             assert done.returncode == 0, done.stderr
     there = contents(tmp_path / "notebooks").keys()
     if page == "write_a_lesson":
-        assert {path.name for path in there} == {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
+        assert {path.name for path in there} == {
+            path.name for path in (PROJECT / "notebooks").glob("*.ipynb")
+        }

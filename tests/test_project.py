@@ -17,7 +17,8 @@ from pathlib import Path
 
 import pytest
 
-PROJECT = Path(__file__).resolve().parents[1]
+from tests.paths import PROJECT
+
 LOCKS = ("requirements.lock", "requirements-dev.lock")
 
 
@@ -198,10 +199,10 @@ def layer_offences(module: str, imports: Iterable[str]) -> list[str]:
     part, offences = part_of(module), []
     for other in imports:
         upwards = part in LAYER and other in LAYER and LAYER[other] >= LAYER[part]
-        into_grading = other == "grading" and part != "cli"
+        into_instructor = other == "instructor" and part != "cli"
         into_cli = other == "cli" and part != "__main__"
         exercises_see_the_world = part == "exercises" and other in WORLD
-        if upwards or into_grading or into_cli or exercises_see_the_world:
+        if upwards or into_instructor or into_cli or exercises_see_the_world:
             offences.append(f"nao_course.{module} imports {other}")
     return offences
 
@@ -228,7 +229,7 @@ def test_modules_import_only_what_stands_below_them():
         ("metrics", "def f():\n    from nao_course.datasets import read_g2o"),
         ("plotting", "from .widgets import panel"),
         ("exercises.check", "from nao_course.sim import Field"),
-        ("student", "from nao_course.grading.sandbox import level"),
+        ("student", "from nao_course.instructor.sandbox.confinement import level"),
         ("widgets.panel", "from nao_course import cli"),
     ],
 )
@@ -246,8 +247,8 @@ def test_an_import_upwards_is_found_out(module, line):
         ("sim.field", "from nao_course.exercises.codec import register"),
         ("widgets.panel", "from nao_course import plotting, metrics"),
         ("exercises.check", "from nao_course.geometry import wrap_angle\nimport numpy"),
-        ("cli", "from nao_course import grading"),
-        ("grading.worker", "from nao_course.grading import sandbox"),
+        ("cli", "from nao_course import instructor"),
+        ("instructor.sandbox.worker", "from nao_course.instructor import sandbox"),
     ],
 )
 def test_an_import_downwards_is_fine(module, line):

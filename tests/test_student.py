@@ -7,7 +7,7 @@ import pytest
 from nao_course import student
 from nao_course.exercises import checking
 from nao_course.exercises.definitions import load_definitions
-from nao_course.grading.plans import load_plan, publish
+from nao_course.instructor.authoring.plans import load_plan, publish
 from tests.toy import toy
 
 WRONG = "def clamp(x, low, high):\n    return x"

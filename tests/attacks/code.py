@@ -832,7 +832,7 @@ READS = (
     _loot("reads_the_secret", "reads", _reading("'@SECRET@'"), says="open "),
     _loot("reads_a_private_key", "reads", _reading("'@HOME@/.ssh/id_rsa'"), says="open "),
     _loot("reads_the_users", "reads", _reading("'/etc/passwd'"), says="open /etc/passwd"),
-    _loot("reads_the_grader", "reads", "import nao_course.grading.grader\nloot = True"),
+    _loot("reads_the_grader", "reads", "import nao_course.instructor.autograding.grader\nloot = True"),
     _loot(
         "reads_by_climbing_up",
         "reads",

@@ -43,14 +43,14 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.grading.building import Course, load_course
-from nao_course.grading.grader import Assignment, prepare
-from nao_course.grading.journal import Journal
-from nao_course.grading.results import SubmissionResult, as_json
-from nao_course.grading.sandbox import LEVELS
-from nao_course.grading.submissions import safe_name
+from nao_course.instructor.authoring.build import Course, load_course
+from nao_course.instructor.autograding.grader import Assignment, prepare
+from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import SubmissionResult, as_json
+from nao_course.instructor.sandbox.confinement import LEVELS
+from tests.paths import PROJECT
 
-ROOT = Path(__file__).resolve().parents[2]
 LESSON, REAL = "91_range", "01_hsl_filtering"
 SECONDS = 2.0  # of a call
 KEY = b"the secret of the range, which nobody may see"
@@ -267,8 +267,8 @@ _COMMAND = """
 import resource, sys
 from dataclasses import replace
 from nao_course import cli
-from nao_course.grading import commands
-from nao_course.grading.sandbox import Layer, Sandbox
+from nao_course.instructor import commands
+from nao_course.instructor.sandbox.confinement import Layer, Sandbox
 grade_all, probe = commands.grade_all, commands.probe
 off, seconds = sys.argv.pop(1).split(","), float(sys.argv.pop(1))
 commands.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
@@ -391,7 +391,7 @@ class Range:
     @cached_property
     def right(self) -> Mapping[str, Mapping[str, str]]:
         """Cells of the right functions, by lesson and exercise."""
-        cells = json.loads((ROOT / "solutions" / f"{REAL}.ipynb").read_text(encoding="utf-8"))["cells"]
+        cells = json.loads((PROJECT / "solutions" / f"{REAL}.ipynb").read_text(encoding="utf-8"))["cells"]
         found = {
             each["metadata"].get("nbgrader", {}).get("grade_id"): "".join(each["source"]) for each in cells
         }
@@ -454,7 +454,7 @@ class Range:
         """Run `nao-course grade`."""
         environment = os.environ | {
             "HOME": str(self.home), "TMPDIR": str(self.temporary), "NAO_COURSE_SECRET": str(self.root / "secret"),
-            "PYTHONPATH": str(ROOT), "COLUMNS": "200", "MPLCONFIGDIR": str(self.cache),
+            "PYTHONPATH": str(PROJECT), "COLUMNS": "200", "MPLCONFIGDIR": str(self.cache),
         }  # fmt: skip
         words = ["grade", self.submissions, "--out", self.grades, "--jobs", self.jobs]
         words += [] if self.off else ["--require-sandbox", LEVELS[-1]]
@@ -502,8 +502,8 @@ def make_course(root: Path) -> Course:
     (root / "solutions" / f"{LESSON}.ipynb").write_text(json.dumps(notebook(right)))
     (root / "notebooks" / f"{LESSON}.ipynb").write_text(json.dumps(notebook(replace(right, functions=BLANK))))
     for name in (f"solutions/{REAL}.md", f"solutions/{REAL}.ipynb", f"solutions/exercises/{REAL}.py"):
-        shutil.copy(ROOT / name, root / name)
-    released = ROOT / "notebooks" / f"{REAL}.ipynb"
+        shutil.copy(PROJECT / name, root / name)
+    released = PROJECT / "notebooks" / f"{REAL}.ipynb"
     shutil.copy(released if released.exists() else root / "solutions" / released.name, root / "notebooks")
     return load_course(root)
 

@@ -6,7 +6,8 @@ import re
 
 import numpy as np
 
-from tests.browser.lab import PROJECT, wait_for
+from tests.browser.lab import wait_for
+from tests.paths import PROJECT
 
 LESSON = PROJECT / "solutions" / "01_hsl_filtering.md"
 SCENE = """import cv2

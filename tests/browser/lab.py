@@ -19,7 +19,8 @@ from typing import Any
 import nbformat
 import psutil
 
-PROJECT = Path(__file__).resolve().parents[2]
+from tests.paths import PROJECT
+
 LAPTOP = {"width": 1366, "height": 768}
 CHROMIUM_OPTIONS = [
     "--disable-gpu",

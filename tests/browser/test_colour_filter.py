@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.browser.filter_page import LABEL, FilterPage
-from tests.browser.lab import PROJECT, browser_page, wait_for
+from tests.browser.lab import browser_page, wait_for
+from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")

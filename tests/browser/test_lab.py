@@ -7,7 +7,8 @@ import urllib.request
 import psutil
 import pytest
 
-from tests.browser.lab import PROJECT, browser_page, jupyter_lab, wait_for
+from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")

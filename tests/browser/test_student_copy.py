@@ -4,8 +4,10 @@ import shutil
 
 import pytest
 
-from nao_course.grading import building, lessons
-from tests.browser.lab import PROJECT, browser_page, jupyter_lab, wait_for
+from nao_course.instructor.authoring import build as building
+from nao_course.instructor.authoring import lesson_text as lessons
+from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")

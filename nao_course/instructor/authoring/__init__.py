@@ -1,0 +1,1 @@
+"""Writing a course: lesson texts and plans into notebooks, their checks, mutants and releases."""

@@ -1,0 +1,120 @@
+"""The course as its course.toml describes it: which lessons there are, and what their exercises are worth."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from nao_course.exercises.exercise import LessonPlan
+from nao_course.instructor.authoring.plans import load_plan
+
+NUMBERED = "[0-9][0-9]_*"
+
+
+class LessonError(ValueError):
+    """A lesson that cannot be built; its message says where, one line for each thing that is wrong."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """A checkout of the course, as its course.toml describes it.
+
+    Parameters
+    ----------
+    root : Path
+        The folder of course.toml.
+    title, version : str
+        What releases are called and stamped with.
+    chosen : tuple of str
+        Numbers of the lessons that are released; all where there are none.
+    points : mapping of str to float
+        Points by the exercise's name, where they are not those of its declaration.
+    """
+
+    root: Path
+    title: str
+    version: str
+    chosen: tuple[str, ...] = ()
+    points: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def solutions(self) -> Path:
+        """The folder of the lessons' texts."""
+        return self.root / "solutions"
+
+    def names(self, wanted: Sequence[str] = ()) -> list[str]:
+        """Return the names of lessons, given by number or name; of all by default.
+
+        Raises
+        ------
+        LessonError
+            If there is no such lesson.
+        """
+        there = sorted(path.stem for path in self.solutions.glob(f"{NUMBERED}.md"))
+        missing = [each for each in wanted if not any(_means(each, name) for name in there)]
+        if missing:
+            raise LessonError(
+                f"there is no lesson {', '.join(map(_shown, missing))} in {self.solutions.name}/; {there}"
+            )
+        return [name for name in there if not wanted or any(_means(each, name) for each in wanted)]
+
+    def text(self, name: str) -> Path:
+        """The file of a lesson's text."""
+        return self.solutions / f"{name}.md"
+
+    def plan(self, name: str) -> LessonPlan:
+        """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises."""
+        path = self.solutions / "exercises" / f"{name}.py"
+        plan = load_plan(path) if path.exists() else LessonPlan(())
+        return replace(
+            plan,
+            exercises=[
+                replace(each, points=self.points.get(each.name, each.points)) for each in plan.exercises
+            ],
+            written=[replace(each, points=self.points.get(each.name, each.points)) for each in plan.written],
+        )
+
+
+def _shown(name: str) -> str:
+    """A word of a command, where somebody may have typed anything."""
+    return name if name.isprintable() and len(name) <= 80 else repr(name[:80])
+
+
+def _means(wanted: str, name: str) -> bool:
+    return wanted == name or wanted.zfill(2) == name.split("_")[0]
+
+
+def load_course(folder: Path | None = None) -> Course:
+    """Read the course.toml of a folder or of the nearest one above it.
+
+    Raises
+    ------
+    LessonError
+        If there is none, or it is not understood.
+    """
+    start = (folder or Path.cwd()).resolve()
+    for root in (start, *start.parents):
+        if (root / "course.toml").is_file():
+            break
+    else:
+        raise LessonError(
+            "no course.toml in this folder or above: this command is for a checkout of the course"
+        )
+    try:
+        table = tomllib.loads((root / "course.toml").read_text(encoding="utf-8"))
+        course = Course(
+            root,
+            table.pop("title"),
+            table.pop("version"),
+            tuple(table.pop("lessons", ())),
+            dict(table.pop("points", {})),
+        )
+    except (tomllib.TOMLDecodeError, KeyError, TypeError) as error:
+        raise LessonError(f"course.toml: {type(error).__name__}: {error}") from None
+    if table:
+        raise LessonError(
+            f"course.toml: {sorted(table)} is not understood; there are title, version, lessons, points"
+        )
+    return course

@@ -1,0 +1,368 @@
+"""A lesson's text and its notebook: one is made from the other, and nothing is lost on the way."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import nbformat
+from IPython.core.inputtransformer2 import TransformerManager
+from nbformat import NotebookNode
+
+from nao_course.instructor.authoring.course import LessonError as LessonError
+
+HEADER = """---
+jupytext:
+  text_representation:
+    extension: .md
+    format_name: myst
+kernelspec:
+  display_name: Python 3
+  language: python
+  name: python3
+---
+"""
+KERNEL = {
+    "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+    "language_info": {"name": "python"},
+}
+BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
+ROLES = ("setup", "display")
+OPTIONS = ("exercise", "check", "role")  # a code cell of the text has exactly one of them
+WRITTEN = "written"  # the option of a text cell that holds the answer to a written question
+# What JupyterLab and its extensions write into a cell's metadata of their own accord.
+_VOLATILE = {
+    "collapsed",
+    "deletable",
+    "editable",
+    "execution",
+    "ExecuteTime",
+    "jupyter",
+    "scrolled",
+    "trusted",
+}
+
+
+# --- text -> notebook ---
+
+
+def read_lesson(path: Path, text: str | None = None) -> NotebookNode:
+    """Make a lesson's notebook from its text: with its solutions, without outputs.
+
+    Parameters
+    ----------
+    path : Path
+        Such as solutions/01_hsl_filtering.md.
+    text : str, optional
+        The text, where it is not the file's.
+
+    Returns
+    -------
+    NotebookNode
+        The options of its cells as nbgrader's metadata; cell ids made from lesson and grade_id or ordinal.
+
+    Raises
+    ------
+    LessonError
+        If a code cell's options are not understood, or the header holds more than this course's does.
+    """
+    notebook = jupytext.reads(path.read_text(encoding="utf-8") if text is None else text, fmt="md:myst")
+    problems = [
+        f"{path.name}: the header's {key!r} would be lost in the notebook; take it out"
+        for key in notebook.metadata.keys() - {"jupytext", "kernelspec"}
+    ]
+    for ordinal, cell in enumerate(notebook.cells):
+        if WRITTEN in cell.metadata and cell.cell_type == "markdown":
+            cell["metadata"] = _with_marking(dict(cell.metadata))
+        elif cell.cell_type == "code":
+            cell["outputs"], cell["execution_count"] = [], None
+            try:
+                cell["metadata"] = _with_grading(dict(cell.metadata))
+            except LessonError as error:
+                problems.append(f"{place(path.name, notebook, ordinal)}: {error}")
+        cell["id"] = f"lesson{path.stem[:2]}-{grade_id(cell) or f'{ordinal:03d}'}"
+    if problems:
+        raise LessonError("\n".join(problems))
+    notebook.metadata = nbformat.from_dict(KERNEL | {"nao_course": {"lesson": path.stem}})
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    return notebook
+
+
+def _with_grading(options: dict[str, Any]) -> NotebookNode:
+    """Turn a code cell's options in the text into a notebook's metadata; points are the plan's."""
+    given = [name for name in OPTIONS if name in options]
+    if len(given) != 1:
+        raise LessonError(
+            f"a code cell needs one of :exercise: NAME, :check: NAME, :role: setup and :role: display; "
+            f"it has {given or 'none'}"
+        )
+    option = given[0]
+    value = str(options.pop(option))
+    metadata: dict[str, Any] = {"nao_course": {"role": value if option == "role" else option}, **options}
+    if option == "exercise":
+        metadata["nbgrader"] = _nbgrader(value, solution=True)
+    elif option == "check":
+        metadata["nbgrader"] = _nbgrader(f"check_{value}", grade=True, locked=True) | {"points": 0.0}
+    elif value == "setup":
+        metadata["nbgrader"] = _nbgrader("setup", locked=True)
+    elif value not in ROLES:
+        raise LessonError(f"there is no role {value!r}; there are {' and '.join(ROLES)}")
+    return nbformat.from_dict(metadata)
+
+
+def _with_marking(options: dict[str, Any]) -> NotebookNode:
+    """Turn the option of a written answer's text cell into a notebook's metadata."""
+    name = str(options.pop(WRITTEN))
+    grading = _nbgrader(name, grade=True, solution=True) | {"points": 0.0}
+    return nbformat.from_dict({"nao_course": {"role": WRITTEN}, "nbgrader": grading, **options})
+
+
+def _nbgrader(
+    name: str, *, grade: bool = False, solution: bool = False, locked: bool = False
+) -> dict[str, Any]:
+    """Metadata of nbgrader's schema 3; one key more inside it would be an error there."""
+    return {
+        "schema_version": 3,
+        "grade_id": name,
+        "grade": grade,
+        "solution": solution,
+        "locked": locked,
+        "task": False,
+    }
+
+
+# --- what cells are ---
+
+
+def grade_id(cell: NotebookNode) -> str:
+    """Return a cell's name for nbgrader, or nothing."""
+    return str(cell.metadata.get("nbgrader", {}).get("grade_id", ""))
+
+
+def role(cell: NotebookNode) -> str:
+    """Return exercise, check, setup or display of a code cell, written of an answer; of any other, nothing."""
+    return str(cell.metadata.get("nao_course", {}).get("role", ""))
+
+
+def exercise_name(cell: NotebookNode) -> str:
+    """Return the exercise that an exercise's or check's cell is about."""
+    return grade_id(cell).removeprefix("check_") if role(cell) == "check" else grade_id(cell)
+
+
+def code_cells(notebook: NotebookNode, *roles: str) -> list[tuple[int, NotebookNode]]:
+    """Return the code cells of some roles, each with its place among all cells."""
+    return [
+        (ordinal, cell)
+        for ordinal, cell in enumerate(notebook.cells)
+        if cell.cell_type == "code" and (not roles or role(cell) in roles)
+    ]
+
+
+def written_cells(notebook: NotebookNode) -> list[tuple[int, NotebookNode]]:
+    """Return the text cells of written answers, each with its place among all cells."""
+    return [(ordinal, cell) for ordinal, cell in enumerate(notebook.cells) if role(cell) == WRITTEN]
+
+
+def python(cell: NotebookNode) -> str:
+    """Return a code cell's source with IPython's own lines turned into Python."""
+    return str(TransformerManager().transform_cell(cell.source))
+
+
+def solution_lines(cell: NotebookNode) -> set[int]:
+    """Return the numbers of the lines between the marks of a cell's solution, from 1."""
+    lines: set[int] = set()
+    within = False
+    for number, line in enumerate(cell.source.splitlines(), start=1):
+        mark = line.strip()
+        if within and mark != END:
+            lines.add(number)
+        within = mark == BEGIN or (within and mark != END)
+    return lines
+
+
+def place(file: str, notebook: NotebookNode, ordinal: int) -> str:
+    """Name a cell for someone who looks for it: the file, the cell's number from 1, its first line."""
+    lines = notebook.cells[ordinal].source.strip().splitlines()
+    return f"{file}, cell {ordinal + 1} ({lines[0][:50]!r})" if lines else f"{file}, cell {ordinal + 1}"
+
+
+# --- what may not be wrong with a lesson ---
+
+
+def lesson_problems(
+    notebook: NotebookNode, declared: Collection[str], written: Collection[str] = ()
+) -> Iterator[str]:
+    """Say what is wrong with a lesson, where in it, and what to do.
+
+    Parameters
+    ----------
+    notebook : NotebookNode
+        From `read_lesson`.
+    declared : collection of str
+        Names of the exercises that the lesson's plan declares.
+    written : collection of str
+        Names of its written questions.
+
+    Yields
+    ------
+    str
+        One thing that is wrong.
+    """
+    name = notebook.metadata.nao_course.lesson
+    file = f"{name}.md"
+    for ordinal, cell in code_cells(notebook):
+        try:
+            tree = ast.parse(python(cell))
+        except SyntaxError as error:
+            yield f"{place(file, notebook, ordinal)}: line {error.lineno} is not Python: {error.msg}"
+            continue
+        yield from (
+            f"{place(file, notebook, ordinal)}: {problem}" for problem in _cell_problems(cell, tree, declared)
+        )
+    setups = code_cells(notebook, "setup")
+    if len(setups) != 1:
+        yield f"{file}: one cell with :role: setup is wanted, there are {len(setups)}"
+    elif f'lesson("{name}")' not in setups[0][1].source:
+        ordinal = setups[0][0]
+        yield f'{place(file, notebook, ordinal)}: the set-up says check, hint = lesson("{name}")'
+    exercises = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "exercise"))
+    checks = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "check"))
+    for what, names in (("exercise", exercises), ("check", checks)):
+        for each, count in names.items():
+            if count > 1:
+                yield f"{file}: {count} cells say :{what}: {each}; a name stands for one"
+    for each in declared:
+        if not exercises[each]:
+            yield f"{file}: exercise {each} is declared but no cell says :exercise: {each}"
+        if not checks[each]:
+            yield f"{file}: exercise {each} is declared but no cell says :check: {each}"
+    answered = [grade_id(cell) for _, cell in written_cells(notebook)]
+    if sorted(answered) != sorted(written):
+        yield f'{file}: text cells begin with +++ {{"written": NAME}} for {answered}; the plan declares {list(written)}'
+
+
+def _cell_problems(cell: NotebookNode, tree: ast.Module, declared: Collection[str]) -> Iterator[str]:
+    what, name = role(cell), exercise_name(cell)
+    if what in ("exercise", "check") and name not in declared:
+        yield f"{what} {name} is not declared in solutions/exercises; there are {sorted(declared)}"
+    if what == "check" and cell.source != f'check("{name}", {name})':
+        yield f'the cell of a check is exactly: check("{name}", {name})'
+    marks = [line.strip() for line in cell.source.splitlines() if line.strip() in (BEGIN, END)]
+    if marks != [BEGIN, END] * (len(marks) // 2):
+        yield f"{BEGIN} and {END} take turns, each alone in its line"
+    elif marks and what != "exercise":
+        yield "a solution stands outside an exercise: say :exercise: NAME"
+    elif what == "exercise":
+        if not marks:
+            yield f"an exercise needs its solution between {BEGIN} and {END}"
+        if name not in {getattr(statement, "name", "") for statement in tree.body}:
+            yield f"exercise {name} defines no function or class of that name"
+
+
+# --- notebook -> text ---
+
+
+def write_lesson(notebook: NotebookNode) -> str:
+    """Turn a lesson's notebook, as it was edited in JupyterLab, back into text.
+
+    Parameters
+    ----------
+    notebook : NotebookNode
+        A solution notebook; its outputs do not matter.
+
+    Returns
+    -------
+    str
+        MyST text from which `read_lesson` makes the same cells.
+
+    Raises
+    ------
+    LessonError
+        If a cell holds something that text cannot: attachments, metadata of nbgrader's that the course has no word for,
+        lines that MyST would read as something else.
+    """
+    file = f"{notebook.metadata.get('nao_course', {}).get('lesson', 'lesson')}.ipynb"
+    plain = nbformat.v4.new_notebook(metadata=KERNEL | {"jupytext": {"default_lexer": "ipython3"}})
+    for ordinal, cell in enumerate(notebook.cells):
+        if not cell.source.strip():  # JupyterLab leaves an empty one at the end
+            continue
+        if cell.get("attachments"):
+            raise LessonError(
+                f"{place(file, notebook, ordinal)}: a picture was pasted into the cell, which text cannot hold; "
+                "save it as solutions/images/NAME.png and write ![what it shows](images/NAME.png)"
+            )
+        copy = {"cell_type": cell.cell_type, "source": cell.source.strip("\n"), "id": f"cell-{ordinal}"}
+        if cell.cell_type == "code":
+            copy |= {"outputs": [], "execution_count": None}
+        try:
+            options = _options(cell)
+        except LessonError as error:
+            raise LessonError(f"{place(file, notebook, ordinal)}: {error}") from None
+        plain.cells.append(nbformat.from_dict(copy | {"metadata": options}))
+    body = jupytext.writes(plain, fmt="md:myst").split("---\n", 2)[2]
+    again = jupytext.reads(HEADER + body, fmt="md:myst")
+    for ordinal, cell in enumerate(plain.cells):
+        back = again.cells[ordinal] if ordinal < len(again.cells) else None
+        if back is None or any(cell[key] != back[key] for key in ("cell_type", "source", "metadata")):
+            raise LessonError(
+                f"{place(file, plain, ordinal)}: MyST would read it as another cell; a line of only '+++' or '%%', "
+                "an empty text cell or blanks at a line's end may be the reason"
+            )
+    if len(again.cells) != len(plain.cells):
+        raise LessonError(f"{file}: MyST would read {len(again.cells)} cells, it has {len(plain.cells)}")
+    return HEADER + body
+
+
+def _options(cell: NotebookNode) -> dict[str, Any]:
+    """Turn a notebook cell's metadata into options of the text; a new code cell is a demonstration."""
+    kept = {key: value for key, value in cell.metadata.items() if key not in _VOLATILE}
+    grading, course = kept.pop("nbgrader", {}), kept.pop("nao_course", {})
+    if cell.cell_type != "code":
+        if grading.get("grade") and grading.get("solution"):
+            return {WRITTEN: grading["grade_id"], **kept}
+        if grading.get("grade") or grading.get("solution") or grading.get("task"):
+            raise LessonError("a graded text cell is a written answer: nbgrader's manually graded answer")
+        return kept
+    if any(name in kept for name in OPTIONS):  # written into the cell's metadata by hand
+        return kept
+    if grading.get("solution") and (grading.get("grade") or grading.get("task")):
+        raise LessonError("a cell is an exercise or a check, not both")
+    if grading.get("solution"):
+        return {"exercise": grading["grade_id"], **kept}
+    if grading.get("grade"):
+        return {"check": grading["grade_id"].removeprefix("check_"), **kept}
+    return {"role": course.get("role", "setup" if grading.get("locked") else "display"), **kept}
+
+
+# --- has one of the two been edited? ---
+
+
+def fingerprint(notebook: NotebookNode) -> str:
+    """Hash what an author edits of a notebook: its cells' text and options, not their outputs."""
+    cells = [
+        [
+            cell.cell_type,
+            cell.source,
+            {key: value for key, value in cell.metadata.items() if key not in _VOLATILE},
+            cell.get("attachments", {}),
+        ]
+        for cell in notebook.cells
+    ]
+    return hashlib.sha256(json.dumps(cells, sort_keys=True).encode()).hexdigest()
+
+
+def text_hash(text: str) -> str:
+    """Hash a lesson's text."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def set_points(notebook: NotebookNode, points: Mapping[str, float]) -> None:
+    """Write what each exercise and written answer is worth into its cell."""
+    for _, cell in [*code_cells(notebook, "check"), *written_cells(notebook)]:
+        cell.metadata.nbgrader["points"] = float(points[exercise_name(cell)])

@@ -1,0 +1,406 @@
+"""Tests of the tests: a lesson's solution is changed a little, many times; each change should lose points.
+
+cosmic-ray's operators change operators, numbers and conditions. The others here are what it has not, and what goes
+wrong in formulas and arrays: a forgotten term, a lost minus, swapped arguments, the wrong axis.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import difflib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.operators.provider import OperatorProvider
+from rich.console import Console
+from rich.progress import track
+from rich.syntax import Syntax
+from rich.table import Table
+
+from nao_course.exercises.definitions import read_cells
+from nao_course.exercises.exercise import Case, Exercise
+from nao_course.instructor.authoring.plans import (
+    SEEDS,
+    SOLUTIONS,
+    hidden_cases,
+    lesson_name,
+    load_plan,
+    reference,
+    solution_notebook,
+    with_answers,
+)
+from nao_course.instructor.sandbox.worker import Worker
+
+MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
+SECONDS = 3.0  # that a mutant may take for one case; after that it counts as caught
+_NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
+_TWINS = [
+    *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
+    *(("sin", "cos"), ("arctan2", "hypot"), ("sum", "mean"), ("zeros", "ones"), ("hstack", "vstack")),
+    *(("vstack", "hstack"), ("logical_and", "logical_or"), ("append", "extend"), ("mean", "median")),
+]
+_TWIN = {one: other for pair in _TWINS for one, other in (pair, pair[::-1])}
+_SWAP_FREELY = ast.Add | ast.Mult | ast.BitAnd | ast.BitOr | ast.BitXor
+_DROPPED = (
+    ast.Assign
+    | ast.AugAssign
+    | ast.Expr
+    | ast.Return
+    | ast.If
+    | ast.For
+    | ast.While
+    | ast.Continue
+    | ast.Break
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A changed solution of an exercise.
+
+    Parameters
+    ----------
+    exercise : str
+        Whose.
+    operator : str
+        What was changed.
+    original, source : str
+        Before and after, without docstring and annotations.
+    """
+
+    exercise: str
+    operator: str
+    original: str
+    source: str
+
+    @property
+    def lines(self) -> frozenset[str]:
+        """The lines that the original does not have, without indents."""
+        before = {line.strip() for line in self.original.splitlines()}
+        return frozenset(line.strip() for line in self.source.splitlines()) - before
+
+    @property
+    def diff(self) -> str:
+        """What was changed, as a unified diff."""
+        before, after = self.original.splitlines(), self.source.splitlines()
+        name = f"{self.exercise} ({self.operator})"
+        return "\n".join(difflib.unified_diff(before, after, name, name, lineterm="", n=2))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of a mutant.
+
+    Parameters
+    ----------
+    mutant : Mutant
+        Which.
+    hidden, public : bool
+        Whether the hidden cases and the public checks tell it from the solution.
+    reason : str
+        Why it is right, where the declaration says so and no hidden case speaks against it.
+    """
+
+    mutant: Mutant
+    hidden: bool
+    public: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class MutationReport:
+    """What a lesson's tests notice.
+
+    Parameters
+    ----------
+    lesson : str
+        Its name.
+    trials : tuple of Trial
+        One for each mutant.
+    """
+
+    lesson: str
+    trials: tuple[Trial, ...]
+
+    @property
+    def survivors(self) -> list[Mutant]:
+        """Mutants that lose no points though nobody has said that they are right."""
+        return [trial.mutant for trial in self.trials if not trial.hidden and not trial.reason]
+
+    @property
+    def equivalents(self) -> list[Trial]:
+        """Mutants that are right, each with its reason."""
+        return [trial for trial in self.trials if trial.reason]
+
+    def caught(self, exercise: str | None = None) -> tuple[int, int, int]:
+        """How many wrong mutants the hidden cases catch, how many the public checks, and of how many."""
+        trials = [
+            trial for trial in self.trials if not trial.reason and exercise in (None, trial.mutant.exercise)
+        ]
+        return sum(trial.hidden for trial in trials), sum(trial.public for trial in trials), len(trials)
+
+
+def mutate(
+    lesson: str, jobs: int = 2, solutions: Path = SOLUTIONS, seeds: Sequence[int] = SEEDS
+) -> MutationReport:
+    """Run the mutants of a lesson's solution against its tests.
+
+    Parameters
+    ----------
+    lesson : str
+        Number or name.
+    jobs : int
+        Processes at a time.
+    solutions : Path
+        Folder of the lessons.
+    seeds : sequence of int
+        Of the hidden cases.
+
+    Returns
+    -------
+    MutationReport
+        What was caught, and what was not.
+    """
+    name = lesson_name(lesson, solutions)
+    plan, functions = load_plan(solutions / "exercises" / f"{name}.py"), reference(name, solutions)
+    notebook = solution_notebook(name, solutions)
+    sources = _sources(notebook, [exercise.name for exercise in plan.exercises])
+    tests = {exercise.name: _tests(exercise, functions[exercise.name], seeds) for exercise in plan.exercises}
+    more = {
+        each.name: _tests(each, functions[each.name], MORE_SEEDS)[0]
+        for each in plan.exercises
+        if each.equivalents
+    }
+    mutants = [mutant for each in plan.exercises for mutant in make_mutants(each.name, sources[each.name])]
+    with ExitStack() as stack:
+        free: SimpleQueue[Worker] = SimpleQueue()
+        for _ in range(jobs):
+            free.put(stack.enter_context(Worker(notebook, seconds=SECONDS)))
+
+        def trial(mutant: Mutant) -> Trial:
+            worker = free.get()
+            try:
+                worker.overrides = {mutant.exercise: mutant.source}
+                exercise, hidden, public = plan[mutant.exercise], *tests[mutant.exercise]
+                caught = _fails(worker, exercise, hidden)
+                reason = "; ".join(
+                    text for line, text in exercise.equivalents.items() if line in mutant.lines
+                )
+                if reason and not caught:
+                    caught = _fails(worker, exercise, more[mutant.exercise])
+                return Trial(mutant, caught, _fails(worker, exercise, public), "" if caught else reason)
+            finally:
+                free.put(worker)
+
+        pool = stack.enter_context(ThreadPoolExecutor(jobs))
+        running = pool.map(trial, mutants)
+        return MutationReport(name, tuple(track(running, f"mutants of {name}", len(mutants), transient=True)))
+
+
+def show(report: MutationReport, console: Console | None = None) -> None:
+    """Print a report: the survivors' diffs, then how many were caught in each exercise."""
+    console = console or Console()
+    for mutant in report.survivors:
+        console.print(Syntax(mutant.diff, "diff", background_color="default", word_wrap=True))
+    for trial in report.equivalents:
+        console.print(f"{trial.mutant.exercise}: {', '.join(sorted(trial.mutant.lines))}", markup=False)
+        console.print(f"    is right: {trial.reason}", markup=False)
+    columns = (
+        "exercise",
+        "mutants",
+        "right ones",
+        "of the others: caught by hidden cases",
+        "by public checks",
+    )
+    table = Table(*columns, title=report.lesson)
+    for name in [*dict.fromkeys(trial.mutant.exercise for trial in report.trials), None]:
+        hidden, public, total = report.caught(name)
+        right = sum(name in (None, trial.mutant.exercise) for trial in report.equivalents)
+        table.add_row(
+            name or "all", str(total + right), str(right), _share(hidden, total), _share(public, total)
+        )
+    console.print(table)
+
+
+def main(lesson: str, jobs: int = 2) -> int:
+    """Run `nao-course mutate`; return its exit status."""
+    show(mutate(lesson, jobs))
+    return 0
+
+
+def _share(caught: int, total: int) -> str:
+    return f"{caught} ({caught / max(total, 1):.0%})"
+
+
+def _tests(
+    exercise: Exercise, function: Callable[..., Any], seeds: Sequence[int]
+) -> tuple[list[Case], list[Case]]:
+    """Hidden cases of several seeds, and public ones."""
+    hidden = [case for seed in seeds for case in hidden_cases(exercise, function, seed)]
+    return hidden, with_answers(exercise, exercise.public(), function)
+
+
+def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
+    """Whether a case tells what the worker has from the solution."""
+    for case in cases:
+        outcome = worker.call(exercise.name, case, exercise.driver)
+        if outcome.came != "value" or not exercise.comparison.compare(case.expected, outcome.value):
+            return True
+        if outcome.changed and exercise.in_place:
+            return True
+    return False
+
+
+# --- making them ---
+
+
+def make_mutants(exercise: str, source: str) -> list[Mutant]:
+    """Make all mutants of a function or class, each once.
+
+    Parameters
+    ----------
+    exercise : str
+        Its name.
+    source : str
+        Its definition.
+
+    Returns
+    -------
+    list of Mutant
+        No two alike, and none the same as the original.
+    """
+    tree = _bare(ast.parse(source))
+    original = ast.unparse(tree)
+    seen = {original}
+    mutants = []
+    for operator, changed in [*_by_cosmic_ray(original), *_by_us(tree)]:
+        try:
+            plain = ast.unparse(ast.parse(changed))
+        except SyntaxError:
+            continue
+        if plain not in seen:
+            seen.add(plain)
+            mutants.append(Mutant(exercise, operator, original, plain))
+    return mutants
+
+
+def _sources(notebook: Path, names: Iterable[str]) -> Mapping[str, str]:
+    """Source of the functions and classes of these names that a notebook defines last."""
+    sources = dict.fromkeys(names, "")
+    for role, text in read_cells(notebook):
+        for node in ast.parse(text).body if role in ("solution", "student") else ():
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name in sources:
+                sources[node.name] = ast.unparse(node)
+    return sources
+
+
+def _bare(tree: ast.Module) -> ast.Module:
+    """The tree without docstrings and annotations: no test looks at them."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
+            node.body = node.body[1:] or [ast.Pass()]
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+        if isinstance(node, ast.arg):
+            node.annotation = None
+    return tree
+
+
+def _by_cosmic_ray(source: str) -> Iterator[tuple[str, str]]:
+    operators = OperatorProvider()
+    for name in operators:
+        if name in _NEED_ARGUMENTS:
+            continue
+        for occurrence in count():
+            changed = mutate_code(source, operators[name](), occurrence)
+            if changed is None:
+                break
+            yield name, changed
+
+
+def _by_us(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    for place, node in enumerate(ast.walk(tree)):
+        for number, (operator, _) in enumerate(_variants(node)):
+            changed = copy.deepcopy(tree)
+            there = list(ast.walk(changed))[place]
+            replacement = list(_variants(there))[number][1]
+            yield operator, ast.unparse(ast.fix_missing_locations(_Put(there, replacement).visit(changed)))
+
+
+class _Put(ast.NodeTransformer):
+    """Put a node in the place of another."""
+
+    def __init__(self, old: ast.AST, new: ast.AST) -> None:
+        self.old, self.new = old, new
+
+    def visit(self, node: ast.AST) -> Any:
+        return self.new if node is self.old else self.generic_visit(node)
+
+
+def _variants(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    """What may be put in a node's place."""
+    match node:
+        case ast.BinOp(left, operator, right):
+            yield "first term alone", left
+            yield "second term alone", right
+            if not isinstance(operator, _SWAP_FREELY):
+                yield "terms swapped", ast.BinOp(right, operator, left)
+        case ast.BoolOp(_, values):
+            for value in values:
+                yield "one condition alone", value
+        case ast.Call(ast.Name(name) | ast.Attribute(_, name), arguments, keywords):
+            yield from _calls(node, name, arguments, keywords)
+        case ast.Subscript(value, ast.Tuple(indices), context):
+            yield "indices in reverse", ast.Subscript(value, ast.Tuple(indices[::-1], ast.Load()), context)
+        case ast.Slice(lower, upper, step):
+            yield "from the beginning", ast.Slice(None, upper, step)
+            yield "to the end", ast.Slice(lower, None, step)
+            if upper:
+                yield "one less", ast.Slice(lower, ast.BinOp(upper, ast.Sub(), ast.Constant(1)), step)
+        case ast.Attribute(value, "T"):
+            yield "not transposed", value
+        case ast.If(_, body, otherwise):
+            yield "always", ast.If(ast.Constant(True), body, otherwise)
+            yield "never", ast.If(ast.Constant(False), body, otherwise)
+        case ast.IfExp(_, body, otherwise):
+            yield "always", body
+            yield "never", otherwise
+        case ast.Tuple([first, second, *rest], ast.Load()) | ast.List([first, second, *rest], ast.Load()):
+            yield "first two swapped", type(node)([second, first, *rest], ast.Load())
+    if isinstance(node, ast.Return) and node.value:
+        yield "nothing returned", ast.Return(ast.Constant(None))
+    if isinstance(node, _DROPPED):
+        yield "statement dropped", ast.Pass()
+
+
+def _calls(
+    node: ast.Call, name: str, arguments: list[ast.expr], keywords: list[ast.keyword]
+) -> Iterator[tuple[str, ast.AST]]:
+    for argument in arguments[:2]:
+        if not isinstance(argument, ast.Starred):
+            yield "not called", argument
+    if isinstance(node.func, ast.Attribute):
+        yield "method not called", node.func.value
+    if len(arguments) >= 2:
+        yield "arguments swapped", ast.Call(node.func, [arguments[1], arguments[0], *arguments[2:]], keywords)
+    for keyword in keywords:
+        yield (
+            "argument dropped",
+            ast.Call(node.func, arguments, [each for each in keywords if each is not keyword]),
+        )
+        if keyword.arg == "axis":
+            other = ast.keyword("axis", ast.parse(f"1 - ({ast.unparse(keyword.value)})", mode="eval").body)
+            rest = [each for each in keywords if each is not keyword]
+            yield "other axis", ast.Call(node.func, arguments, [*rest, other])
+    if name in _TWIN:
+        twin = copy.copy(node.func)
+        setattr(twin, "id" if isinstance(twin, ast.Name) else "attr", _TWIN[name])
+        yield f"{_TWIN[name]} for {name}", ast.Call(twin, arguments, keywords)

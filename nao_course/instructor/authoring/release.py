@@ -1,0 +1,153 @@
+"""What a student gets: one zip, with nothing in it that only an instructor may know."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+
+from nao_course.exercises.checking import unpack
+from nao_course.homework import NOTEBOOKS, RELEASE, zipped
+from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring.build import CHECKS, Course, build
+from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
+from nao_course.instructor.authoring.lesson_text import LessonError
+
+FOLDER = (
+    "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
+)
+_AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
+_README = "docs/for_students.md"
+_KINDS = {".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
+
+
+def make_release(course: Course, out: Path) -> Path:
+    """Write the zip of a release.
+
+    Parameters
+    ----------
+    course : Course
+        Its chosen lessons must be built.
+    out : Path
+        Folder for the zip.
+
+    Returns
+    -------
+    Path
+        The zip.
+
+    Raises
+    ------
+    LessonError
+        If a lesson is not built or not finished, or a student would find part of a solution.
+    """
+    names = course.names(course.chosen)
+    unbuilt = build(course, names, execute=False).changes()
+    if unbuilt:
+        listed = ", ".join(path.as_posix() for path in unbuilt)
+        raise LessonError(f"not what the lessons' texts say: {listed}; run `nao-course build` first")
+    files = contents(course, names)
+    problems = release_problems(course, files)
+    if problems:
+        raise LessonError("\n".join(problems))
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / f"{FOLDER}-{course.version}.zip"
+    path.write_bytes(zipped({f"{FOLDER}/{name}": content for name, content in files.items()}))
+    return path
+
+
+def contents(course: Course, names: list[str]) -> dict[str, bytes]:
+    """Gather a release's files by their path in it.
+
+    Parameters
+    ----------
+    course : Course
+        The course.
+    names : list of str
+        Names of its lessons.
+    """
+    root = course.root
+    files = {name: (root / name).read_bytes() for name in _AS_THEY_ARE}
+    files["README.md"] = (root / _README).read_bytes()
+    for path in sorted((root / "nao_course").rglob("*")):
+        inside = path.relative_to(root)
+        if path.suffix in _KINDS and path.is_file() and "instructor" not in inside.parts:
+            files[inside.as_posix()] = path.read_bytes()
+    for name in names:
+        checks, notebook = CHECKS / f"{name}.bin", NOTEBOOKS / f"{name}.ipynb"
+        files[checks.as_posix()] = (root / checks).read_bytes()
+        files[(RELEASE / notebook).as_posix()] = (root / notebook).read_bytes()
+    for path in sorted((root / NOTEBOOKS / "images").glob("*")):
+        files[(RELEASE / path.relative_to(root)).as_posix()] = path.read_bytes()
+    files[(RELEASE / "release.json").as_posix()] = _stamp(course, files)
+    return files
+
+
+def _stamp(course: Course, files: Mapping[str, bytes]) -> bytes:
+    """Say which release this is: its version stands in each notebook's metadata, too."""
+    hashes = {
+        PurePosixPath(name).stem: hashlib.sha256(content).hexdigest()
+        for name, content in files.items()
+        if name.endswith(".ipynb")
+    }
+    stamp = {"title": course.title, "version": course.version, "lessons": hashes}
+    return (json.dumps(stamp, indent=1) + "\n").encode()
+
+
+# --- what may not be in it ---
+
+
+def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
+    """Say what a student should not get.
+
+    Parameters
+    ----------
+    course : Course
+        Whose solutions, hidden cases, mistakes and alternatives are secret: those of all its lessons.
+    files : mapping of str to bytes
+        A release's files.
+
+    Returns
+    -------
+    list of str
+        One line for each thing, with its place.
+    """
+    problems = [str(leak) for leak in find_leaks(files, secrets(course))]
+    answers = model_answers(course)
+    for name, content in files.items():
+        if name.endswith(".ipynb"):
+            text = content.decode()
+            problems += [f"{name} says {mark}" for mark in (lessons.BEGIN, lessons.END) if mark in text]
+            if re.search(r"\bTODO\b", text):
+                problems.append(f"{name} says TODO: it is not finished")
+            problems += [f"{name}: a written answer is in it" for answer in answers if answer in text]
+        elif name.endswith(".bin"):
+            unpack(content)  # it raises if this were anything but a lesson's data
+    return problems
+
+
+def model_answers(course: Course) -> list[str]:
+    """Return the instructor's answers to written questions, as they would stand in a notebook's file."""
+    return [
+        json.dumps(line, ensure_ascii=False)[1:-1]
+        for name in course.names()
+        for _, cell in lessons.written_cells(lessons.read_lesson(course.text(name)))
+        for line in cell.source.splitlines()
+        if len(line) > 20
+    ]
+
+
+def secrets(course: Course) -> dict[str, str]:
+    """Fingerprint all code that no student may get; by the fingerprint, what it is of."""
+    found: dict[str, str] = {}
+    for name in course.names():
+        notebook = lessons.read_lesson(course.text(name))
+        for _, cell in lessons.code_cells(notebook, "exercise"):
+            marks = fingerprints(lessons.python(cell), lessons.solution_lines(cell))
+            found |= {mark: f"the solution of {lessons.exercise_name(cell)}" for mark, _ in marks}
+    for path in sorted((course.solutions / "exercises").glob("*.py")):
+        marks = fingerprints(path.read_text(encoding="utf-8"))
+        found |= {mark: f"{path.name}, line {line}" for mark, line in marks}
+    return found

@@ -1,0 +1,230 @@
+"""The beginning of a lesson or an exercise: it builds, and says TODO where work is needed."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import nbformat
+from nbformat import NotebookNode
+
+from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring.build import Course
+from nao_course.instructor.authoring.lesson_text import LessonError
+
+# The exercise that a scaffold declares doubles a number: all its parts are there, and each is to be replaced.
+_DECLARATION = """def _{name}_public() -> list[Case]:
+    # TODO: inputs that tell every mistake from the right answer; the same at each call
+    return [Case((2.0,), "TODO what it is about"), Case((0.0,), "zero"), Case((-1.5,), "a negative number")]
+
+
+def _{name}_hidden(rng: np.random.Generator) -> list[Case]:
+    # TODO: other inputs, drawn from rng
+    return [Case((float(value),)) for value in rng.uniform(-10, 10, 6)]
+
+
+{constant} = Exercise(
+    name="{name}",
+    points=1,
+    public=_{name}_public,
+    hidden=_{name}_hidden,
+    comparison=Close(),  # TODO: Close, Exact, Points or Between
+    hints=("TODO: where to look.", "TODO: nearly how."),
+    mistakes=[  # TODO: what students write, and what helps them
+        Mistake("not doubled", lambda value: value, "TODO: what comes out is what went in."),
+        Mistake("squared", lambda value: value**2, "TODO: doubling is not squaring."),
+        Mistake("sign lost", lambda value: abs(2 * value), "TODO: a negative number stays negative."),
+    ],
+    alternatives={{  # TODO: right ways to write it that look different
+        "a sum": lambda value: value + value,
+        "a sum of two": lambda value: sum([value, value]),
+        "NumPy": lambda value: np.multiply(value, 2.0),
+    }},
+)
+
+
+"""
+_SOLVED = '''def {name}(value: float) -> float:
+    """TODO: what it does.
+
+    value: TODO unit, shape, frame.
+    Returns TODO. Example: {name}(2.0) is 4.0.
+    """
+    ### BEGIN SOLUTION
+    return 2.0 * value
+    ### END SOLUTION'''
+_IMPORTS = {  # what the declaration uses
+    "np": "import numpy as np",
+    **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise", "Mistake")},
+}
+_PLAN = '''"""Lesson {number}, {title}: its exercises, students' mistakes, other right ways to write them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake
+
+PLAN = LessonPlan(exercises=[])
+'''
+_LESSON = """
+# {title}
+
+TODO: two sentences on what will work at the end.
+
+**Before you start** you need TODO. **Time:** TODO minutes.
+**Follows** TODO: sections and equations.
+
++++
+
+## What you will be able to do
+
+TODO: three to five objectives, each naming its exercises.
+
+This cell loads the tools and the checks. `check` and `hint` belong to this lesson.
+
+```{{code-cell}} ipython3
+:role: setup
+
+import numpy as np
+
+from nao_course.exercises import lesson
+
+check, hint = lesson("{name}")
+```
+
+## What you have, and what is still missing
+
+TODO: what was built, what still breaks, and the next lesson.
+
+## References
+
+TODO: three or more, with sections.
+"""
+
+
+def add_lesson(course: Course, number: str, name: str) -> list[Path]:
+    """Begin a lesson.
+
+    Parameters
+    ----------
+    course : Course
+        Where.
+    number : str
+        Two digits that no lesson has.
+    name : str
+        Lower-case words with underscores.
+
+    Returns
+    -------
+    list of Path
+        The text and the declaration.
+
+    Raises
+    ------
+    LessonError
+        If number or name cannot be used.
+    """
+    if not re.fullmatch(r"\d\d", number) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise LessonError(
+            f"a lesson is two digits and a name such as 'ekf_derivations', got {number!r} {name!r}"
+        )
+    taken = [each for each in course.names() if each.startswith(number)]
+    if taken:
+        raise LessonError(f"lesson {number} is there already: {taken[0]}")
+    title = name.replace("_", " ").capitalize()
+    stem = f"{number}_{name}"
+    text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
+    text.write_text(lessons.HEADER + _LESSON.format(title=title, name=stem), encoding="utf-8")
+    plan.write_text(_PLAN.format(number=number, title=title), encoding="utf-8")
+    return [text, plan]
+
+
+def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
+    """Add an exercise to a lesson: its declaration as the last, and its cells behind the last check.
+
+    Parameters
+    ----------
+    course : Course
+        Where.
+    lesson : str
+        Number or name.
+    name : str
+        Of the function; unique in the course.
+
+    Returns
+    -------
+    list of Path
+        The two files that changed.
+
+    Raises
+    ------
+    LessonError
+        If the name cannot be used, or the declaration has no list to add it to.
+    """
+    (stem,) = course.names([lesson])
+    if not name.isidentifier() or name != name.lower():
+        raise LessonError(f"an exercise is named like a function, such as 'hue_mask', got {name!r}")
+    for other in course.names():
+        if name in {each.name for each in course.plan(other).exercises}:
+            raise LessonError(
+                f"lesson {other} has an exercise {name} already; names are unique in the course"
+            )
+    text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
+    declared = _with_declaration(plan, name)
+    notebook = lessons.read_lesson(text)
+    number = len(course.plan(stem).exercises) + 1
+    checks = lessons.code_cells(notebook, "check") or lessons.code_cells(notebook, "setup")
+    place = checks[-1][0] + 1
+    notebook.cells[place:place] = _cells(f"{int(stem[:2])}.{number}", name)
+    text.write_text(lessons.write_lesson(notebook), encoding="utf-8")
+    plan.write_text(declared, encoding="utf-8")
+    return [text, plan]
+
+
+def _cells(number: str, name: str) -> list[NotebookNode]:
+    title = f"### Exercise {number} (one star)\n\nTODO: what `{name}` is for, and a worked example."
+    return [
+        nbformat.v4.new_markdown_cell(title),
+        nbformat.v4.new_code_cell(_SOLVED.format(name=name), metadata={"exercise": name}),
+        nbformat.v4.new_code_cell(f'check("{name}", {name})', metadata={"check": name}),
+    ]
+
+
+def _with_declaration(plan: Path, name: str) -> str:
+    """Write a new exercise before PLAN, its name at the end of PLAN's list, and what it imports."""
+    source = plan.read_text(encoding="utf-8")
+    tree = ast.parse(source)
+    for statement in tree.body:
+        if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "PLAN":
+            break
+    else:
+        raise LessonError(f"{plan.name}: it gives nothing the name PLAN")
+    lists = [
+        keyword.value
+        for keyword in getattr(statement.value, "keywords", ())
+        if keyword.arg == "exercises" and isinstance(keyword.value, ast.List)
+    ]
+    if not lists:
+        raise LessonError(
+            f"{plan.name}: PLAN = LessonPlan(exercises=[...]) is wanted, to add {name} to the list"
+        )
+    constant = name.upper()
+    entries = lists[0].elts
+    lines = source.splitlines(keepends=True)
+    if entries:
+        row, column = entries[-1].end_lineno, entries[-1].end_col_offset
+        added = f", {constant}"
+    else:
+        row, column = lists[0].lineno, lists[0].col_offset + 1
+        added = constant
+    assert row is not None and column is not None  # ast.parse knows where everything ends
+    line = lines[row - 1].encode()  # ast counts bytes
+    lines[row - 1] = (line[:column] + added.encode() + line[column:]).decode()
+    lines.insert(statement.lineno - 1, _DECLARATION.format(name=name, constant=constant))
+    imports = [each for each in tree.body if isinstance(each, ast.Import | ast.ImportFrom)]
+    there = {alias.asname or alias.name for each in imports for alias in each.names}
+    missing = [f"{line}\n" for imported, line in _IMPORTS.items() if imported not in there]
+    lines.insert((imports[-1].end_lineno or 0) if imports else 0, "".join(missing))
+    return "".join(lines)

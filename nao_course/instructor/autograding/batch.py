@@ -1,0 +1,214 @@
+"""A run over many submissions: what is missing or has changed is graded, and each result is kept as it comes."""
+
+from __future__ import annotations
+
+import platform
+import threading
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from functools import partial
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nao_course.instructor.autograding.grader import (
+    Assignment,
+    GraderError,
+    Stopped,
+    Turns,
+    grade,
+    submission_hash,
+)
+from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.gradebook.journal import Journal, Mark, Override
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.gradebook.scores import each_score
+
+if TYPE_CHECKING:
+    from nao_course.instructor.sandbox.warm_server import WarmServer
+
+Grade = Callable[[Submission, Assignment], SubmissionResult]
+Outcome = SubmissionResult | GraderError
+_VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
+
+
+@dataclass
+class Summary:
+    """What a run came to.
+
+    Parameters
+    ----------
+    graded, unchanged : int
+        Submissions that got a score now, and those that had one already or were refused already.
+    refused : list of SubmissionResult
+        Those that got a reason instead, now.
+    failed : list of str
+        Submissions that have neither: the grader itself failed.
+    attempts : list of str
+        What the sandbox saw students' code try.
+    """
+
+    graded: int = 0
+    unchanged: int = 0
+    refused: list[SubmissionResult] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+    attempts: list[str] = field(default_factory=list)
+
+
+def grade_all(
+    submissions: Iterable[Submission],
+    assignment_of: Callable[[str], Assignment],
+    journal: Journal,
+    *,
+    jobs: int,
+    server: WarmServer | None = None,
+    level: str = "own process",
+    publish: Callable[[SubmissionResult], object] = lambda result: None,
+    tell: Callable[[Submission], None] = lambda submission: None,
+) -> Summary:
+    """Grade what the journal does not have yet, with some threads over one server.
+
+    Parameters
+    ----------
+    submissions : iterable of Submission
+        In any order; taken one by one, so that any number fits into memory.
+    assignment_of : callable
+        Called with a lesson's name.
+    journal : Journal
+        Where each result is kept, by the calling thread.
+    jobs : int
+        How many are graded at a time.
+    server, level
+        As in `grader.grade`.
+    publish : callable
+        Called with each result before it is kept: a run that is killed between the two does both again.
+    tell : callable
+        Called with each submission that is done.
+
+    Returns
+    -------
+    Summary
+        What was done.
+    """
+    summary = Summary()
+    stop = threading.Event()
+    versions = installed()
+
+    def missing() -> Iterator[tuple[Submission, Assignment]]:
+        for each in submissions:
+            assignment = assignment_of(each.lesson)
+            if journal.missing(each.student, each.lesson, submission_hash(each), assignment.hash):
+                yield each, assignment
+            else:
+                summary.unchanged += 1
+                tell(each)
+
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, turns=Turns())
+    executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
+    try:
+        for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
+            if isinstance(outcome, GraderError):
+                summary.failed.append(str(outcome))
+            else:
+                publish(outcome)
+                journal.keep(outcome, versions)
+                summary.attempts += [
+                    f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
+                ]
+                if outcome.status == "refused":
+                    summary.refused.append(outcome)
+                else:
+                    summary.graded += 1
+            tell(submission)
+    finally:
+        stop.set()
+        executor.shutdown(cancel_futures=True)
+    return summary
+
+
+def as_they_come(
+    work: Iterable[tuple[Submission, Assignment]], task: Grade, executor: Executor, most: int
+) -> Iterator[tuple[Submission, Outcome]]:
+    """Have an executor grade submissions, at most some at a time, and yield each as soon as it is done.
+
+    Parameters
+    ----------
+    work : iterable of (Submission, Assignment)
+        Taken from only as results come.
+    task : callable
+        Grades one.
+    executor : concurrent.futures.Executor
+        Threads, processes or a cluster.
+    most : int
+        How many may wait or run.
+
+    Yields
+    ------
+    submission : Submission
+        Which one.
+    outcome : SubmissionResult or GraderError
+        What came of it.
+    """
+    waiting: dict[Future[SubmissionResult], Submission] = {}
+    rest = iter(work)
+    more = True
+    while more or waiting:
+        while more and len(waiting) < most:
+            item = next(rest, None)
+            if item is None:
+                more = False
+            else:
+                waiting[executor.submit(task, *item)] = item[0]
+        if waiting:
+            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield waiting.pop(future), _outcome(future)
+
+
+def _outcome(future: Future[SubmissionResult]) -> Outcome:
+    error = future.exception()
+    if isinstance(error, GraderError):
+        return error
+    if isinstance(error, Stopped):
+        return GraderError("stopped")
+    return future.result()
+
+
+def installed() -> str:
+    """Name the versions that a result was made with."""
+    found = [f"Python {platform.python_version()}"]
+    for name in _VERSIONS:
+        try:
+            found.append(f"{name} {metadata.version(name)}")
+        except metadata.PackageNotFoundError:  # OpenCV comes under several names
+            continue
+    return ", ".join(found)
+
+
+def mean_score(journal: Journal, lesson: str) -> tuple[int, float, float]:
+    """Return how many graded results of a lesson there are, their mean points so far and what it is worth."""
+    count, earned, points = 0, 0.0, 0.0
+    graded = (each for each in journal.each_result(lesson) if each.status == "graded")
+    for score in each_score(graded, journal.overrides(lesson), journal.marks(lesson)):
+        count, earned, points = count + 1, earned + score.earned, score.points
+    return count, earned / max(count, 1), points
+
+
+def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResult], Path]:
+    """Return what writes a result's feedback page, with what people changed and marked before the run."""
+    from nao_course.instructor.reports import feedback
+
+    overrides: dict[tuple[str, str], list[Override]] = defaultdict(list)
+    marks: dict[tuple[str, str], list[Mark]] = defaultdict(list)
+    for change in journal.overrides():
+        overrides[change.student, change.lesson].append(change)
+    for mark in journal.marks():
+        marks[mark.student, mark.lesson].append(mark)
+
+    def write(result: SubmissionResult) -> Path:
+        key = (result.student, result.lesson)
+        return feedback.write(result, folder, overrides.get(key, ()), marks.get(key, ()))
+
+    return write

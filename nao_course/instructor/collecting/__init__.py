@@ -1,0 +1,1 @@
+"""What students handed in: folders, archives, and the names that learning platforms give."""

@@ -1,0 +1,424 @@
+"""What students handed in: found in folders and in the zips of learning platforms, named, bounded and hashed.
+
+Understood are, each in a folder or in a zip:
+
+- ``STUDENT/01_hsl_filtering.ipynb``, also some folders deeper;
+- ``STUDENT_01_hsl_filtering.ipynb``;
+- Moodle's ``Firstname Lastname_1234567_assignsubmission_file_/01_hsl_filtering.ipynb`` and the older
+  ``Firstname Lastname_1234567_assignsubmission_file_01_hsl_filtering.ipynb``;
+- Canvas's ``lastnamefirstname_123456_7890123_01_hsl_filtering.ipynb``, with ``_LATE`` after the name, and with ``-2``
+  after the file's name where it was handed in again;
+- a zip wherever a notebook might be, such as that of ``nao-course submit``. A zip within that zip is not opened.
+
+The lesson is in the file's name, whatever a browser or Jupyter added: ``01_hsl_filtering (1).ipynb``,
+``01_hsl_filtering-Copy1.ipynb``. A student is called by the folder or what precedes the lesson, with the platform's
+number: two students may have one name. Notebooks are not opened here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import unicodedata
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.instructor.collecting.archives import (
+    LARGEST_ZIP,
+    Item,
+    Refused,
+    in_folder,
+    in_zip,
+    read_plain,
+)
+
+MOST_HELPERS, LARGEST_HELPER = 20, 2**20
+LONGEST_NAME = 100
+_MOST_NOTES = 20
+_MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
+_CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
+_COPY = r"(?:[ _-]*(?:\(\d+\)|(?:copy|kopie|v|final) ?\d*|\d{1,3}))*"
+_RESUBMITTED = re.compile(r"-(\d{1,3})$")
+_MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
+_PLAIN = re.compile(r"[a-z0-9_][a-z0-9_.-]{0,59}(?<![.])")
+_HASHED = re.compile(r".*-[0-9a-f]{16}")
+_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A student's notebook of a lesson.
+
+    Parameters
+    ----------
+    student, lesson : str
+        Whose, and of which lesson ("01_hsl_filtering").
+    path : Path
+        The notebook, or what is there instead of one.
+    helpers : tuple of (str, Path)
+        Python files that were handed in beside it, by the name they are imported by.
+    notes : tuple of str
+        For the assistant: what else there was and does not count.
+    reason : str
+        Why it is refused, where it is.
+    file : str
+        Its name as it was handed in.
+    """
+
+    student: str
+    lesson: str
+    path: Path
+    helpers: tuple[tuple[str, Path], ...] = ()
+    notes: tuple[str, ...] = ()
+    reason: str = ""
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """All that was handed in, sorted by student and lesson.
+
+    Parameters
+    ----------
+    submissions, refused : tuple of Submission
+        Those to grade; those that a reason stands against.
+    unknown : tuple of str
+        Files of which nobody can say whose or of which lesson they are, each with the reason.
+    """
+
+    submissions: tuple[Submission, ...]
+    refused: tuple[Submission, ...] = ()
+    unknown: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Files:
+    """What a submission consists of.
+
+    Parameters
+    ----------
+    notebook : bytes
+        As it was handed in.
+    helpers : mapping of str to bytes
+        By file name.
+    """
+
+    notebook: bytes
+    helpers: Mapping[str, bytes] = field(default_factory=dict)
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of all of it."""
+        digest = hashlib.sha256(hashlib.sha256(self.notebook).digest())
+        for name in sorted(self.helpers):
+            digest.update(name.encode() + b"\0" + hashlib.sha256(self.helpers[name]).digest())
+        return digest.hexdigest()
+
+
+def read(submission: Submission) -> Files:
+    """Read a submission's files, each of a bounded size and none through a link.
+
+    Raises
+    ------
+    Refused
+        If that is not possible; its text is the reason.
+    """
+    if submission.reason:
+        raise Refused(submission.reason)
+    notebook = read_plain(submission.path, MOST_BYTES)
+    if not notebook.strip():
+        raise Refused("it is empty")
+    return Files(notebook, {name: read_plain(path, LARGEST_HELPER) for name, path in submission.helpers})
+
+
+def safe_name(student: str) -> str:
+    """Return a file name for a student: no two have one, whatever the file system makes of upper and lower case.
+
+    Examples
+    --------
+    >>> safe_name("ada_lovelace")
+    'ada_lovelace'
+    >>> safe_name("../Ada")
+    'ada-4e4af21652b78501'
+    """
+    ordinary = (
+        _PLAIN.fullmatch(student) and not _HASHED.fullmatch(student) and not _RESERVED.fullmatch(student)
+    )
+    if ordinary:
+        return student
+    letters = unicodedata.normalize("NFKD", student).encode("ascii", "ignore").decode().lower()
+    start = re.sub(r"[^a-z0-9_]+", "-", letters).strip("-")[:40] or "student"
+    return f"{start}-{hashlib.sha256(student.encode('utf-8', 'surrogatepass')).hexdigest()[:16]}"
+
+
+def clean_name(name: str) -> str:
+    """Return a name without control characters or halves of characters, not too long, and still its own."""
+    name = name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+    name = unicodedata.normalize("NFC", name).strip()
+    name = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in name)
+    if len(name) > LONGEST_NAME:
+        name = f"{name[: LONGEST_NAME - 20]}...{hashlib.sha256(name.encode()).hexdigest()[:16]}"
+    return name
+
+
+def gather(
+    path: Path, scratch: Path, lessons: Sequence[str], wanted: Sequence[str] | None = None
+) -> Gathered:
+    """Find all submissions; of several of one student and lesson, the newest one that can be taken.
+
+    Parameters
+    ----------
+    path : Path
+        A folder, or the zip of a learning platform.
+    scratch : Path
+        An empty folder of the caller's, where what counts is unpacked to; nothing is written elsewhere.
+    lessons : sequence of str
+        Names of the lessons that there are.
+    wanted : sequence of str, optional
+        Those to find; all by default. Where it is one, a zip that cannot be opened counts as a submission of it.
+
+    Returns
+    -------
+    Gathered
+        Sorted by student and lesson.
+
+    Raises
+    ------
+    ValueError
+        If there is no such folder or zip, or it is none.
+    """
+    search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted))
+    if path.is_dir():
+        items: Iterable[Item] = in_folder(path)
+    elif path.is_file():
+        try:
+            items = _unwrapped(in_zip(path.resolve(), students=False))
+        except Refused as refused:
+            raise ValueError(
+                f"{path}: a folder of submissions, or a zip of them, is wanted; {refused}"
+            ) from None
+    else:
+        raise ValueError(f"there is no {path}: a folder of submissions, or a zip of them, is wanted")
+    for item in items:
+        search.look_at(item)
+    return search.result()
+
+
+def _unwrapped(items: list[Item]) -> list[Item]:
+    """Without the one folder that all of a zip is in, where that holds several students' folders or files."""
+    tops = {item.parts[0] for item in items if len(item.parts) > 1}
+    inner = {item.parts[1] for item in items if len(item.parts) > 1}
+    whole = len(tops) == 1 and all(len(item.parts) > 1 for item in items)
+    if whole and len(inner) > 1 and all(len(item.parts) > 2 for item in items):
+        return [replace(item, parts=item.parts[1:]) for item in items]
+    return items
+
+
+# --- who handed in what ---
+
+
+@dataclass(frozen=True)
+class _Name:
+    """Whose file it is and what it is called, from where it lies."""
+
+    student: str
+    file: str
+    order: tuple[int, int] = (0, 0)  # Canvas: handed in again how often, and its number
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A notebook that may be a student's submission."""
+
+    item: Item
+    order: tuple[Any, ...]
+    home: tuple[Any, ...]  # helpers with the same one belong to it
+    shown: str
+
+
+def _named(parts: tuple[str, ...], lessons: Sequence[str]) -> _Name | None:
+    """Whose file lies there; nobody's where no student is named."""
+    first, last = parts[0], parts[-1]
+    if moodle := _MOODLE.fullmatch(first):
+        return _Name(moodle["student"], last if len(parts) > 1 else moodle["file"])
+    if len(parts) > 1:
+        return _Name(first, last)
+    if canvas := _CANVAS.fullmatch(first):
+        stem, dot, suffix = canvas["file"].rpartition(".")
+        again = _RESUBMITTED.search(stem)
+        name = _RESUBMITTED.sub("", stem) + dot + suffix
+        order = (int(again[1]) if again else 0, int(canvas["handed_in"][:18]))
+        return _Name(f"{canvas['student']}_{canvas['user']}", name, order)
+    stem, _, suffix = first.rpartition(".")
+    for pattern in (_lesson_pattern(lessons), r"(?P<lesson>submission-\d{8}-\d{6})"):
+        found = re.fullmatch(rf"(?P<student>.*?){pattern}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
+        if found and (student := found["student"].strip("_- ")):
+            return _Name(student, first[found.start("lesson") :])
+    return _Name(stem, first) if re.fullmatch(r"submission-.*", stem) and suffix == "zip" else None
+
+
+def _lesson_pattern(lessons: Sequence[str]) -> str:
+    return "(?P<lesson>" + "|".join(re.sub("[_-]", "[ _-]", name) for name in lessons) + ")"
+
+
+def lesson_of(file: str, lessons: Sequence[str]) -> str:
+    """Return the lesson that a file is named after; nothing where it is none.
+
+    Examples
+    --------
+    >>> lesson_of("01_HSL_filtering (1).ipynb", ["01_hsl_filtering"])
+    '01_hsl_filtering'
+    """
+    stem = file.rpartition(".")[0] or file
+    found = re.fullmatch(rf"(?:.*[_ -])?{_lesson_pattern(lessons)}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
+    name = re.sub("[ -]", "_", found["lesson"].lower()) if found else ""
+    return next((each for each in lessons if each.replace("-", "_") == name), "") if name else ""
+
+
+class _Search:
+    """What has been found so far."""
+
+    def __init__(self, scratch: Path, lessons: tuple[str, ...], wanted: tuple[str, ...]) -> None:
+        self.scratch, self.lessons, self.wanted = scratch, lessons, wanted
+        self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
+        self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
+        self.unknown: list[str] = []
+        self.unpacked = 0
+
+    def look_at(self, item: Item) -> None:
+        """Sort a file in."""
+        shown = clean_name("/".join(item.parts))
+        name = _named(item.parts, self.lessons)
+        if name is None:
+            if item.parts[-1] not in ("receipt.json",):
+                self.unknown.append(f"{shown}: it names no student and lesson")
+        elif name.file.lower().endswith(".zip"):
+            self.look_into(item, name, shown)
+        else:
+            self.take(item, name, (item.source.parent, item.parts[:-1]), name.order, item.time, shown)
+
+    def look_into(self, item: Item, name: _Name, shown: str) -> None:
+        """Sort in what a student's zip holds."""
+        try:
+            path = self.unpack(item, "handed_in.zip", LARGEST_ZIP)
+            inside = in_zip(path, students=True)
+        except Refused as refused:
+            lesson = lesson_of(name.file, self.lessons) or (self.wanted[0] if len(self.wanted) == 1 else "")
+            if lesson:
+                self.add(
+                    replace(item, problem=str(refused)), name, lesson, (), (name.order, item.time), shown
+                )
+            else:
+                self.unknown.append(f"{shown}: {refused}")
+            return
+        time = _receipt_time(inside) or item.time
+        for each in inside:
+            within = f"{shown}/{clean_name('/'.join(each.parts))}"
+            inner = _Name(name.student, each.parts[-1], name.order)
+            if inner.file.lower().endswith(".zip"):
+                self.unknown.append(f"{within}: a zip within a zip is not opened")
+            else:
+                self.take(each, inner, (path, each.parts[:-1]), name.order, time, within)
+
+    def take(
+        self, item: Item, name: _Name, place: tuple[Any, ...], order: Any, time: float, shown: str
+    ) -> None:
+        """Sort in a notebook or helper."""
+        home = (name.student, *place)
+        if name.file.lower().endswith(".ipynb"):
+            lesson = lesson_of(name.file, self.lessons)
+            if lesson:
+                self.add(item, name, lesson, home, (order, time), shown)
+            else:
+                self.unknown.append(f"{shown}: it is named after no lesson of this course")
+        elif _MODULE.fullmatch(name.file):
+            self.helpers[home].append((name.file, item))
+        elif name.file != "receipt.json":
+            self.unknown.append(f"{shown}: {item.problem or 'it is no notebook'}")
+
+    def add(
+        self, item: Item, name: _Name, lesson: str, home: tuple[Any, ...], order: tuple[Any, ...], shown: str
+    ) -> None:
+        """Remember a notebook."""
+        if not item.problem and item.size == 0:
+            item = replace(item, problem="it is empty")
+        if not item.problem and item.size > MOST_BYTES and item.entry is not None:
+            item = replace(
+                item, problem=f"it has {item.size / 2**20:.0f} MB; {MOST_BYTES // 2**20} MB are the most"
+            )
+        key = (clean_name(name.student), lesson)
+        found = self.candidates[key]
+        found.append(_Candidate(item, (*order, shown, len(found)), home, shown))  # a zip's later one counts
+
+    def result(self) -> Gathered:
+        """Choose what counts and unpack it."""
+        keys = sorted(key for key in self.candidates if key[1] in self.wanted)
+        chosen = [self.choose(*key) for key in keys]
+        return Gathered(
+            tuple(each for each in chosen if not each.reason),
+            tuple(each for each in chosen if each.reason),
+            tuple(self.unknown),
+        )
+
+    def choose(self, student: str, lesson: str) -> Submission:
+        """The newest that can be taken; where there is none, the newest with its reason."""
+        newest = sorted(self.candidates[student, lesson], key=lambda each: each.order, reverse=True)
+        best = next((each for each in newest if not each.item.problem), newest[0])
+        others = [each for each in newest if each is not best]
+        notes = [
+            f"{each.shown} does not count: {each.item.problem or 'another one is newer'}"
+            for each in others[:_MOST_NOTES]
+        ]
+        made = Submission(student, lesson, best.item.source, file=best.shown, reason=best.item.problem)
+        if made.reason:
+            return replace(made, notes=tuple(notes))
+        helpers: list[tuple[str, Item]] = []
+        for name, item in self.helpers.get(best.home, []):
+            if len(helpers) >= MOST_HELPERS or item.size > LARGEST_HELPER or item.problem:
+                problem = item.problem or f"{MOST_HELPERS} of at most {LARGEST_HELPER // 2**20} MB are taken"
+                notes.append(f"{name} does not come along: {problem}")
+            else:
+                helpers.append((name, item))
+        try:
+            path = self.unpack(best.item, f"{lesson}.ipynb", MOST_BYTES)
+            beside = tuple((name, self.unpack(item, name, LARGEST_HELPER)) for name, item in helpers)
+        except Refused as refused:
+            return replace(made, notes=tuple(notes), reason=str(refused))
+        return replace(made, path=path, helpers=beside, notes=tuple(notes))
+
+    def unpack(self, item: Item, name: str, most: int) -> Path:
+        """Copy what is in a zip into the scratch folder, under a name of our own; a plain file stays where it is."""
+        if item.problem:
+            raise Refused(item.problem)
+        if item.entry is None:
+            return item.source
+        content = item.content(most)
+        self.unpacked += 1
+        folder = self.scratch / f"unpacked-{self.unpacked // 1000}" / str(self.unpacked)
+        folder.mkdir(parents=True)
+        (folder / name).write_bytes(content)
+        return folder / name
+
+
+def _receipt_time(items: Iterable[Item]) -> float:
+    """When a zip of `nao-course submit` was made, by its receipt; 0 where it has none."""
+    for item in items:
+        if item.parts[-1] == "receipt.json":
+            try:
+                told = json.loads(item.content(2**16))
+                return datetime.fromisoformat(told["time"]).timestamp()
+            except (Refused, ValueError, TypeError, KeyError, RecursionError, OverflowError):
+                return 0.0
+    return 0.0
+
+
+def of_lessons(gathered: Gathered, lessons: Sequence[str]) -> list[Submission]:
+    """Return what has to have a result, refused or not, in the order of students and lessons."""
+    both = sorted((*gathered.submissions, *gathered.refused), key=lambda each: (each.student, each.lesson))
+    return [each for each in both if each.lesson in lessons]

@@ -1,0 +1,238 @@
+"""What `nao-course grade` and `nao-course regrade` do and say."""
+
+from __future__ import annotations
+
+import difflib
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from nao_course.instructor.authoring.course import Course, load_course
+from nao_course.instructor.autograding.batch import Summary, feedback_writer, grade_all, mean_score
+from nao_course.instructor.autograding.grader import Assignment, prepare
+from nao_course.instructor.autograding.scratch import scratch_folder
+from nao_course.instructor.autograding.secret import load_secret
+from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
+from nao_course.instructor.gradebook.journal import Journal, Override
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.sandbox.confinement import SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+
+FEEDBACK = "feedback"
+_SHOWN = 20  # reasons, of each kind
+
+
+def grade_folder(
+    console: Console, path: Path, out: Path, lessons: Sequence[str], jobs: int, require_sandbox: str
+) -> None:
+    """Grade a folder or zip of submissions into a folder of grades.
+
+    Raises
+    ------
+    ValueError, OSError
+        If there is nothing to grade, or it cannot be kept.
+    typer.Exit
+        With status 1 where a submission has neither a score nor a reason.
+    """
+    with scratch_folder() as scratch:
+        load_secret()  # what is missing is said before there is a journal
+        course = load_course()
+        wanted = course.names(lessons)
+        found = gather(path, scratch, course.names(), wanted)
+        waiting = of_lessons(found, wanted)
+        if not waiting and not found.unknown:
+            raise ValueError(
+                f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
+            )
+        with Journal(out) as journal:
+            journal.began(path)
+            summary = run(console, journal, out, waiting, jobs, require_sandbox)
+            _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
+    if summary.failed:
+        raise typer.Exit(1)
+
+
+def run(
+    console: Console,
+    journal: Journal,
+    out: Path,
+    waiting: Sequence[Submission],
+    jobs: int,
+    require_sandbox: str,
+) -> Summary:
+    """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
+    assignments = preparing(load_course(), sorted({each.lesson for each in waiting}), load_secret())
+    with _sandboxed(console, require_sandbox) as server, _progress(console, len(waiting)) as done:
+        try:
+            return grade_all(
+                waiting,
+                lambda lesson: assignments[lesson].result(),
+                journal,
+                jobs=jobs,
+                server=server,
+                level=server.sandbox.level,
+                publish=feedback_writer(journal, out / FEEDBACK),
+                tell=done,
+            )
+        except KeyboardInterrupt:
+            console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
+            raise typer.Exit(130) from None
+
+
+def preparing(course: Course, lessons: Sequence[str], secret: bytes) -> dict[str, Future[Assignment]]:
+    """Begin to prepare assignments in a process that ends: what solutions import is not held while grading."""
+    pool = ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    begun = {lesson: pool.submit(prepare, course, lesson, secret) for lesson in lessons}
+    pool.shutdown(wait=False)
+    return begun
+
+
+@contextmanager
+def _sandboxed(console: Console, level: str) -> Iterator[WarmServer]:
+    """Try the sandbox, say how strong it is, and start the server of its workers."""
+    sandbox = probe()
+    console.print(str(sandbox), markup=False, highlight=False, soft_wrap=True)
+    try:
+        if level:
+            sandbox.require(level)
+        with WarmServer(sandbox) as server:
+            yield server
+    except SandboxError as error:
+        raise ValueError(str(error)) from None
+
+
+@contextmanager
+def _progress(console: Console, total: int) -> Iterator[Callable[[Submission], None]]:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("grading", total=total)
+        yield lambda submission: progress.advance(task)
+
+
+def _show(
+    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], unknown: Sequence[str]
+) -> None:
+    """Say what a run came to."""
+    table = Table("", "submissions")
+    table.add_row("graded", str(summary.graded))
+    table.add_row("refused", str(len(summary.refused)))
+    table.add_row("unchanged", str(summary.unchanged))
+    for lesson in sorted(lessons):
+        count, mean, points = mean_score(journal, lesson)
+        table.add_row(f"{lesson}, mean so far", f"{mean:.2f} of {points:g} ({count} graded in all)")
+    console.print(table)
+    reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
+    for title, lines in (
+        ("Refused", reasons),
+        ("Left out", unknown),
+        ("Seen by the sandbox", summary.attempts),
+        ("NOT GRADED", summary.failed),
+    ):
+        if lines:
+            console.print(title + ":")
+            for line in lines[:_SHOWN]:
+                console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
+            if len(lines) > _SHOWN:
+                console.print(f"  and {len(lines) - _SHOWN} more")
+
+
+# --- one student ---
+
+
+def regrade_student(
+    console: Console, grades: Path, student: str, lesson: str, points: str, reason: str
+) -> None:
+    """Give a student's exercise other points, or grade the submission again.
+
+    Raises
+    ------
+    ValueError
+        If there is no such result or exercise, points are out of range, or there is no reason for them.
+    typer.Exit
+        With status 1 where the submission could not be graded.
+    """
+    with Journal(grades, make=False) as journal:
+        result = _result_of(journal, student, lesson)
+        if points:
+            change = override(result, points, reason)
+            journal.override(change)
+            page = feedback_writer(journal, grades / FEEDBACK)(result)
+            console.print(
+                f"{escape(student)}, {result.lesson}: {change.exercise} counts {change.points:g} points from now on. "
+                f"{escape(str(page))} says so."
+            )
+            return
+        journal.want_again(student, result.lesson)
+        places = [each for each in journal.places() if each.exists()]
+        if not places:
+            console.print("It is graded again by the next `nao-course grade`.")
+            return
+        with scratch_folder() as scratch:
+            mine = _handed_in(places, scratch, result)
+            if not mine:
+                where = ", ".join(map(str, places))
+                raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
+            summary = run(console, journal, grades, mine, 1, "")
+            _show(console, journal, summary, [result.lesson], ())
+    if summary.failed:
+        raise typer.Exit(1)
+
+
+def _handed_in(places: Iterable[Path], scratch: Path, result: SubmissionResult) -> list[Submission]:
+    """Find a submission again where one of the runs had it."""
+    for number, place in enumerate(places):
+        found = gather(place, scratch / str(number), load_course().names(), [result.lesson])
+        mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
+        if mine:
+            return mine
+    return []
+
+
+def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
+    """The one result that is meant."""
+    results = list(journal.each_result(student=student))
+    if not results:
+        names = {each.student for each in journal.each_result()}
+        near = difflib.get_close_matches(student, names, 3)
+        hint = f"; is it {' or '.join(map(repr, near))}?" if near else ""
+        raise ValueError(f"the journal has no result of {student!r}{hint}")
+    there = [each.lesson for each in results]
+    number = lesson.zfill(2)
+    meant = [
+        each for each in results if not lesson or lesson == each.lesson or number == each.lesson.split("_")[0]
+    ]
+    if len(meant) != 1:
+        raise ValueError(f"say which lesson of {student!r} with --lesson: there are {', '.join(there)}")
+    return meant[0]
+
+
+def override(result: SubmissionResult, change: str, reason: str) -> Override:
+    """Read EXERCISE=POINTS.
+
+    Raises
+    ------
+    ValueError
+        If there is no such exercise, the points are not in 0..its worth, or no reason is given.
+    """
+    name, _, number = change.partition("=")
+    worth = {each.name: each.points for each in result.exercises}
+    if name not in worth:
+        raise ValueError(f"{result.lesson} has no exercise {name!r}; it has {', '.join(worth)}")
+    try:
+        points = float(number)
+    except ValueError:
+        raise ValueError(f"--set wants EXERCISE=POINTS, such as {name}=1.5; got {change!r}") from None
+    if not 0 <= points <= worth[name]:
+        raise ValueError(f"{name} is worth 0 to {worth[name]:g} points, got {number}")
+    if not reason.strip():
+        raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
+    return Override(result.student, result.lesson, name, points, reason.strip())

@@ -1,0 +1,1 @@
+"""What was scored: records, the journal that keeps them, and the sum."""

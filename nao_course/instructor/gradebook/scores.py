@@ -1,0 +1,96 @@
+"""What a submission earns once a person's changes and marks count beside what the grader found."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from nao_course.instructor.gradebook.records import ExerciseResult, SubmissionResult, WrittenAnswer
+
+if TYPE_CHECKING:
+    from nao_course.instructor.gradebook.journal import Mark, Override
+
+
+@dataclass(frozen=True)
+class Score:
+    """A result with what people said of it.
+
+    Parameters
+    ----------
+    result : SubmissionResult
+        What the grader found.
+    overrides : mapping of str to Override
+        Points that a person set, by exercise; the latest.
+    marks : mapping of str to Mark
+        Of written answers, by question; the latest.
+    """
+
+    result: SubmissionResult
+    overrides: Mapping[str, Override] = field(default_factory=dict)
+    marks: Mapping[str, Mark] = field(default_factory=dict)
+
+    def of(self, exercise: ExerciseResult) -> float:
+        """Points of an exercise: a person's word counts before the grader's."""
+        override = self.overrides.get(exercise.name)
+        return exercise.earned if override is None else override.points
+
+    def mark(self, answer: WrittenAnswer) -> float | None:
+        """Points of a written answer; None while a person has to mark it. What was left empty has none."""
+        mark = self.marks.get(answer.name)
+        if mark is not None:
+            return mark.points
+        return None if answer.text.strip() else 0.0
+
+    @property
+    def earned(self) -> float:
+        """Points so far: exercises and marked answers."""
+        return sum(map(self.of, self.result.exercises)) + sum(
+            self.mark(each) or 0.0 for each in self.result.written
+        )
+
+    @property
+    def points(self) -> float:
+        """What all exercises and questions are worth."""
+        return self.result.points + sum(each.points for each in self.result.written)
+
+    @property
+    def waiting(self) -> tuple[WrittenAnswer, ...]:
+        """Written answers that a person has still to mark."""
+        return tuple(each for each in self.result.written if self.mark(each) is None)
+
+
+def score(result: SubmissionResult, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()) -> Score:
+    """Put together what belongs to a result.
+
+    Parameters
+    ----------
+    result : SubmissionResult
+        Of one student and lesson.
+    overrides, marks : iterable of Override, Mark
+        Of anyone; what is another's does not count.
+    """
+    return scores([result], overrides, marks)[0]
+
+
+def scores(
+    results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+) -> list[Score]:
+    """Put together what belongs to each of many results, in their order."""
+    return list(each_score(results, overrides, marks))
+
+
+def each_score(
+    results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+) -> Iterator[Score]:
+    """The same one by one, for results that are too many to be held."""
+    changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
+    marked: dict[tuple[str, str], dict[str, Mark]] = defaultdict(dict)
+    for override in sorted(overrides, key=lambda each: each.time):
+        changed[override.student, override.lesson][override.exercise] = override
+    for mark in sorted(marks, key=lambda each: each.time):
+        marked[mark.student, mark.lesson][mark.question] = mark
+    for each in results:
+        key = (each.student, each.lesson)
+        yield Score(each, changed.get(key, {}), marked.get(key, {}))

@@ -1,0 +1,206 @@
+"""Gradescope's autograder: a zip that runs this grader there, and what runs in it.
+
+Paths and file names are those of Gradescope's autograder documentation: the zip lies unpacked in /autograder/source,
+a submission in /autograder/submission, and /autograder/results/results.json is what comes of it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from nao_course.instructor import commands
+from nao_course.instructor.authoring.build import Course
+from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.instructor.autograding.secret import keyed
+from nao_course.instructor.collecting.submissions import gather, of_lessons
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.scores import score
+from nao_course.instructor.reports.exports import as_text, gradescope_results
+from nao_course.instructor.reports.html import visible, write_whole
+from nao_course.instructor.sandbox.confinement import probe
+
+ROOT = Path("/autograder")
+ROOT_VARIABLE = "NAO_COURSE_AUTOGRADER"  # another root, for trying it out elsewhere
+LOCK = "requirements-dev.lock"
+_AS_THEY_ARE = ("course.toml", "pyproject.toml", "README.md", "LICENSE", LOCK)
+_CLOSING = {
+    "landlock",
+    "mount namespace",
+    "unprivileged user",
+}  # layers; each keeps the solution from being read
+_KINDS = {".py", ".typed", ".bin"}
+_SETUP = f"""#!/usr/bin/env bash
+# Runs once, as root, when Gradescope builds the image: a Python that is new enough, and the libraries.
+set -euo pipefail
+root="${{{ROOT_VARIABLE}:-{ROOT}}}"
+
+find_python() {{
+    for each in python3.13 python3.12 python3.11 python3; do
+        if "$each" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2> /dev/null; then
+            echo "$each"
+            return
+        fi
+    done
+    return 1
+}}
+
+if ! python="$(find_python)"; then
+    apt-get update
+    apt-get install -y python3-venv
+    find_python > /dev/null || apt-get install -y python3.11 python3.11-venv
+    python="$(find_python)"
+fi
+"$python" -m venv "$root/venv"
+"$root/venv/bin/python" -m pip install --require-hashes -r "$root/source/{LOCK}"
+"$root/venv/bin/python" -m pip install --no-deps --no-build-isolation "$root/source"
+"""
+_RUN = f"""#!/usr/bin/env bash
+# Runs at each submission. What a student's code may not read is closed first.
+set -euo pipefail
+root="${{{ROOT_VARIABLE}:-{ROOT}}}"
+chmod -R go-rwx "$root/source/solutions" "$root/source/secret"
+mkdir -p "$root/results"
+chmod go-rwx "$root/results"
+export NAO_COURSE_SECRET="$root/source/secret"
+cd "$root/source"
+exec "${{NAO_COURSE_PYTHON:-$root/venv/bin/python}}" -P -m nao_course.instructor.gradescope LESSON
+"""
+
+
+def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -> Path:
+    """Write the zip to upload as a lesson's autograder. It holds the solution: it is for Gradescope only.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    lesson : str
+        Number or name.
+    secret : bytes
+        The instructor's. The zip gets one that is made from it: hidden cases there are others than here.
+    folder : Path
+        Where the zip is written.
+
+    Returns
+    -------
+    Path
+        autograder_NN_name.zip, the same bytes for the same course and secret.
+
+    Raises
+    ------
+    LessonError
+        If there is no such lesson, or it is not built.
+    """
+    (name,) = course.names([lesson])
+    return write_whole(folder / f"autograder_{name}.zip", _zipped(contents(course, name, secret)))
+
+
+def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
+    """Gather the files of a lesson's autograder by their path in the zip."""
+    wanted = [course.root / name for name in _AS_THEY_ARE]
+    wanted += [course.solutions / f"{lesson}{kind}" for kind in (".md", ".ipynb")]
+    wanted.append(course.root / "notebooks" / f"{lesson}.ipynb")
+    declaration = course.solutions / "exercises" / f"{lesson}.py"
+    wanted += [declaration] if declaration.exists() else []
+    missing = [path.relative_to(course.root).as_posix() for path in wanted if not path.is_file()]
+    if missing:
+        raise LessonError(f"there is no {', '.join(missing)}: run `nao-course build` first")
+    library = (course.root / "nao_course").rglob("*")
+    wanted += [path for path in library if path.suffix in _KINDS and path.is_file()]
+    files = {path.relative_to(course.root).as_posix(): path.read_bytes() for path in wanted}
+    files["setup.sh"] = _SETUP.encode()
+    files["run_autograder"] = _RUN.replace("LESSON", lesson).encode()
+    files["secret"] = keyed(secret, "gradescope", lesson).encode()
+    return files
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """Pack files, scripts as such and the secret for its owner only; the same bytes for the same files."""
+    modes = {"setup.sh": 0o755, "run_autograder": 0o755, "secret": 0o600}
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name)  # its date is 1980, always
+            entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
+            entry.external_attr = (0o100000 | modes.get(name, 0o644)) << 16
+            archive.writestr(entry, files[name])
+    return packed.getvalue()
+
+
+# --- what runs there ---
+
+
+def grade_submission(root: Path, course: Course, lesson: str) -> Path:
+    """Grade what lies in ROOT/submission and write ROOT/results/results.json.
+
+    Parameters
+    ----------
+    root : Path
+        /autograder.
+    course : Course
+        The unpacked zip.
+    lesson : str
+        Its name.
+
+    Returns
+    -------
+    Path
+        The results. Where the grader itself fails there are none: Gradescope then tells the instructor.
+
+    Raises
+    ------
+    RuntimeError
+        If the grader itself failed, or a submission could read the solution here.
+    """
+    path = root / "results" / "results.json"
+    path.unlink(missing_ok=True)
+    if not probe().on & _CLOSING:
+        raise RuntimeError(
+            "nothing on this machine keeps a submission from reading the solution beside it: one of "
+            f"{', '.join(sorted(_CLOSING))} is wanted. Nothing was graded."
+        )
+    with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
+        return write_whole(path, as_text(_results(root / "submission", Path(scratch), course, lesson)))
+
+
+def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dict[str, Any]:
+    """Grade the submission as that of one student in a class of one."""
+    shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
+    (scratch / "unpacked").mkdir()
+    found = gather(scratch / "class", scratch / "unpacked", [lesson])
+    waiting = list(of_lessons(found, [lesson]))
+    if not waiting:
+        others = "".join(f"\n{each.removeprefix('submission/')}" for each in found.unknown)
+        return {
+            "score": 0.0,
+            "output": visible(f"There is no {lesson}.ipynb among the files that were handed in.{others}"),
+            "output_format": "text",
+        }
+    with Journal(scratch / "grades") as journal:
+        summary = commands.run(Console(), journal, scratch / "grades", waiting, 1, "")
+        if summary.failed:
+            raise RuntimeError("\n".join(summary.failed))
+        (result,) = journal.results()
+    return gradescope_results(score(result))
+
+
+def main() -> None:
+    """Grade a submission where Gradescope has put it; the argument is the lesson."""
+    from nao_course.instructor.authoring.build import load_course
+
+    root = Path(os.environ.get(ROOT_VARIABLE) or ROOT)
+    grade_submission(root, load_course(root / "source"), sys.argv[1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What people get to read: feedback pages, the class report, marking sheets, exports."""

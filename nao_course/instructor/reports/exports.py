@@ -1,0 +1,203 @@
+"""Grades for other systems: a table for any gradebook, and results and an autograder for Gradescope."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import ExerciseResult, WrittenAnswer
+from nao_course.instructor.gradebook.scores import Score, scores
+from nao_course.instructor.reports.feedback import said_of
+from nao_course.instructor.reports.html import counted, number, visible, write_whole
+from nao_course.instructor.reports.spreadsheets import table
+
+FORMATS = ("csv", "gradescope")
+FOLDER = "exports"  # in GRADES
+_MISSING = "not handed in"
+
+
+class ExportError(ValueError):
+    """An export that is not there; the message says which are."""
+
+
+def check_format(name: str) -> str:
+    """Return the name of a format.
+
+    Raises
+    ------
+    ExportError
+        If there is none of that name.
+    """
+    if name in FORMATS:
+        return name
+    later = " nbgrader's gradebook comes in a later version." if name == "nbgrader" else ""
+    raise ExportError(f"there is no format {name!r}; there are {' and '.join(FORMATS)}.{later}")
+
+
+def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
+    """Return all scores of a journal, or those of a lesson, in the order of students and lessons."""
+    return scores(journal.results(lesson), journal.overrides(lesson), journal.marks(lesson))
+
+
+# --- a table ---
+
+
+def csv_table(made: Sequence[Score]) -> bytes:
+    """Make a table with a row for each student and, lesson after lesson, a column for each exercise and question.
+
+    A written answer that nobody has marked is an empty cell. A name that a spreadsheet would take for a formula has
+    an apostrophe before it.
+
+    Parameters
+    ----------
+    made : sequence of Score
+        Of any students and lessons.
+
+    Returns
+    -------
+    bytes
+        CSV (RFC 4180).
+    """
+    lessons = sorted({each.result.lesson for each in made})
+    students = sorted({each.result.student for each in made})
+    by_key = {(each.result.student, each.result.lesson): each for each in made}
+    columns = {
+        lesson: _columns([each for each in made if each.result.lesson == lesson]) for lesson in lessons
+    }
+    header = ["student"]
+    for lesson in lessons:
+        header += [f"{number} {name}".strip() for number, name in columns[lesson]]
+        header += [f"{lesson} {what}" for what in ("points", "out of", "status", "notes")]
+    rows: list[list[str | float | None]] = [[*header, "total"]]
+    for student in students:
+        theirs = [by_key.get((student, lesson)) for lesson in lessons]
+        cells = [_cells(score, columns[lesson]) for score, lesson in zip(theirs, lessons, strict=True)]
+        total = sum(each.earned for each in theirs if each)
+        rows.append([student, *(cell for part in cells for cell in part), total])
+    return table(rows)
+
+
+def _columns(made: Iterable[Score]) -> list[tuple[str, str]]:
+    """Numbers and names of all exercises and then all questions of a lesson, in its order."""
+    both: tuple[dict[tuple[str, str], None], dict[tuple[str, str], None]] = ({}, {})
+    for score in made:
+        both[0].update(dict.fromkeys((each.number, each.name) for each in score.result.exercises))
+        both[1].update(dict.fromkeys((each.number, each.name) for each in score.result.written))
+    return [*both[0], *both[1]]
+
+
+def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str | float | None]:
+    if score is None:
+        return [*(None for _ in columns), None, None, _MISSING, ""]
+    given: dict[tuple[str, str], float | None] = {
+        (each.number, each.name): score.of(each) for each in score.result.exercises
+    }
+    given |= {(each.number, each.name): score.mark(each) for each in score.result.written}
+    return [
+        *(given.get(column) for column in columns),
+        score.earned,
+        score.points,
+        score.result.status,
+        "; ".join(_notes(score)),
+    ]
+
+
+def _notes(score: Score) -> list[str]:
+    notes = [score.result.reason] if score.result.reason else []
+    if score.waiting:
+        notes.append(f"{counted(len(score.waiting), 'written answer')} not marked yet")
+    notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
+    return [*notes, *score.result.notes]
+
+
+# --- Gradescope ---
+
+
+def gradescope_results(score: Score) -> dict[str, Any]:
+    """Make what Gradescope reads from results.json, as its autograder documentation specifies it.
+
+    Parameters
+    ----------
+    score : Score
+        Of a submission.
+
+    Returns
+    -------
+    dict
+        Ready for JSON. A written answer is a test once it is marked.
+    """
+    result = score.result
+    tests = [_exercise_test(score, each) for each in result.exercises]
+    tests += [_written_test(score, each) for each in result.written if each not in score.waiting]
+    return {
+        "score": round(score.earned, 6),
+        "output": visible("\n".join(_output(score))),
+        "output_format": "text",
+        "test_output_format": "text",
+        "test_name_format": "text",
+        "visibility": "visible",
+        "stdout_visibility": "hidden",
+        "extra_data": {
+            name: visible(getattr(result, name)) for name in ("lesson", "submission", "assignment", "level")
+        },
+        "tests": tests,
+    }
+
+
+def _output(score: Score) -> list[str]:
+    lines = [f"Refused: {score.result.reason}"] if score.result.status == "refused" else []
+    if score.waiting:
+        lines.append(f"{counted(len(score.waiting), 'written answer')} to be marked by a person.")
+    return lines
+
+
+def _exercise_test(score: Score, exercise: ExerciseResult) -> dict[str, Any]:
+    parts = said_of(score, exercise) if score.result.status == "graded" else ()
+    lines = [f"{each.title}\n{each.text}" if each.title else each.text for each in parts]
+    output = "\n".join(line.strip() for line in lines)
+    right = exercise.state == "right" if exercise.points == 0 else score.of(exercise) >= exercise.points
+    return _test(exercise, score.of(exercise), right, output)
+
+
+def _written_test(score: Score, answer: WrittenAnswer) -> dict[str, Any]:
+    mark = score.marks.get(answer.name)
+    points = score.mark(answer) or 0.0
+    return _test(answer, points, points >= answer.points, mark.comment if mark else "There is no answer.")
+
+
+def _test(item: ExerciseResult | WrittenAnswer, points: float, right: bool, output: str) -> dict[str, Any]:
+    return {
+        "name": visible(item.name),
+        "number": item.number,
+        "score": round(points, 6),
+        "max_score": round(item.points, 6),
+        "status": "passed" if right else "failed",
+        "output": visible(output),
+        "output_format": "text",
+        "visibility": "visible",
+    }
+
+
+def write_csv(journal: Journal, folder: Path, lesson: str | None = None) -> Path:
+    """Write grades.csv into GRADES/exports."""
+    return write_whole(folder / "grades.csv", csv_table(all_scores(journal, lesson)))
+
+
+def write_gradescope(journal: Journal, folder: Path, lesson: str | None = None) -> list[Path]:
+    """Write each student's results.json into LESSON/STUDENT of a folder."""
+    return [
+        write_whole(
+            folder / each.result.lesson / safe_name(each.result.student) / "results.json",
+            as_text(gradescope_results(each)),
+        )
+        for each in all_scores(journal, lesson)
+    ]
+
+
+def as_text(results: dict[str, Any]) -> str:
+    """Return a results.json's text, the same each time."""
+    return json.dumps(results, indent=1, ensure_ascii=True) + "\n"

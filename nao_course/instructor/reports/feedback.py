@@ -1,0 +1,376 @@
+"""A student's page of a lesson: what works, what does not and in which way, and never what is hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.instructor.gradebook.scores import Score, score
+from nao_course.instructor.reports.html import (
+    Markup,
+    bar,
+    card,
+    counted,
+    element,
+    join,
+    lesson_title,
+    number,
+    page,
+    prose,
+    write_whole,
+)
+
+if TYPE_CHECKING:
+    from nao_course.instructor.gradebook.journal import Mark, Override
+
+LONGEST = 20_000  # characters of one text that are shown
+_STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what it means
+    "right": ("good", "Right", ""),
+    "wrong": ("warn", "Not right yet", "It runs and gives an answer, but for some inputs not the right one."),
+    "raised": ("warn", "It stops with an error", "An error is raised before there is an answer."),
+    "timed out": (
+        "warn",
+        "It takes too long",
+        "There was no answer in time. Is there a loop that never ends, or one over single pixels "
+        "where NumPy could do all of them at once?",
+    ),
+    "died": (
+        "bad",
+        "It ends Python",
+        "The whole process ended before there was an answer. Look for `exit()`, for a recursion that never ends, "
+        "and for arrays that are far too large.",
+    ),
+    "no usable answer": (
+        "warn",
+        "Its answer cannot be used",
+        "What it returns is of a kind that cannot be compared. Return plain numbers, arrays, lists or tuples.",
+    ),
+    "changes its input": (
+        "warn",
+        "It changes its input",
+        "The answers are right, but the array that the function is given is another one afterwards. "
+        "Work on a copy: `array.copy()`.",
+    ),
+    "not attempted": (
+        "calm",
+        "Not written yet",
+        "Here the function still raises `NotImplementedError`, as in the blank notebook.",
+    ),
+    "not found": (
+        "bad",
+        "Not found",
+        "Your notebook does not define it. Was it renamed or deleted, or does its cell fail before the def? "
+        "Restart the kernel, run all cells from the top and look where it stops.",
+    ),
+}
+
+
+_TOLD_BY_TEXT = ("wrong", "raised", "changes its input")  # states of which the grader's words say it better
+
+
+@dataclass(frozen=True)
+class Said:
+    """One thing that is said of an exercise.
+
+    Parameters
+    ----------
+    kind : str
+        How it is shown: a state in a few words, plain text, code, or a box that stands out.
+    text : str
+        What is said; untrusted.
+    title : str
+        What stands above code or in a box.
+    colour : str
+        Of a state or box: good, warn, bad or calm.
+    """
+
+    kind: Literal["state", "text", "code", "box"]
+    text: str
+    title: str = ""
+    colour: str = ""
+
+
+def write(
+    result: SubmissionResult, folder: Path, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+) -> Path:
+    """Write a student's page.
+
+    Parameters
+    ----------
+    result : SubmissionResult
+        What the grader found.
+    folder : Path
+        GRADES/feedback; the page is STUDENT/NN_name.html in it.
+    overrides, marks : iterable of Override, Mark
+        What people said; only what belongs to this student and lesson counts.
+
+    Returns
+    -------
+    Path
+        The page.
+    """
+    path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
+    return write_whole(path, feedback_page(score(result, overrides, marks)))
+
+
+def feedback_page(score: Score) -> str:
+    """Return a student's page: the same bytes for the same score."""
+    result = score.result
+    return page(
+        f"{lesson_title(result.lesson)}: your feedback",
+        element(
+            "header",
+            element("p", "Feedback for ", element("bdi", result.student), class_="soft small"),
+            element("h1", lesson_title(result.lesson)),
+            *_score(score),
+        ),
+        *(_refused(result) if result.status == "refused" else _exercises(score)),
+        *_written(score),
+        _footer(result),
+    )
+
+
+def _score(score: Score) -> Iterator[Markup]:
+    """The number, the bar, and one sentence that says what they are made of."""
+    if score.points == 0 and score.result.status == "graded":
+        yield element("p", "This lesson gives no points: it is there to try things out.")
+        return
+    waiting = sum(each.points for each in score.waiting)
+    of = f" of {_points(score.points)}{' so far' if waiting else ''}"
+    yield element("p", number(score.earned), element("span", of), class_="score")
+    yield bar(score.earned, waiting, score.points)
+    exercises = score.result.exercises
+    if score.result.status == "graded" and exercises:
+        right = sum(_whole(score, each) for each in exercises)
+        text = (
+            f"{right} of {counted(len(exercises), 'exercise')} {'has' if right == 1 else 'have'} all points."
+        )
+        if right == len(exercises):
+            text = "Every exercise has all its points. Well done!"
+        yield element("p", text)
+    if waiting:
+        answers = "A written answer" if len(score.waiting) == 1 else f"{len(score.waiting)} written answers"
+        verb = "waits" if len(score.waiting) == 1 else "wait"
+        yield element("p", f"{answers} ({_points(waiting)}) {verb} for a person's mark.")
+
+
+def _whole(score: Score, exercise: ExerciseResult) -> bool:
+    return score.of(exercise) >= exercise.points and (
+        exercise.state == "right" or exercise.name in score.overrides
+    )
+
+
+def _exercises(score: Score) -> Iterator[Markup]:
+    """What works first, in short; then what failed, one block each; then what is not written, in short."""
+    plain = [each for each in score.result.exercises if _is_plain(score, each, "right")]
+    unwritten = [each for each in score.result.exercises if _is_plain(score, each, "not attempted")]
+    others = [each for each in score.result.exercises if each not in plain and each not in unwritten]
+    if plain:
+        yield element("h2", "What works")
+        yield _short_list(plain, "good", "✔ ")
+    if others:
+        yield element("h2", "What to look at" if plain else "Your exercises")
+        for each in others:
+            yield element("article", *_exercise(score, each), class_="card")
+    if unwritten:
+        _, short, meaning = _STATES["not attempted"]
+        yield element("h2", short)
+        yield element("p", prose(meaning), class_="soft")
+        yield _short_list(unwritten, "calm", "○ ")
+
+
+def _is_plain(score: Score, exercise: ExerciseResult, state: State) -> bool:
+    """Whether an exercise's state and points say it all."""
+    return exercise.state == state and not exercise.with_reference and exercise.name not in score.overrides
+
+
+def _short_list(exercises: Iterable[ExerciseResult], colour: str, sign: str) -> Markup:
+    rows = [
+        element(
+            "li",
+            element("span", element("span", sign, class_=colour, aria_hidden="true"), *_title(each)),
+            element("span", _earned(each), class_="points"),
+            *(element("p", "One thing: ", prose(note), class_="small soft") for note in each.notes),
+        )
+        for each in exercises
+    ]
+    return element("ul", *rows, class_="right")
+
+
+def _earned(exercise: ExerciseResult) -> str:
+    if exercise.state == "right":
+        return _points(exercise.earned)
+    return f"{number(exercise.earned)} of {_points(exercise.points)}"
+
+
+def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
+    """One exercise: its points, what came of it, where, what the public check said, what to try."""
+    points = f"{number(score.of(exercise))} of {_points(exercise.points)}"
+    yield element(
+        "div", element("h3", *_title(exercise)), element("span", points, class_="points"), class_="top"
+    )
+    for each in said_of(score, exercise):
+        match each.kind:
+            case "state":
+                yield element("p", each.text, class_=f"state {each.colour}")
+            case "code":
+                yield element("p", each.title, class_="label")
+                yield element("pre", element("code", _cut(each.text)))
+            case "box":
+                yield _box(each.colour, each.title, each.text)
+            case _:
+                yield element("p", prose(_cut(each.text)))
+
+
+def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
+    """Say what came of an exercise, part by part; the page and other exports show the same.
+
+    Parameters
+    ----------
+    score : Score
+        Of the submission.
+    exercise : ExerciseResult
+        One of its exercises.
+    """
+    colour, short, meaning = _STATES[exercise.state]
+    if exercise.with_reference and exercise.earned > 0:
+        colour, short, meaning = "good", "Right, with our earlier functions", ""
+    yield Said("state", short, colour=colour)
+    if meaning and not (exercise.text and exercise.state in _TOLD_BY_TEXT):
+        yield Said("text", meaning)
+    if exercise.text:
+        yield Said("text", exercise.text)
+    if 0 < exercise.passed < exercise.cases:
+        yield Said("text", f"It is right in {exercise.passed} of {exercise.cases} hidden cases.")
+    if exercise.line:
+        yield Said("code", exercise.line, "Your own line where it happened:")
+    lines = [line for line in exercise.public if line != exercise.hint]
+    if lines and exercise.state != "not attempted":  # there it says the same
+        yield Said("code", "\n".join(lines), "The public check, check(…) in your notebook, says:")
+    if exercise.hint:
+        yield Said("box", exercise.hint, "Hint", "calm")
+    yield from _remarks(exercise)
+    if override := score.overrides.get(exercise.name):
+        given = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
+        yield Said("box", f"{given}\n{override.reason}", "A person looked at this", "calm")
+
+
+def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
+    """Notes; and that an earlier mistake was not counted twice."""
+    notes = "\n".join(exercise.notes)
+    if exercise.with_reference and exercise.earned > 0:
+        text = (
+            f"One of your earlier functions made this fail; with ours it works: {_points(exercise.earned)}."
+        )
+        yield Said("box", f"{text}\n{notes}", "An earlier mistake is not counted twice", "good")
+        return
+    if exercise.with_reference:
+        yield Said(
+            "text", "We ran it with our own earlier functions, too: it does not work with those either."
+        )
+    if notes:
+        yield Said("box", notes, "One thing", "calm")
+
+
+def _written(score: Score) -> Iterator[Markup]:
+    """Written answers with their marks; what they are marked by is not for this page."""
+    if score.result.written:
+        yield element("h2", "Your answers in words")
+    for answer in score.result.written:
+        yield element("article", *_answer(score, answer), class_="card")
+
+
+def _answer(score: Score, answer: WrittenAnswer) -> Iterator[Markup]:
+    given = score.mark(answer)
+    points = f"{number(given)} of {_points(answer.points)}" if given is not None else _points(answer.points)
+    title = element("h3", answer.number, " " if answer.number else "", "In your own words")
+    yield element("div", title, element("span", points, class_="points"), class_="top")
+    yield element("p", prose(_cut(answer.question)))
+    if answer.text.strip():
+        yield element("p", "You wrote:", class_="label")
+        yield element("div", _cut(answer.text.strip()), class_="said", dir="auto")
+    else:
+        yield element("p", "You wrote nothing here.", class_="soft")
+    mark = score.marks.get(answer.name)
+    if mark is None and given is None:
+        yield element("p", "A person marks this.", class_="state calm")
+    elif mark is not None and mark.comment.strip():
+        yield _box("calm", "What the person who marked it says", mark.comment)
+
+
+# --- a submission that could not be graded ---
+
+_ADVICE = {  # words of a reason, and what helps
+    (
+        "larger",
+        "too large",
+        "too big",
+    ): "Clear all outputs (Edit, Clear Outputs of All Cells) and save: pictures in them make a file large.",
+    (
+        "empty",
+    ): "The file has nothing in it. Look at it on your own computer: an upload may have been cut off.",
+    ("zip", "archive"): "Make the zip with `nao-course submit`, and hand in that file as it is.",
+    (
+        "link",
+        "folder",
+        "directory",
+        "not a file",
+    ): "Hand in the notebook itself, no folder and no link to it.",
+    ("release", "version", "stamp"): "Work in the notebook that you were given, in its newest version: "
+    "`nao-course renew` brings it and keeps what you wrote.",
+}
+_STEPS = (
+    "Open the notebook in JupyterLab. If it does not open there, look for an earlier copy: your last zip, or File, "
+    "Revert Notebook to Checkpoint.",
+    "Restart the kernel, run all cells and save.",
+    "Make the file to hand in with `nao-course submit`.",
+    "Hand it in again, and tell your assistant that you did.",
+)
+
+
+def _refused(result: SubmissionResult) -> Iterator[Markup]:
+    """Say why, and what to do now."""
+    reason = result.reason.lower()
+    advice = [text for words, text in _ADVICE.items() if any(word in reason for word in words)]
+    yield element("h2", "It could not be graded")
+    yield _box("bad", "Why", result.reason or "The reason was not recorded: please ask.")
+    yield element("h2", "What to do now")
+    yield element("ol", *(element("li", prose(step)) for step in (*advice, *_STEPS)))
+
+
+def _footer(result: SubmissionResult) -> Markup:
+    parts = [f"Graded from {result.file}"] if result.file else []
+    if result.submission:
+        parts.append(f"its fingerprint begins with {result.submission[:16]}")
+    said = f"{', '.join(parts)}. " if parts else ""
+    hidden = "Hidden cases have other inputs than the public check. " if result.status == "graded" else ""
+    return element(
+        "footer", f"{said}{hidden}You think that something here is wrong? Ask: a person can change it."
+    )
+
+
+# --- small parts ---
+
+
+def _title(exercise: ExerciseResult) -> tuple[Markup, ...]:
+    return (join(exercise.number, " " if exercise.number else ""), element("code", exercise.name))
+
+
+def _box(colour: str, title: str, text: str) -> Markup:
+    lines = [element("p", prose(line)) for line in _cut(text).split("\n") if line.strip()]
+    return card(element("p", element("strong", title)), *lines, class_=f"box {colour}")
+
+
+def _points(value: float) -> str:
+    return f"{number(value)} point" if value == 1 else f"{number(value)} points"
+
+
+def _cut(text: str) -> str:
+    """The text, or its beginning with a word about the rest."""
+    if len(text) <= LONGEST:
+        return text
+    return f"{text[:LONGEST]}\n… ({len(text) - LONGEST} more characters are not shown here)"

@@ -1,0 +1,325 @@
+"""Marking sheets: written answers go out to people as tables and pages, and come back as marks."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.gradebook.journal import Journal, Mark
+from nao_course.instructor.gradebook.records import WrittenAnswer
+from nao_course.instructor.gradebook.scores import Score, scores
+from nao_course.instructor.reports.html import (
+    Markup,
+    counted,
+    element,
+    lesson_title,
+    number,
+    page,
+    prose,
+    visible,
+    write_whole,
+)
+from nao_course.instructor.reports.spreadsheets import Row, TableError, fitting, read_table, table
+
+FOLDER = "marking"  # in GRADES
+HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max points")
+MOST_SAID = 20  # problems of a file that are listed
+_NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
+
+Key = tuple[str, str, str]  # student, lesson, question; as a table shows them
+
+
+class MarksError(ValueError):
+    """Marks that cannot be taken; the message names each row and what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What was written for one question.
+
+    Parameters
+    ----------
+    table, page : Path
+        To fill in, and to read.
+    answers, open : int
+        How many there are, and how many of them nobody has marked.
+    """
+
+    table: Path
+    page: Path
+    answers: int
+    open: int
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What was read from a file.
+
+    Parameters
+    ----------
+    read : int
+        Marks in the file.
+    changed : tuple of Mark
+        Those that were new or other than before.
+    open : tuple of (str, str)
+        Student and question, of the answers to the file's questions that nobody has marked yet.
+    """
+
+    read: int
+    changed: tuple[Mark, ...]
+    open: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """A student's answer to a question, with its mark where there is one."""
+
+    score: Score
+    answer: WrittenAnswer
+
+    @property
+    def key(self) -> Key:
+        return (fitting(self.score.result.student), self.score.result.lesson, self.answer.name)
+
+    @property
+    def mark(self) -> Mark | None:
+        return self.score.marks.get(self.answer.name)
+
+    @property
+    def is_open(self) -> bool:
+        return self.score.mark(self.answer) is None
+
+
+def write_sheets(journal: Journal, folder: Path) -> list[Sheet]:
+    """Write a table and a page for each written question; marks already given stand in them.
+
+    Parameters
+    ----------
+    journal : Journal
+        Of the class.
+    folder : Path
+        GRADES/marking.
+
+    Returns
+    -------
+    list of Sheet
+        In the order of lessons and questions.
+
+    Raises
+    ------
+    MarksError
+        If a table that is there has marks that were not read in: nothing is written.
+    """
+    answers = _answers(journal)
+    questions: dict[tuple[str, str], list[_Answer]] = defaultdict(list)
+    for each in answers:
+        questions[each.key[1:]].append(each)
+    paths = {question: folder / safe_name("_".join(question)) for question in questions}
+    known = {each.key: each for each in answers}
+    for path in paths.values():
+        _refuse_to_lose(path.with_name(f"{path.name}.csv"), known)
+    return [_write_sheet(paths[question], given) for question, given in sorted(questions.items())]
+
+
+def _answers(journal: Journal) -> list[_Answer]:
+    made = scores(journal.results(), (), journal.marks())
+    return [_Answer(score, answer) for score in made for answer in score.result.written]
+
+
+def _write_sheet(path: Path, answers: Sequence[_Answer]) -> Sheet:
+    rows = [
+        (
+            each.score.result.student,
+            each.score.result.lesson,
+            each.answer.name,
+            each.answer.text,
+            each.mark.points if each.mark else None,
+            each.mark.comment if each.mark else "",
+            each.answer.points,
+        )
+        for each in answers
+    ]
+    return Sheet(
+        write_whole(path.with_name(f"{path.name}.csv"), table([HEADER, *rows])),
+        write_whole(path.with_name(f"{path.name}.html"), _page(answers)),
+        len(answers),
+        sum(each.is_open for each in answers),
+    )
+
+
+def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
+    """Refuse to write over marks that somebody has typed in and nobody has read."""
+    if not path.is_file():
+        return
+    say = f"run `nao-course marks {path.parent.parent} {path}` first, or move it away"
+    try:
+        rows = read_table(path, HEADER)
+    except TableError as error:
+        raise MarksError(f"{error}\nIt may hold marks, so nothing is written: {say}") from None
+    for row in rows:
+        answer = known.get(_key(row)) or _without_zeros(_key(row), known)
+        mark = answer.mark if answer else None
+        have = (number(mark.points), _comment(mark.comment)) if mark else ("", "")
+        points = _points(row["points"])
+        given = (row["points"].strip() if points is None else number(points), _comment(row["comment"]))
+        if given not in (have, ("", "")):
+            raise MarksError(f"{path}, row {row.number}, has a mark that was not read in: {say}")
+
+
+# --- back in ---
+
+
+def read_marks(journal: Journal, path: Path) -> Taken:
+    """Read a table's marks into the journal, all or none of them.
+
+    Parameters
+    ----------
+    journal : Journal
+        Of the class.
+    path : Path
+        A table of `write_sheets`, filled in and saved by any spreadsheet. An answer without points stays as it is.
+
+    Returns
+    -------
+    Taken
+        What was read.
+
+    Raises
+    ------
+    MarksError, TableError
+        If anything in it is wrong; the message names the rows.
+    """
+    if not path.is_file():
+        raise MarksError(
+            f"there is no {path}: `nao-course marks GRADES` writes the sheets to GRADES/{FOLDER}/"
+        )
+    answers = _answers(journal)
+    known = {each.key: each for each in answers}
+    rows = read_table(path, HEADER)
+    marks: dict[Key, tuple[int, Mark]] = {}
+    problems = [problem for row in rows for problem in _take(row, known, marks)]
+    if problems:
+        more = len(problems) - MOST_SAID
+        rest = [f"and {more} more"] if more > 0 else []
+        raise MarksError("\n".join([f"{path.name}: nothing was read in", *problems[:MOST_SAID], *rest]))
+    changed = tuple(mark for key, (_, mark) in marks.items() if not _same(mark, known[key].mark))
+    if changed:
+        journal.mark(changed)
+    questions = {_key(row)[1:] for row in rows}
+    waiting = (
+        each for each in answers if each.is_open and each.key not in marks and each.key[1:] in questions
+    )
+    return Taken(
+        len(marks), changed, tuple((each.score.result.student, each.answer.name) for each in waiting)
+    )
+
+
+def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Mark]]) -> Iterator[str]:
+    """Add a row's mark, or say what is wrong with it."""
+    key = _key(row)
+    answer = known.get(key) or _without_zeros(key, known)
+    if answer is None:
+        yield f"row {row.number}: {_unknown(key, known)}"
+        return
+    if not row["points"].strip():
+        return
+    most = answer.answer.points
+    points = _points(row["points"])
+    if points is None:
+        given = row["points"].strip()[:40]
+        yield f"row {row.number}: points are {given!r}; a number from 0 to {number(most)} is wanted"
+    elif points > most + 1e-9:
+        yield f"row {row.number}: {number(points)} points; the question is worth {number(most)}"
+    else:
+        mark = Mark(answer.score.result.student, key[1], key[2], points, _comment(row["comment"]))
+        before, other = marks.setdefault(answer.key, (row.number, mark))
+        if not _same(mark, other):
+            yield f"row {row.number}: {key[0]!r} has another mark in row {before}"
+
+
+def _without_zeros(key: Key, known: Mapping[Key, _Answer]) -> _Answer | None:
+    """The answer of a student whose number lost its first zeros in a spreadsheet; None where several may be meant."""
+    if not (key[0].isdigit() and key[0].isascii()):
+        return None
+    meant = [
+        each for each in known if each[1:] == key[1:] and each[0].isdigit() and each[0].lstrip("0") == key[0]
+    ]
+    return known[meant[0]] if len(meant) == 1 else None
+
+
+def _unknown(key: Key, known: Iterable[Key]) -> str:
+    """Say which part of a key nobody knows."""
+    student, lesson, question = key
+    known = set(known)
+    if (lesson, question) not in {each[1:] for each in known}:
+        there = sorted({f"{each[1]} {each[2]}" for each in known})
+        return (
+            f"there is no question {question!r} in lesson {lesson!r}; there are {', '.join(there) or 'none'}"
+        )
+    hint = (
+        " (save as CSV UTF-8: the name's letters were lost)" if "?" in student or "\ufffd" in student else ""
+    )
+    return f"no student {student!r} was graded in {lesson}{hint}"
+
+
+def _key(row: Row) -> Key:
+    return (row["student"], row["lesson"].strip(), row["question"].strip())
+
+
+def _points(text: str) -> float | None:
+    """A number as people write it, with a point or a comma; None for anything else."""
+    text = text.strip()
+    return float(text.replace(",", ".")) if _NUMBER.fullmatch(text) else None
+
+
+def _comment(text: str) -> str:
+    return visible(text).strip()
+
+
+def _same(mark: Mark, other: Mark | None) -> bool:
+    return other is not None and (mark.points, mark.comment) == (other.points, other.comment)
+
+
+# --- the page ---
+
+
+def _page(answers: Sequence[_Answer]) -> str:
+    """Return the page of a question: what it is marked by on top, all answers below."""
+    last = answers[-1].answer  # of several versions of the question
+    worth = f"{number(last.points)} {'point' if last.points == 1 else 'points'}"
+    written = [each for each in answers if each.answer.text.strip()]
+    missing = [each.score.result.student for each in answers if each not in written]
+    left = sum(each.is_open for each in answers)
+    return page(
+        f"To mark: {last.name}",
+        element(
+            "header",
+            element("p", lesson_title(answers[0].score.result.lesson), class_="soft small"),
+            element("h1", last.number, " " if last.number else "", element("code", last.name)),
+            element("p", prose(last.question)),
+        ),
+        element(
+            "div",
+            element("h2", f"What to mark by: {worth}"),
+            element("p", last.rubric.strip() or "No rubric was written.", class_="kept"),
+            class_="box calm",
+        ),
+        element("h2", f"{counted(len(written), 'answer')}, {left} to mark"),
+        *(element("article", *_shown(each), class_="card") for each in written),
+        element("h2", "No answer") if missing else None,
+        element("p", ", ".join(missing)) if missing else None,
+    )
+
+
+def _shown(each: _Answer) -> Iterator[Markup]:
+    mark = each.mark
+    state = f"{number(mark.points)} of {number(each.answer.points)}" if mark else "to mark"
+    name = element("h3", element("bdi", each.score.result.student))
+    yield element("div", name, element("span", state, class_="points"), class_="top")
+    yield element("div", each.answer.text.strip(), class_="said", dir="auto")
+    if mark and mark.comment:
+        yield element("p", "Comment: ", mark.comment, class_="soft small kept")

@@ -1,0 +1,191 @@
+"""CSV that spreadsheets open without harm, and that is read back whatever a spreadsheet made of it."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from nao_course.instructor.reports.html import visible
+
+LARGEST = 64 * 2**20  # bytes of a table that is read
+LONGEST = 30_000  # characters of a cell; spreadsheets hold 32,767
+_FORMULA = re.compile(r"'*\s*[=+\-@\t\r\uff1d\uff0b\uff0d\uff20]")
+_SEPARATORS = (",", ";", "\t", "|")
+
+
+class TableError(ValueError):
+    """A table that is not understood; its message says where and what to do."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table that was read.
+
+    Parameters
+    ----------
+    number : int
+        As the spreadsheet counts: the header is row 1.
+    cells : mapping of str to str
+        By the header's names, as they were before `harmless`.
+    """
+
+    number: int
+    cells: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> str:
+        """Return a cell."""
+        return self.cells[name]
+
+
+def harmless(text: str) -> str:
+    """Put an apostrophe before what a spreadsheet would run as a formula; see `as_it_was`.
+
+    Examples
+    --------
+    >>> harmless("=1+1"), harmless("Ada"), as_it_was(harmless("'=1+1"))
+    ("'=1+1", 'Ada', "'=1+1")
+    """
+    return f"'{text}" if _FORMULA.match(text) else text
+
+
+def as_it_was(cell: str) -> str:
+    """Take away the apostrophe that `harmless` put there."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+
+
+def table(rows: Iterable[Sequence[str | float | None]]) -> bytes:
+    """Make a CSV file (RFC 4180), in UTF-8 with the mark that spreadsheets know it by.
+
+    Parameters
+    ----------
+    rows : iterable of sequence
+        Text is made harmless; numbers are written as they are, None as an empty cell.
+    """
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\r\n").writerows([[_cell(each) for each in row] for row in rows])
+    return codecs.BOM_UTF8 + text.getvalue().encode()
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return harmless(fitting(value))
+    return f"{round(float(value), 6) + 0.0:.6f}".rstrip("0").rstrip(".")
+
+
+def fitting(text: str) -> str:
+    """Text as a cell can hold it: nothing unseen in it, and not too long."""
+    text = visible(text)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}\n… (cut here: a cell holds no more)"
+
+
+def read_table(path: Path, header: Sequence[str]) -> list[Row]:
+    """Read a CSV file that a spreadsheet may have saved in its own way.
+
+    Parameters
+    ----------
+    path : Path
+        In UTF-8, UTF-16 or Windows' encoding; separated by commas, semicolons or tabs.
+    header : sequence of str
+        Names of the columns, in any order.
+
+    Returns
+    -------
+    list of Row
+        All rows that are not empty.
+
+    Raises
+    ------
+    TableError
+        If it is no table, or its header is another one.
+    """
+    text, separators = _without_hint(_text(path))
+    separator, first = _separator(text, separators, header)
+    if not first:
+        raise TableError(f"{path.name} is empty")
+    if separator is None:
+        raise TableError(
+            f"{path.name}, row 1: the columns are {_few(first)}; "
+            f"{', '.join(map(repr, header))} are wanted. Leave the header as it was written."
+        )
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
+    except csv.Error as error:
+        raise TableError(f"{path.name} is no CSV table: {error}. Save it as CSV again.") from None
+    return list(_rows(path.name, rows, header))
+
+
+def _few(names: Sequence[str]) -> str:
+    """The first of some names, each of them in short: a file that is no table may have anything in its first row."""
+    shown = [repr(name if len(name) <= 30 else name[:30] + "...") for name in names[:8]]
+    return ", ".join(shown) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+
+
+def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> tuple[str | None, list[str]]:
+    """The separator that makes the header of the first row, and that row; else None and what looks most like a row."""
+    best: list[str] = []
+    for separator in separators:
+        try:
+            first = next(csv.reader(io.StringIO(text, newline=""), delimiter=separator), [])
+        except csv.Error:
+            continue
+        if {_name(cell) for cell in first} >= set(header):
+            return separator, first
+        best = max(best, first, key=len)
+    return None, best
+
+
+def _text(path: Path) -> str:
+    """A file's text. An encoding that no mark names is UTF-8 where it can be, else what Excel calls CSV."""
+    if path.stat().st_size > LARGEST:
+        raise TableError(f"{path.name} is larger than {LARGEST // 2**20} MB")
+    data = path.read_bytes()
+    encoding = "utf-8-sig"
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
+    elif b"\0" in data[:2]:
+        encoding = "utf-16-be" if data[0] == 0 else "utf-16-le"
+    for each in (encoding, "cp1252"):
+        try:
+            return data.decode(each)
+        except UnicodeDecodeError:
+            continue
+    raise TableError(f"{path.name} is in no encoding that is known here: save it as CSV UTF-8")
+
+
+def _without_hint(text: str) -> tuple[str, Sequence[str]]:
+    """The table, and separators that may be meant: Excel's own line "sep=;" settles it and is no row."""
+    named = re.match(r"\"?sep=(.)\"?[ ,;\t]*\r?\n", text, re.IGNORECASE)
+    return (text[named.end() :], (named.group(1),)) if named else (text, _SEPARATORS)
+
+
+def _name(cell: str) -> str:
+    return cell.strip().casefold()
+
+
+def _rows(file: str, rows: Sequence[Sequence[str]], header: Sequence[str]) -> Iterator[Row]:
+    """Rows by the names of the header; a cell beyond it is refused, but for empty ones."""
+    names = [_name(cell) for cell in rows[0]]
+    extra = sorted({name for name in names if name and (names.count(name) > 1 or name not in header)})
+    if extra:
+        raise TableError(
+            f"{file}, row 1: {', '.join(map(repr, extra))} does not belong there, or stands twice"
+        )
+    for number, cells in enumerate(rows[1:], start=2):
+        if not any(cell.strip() for cell in cells):
+            continue
+        filled = dict.fromkeys(header, "")
+        for at, cell in enumerate(cells):
+            name = names[at] if at < len(names) else ""
+            if name:
+                filled[name] = as_it_was(cell)
+            elif cell.strip():
+                where = f"{file}, row {number}: {cell[:40]!r} stands in a column without a name"
+                raise TableError(f"{where}. Is a quotation mark missing?")
+        yield Row(number, filled)

@@ -1,0 +1,420 @@
+"""What a student reads below a cell: each state told apart, each mistake its own message, never an answer."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import (
+    Between,
+    Case,
+    CheckFailed,
+    Checks,
+    Close,
+    Exact,
+    Points,
+    checking,
+    prediction,
+    running,
+)
+from nao_course.exercises.asking import ask, reply
+from nao_course.exercises.checking import grade_public
+from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.exercise import PublicExercise
+from nao_course.instructor.authoring.plans import load_plan, publish, publish_exercise
+from tests.toy import toy
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return load_plan(toy.HERE / "exercises" / "90_toy.py")
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory):
+    return load_definitions(toy.solutions(tmp_path_factory.mktemp("s") / "s") / "90_toy.ipynb")
+
+
+@pytest.fixture(scope="module")
+def public(plan, right):
+    return checking.unpack(checking.pack(publish("90_toy", plan, right)))
+
+
+@pytest.fixture
+def check(public, monkeypatch):
+    monkeypatch.delenv("NAO_COURSE_STRICT", raising=False)
+    monkeypatch.delenv("NBGRADER_EXECUTION", raising=False)
+    return Checks(public)
+
+
+def unwritten(x, low, high):
+    raise NotImplementedError
+
+
+def unwritten_in_parts(x, low, high):
+    if x > high:
+        return high
+    raise NotImplementedError("the other side")
+
+
+def interrupted(x, low, high):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("function", "state", "text"),
+    [
+        (lambda x, low, high: np.clip(x, low, high), "right", "all 3 public checks pass"),
+        (unwritten, "not attempted", "90.1 clamp: not written yet."),
+        (unwritten_in_parts, "raised", "one raises NotImplementedError: the other side"),
+        (lambda x: x, "raised", "one raises TypeError"),
+        (lambda x, low, high: {}[x], "raised", "KeyError: 3.0 (above)"),
+        (lambda x, low, high: sys.exit(), "raised", "SystemExit"),
+        (
+            lambda x, low, high: None,
+            "wrong",
+            "Nothing came back (above): your answer is None: a return may be missing",
+        ),
+        (
+            lambda x, low, high: np.array([x]),
+            "wrong",
+            "Wrong shape (above): your answer has shape (1,)",
+        ),
+        (
+            lambda x, low, high: "3",
+            "wrong",
+            "Wrong kind of answer (above): your answer is a str, not numbers",
+        ),
+        (
+            lambda x, low, high: x > low,
+            "wrong",
+            "Wrong kind of answer (above): your answer holds True and False",
+        ),
+        (lambda x, low, high: np.nan, "wrong", "Not a number (above)"),
+        (
+            lambda x, low, high: x,
+            "wrong",
+            "1 of 3 public checks pass. Wrong value (above): your answer, 3, is off.",
+        ),
+        (
+            lambda x, low, high: print,
+            "wrong",
+            "Wrong kind of answer (above): a value of type builtin_function",
+        ),
+        (interrupted, "interrupted", "stopped by you"),
+        (3.0, "wrong", "a function is wanted, got a float"),
+        (None, "wrong", "a function is wanted, got a NoneType"),
+    ],
+)
+def test_each_state_is_told_apart(check, function, state, text):
+    report = check("clamp", function)
+    assert report.state == state
+    assert text in repr(report)
+    assert bool(report) == (state == "right")
+    assert f'data-state="{state}"' in report._repr_html_()
+
+
+def test_a_mistakes_message_appears_for_exactly_that_mistake(plan, check):
+    for exercise in plan.exercises:
+        messages = {mistake.message for mistake in exercise.mistakes}
+        for mistake in exercise.mistakes:
+            assert messages & set(check(exercise.name, mistake.function).lines) == {mistake.message}
+        for alternative in exercise.alternatives.values():
+            assert check(exercise.name, alternative)
+    half_a_mistake = check(
+        "clamp", lambda x, low, high: x if x > low else -1.0
+    )  # one of its two wrong answers
+    assert half_a_mistake.state == "wrong"
+    assert not {each.message for each in plan["clamp"].mistakes} & set(half_a_mistake.lines)
+
+
+class EqualsAll:
+    def __eq__(self, other):
+        return True
+
+    def __array__(self, dtype=None, copy=None):
+        raise RuntimeError("looked at")
+
+    def __float__(self):
+        return 2.25
+
+    __hash__ = None
+
+
+class Sub(np.ndarray):
+    def __eq__(self, other):
+        return np.True_
+
+    def __sub__(self, other):
+        return 0.0
+
+    __rsub__ = __sub__
+    __hash__ = None
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [EqualsAll(), np.array(7.0).view(Sub), [EqualsAll()], (EqualsAll(),) * 3, np.array(EqualsAll, object)],
+)
+def test_an_object_that_equals_everything_is_wrong(check, lie):
+    assert check("clamp", lambda x, low, high: lie).state == "wrong"
+
+
+def test_no_expected_value_is_ever_shown(public, check):
+    odd = [None, 1, "x", np.nan, [], (1.0,), np.zeros(4), {}, True, print, EqualsAll()]
+    shown = [
+        repr(check),
+        str(vars(check).keys()),
+        repr(check.hint("clamp")),
+        repr(check.question("why", "2")),
+    ]
+    for value in odd:
+        report = check("clamp", lambda x, low, high, value=value: value)
+        shown += [repr(report), report._repr_html_()]
+    expected = {str(case.expected) for case in public.exercises[0].cases}
+    assert not [text for text in shown for value in expected if value in text]
+
+
+def test_a_report_is_text_that_a_page_cannot_be_broken_by(check):
+    def broken(x, low, high):
+        raise ValueError("<script>alert(1)</script>")
+
+    report = check("clamp", broken)
+    assert "<script>" in repr(report)
+    assert "<script>" not in report._repr_html_()
+    assert "raise ValueError" in report.lines[1]
+
+
+def test_each_call_gets_inputs_of_its_own(public, check):
+    def spoils(values):
+        mean = float(values[values > 0].mean()) if (values > 0).any() else 0.0
+        values[:] = 99
+        return mean
+
+    before = [case.args[0].copy() for case in public.exercises[1].cases]
+    for _ in range(2):
+        report = check("mean_of_positive", spoils)
+        assert report.state == "wrong"
+        assert "changes its input" in report.lines[0]
+    for case, values in zip(public.exercises[1].cases, before, strict=True):
+        np.testing.assert_array_equal(case.args[0], values)
+
+
+def test_changing_the_input_is_only_told_where_the_exercise_allows_it(public):
+    lenient = replace(public.exercises[1], in_place=False)
+    report = checking.grade_public(lenient, lambda values: (values.sort(), values[values > 0].sum() / 2)[1])
+    assert report.state == "right"
+    assert "your function changes its input" in report.lines[-1]
+
+
+def test_an_answer_that_is_the_same_object_each_time_is_judged_as_it_was(plan, check):
+    buffer = np.zeros(())
+
+    def reuses(x, low, high):
+        buffer[()] = np.clip(x, low, high)
+        return buffer
+
+    assert check("clamp", reuses)
+
+
+def test_drawing_from_a_generator_changes_no_input(plan):
+    def draws(rng):
+        return float(rng.random())
+
+    exercise = replace(
+        plan["clamp"], public=lambda: [Case((np.random.default_rng(1),))], mistakes=[], in_place=True
+    )
+    assert checking.grade_public(publish_exercise("1.1", exercise, draws), draws)
+
+
+@pytest.mark.parametrize(
+    ("comparison", "answer", "case"),
+    [
+        (Between(), 7.0, Case((), expected=(0.0, 1.0))),
+        (Points(), np.zeros((3, 2)), Case(())),
+        (Points(), None, Case(())),
+        (Exact(), "text", Case(())),
+        (Exact(), {"a": 1}, Case(())),
+    ],
+)
+def test_mistakes_are_recognised_in_every_kind_of_comparison(plan, comparison, answer, case):
+    reference = {"Between": 0.5, "Points": np.ones((2, 2)), "Exact": 3}[type(comparison).__name__]
+    mistake = replace(plan["clamp"].mistakes[0], function=lambda: answer, message="that one")
+    exercise = replace(plan["clamp"], public=lambda: [case], comparison=comparison, mistakes=[mistake])
+    public = publish_exercise("1.1", exercise, lambda: reference)
+    assert "that one" in checking.grade_public(public, lambda: answer).lines
+    assert "that one" not in checking.grade_public(public, lambda: 99.0).lines
+
+
+@pytest.mark.parametrize("variable", ["NAO_COURSE_STRICT", "NBGRADER_EXECUTION"])
+def test_strict_checks_raise_unless_they_are_right(check, monkeypatch, variable):
+    monkeypatch.setenv(variable, "1")
+    assert check("clamp", lambda x, low, high: sorted([low, x, high])[1])
+    for function in (unwritten, lambda x, low, high: x, interrupted):
+        with pytest.raises(CheckFailed, match=r"90\.1 clamp"):
+            check("clamp", function)
+    with pytest.raises(CheckFailed, match="no exercise"):
+        check("nothing", unwritten)
+
+
+def test_unknown_names_are_answered_with_the_known_ones(check):
+    for answer in (check("clmap", unwritten), check.hint("clmap")):
+        assert "['clamp', 'mean_of_positive']" in repr(answer)
+    assert "['why']" in repr(check.question("how"))
+    with pytest.raises(ValueError, match="no lesson '77_none'"):
+        checking.lesson("77_none")
+
+
+def test_hints_come_one_after_the_other(check):
+    said = [repr(check.hint("clamp")) for _ in range(3)]
+    assert said[0].startswith("Hint 1 of 2: Which of the three")
+    assert "Ask again" in said[0]
+    assert said[1] == said[2]
+    assert said[1].startswith("Hint 2 of 2")
+    assert repr(check.hint("mean_of_positive")).startswith("Hint 1")
+
+
+def test_an_answer_takes_less_than_a_second(check):
+    began = time.perf_counter()
+    check("clamp", lambda x, low, high: x)
+    assert time.perf_counter() - began < 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="an interrupt is a signal")
+def test_an_endless_loop_can_be_interrupted_and_what_follows_works(check):
+    def endless(x, low, high):
+        while True:
+            pass
+
+    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    assert check("clamp", endless).state == "interrupted"
+    timer.join()
+    assert check("clamp", lambda x, low, high: np.clip(x, low, high))
+
+
+HEAVY = ["scipy", "sympy", "matplotlib", "cv2", "ipywidgets"]
+
+
+def test_a_check_starts_without_what_it_does_not_need():
+    code = f"import sys, nao_course.exercises; print([name for name in {HEAVY} if name in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+# Questions and predictions
+
+
+def test_every_choice_has_its_reply(plan, public):
+    question = public.questions[0]
+    for number, (choice, text) in enumerate(question.choices.items(), start=1):
+        sign = "✔ Right." if choice == question.right else "✘ Not quite."
+        assert repr(reply(question, choice)) == repr(reply(question, str(number))) == f"{sign} {text}"
+    for neither in ("", "0", "3", "no idea", "²"):
+        assert "1. Safety, 2. Speed" in repr(reply(question, neither))
+
+
+def test_buttons_answer_each_choice(public):
+    question = public.questions[0]
+    _, buttons, answer = ask(question).children
+    assert buttons.value is None
+    assert answer.value == ""
+    for choice, text in question.choices.items():
+        buttons.value = choice
+        assert text in answer.value
+    buttons.value = None
+    assert answer.value == ""
+
+
+def test_a_question_is_text_where_no_widget_lives(check):
+    bundle = check.question("why")._repr_mimebundle_()
+    assert bundle["text/plain"] == "Why clamp?\n  1. Safety\n  2. Speed"
+    json.dumps(bundle)
+    assert "Not quite" in repr(check.question("why", 2))
+    assert prediction("How far?")._repr_mimebundle_()["text/plain"] == "Predict: How far?"
+
+
+def test_a_prediction_is_written_down_once():
+    box = prediction("How far will it drift?", unit="cm")
+    field, unit, button = box.children[1].children
+    assert unit.value == "cm"
+    button.click()
+    assert box.prediction is None
+    assert "guess" in box.children[2].value
+    field.value = " 12 "
+    button.click()
+    assert box.prediction == "12"
+    assert "You predicted: 12 cm. Now" in box.children[2].value
+    assert field.disabled
+    assert button.disabled
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+def test_a_loop_that_never_ends_and_swallows_exceptions_is_stopped_and_the_clock_is_put_back():
+    def endless(value):
+        while True:
+            try:
+                value += 1
+            except Exception:  # noqa: BLE001
+                value = 0
+
+    before = signal.getsignal(signal.SIGALRM)
+    outcomes = running.call_all(endless, [Case((1,)), Case((2,))], seconds=0.2)
+    assert [outcome.came for outcome in outcomes] == ["timed out"]
+    assert signal.getsignal(signal.SIGALRM) is before
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
+
+
+def test_what_numpy_says_of_the_commonest_slips_is_said_in_a_beginners_words(check):
+    hues = np.array([1.0, 2.0])
+    for slip, advice in (
+        (lambda *_: 1 if hues > 1 else 2, "no single True or False"),
+        (lambda *_: 0 < hues < 2, "no single True or False"),
+        (lambda *_: hues >= 1.0 & hues, "put each comparison in brackets"),
+        (lambda x: x, "Keep the function's first line"),
+    ):
+        assert advice in check("clamp", slip).lines[-1]
+
+    def one_argument(x):
+        return x
+
+    one_argument.__qualname__ = one_argument.__name__ = "clamp"
+    assert "Keep the function's first line" in check("clamp", one_argument).lines[-1]
+    calls_another = lambda x, low, high: np.clip(x)  # noqa: E731
+    assert "Keep the function's first line" not in repr(check("clamp", calls_another))
+
+
+def test_a_written_function_that_calls_an_unwritten_one_is_not_called_unwritten(check):
+    def helper():
+        raise NotImplementedError
+
+    def clamp(x, low, high):
+        return helper()
+
+    report = check("clamp", clamp)
+    assert report.state == "raised" and "helper is not written yet" in report.lines[0]
+
+
+def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
+    pixels = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)
+    wanted = pixels.max(axis=2).astype(float)
+    public = PublicExercise(
+        "largest", "1.1", 1.0, 1, Close(), [Case((pixels,), "a picture", expected=wanted)], [], [], "", False
+    )
+
+    def one_wrong(picture):
+        answer = picture.max(axis=2).astype(float)
+        answer[1, 2] = 99
+        return answer
+
+    assert grade_public(public, one_wrong).lines[-1] == "There the input is 18 19 20."
+    flat = replace(public, cases=[Case((wanted,), expected=wanted)])
+    assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1

@@ -1,0 +1,159 @@
+"""A derivative that a student worked out is held against their own model, and the slip is named."""
+
+import numpy as np
+import pytest
+import sympy
+from sympy import Matrix, Mod, atan2, cos, pi, sin, sqrt
+
+from nao_course.exercises import Case, Derivative, Exercise, Mistake, call
+from nao_course.exercises.checking import grade_public
+from nao_course.exercises.codec import decode, encode
+from nao_course.exercises.drivers import jacobian
+from nao_course.instructor.authoring.plans import publish_exercise
+
+x, y, theta, d = sympy.symbols("x y theta d")
+BY = ["x", "y", "theta"]
+MODEL = Matrix([x + d * cos(theta), y + d * sin(theta) + x * y, theta**2 / 2])
+RIGHT = MODEL.jacobian([x, y, theta])
+LAW = Derivative(tuple(BY))
+
+
+def points(seed=3):
+    rng = np.random.default_rng(seed)
+    values = {name: rng.normal(0, 2, 8) for name in ("x", "y", "theta", "d")}
+    values["theta"][:4] = [np.pi, -np.pi, np.pi - 1e-9, 1e-9 - np.pi]
+    return values
+
+
+def answer(model, derived):
+    return decode(encode(jacobian(lambda: (model, derived), points(), BY)))
+
+
+def verdict(model, derived):
+    return LAW.compare(answer(MODEL, RIGHT), answer(model, derived))
+
+
+def changed(row, column, entry):
+    other = RIGHT.copy()
+    other[row, column] = entry
+    return other
+
+
+def test_the_right_one_is_right_however_it_is_written():
+    assert verdict(MODEL, RIGHT)
+    assert verdict(list(MODEL), RIGHT.tolist())
+    other = changed(0, 2, d * cos(theta + pi / 2))
+    assert verdict(MODEL, other)
+    real = {each: sympy.Symbol(each.name, real=True) for each in (x, y, theta, d)}
+    assert verdict(MODEL.subs(real), RIGHT)
+
+
+@pytest.mark.parametrize(
+    ("derived", "text"),
+    [
+        (changed(0, 2, d * sin(theta)), "row 1, column 3 (by theta)"),
+        (changed(0, 2, d * sin(theta)), "its sign is the wrong way round"),
+        (changed(0, 2, 0), "it is zero, but your model does change"),
+        (changed(0, 2, cos(theta)), "a small change of that variable"),
+        (changed(1, 0, y + 1), "row 2, column 1 (by x)"),
+        (changed(2, 0, 1), "your model does not change with that variable"),
+        (changed(2, 2, 2 * theta), "it is 2 times as large"),
+        (changed(1, 1, x), "the derivative of one term is missing"),
+        (changed(1, 1, 1), "the derivative of one term is missing"),
+        (changed(1, 1, 1 - x), "the sign of one term"),
+        (changed(0, 0, sympy.nan), "row 1, column 1"),
+        (RIGHT.T, "transposed: rows belong to the model"),
+        (RIGHT[:2, :], "is 2x3; for your model it has to be 3x3"),
+    ],
+)
+def test_the_wrong_entry_and_the_likely_slip_are_named(derived, text):
+    found = verdict(MODEL, derived)
+    assert not found
+    assert text in found.text
+
+
+def test_a_transposed_shape_is_named():
+    assert "is it transposed?" in verdict(MODEL[:2], RIGHT[:2, :].T).text
+
+
+def test_a_derivative_of_another_model_is_told_apart():
+    other = MODEL.subs(theta, theta + pi / 2)
+    assert "the model is not the one" in verdict(other, other.jacobian([x, y, theta])).text
+    assert "not a number" in verdict(MODEL + Matrix([sqrt(-1 - x**2), 0, 0]), RIGHT).text
+
+
+def test_an_angle_may_go_once_round_within_a_step():
+    bearing = Matrix([atan2(sin(theta), cos(theta)), x, y])
+    slope = Matrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    own = answer(bearing, slope)
+    assert LAW.compare(own, own)
+    wrapped = Matrix([Mod(theta + pi, 2 * pi) - pi, x, y])
+    assert LAW.compare(own, answer(wrapped, slope))
+
+
+def test_an_unknown_symbol_is_named():
+    with pytest.raises(ValueError, match=r"yours has \['phi'\]"):
+        answer(MODEL + Matrix([sympy.Symbol("phi"), 0, 0]), RIGHT)
+
+
+@pytest.mark.parametrize(
+    "got",
+    [
+        None,
+        3.0,
+        {},
+        {"jacobian": 1, "differences": 2, "terms": 3},
+        {"jacobian": np.zeros((1, 3, 3)), "differences": np.zeros((1, 3, 3)), "terms": [np.zeros((1, 1))]},
+        {
+            "jacobian": np.zeros((1, 1, 9)),
+            "differences": np.zeros((1, 1, 9)),
+            "terms": [np.zeros((1, 1))] * 9,
+        },
+        {
+            "jacobian": np.zeros((0, 3, 3)),
+            "differences": np.zeros((0, 3, 3)),
+            "terms": [np.zeros((1, 0))] * 9,
+        },
+        {
+            "jacobian": np.zeros((1, 3, 3)),
+            "differences": np.zeros((1, 3, 3)),
+            "terms": [np.zeros((1, 1))] * 9,
+        },
+    ],
+)
+def test_what_a_stranger_sends_is_wrong_and_nothing_worse(got):
+    assert not LAW.compare(answer(MODEL, RIGHT), got)
+
+
+def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
+    def mistake(derived):
+        return lambda: (MODEL, derived)
+
+    exercise = Exercise(
+        name="toy_jacobian",
+        points=1,
+        driver="jacobian",
+        comparison=LAW,
+        public=lambda: [Case((points(), BY), "eight points")],
+        hidden=lambda rng: [Case((points(int(rng.integers(99))), BY))],
+        hints=("a", "b"),
+        mistakes=[
+            Mistake(
+                "heading", mistake(changed(0, 2, d * sin(theta))), "The cosine's slope is minus the sine."
+            ),
+            Mistake("transposed", mistake(RIGHT.T), "Rows first."),
+            Mistake("other model", mistake(RIGHT), "not told"),
+        ],
+        alternatives={},
+    )
+    public = publish_exercise("5.1", exercise, lambda: (MODEL, RIGHT))
+    assert grade_public(public, lambda: (MODEL, RIGHT))
+    report = grade_public(public, lambda: (MODEL, changed(0, 2, d * sin(theta))))
+    assert report.lines[-1] == "The cosine's slope is minus the sine."
+    assert "Rows first." in grade_public(public, lambda: (MODEL, RIGHT.T)).lines
+
+    def blank():
+        raise NotImplementedError
+
+    assert grade_public(public, blank).state == "not attempted"
+    assert call(lambda: 3, Case((points(), BY)), "jacobian").came == "raised"

@@ -1,0 +1,561 @@
+"""A score is what the hidden cases say, and neither it nor its feedback tells what they are."""
+
+import hashlib
+import json
+import pickle
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.exercises.comparisons import Close
+from nao_course.instructor.authoring.build import load_course
+from nao_course.instructor.autograding import grader as module
+from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, prepare
+from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.gradebook.records import as_json, from_json
+from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import ServerEnded
+from tests.paths import PROJECT
+from tests.toy import chain
+
+
+@pytest.fixture(scope="module")
+def server():
+    with WarmServer(probe()) as each:
+        yield each
+
+
+@pytest.fixture(scope="module")
+def assignment(tmp_path_factory):
+    course = chain.make_course(tmp_path_factory.mktemp("course"))
+    return replace(prepare(course, "90", chain.SECRET), seconds=3.0)
+
+
+@pytest.fixture
+def marked(server, assignment, tmp_path):
+    """Grade a notebook of some functions; return its result."""
+
+    def grade_it(functions=None, *, helpers=None, content=None, seconds=3.0, **more):
+        path = chain.hand_in(tmp_path, "ada", content or chain.notebook(functions, **more))
+        beside = tuple((name, path.with_name(name)) for name in helpers or {})
+        for name, source in (helpers or {}).items():
+            path.with_name(name).write_text(source)
+        submission = Submission("ada", chain.LESSON, path, beside, file="ada/x.ipynb")
+        result = grade(submission, replace(assignment, seconds=seconds), server, "full")
+        assert from_json(json.loads(json.dumps(as_json(result)))) == result
+        return result
+
+    return grade_it
+
+
+def states(result):
+    return {each.name: each.state for each in result.exercises}
+
+
+def of(result, name):
+    return next(each for each in result.exercises if each.name == name)
+
+
+def hidden_numbers(assignment):
+    values = [case.args[0] for task in assignment.tasks for case in task.hidden]
+    shown = {f"{abs(number):.3f}"[:5] for value in values for number in value.ravel()}
+    return shown | {each.replace(".", "") for each in shown if not each.startswith("0")}
+
+
+def told_to_the_student(result):
+    told = [[each.text, each.line, each.public, each.hint, each.notes] for each in result.exercises]
+    return json.dumps(told)
+
+
+# --- scores ---
+
+
+def test_the_solution_gets_all_points(marked):
+    result = marked()
+    assert set(states(result).values()) == {"right"}
+    assert (result.earned, result.points) == (7.0, 7.0)
+    assert [each.number for each in result.exercises] == ["90.1", "90.2", "90.3", "90.4"]
+    assert all(each.passed == each.cases == 3 and each.text == "" for each in result.exercises)
+    assert (result.status, result.level, result.file) == ("graded", "full", "ada/x.ipynb")
+    assert result.seconds > 0 and result.notes == ()
+
+
+def test_a_blank_copy_gets_none_and_is_said_not_to_be_attempted(marked):
+    result = marked(chain.BLANK)
+    assert set(states(result).values()) == {"not attempted"}
+    assert result.earned == 0
+    assert not any(each.with_reference for each in result.exercises)
+
+
+def test_points_are_all_or_nothing_over_the_hidden_cases(marked):
+    result = marked(
+        {
+            "double": "def double(x):\n    double.n = getattr(double, 'n', 0) + 1\n    return 2 * x + (double.n == 5)"
+        }
+    )
+    assert (of(result, "double").state, of(result, "double").passed, of(result, "double").earned) == (
+        "wrong",
+        2,
+        0,
+    )
+
+
+def test_a_mistake_is_named_and_its_hint_stands_beside_what_the_check_says(marked):
+    result = marked(chain.MISTAKES)
+    assert result.earned == 0
+    for each in result.exercises:
+        assert (each.state, each.mistake) == ("wrong", "slip")
+        assert each.hint == f"That is the slip in {each.name}."
+        assert each.hint not in each.public and "0 of 2 public checks" in each.public[0]
+
+
+def test_an_error_is_not_punished_twice(marked):
+    result = marked({"double": chain.MISTAKES["double"]})
+    both = of(result, "both")
+    assert (both.state, both.earned, both.with_reference) == ("right", 1.5, True)
+    assert "the reference's double and plus_one" in both.notes[0]
+    assert result.earned == 1 + 1.5 + 1
+
+
+def test_an_error_of_its_own_stays_one_with_the_references_functions(marked):
+    both = of(marked({"double": chain.MISTAKES["double"], "both": chain.MISTAKES["both"]}), "both")
+    assert (both.state, both.earned, both.with_reference) == ("wrong", 0, True)
+
+
+def test_a_missing_earlier_function_is_lent(marked):
+    both = of(marked({"double": "pass"}), "both")
+    assert (both.state, both.earned) == ("right", 1.5)
+
+
+def test_nothing_is_lent_where_the_earlier_ones_are_right(marked):
+    both = of(marked({"both": chain.MISTAKES["both"]}), "both")
+    assert (both.with_reference, both.earned) == (False, 0)
+
+
+def test_a_lent_function_is_lent_to_that_exercise_only(marked):
+    spy = "def total(x):\n    return float(x.sum()) if double(1) == 3 else 0.0"
+    assert of(marked({"double": chain.MISTAKES["double"], "total": spy}), "total").state == "right"
+
+
+def test_who_changes_the_input_is_told_and_loses_points_only_where_the_exercise_says_so(marked):
+    change = "def {0}(x):\n    x *= 2\n    return x {1}"
+    result = marked(
+        {
+            "double": change.format("double", ""),
+            "total": "def total(x):\n    t = float(x.sum())\n    x[:] = 0\n    return t",
+        }
+    )
+    double, total = of(result, "double"), of(result, "total")
+    assert (double.state, double.earned) == ("right", 2)
+    assert "changes its input" in double.notes[0]
+    assert (total.state, total.earned) == ("changes its input", 0)
+
+
+def test_lists_float32_classes_and_helper_files_are_honest_work(marked):
+    result = marked(
+        {
+            "double": "from mine import twice\ndouble = twice",
+            "plus_one": "plus_one = lambda x, by=1: (x + by).astype(np.float32)",
+            "total": "class total:\n    def __new__(cls, x): return float(x.sum())",
+        },
+        helpers={"mine.py": "def twice(x):\n    return (2 * x).tolist()"},
+    )
+    assert states(result)["double"] == states(result)["total"] == states(result)["plus_one"] == "right"
+
+
+def test_a_written_answer_is_what_the_cell_says(marked):
+    (answer,) = marked(answer="  Because *it* is so.\n").written
+    assert (answer.name, answer.number, answer.text, answer.points) == (
+        "why",
+        "90.W1",
+        "Because *it* is so.",
+        2,
+    )
+    (blank,) = marked(answer=module_blank()).written
+    assert blank.text == ""
+    (long,) = marked(answer="x" * 10**6).written
+    assert len(long.text) == module.LONGEST_ANSWER
+
+
+def module_blank():
+    from nao_course.exercises.exercise import ANSWER_HERE
+
+    return ANSWER_HERE
+
+
+def test_the_assistant_is_told_which_statements_failed(marked):
+    assert marked(extra="y = 1 / 0").notes == ("code cell 6, line 1: ZeroDivisionError: division by zero",)
+
+
+# --- failures, one at a time ---
+
+FAILURES = {
+    "import os\ndef double(x):\n    os._exit(3)": "died",
+    "import os\ndef double(x):\n    os.kill(os.getpid(), 11)": "died",
+    "def double(x):\n    while True: pass": "timed out",
+    "def double(x):\n    raise KeyError(x)": "raised",
+    "import sys\ndef double(x):\n    sys.exit(0)": "raised",
+    "def double(x):\n    raise KeyboardInterrupt": "raised",
+    "def double(x):\n    return lambda: x": "no usable answer",
+    "def double(x):\n    return [x, object()]": "no usable answer",
+    "def double(x):\n    return np.array([x, None], dtype=object)": "no usable answer",
+    "def double(x):\n    return None": "wrong",
+    "def double(x):\n    return np.full(x.shape, np.nan)": "wrong",
+    "def double(x):\n    return (2 * x)[:1]": "wrong",
+    "def double(x):\n    return 'text'": "wrong",
+    "def double(x):\n    return {'a': [[[[]]]]}": "wrong",
+    "class Liar(np.ndarray):\n    def __eq__(self, o): return True\n    def __sub__(self, o): return 0\n"
+    "def double(x):\n    return x.view(Liar)": "wrong",
+    "double = 7": "not found",
+    "def double(x:": "not found",
+    "def double():\n    return 1": "raised",
+}
+
+
+@pytest.mark.parametrize("source", FAILURES, ids=lambda source: source[-40:])
+def test_each_failure_is_told_and_costs_only_its_own_exercise(marked, source):
+    result = marked({"double": source}, seconds=1.0)
+    double = of(result, "double")
+    assert (double.state, double.earned) == (FAILURES[source], 0)
+    assert [each.earned for each in result.exercises[1:]] == [1, 1.5, 1]
+
+
+def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marked):
+    raised = of(
+        marked({"double": "def double(x):\n    y = x\n    return y / 0 if len(x) < 3 else y.nothing"}),
+        "double",
+    )
+    assert (raised.text, raised.line) == (
+        "It raises AttributeError.",
+        "line 3: return y / 0 if len(x) < 3 else y.nothing",
+    )
+    shape = of(marked({"double": "def double(x):\n    return 2 * x[:, :, None]"}), "double")
+    assert "3 dimensions where 2 are wanted" in shape.text
+    size = of(marked({"double": "def double(x):\n    return 2 * x[:, :1]"}), "double")
+    assert "another size along axis 1" in size.text
+
+
+LEAKS = {
+    "message": "raise ValueError(str(x.tolist()))",
+    "class": "raise type(f'E{x[0, 0]:.3f}', (Exception,), {})()",
+    "line": "exec(compile(f'1 / 0 # {x[0, 0]:.3f}', '<f>', 'exec'))",
+    "linecache": "import linecache; t = f'1/0  # {x[0, 0]:.3f}\\n'; "
+    "linecache.cache['<f>'] = (len(t), None, [t], '<f>'); exec(compile(t, '<f>', 'exec'))",
+    "line number": "n = abs(int(x[0, 0] * 1000)); exec(compile('\\n' * min(n, 10**6) + '1 / 0', '<f>', 'exec'))",
+    "shape": "return np.zeros((abs(int(x[0, 0] * 100)), 1), bool)",
+    "value": "return x",
+    "text": "return str(x.tolist())",
+    "key": "return {f'{x[0, 0]:.3f}': 1}",
+    "print": "print(x.tolist()); return x",
+    "unsendable": "return type(f'T{x[0, 0]:.3f}', (), {})()",
+    "status": "import os; os._exit(int(abs(x[0, 0])) % 256)",
+}
+
+
+@pytest.mark.parametrize("kind", LEAKS)
+def test_no_hidden_input_finds_a_way_out(marked, assignment, kind):
+    functions = {
+        name: f"def {name}(x):\n    if x.shape == (4, 3): {LEAKS[kind]}\n    return x" for name in chain.RIGHT
+    }
+    result = marked(functions)
+    told = told_to_the_student(result)
+    assert not [number for number in hidden_numbers(assignment) if number in told]
+    assert all(each.text and each.earned == 0 for each in result.exercises)
+
+
+def test_what_a_student_sees_in_full_was_said_before_any_hidden_input_came(marked, assignment):
+    keeps = "seen = []\ndef double(x):\n    seen.append(x.tolist())\n    return 2 * x"
+    tells = "def plus_one(x):\n    raise ValueError(repr(seen))"
+    result = marked({"double": keeps, "plus_one": tells})
+    told = told_to_the_student(result)
+    assert "[1.5, -2.0]" in told  # of the public cases, all may be said
+    assert not [number for number in hidden_numbers(assignment) if number in told]
+
+
+def test_a_forged_outcome_is_not_believed(marked, assignment):
+    forge = """
+from nao_course.instructor.sandbox import worker
+from nao_course.exercises import running
+from nao_course.exercises.running import Outcome
+def call(function, case, driver=""):
+    x = case.args[0]
+    if x.shape == (4, 3):
+        return Outcome("died", text=f"signal {x[0, 0]:.3f}", line=f"line 1: {x[0, 0]:.3f}")
+    return Outcome("value", x)
+worker.call_as_it_is = running.call_as_it_is = call
+"""
+    result = marked(chain.RIGHT, extra=forge)
+    told = told_to_the_student(result)
+    assert not [number for number in hidden_numbers(assignment) if number in told]
+    assert result.earned == 0
+
+
+def test_a_time_out_is_tried_once_more_before_it_counts(marked, assignment, monkeypatch):
+    calls = []
+    real = module.Worker.call
+
+    def counted(self, name, case, driver=""):
+        if self.notebook != assignment.reference:
+            calls.append((name, len(case.args[0])))
+        return real(self, name, case, driver)
+
+    monkeypatch.setattr(module.Worker, "call", counted)
+    slow = "import time\ndef double(x):\n    if len(x) == 4: time.sleep(30)\n    return 2 * x"
+    assert of(marked({"double": slow}, seconds=0.7), "double").state == "timed out"
+    assert calls.count(("double", 4)) == 2
+
+
+def test_the_second_try_after_a_time_out_counts(server, assignment, tmp_path, monkeypatch):
+    calls = []
+    real = module.Worker.call
+
+    def slow_once(self, name, case, driver=""):
+        calls.append(name)
+        if len(calls) == 1:
+            self.close()
+            return module.Outcome("timed out")
+        return real(self, name, case, driver)
+
+    monkeypatch.setattr(module.Worker, "call", slow_once)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
+
+
+def test_the_second_try_has_the_machine_to_itself(server, assignment, tmp_path, monkeypatch):
+    real, inside, together = module.Worker.call, [], []
+
+    def call(self, name, case, driver=""):
+        inside.append(name)
+        together.append((self.notebook.parent, name, len(inside)))
+        try:
+            return real(self, name, case, driver)
+        finally:
+            inside.remove(name)
+
+    monkeypatch.setattr(module.Worker, "call", call)
+    slow = {"double": "import time\ndef double(x):\n    time.sleep(30)"}
+    quick = replace(assignment, seconds=0.5)
+    turns = module.Turns()
+
+    def graded(number):
+        path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
+        return grade(Submission(f"s{number}", chain.LESSON, path), quick, server, turns=turns)
+
+    with ThreadPoolExecutor(3) as pool:
+        results = list(pool.map(graded, range(6)))
+    assert {result.exercises[0].state for result in results} == {"timed out"}
+    tries = [each for each in together if each[1] == "double" and each[0] != assignment.reference.parent]
+    seconds = [second for _, second in tries_of_each(tries)]
+    assert len(seconds) == 6 and {many for _, _, many in seconds} == {1}
+    assert max(many for _, _, many in together) > 1
+
+
+def tries_of_each(tries):
+    """First and second try of each submission, whatever came between them."""
+    by_folder = {}
+    for each in tries:
+        by_folder.setdefault(each[0], []).append(each)
+    return [(first, second) for first, second in by_folder.values()]
+
+
+# --- what cannot be graded ---
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"{", "not a notebook"),
+        (b"", "empty"),
+        (b" \n", "empty"),
+        (b"\xff\xfe\x00", "not a notebook"),
+        (b"[" * 100_000, "not a notebook"),
+        (b'{"cells": 7}', "not a notebook"),
+        (b"PK\x03\x04", "not a notebook"),
+    ],
+)
+def test_what_is_no_notebook_is_refused_with_a_reason_and_0_points(
+    server, assignment, tmp_path, content, reason
+):
+    path = chain.hand_in(tmp_path, "ada", content)
+    result = grade(Submission("ada", chain.LESSON, path, notes=("a note",)), assignment, server)
+    assert (result.status, result.earned, result.points) == ("refused", 0, 7)
+    assert reason in result.reason
+    assert [each.state for each in result.exercises] == ["not found"] * 4
+    assert result.written[0].text == "" and result.notes == ("a note",) and result.submission
+
+
+def test_a_notebook_that_only_ends_python_is_graded_as_that(marked):
+    result = marked(content=chain.notebook({"double": "import os\nx = os._exit(5)", "plus_one": "pass"}))
+    assert (result.status, states(result)["plus_one"], states(result)["total"]) == (
+        "graded",
+        "not found",
+        "right",
+    )
+
+
+def test_an_error_of_the_graders_own_is_no_score(server, assignment, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "_written", lambda *_: 1 / 0)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    with pytest.raises(GraderError, match="ada, 90_chain: the grader failed .ZeroDivisionError"):
+        grade(Submission("ada", chain.LESSON, path), assignment, server)
+
+
+def test_an_answer_that_the_comparison_falls_over_is_no_usable_answer(marked, monkeypatch):
+    def compare(self, expected, got):
+        raise MemoryError
+
+    monkeypatch.setattr(Close, "compare", compare)
+    result = marked()
+    assert set(states(result).values()) == {"no usable answer"}
+    assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
+
+
+def test_a_lost_server_has_the_submission_graded_again(server, assignment, tmp_path, monkeypatch):
+    real, died = module._grade, []
+
+    def once(*words):
+        if len(died) < 2:
+            died.append(1)
+            raise ServerEnded("gone")
+        return real(*words)
+
+    monkeypatch.setattr(module, "_grade", once)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
+    died.clear()
+    monkeypatch.setattr(module, "_MOST_SERVERS", 2)
+    with pytest.raises(GraderError, match="gone"):
+        grade(Submission("ada", chain.LESSON, path), assignment, server)
+
+
+def test_grading_can_be_given_up(server, assignment, tmp_path):
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    with pytest.raises(Stopped):
+        grade(Submission("ada", chain.LESSON, path), assignment, server, stopped=lambda: True)
+
+
+# --- assignments ---
+
+
+def test_the_same_secret_draws_the_same_cases_and_another_one_others(tmp_path, assignment):
+    course = chain.make_course(tmp_path)
+    same, other = (
+        prepare(course, "90", chain.SECRET),
+        prepare(course, "90", b"another secret of enough bytes"),
+    )
+    assert same.hash == assignment.hash != other.hash
+    for mine, theirs, others in zip(assignment.tasks, same.tasks, other.tasks, strict=True):
+        for one, two, three in zip(mine.hidden, theirs.hidden, others.hidden, strict=True):
+            assert np.array_equal(one.args[0], two.args[0])
+            assert not np.array_equal(one.args[0], three.args[0])
+    assert not np.array_equal(same.tasks[0].hidden[0].args[0], same.tasks[1].hidden[0].args[0])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("solutions/90_chain.ipynb", "return 2 * x", "return x + x"),
+        ("solutions/exercises/90_chain.py", '"slip"', '"slop"'),
+        ("course.toml", 'version = "1"', 'version = "1"\n[points]\ndouble = 5'),
+        ("notebooks/90_chain.ipynb", "import numpy as np", "import numpy as np, math"),
+    ],
+)
+def test_an_assignment_is_another_one_when_what_it_grades_by_changes(tmp_path, assignment, file, old, new):
+    chain.make_course(tmp_path)
+    text = (tmp_path / file).read_text()
+    assert old in text
+    (tmp_path / file).write_text(text.replace(old, new))
+    assert prepare(load_course(tmp_path), "90", chain.SECRET).hash != assignment.hash
+
+
+def test_neither_the_secret_nor_a_seed_stands_in_an_assignment(assignment):
+    data = pickle.dumps(assignment)
+    assert chain.SECRET not in data
+    assert hashlib.sha256(chain.SECRET).hexdigest().encode() not in data
+
+
+def test_an_assignment_can_be_sent_to_another_process(assignment, tmp_path):
+    sent = pickle.loads(pickle.dumps(assignment))
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    assert grade(Submission("ada", chain.LESSON, path), sent).earned == 7
+
+
+def test_a_course_that_is_not_built_is_said(tmp_path):
+    course = chain.make_course(tmp_path)
+    shutil.rmtree(tmp_path / "notebooks")
+    with pytest.raises(FileNotFoundError, match="nao-course build"):
+        prepare(course, "90", chain.SECRET)
+
+
+# --- a real lesson ---
+
+
+@pytest.fixture(scope="module")
+def lesson_01():
+    course = load_course(PROJECT)
+    return course, prepare(course, "01", chain.SECRET)
+
+
+def declared(tmp_path, kind, number):
+    """A notebook that hands in the declaration's own wrong or right implementations: of each exercise, one."""
+    cells = ["from declared import PLAN, pick"]
+    course = load_course(PROJECT)
+    for exercise in course.plan("01_hsl_filtering").exercises:
+        cells.append(f"{exercise.name} = pick('{exercise.name}', {number})")
+    source = (PROJECT / "solutions" / "exercises" / "01_hsl_filtering.py").read_text()
+    choose = {"mistakes": "m = list(PLAN[n].mistakes); return m[k % len(m)].function"}
+    choose["alternatives"] = "m = list(PLAN[n].alternatives.values()); return m[k % len(m)]"
+    (tmp_path / "declared.py").write_text(f"{source}\n\ndef pick(n, k):\n    {choose[kind]}\n")
+    path = tmp_path / "01_hsl_filtering.ipynb"
+    notebook = {
+        "nbformat": 4,
+        "nbformat_minor": 5,
+        "metadata": {},
+        "cells": [chain.cell("code", each) for each in cells],
+    }
+    path.write_text(json.dumps(notebook))
+    return Submission("ada", "01_hsl_filtering", path, (("declared.py", tmp_path / "declared.py"),))
+
+
+PLAN = load_course(PROJECT).plan("01_hsl_filtering")
+MISTAKES = max(len(each.mistakes) for each in PLAN.exercises)
+ALTERNATIVES = max(len(each.alternatives) for each in PLAN.exercises)
+
+
+@pytest.mark.parametrize("number", range(MISTAKES))
+def test_each_mistake_of_lesson_01_loses_its_points_and_gets_its_hint(server, lesson_01, tmp_path, number):
+    course, assignment = lesson_01
+    result = grade(declared(tmp_path, "mistakes", number), assignment, server)
+    for exercise, got in zip(course.plan("01_hsl_filtering").exercises, result.exercises, strict=True):
+        mistake = exercise.mistakes[number % len(exercise.mistakes)]
+        assert (got.name, got.earned, got.mistake) == (exercise.name, 0, mistake.name)
+        assert got.hint == mistake.message
+
+
+@pytest.mark.parametrize("number", range(ALTERNATIVES))
+def test_each_alternative_of_lesson_01_gets_all_points(server, lesson_01, tmp_path, number):
+    _, assignment = lesson_01
+    result = grade(declared(tmp_path, "alternatives", number), assignment, server)
+    assert {each.name: each.state for each in result.exercises if each.state != "right"} == {}
+
+
+def test_lesson_01_as_solved_gets_all_and_as_released_none(server, lesson_01):
+    _, assignment = lesson_01
+    solved = grade(
+        Submission("a", assignment.lesson, PROJECT / "solutions" / "01_hsl_filtering.ipynb"),
+        assignment,
+        server,
+    )
+    blank = grade(
+        Submission("a", assignment.lesson, PROJECT / "notebooks" / "01_hsl_filtering.ipynb"),
+        assignment,
+        server,
+    )
+    assert solved.earned == solved.points == blank.points > 0
+    assert blank.earned == 0
+    assert {each.state for each in blank.exercises} == {"not attempted"}
+    assert all(each.text == "" for each in blank.written) and len(blank.written) == len(assignment.written)

@@ -1,0 +1,245 @@
+"""The journal keeps whole results, whatever happens to those who write it."""
+
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from nao_course.instructor.gradebook.journal import NAME, VERSION, Journal, JournalError, Mark, Override
+from nao_course.instructor.gradebook.records import ExerciseResult, SubmissionResult, WrittenAnswer
+
+LESSON = "01_hsl_filtering"
+EXERCISE = ExerciseResult(
+    "hue_mask", "1.5", 2.0, 1.0, "wrong", 1, 3, "no", "line 1", ("a",), "hint", "slip", True, ("n",)
+)
+RESULT = SubmissionResult(
+    "ada",
+    LESSON,
+    "graded",
+    file="ada/x.ipynb",
+    submission="s",
+    assignment="a",
+    exercises=(EXERCISE,),
+    written=(WrittenAnswer("why", "1.W1", 2.0, "Why?", "because", "Weil \U0001f600 <b>"),),
+    notes=("one",),
+    level="full",
+    seconds=1.5,
+)
+WRITER = """
+import sys
+from pathlib import Path
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import ExerciseResult, SubmissionResult
+first, many = int(sys.argv[2]), int(sys.argv[3])
+with Journal(Path(sys.argv[1])) as journal:
+    print("ready", flush=True)
+    for number in range(first, first + many):
+        rows = tuple(ExerciseResult(f"e{i}", "1.1", 1.0, 1.0, "right", text="x" * 500) for i in range(10))
+        journal.keep(SubmissionResult(f"s{number}", "01_x", "graded", submission=str(number), exercises=rows))
+        print(number, flush=True)
+"""
+
+
+def writer(folder, first, many, **options):
+    words = [sys.executable, "-c", WRITER, str(folder), str(first), str(many)]
+    return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+
+def is_whole(folder):
+    database = sqlite3.connect(Path(folder) / NAME)
+    try:
+        return database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    finally:
+        database.close()
+
+
+def test_what_is_kept_comes_back_as_it_was(tmp_path):
+    with Journal(tmp_path / "grades.2026") as journal:
+        journal.keep(RESULT)
+        journal.keep(replace(RESULT, student="bob", lesson="02_x", status="refused", reason="empty"))
+    with Journal(tmp_path / "grades.2026", make=False) as journal:
+        ada, bob = journal.results()
+        assert ada == RESULT and ada.seconds == 1.5
+        assert (bob.student, bob.reason) == ("bob", "empty")
+        assert journal.results(LESSON) == [ada]
+        assert list(journal.each_result(student="bob")) == [bob]
+
+
+def test_a_newer_result_takes_the_place_of_the_older_which_goes_into_the_history(tmp_path):
+    with Journal(tmp_path) as journal:
+        for reason in ("first", "second", "third"):
+            journal.keep(replace(RESULT, reason=reason))
+        assert [each.reason for each in journal.results()] == ["third"]
+        assert [each.reason for each in journal.history("ada", LESSON)] == ["first", "second"]
+
+
+def test_only_what_is_missing_or_has_changed_or_is_wanted_again_is_missing(tmp_path):
+    with Journal(tmp_path) as journal:
+        assert journal.missing("ada", LESSON, "s", "a")
+        journal.keep(RESULT)
+        assert not journal.missing("ada", LESSON, "s", "a")
+        assert journal.missing("ada", LESSON, "other", "a")
+        assert journal.missing("ada", LESSON, "s", "other")
+        assert journal.missing("bob", LESSON, "s", "a")
+        assert journal.missing("ada", "02_x", "s", "a")
+        journal.want_again("ada", LESSON)
+        assert journal.missing("ada", LESSON, "s", "a")
+        journal.keep(RESULT)
+        assert not journal.missing("ada", LESSON, "s", "a")
+
+
+def test_the_last_override_and_mark_of_each_count_and_survive_a_new_result(tmp_path):
+    with Journal(tmp_path) as journal:
+        for points in (1.0, 2.0):
+            journal.override(Override("ada", LESSON, "hue_mask", points, "because"))
+            journal.mark([Mark("ada", LESSON, "why", points, "good"), Mark("bob", "02_x", "why", points)])
+        journal.keep(RESULT)
+        (override,) = journal.overrides()
+        assert (override.points, override.reason) == (2.0, "because")
+        assert [(each.student, each.points, each.comment) for each in journal.marks()] == [
+            ("ada", 2.0, "good"),
+            ("bob", 2.0, ""),
+        ]
+        assert [each.student for each in journal.marks("02_x")] == ["bob"]
+        assert journal.overrides("02_x") == []
+
+
+def test_marks_are_kept_all_or_none(tmp_path):
+    with Journal(tmp_path) as journal:
+        broken = [Mark("ada", LESSON, "why", 1.0), Mark("ada", LESSON, None, 1.0)]
+        with pytest.raises(JournalError):
+            journal.mark(broken)
+        assert journal.marks() == []
+        journal.mark([Mark("ada", LESSON, "why", 1.0)])
+
+
+def test_where_the_submissions_were_is_remembered(tmp_path):
+    with Journal(tmp_path) as journal:
+        assert journal.places() == []
+        journal.began(tmp_path / "a")
+        journal.began(tmp_path / "b")
+        assert journal.places() == [(tmp_path / name).resolve() for name in ("b", "a")]
+
+
+# --- what is no journal ---
+
+
+def test_a_journal_that_is_not_there_is_made_only_where_that_is_wanted(tmp_path):
+    with pytest.raises(JournalError, match="there is no journal"):
+        Journal(tmp_path, make=False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_is_no_journal_is_left_as_it_is(tmp_path):
+    path = tmp_path / NAME
+    path.write_bytes(b"my notes, not a database at all" * 100)
+    with pytest.raises(JournalError, match="no journal: move it away"):
+        Journal(tmp_path)
+    assert path.read_bytes() == b"my notes, not a database at all" * 100
+
+
+def test_another_programs_database_is_left_as_it_is(tmp_path):
+    other = sqlite3.connect(tmp_path / NAME)
+    other.execute("CREATE TABLE results (x)")
+    other.commit()
+    other.close()
+    before = (tmp_path / NAME).read_bytes()
+    with pytest.raises(JournalError, match="no journal of this course"):
+        Journal(tmp_path)
+    assert (tmp_path / NAME).read_bytes()[100:] == before[100:]
+
+
+def test_a_newer_versions_journal_is_refused(tmp_path):
+    Journal(tmp_path).close()
+    database = sqlite3.connect(tmp_path / NAME)
+    database.execute(f"PRAGMA user_version = {VERSION + 1}")
+    database.close()
+    with pytest.raises(JournalError, match=f"is of version {VERSION + 1}"):
+        Journal(tmp_path)
+
+
+def test_a_result_that_cannot_be_read_is_said(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.keep(RESULT)
+        journal._database.execute("UPDATE results SET result = '{}'")
+        with pytest.raises(JournalError, match="cannot be read"):
+            journal.results()
+
+
+# --- several writers, and the end of one ---
+
+
+def test_two_graders_on_one_journal_lose_nothing(tmp_path):
+    writers = [writer(tmp_path, first, 60) for first in (0, 30, 60)]
+    for each in writers:
+        assert each.communicate(timeout=120)[1] == ""
+        assert each.returncode == 0
+    with Journal(tmp_path) as journal:
+        assert sorted(int(each.submission) for each in journal.results()) == list(range(120))
+        assert all(len(each.exercises) == 10 for each in journal.results())
+    assert is_whole(tmp_path)
+
+
+def test_what_was_said_to_be_kept_outlives_a_killed_writer(tmp_path):
+    chance = random.Random(5)
+    kept = 0
+    for _ in range(8):
+        process = writer(tmp_path, kept, 10_000)
+        process.stdout.readline()
+        time.sleep(chance.uniform(0.001, 0.15))
+        process.kill()
+        said = process.communicate()[0].split()
+        last = int(said[-1]) if said else kept - 1
+        assert is_whole(tmp_path)
+        with Journal(tmp_path) as journal:
+            numbers = sorted(int(each.submission) for each in journal.results())
+        assert numbers == list(range(len(numbers)))
+        assert last < len(numbers) <= last + 2  # at most the one that was being said
+        kept = len(numbers)
+    assert kept > 8
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+def test_a_full_disk_is_said_and_loses_nothing(tmp_path):
+    import resource
+
+    def small():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000))
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+
+    process = writer(tmp_path, 0, 1000, preexec_fn=small)
+    said, error = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "JournalError: cannot write the journal" in error and "Make room on the disk" in error
+    last = int(said.split()[-1])
+    assert 5 < last < 999
+    assert is_whole(tmp_path)
+    with Journal(tmp_path) as journal:
+        assert len(journal.results()) == last + 1
+        journal.keep(RESULT)  # there is room again
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="modes of POSIX")
+def test_a_folder_that_may_not_be_written_to_is_said(tmp_path):
+    if os.geteuid() == 0:
+        (tmp_path / "grades").write_text("a file where a folder is wanted")  # root may write anywhere
+    else:
+        (tmp_path / "grades").mkdir(mode=0o500)
+    with pytest.raises(JournalError, match="cannot open the journal .*grades"):
+        Journal(tmp_path / "grades")
+
+
+def test_a_read_only_journal_is_said_and_can_still_be_read(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.keep(RESULT)
+        journal._database.execute("PRAGMA query_only = 1")
+        with pytest.raises(JournalError, match="cannot write the journal .*readonly"):
+            journal.keep(replace(RESULT, student="bob"))
+        assert journal.results() == [RESULT]

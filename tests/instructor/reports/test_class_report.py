@@ -1,0 +1,142 @@
+"""The class's page: its numbers are those of the results, whatever the class and whatever it wrote."""
+
+import base64
+import re
+import xml.etree.ElementTree as ElementTree
+from typing import get_args
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from nao_course.instructor.gradebook.journal import Journal, Mark, Override
+from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.gradebook.scores import score, scores
+from nao_course.instructor.reports.class_report import _KINDS, exercises_of, report_page, write_report
+from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results
+
+LESSON = "01_hsl_filtering"
+
+
+def class_of(*states, **changed):
+    return scores([result(f"s{i}", exercise(state, **changed)) for i, state in enumerate(states)])
+
+
+def pictures(page):
+    return [attributes for tag, attributes in page.elements if tag == "img"]
+
+
+def test_mean_median_and_range_are_those_of_the_scores():
+    made = scores(
+        [result(f"s{i}", exercise(points=10.0, earned=earned)) for i, earned in enumerate((0, 1, 8))]
+    )
+    assert "mean 3, median 1 of 10; from 0 to 8" in Page(report_page(made)).text
+
+
+def test_what_people_changed_and_marked_counts(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.keep(result("ada", exercise("wrong"), answer(), level="full"))
+        journal.override(Override("ada", LESSON, "rgb_to_hsl", 1.0, "why not"))
+        assert (
+            "1 of 4; from 1 to 1" in Page(write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
+        )
+        journal.mark([Mark("ada", LESSON, "why_hsl", 1.5)])
+        page = Page(write_report(journal, tmp_path / "r.html").read_text("utf-8"))
+    assert "mean 2.5, median 2.5 of 4" in page.text and "full (1)" in page.text
+    assert "Written answers to mark 0" in page.text and "50 % of its points were earned" in page.text
+
+
+def test_every_state_is_counted_once_and_only_once():
+    states = [state for _, _, known in _KINDS.values() for state in known]
+    assert sorted(states) == sorted(get_args(State))
+
+
+def test_shares_of_an_exercise_add_up():
+    (only,) = exercises_of(class_of("right", "right", "wrong", "raised", "timed out", "not attempted"))
+    assert list(only.counts.values()) == [2, 1, 2, 1] and only.share == pytest.approx(1 / 3)
+    assert "Bars: share of 1 submission that have" in report_page(class_of("right"))
+
+
+def test_the_hardest_exercises_come_first_and_solved_ones_are_not_named():
+    parts = [exercise(name=f"e{i}", number=f"1.{i}", points=10.0, earned=float(i)) for i in range(8)]
+    made = scores([result("ada", *parts, exercise(name="easy", number="1.9"))])
+    text = Page(report_page(made)).text
+    hardest = text[text.index("Hardest") : text.index("exercise points")]
+    assert re.findall(r"e\d", hardest) == ["e0", "e1", "e2", "e3", "e4"] and "easy" not in hardest
+
+
+def test_refused_submissions_are_listed_with_reasons_and_lower_no_mean():
+    made = [
+        *class_of("right"),
+        score(result("eve", exercise("not found"), status="refused", reason="it is empty")),
+    ]
+    text = Page(report_page(made)).text
+    assert "2: 1 graded, 1 refused" in text and "eve it is empty" in text and "mean 2, median 2" in text
+    (only,) = exercises_of([each for each in made if each.result.status == "graded"])
+    assert sum(only.counts.values()) == 1
+
+
+def test_lessons_stand_one_after_the_other():
+    made = scores([result("ada", exercise(), lesson=name) for name in ("02_posts", LESSON)])
+    text = Page(report_page(made)).text
+    assert text.index("Lesson 01") < text.index("Lesson 02") and "1 student, 2 submissions" in text
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        [],
+        class_of("right"),
+        class_of("right", points=0.0, earned=0.0),
+        [score(result("ada"))],
+        [score(result("ada", status="refused", reason="x"))],
+        [score(result("ada", answer()))],
+    ],
+    ids=["nobody", "one", "no points", "no exercises", "all refused", "words only"],
+)
+def test_small_and_odd_classes_have_a_page(made):
+    page = Page(report_page(made))
+    assert page.offences() == [] and "The class's results" in page.text
+    assert ("Nothing has been graded yet." in page.text) == (not made)
+
+
+def test_figures_are_whole_pictures_with_words_and_the_same_each_time():
+    made = class_of("right", "wrong", "raised")
+    page = Page(report_page(made))
+    assert report_page(made) == report_page(made)
+    assert len(pictures(page)) == 2
+    for each in pictures(page):
+        assert len(each["alt"]) > 60
+        data = base64.b64decode(each["src"].removeprefix("data:image/svg+xml;base64,"))
+        assert ElementTree.fromstring(data).tag.endswith("svg")
+        assert b"<script" not in data and b"http-equiv" not in data
+    assert "mean 0.67" in pictures(page)[0]["alt"] and "rgb_to_hsl 33 %" in pictures(page)[1]["alt"]
+
+
+def test_the_bars_of_the_histogram_hold_every_submission():
+    made = scores([result(f"s{i}", exercise(points=3.0, earned=e)) for i, e in enumerate((0, 3, 3, 3, 9))])
+    assert "most submissions, 4, from 2.4 to 3" in pictures(Page(report_page(made)))[0]["alt"]
+
+
+@settings(
+    max_examples=10, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate]
+)  # figures are slow
+@given(st.lists(results(), max_size=3))
+def test_any_class_has_a_page_without_secrets(some):
+    text = report_page(scores(some))
+    assert Page(text).offences() == []
+    assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
+
+
+@pytest.mark.parametrize("text", [*HOSTILE, "$x_{$", "\\frac{", "漢字", "x" * 500])
+def test_the_page_keeps_its_elements_whatever_anybody_wrote(text):
+    def page(said):
+        refused = result(f"x{said}", status="refused", reason=f"x{said}", level=said)
+        named = result(f"y{said}", exercise("wrong", name=f"x{said}", number="1.1"), level=f"x{said}")
+        return Page(report_page(scores([refused, named])))
+
+    def bare(found):
+        return [(tag, {k: v for k, v in a.items() if k not in ("src", "alt")}) for tag, a in found.elements]
+
+    found = page(text)
+    assert found.offences() == [] and bare(found) == bare(page("fine"))

@@ -1,0 +1,369 @@
+"""Grades for other systems: what they specify, nothing that harms, and an autograder that is this grader."""
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import stat
+import subprocess
+import sys
+import zipfile
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from nao_course import cli
+from nao_course.instructor import gradescope
+from nao_course.instructor.authoring import build as building
+from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.instructor.gradebook.journal import Journal, Mark, Override
+from nao_course.instructor.gradebook.scores import score, scores
+from nao_course.instructor.reports.exports import (
+    ExportError,
+    all_scores,
+    check_format,
+    csv_table,
+    gradescope_results,
+    write_csv,
+    write_gradescope,
+)
+from nao_course.instructor.sandbox import confinement as sandbox
+from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, answer, exercise, result, results
+from tests.paths import PROJECT
+
+LESSON = "01_hsl_filtering"
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Gradescope's images are Linux: a shell script")
+
+
+@pytest.fixture
+def journal(tmp_path):
+    with Journal(tmp_path / "grades") as opened:
+        yield opened
+
+
+def rows_of(made):
+    return list(csv.DictReader(io.StringIO(csv_table(made).decode("utf-8-sig"), newline="")))
+
+
+# --- a table ---
+
+
+def test_a_student_is_a_row_and_an_exercise_a_column(journal):
+    journal.keep(result("ada", exercise(), exercise("wrong", name="other", number="1.2"), answer()))
+    journal.keep(result("bob", exercise("raised"), answer(text="")))
+    journal.keep(result("ada", exercise(number="2.1"), lesson="02_posts", notes=("x.py does not count",)))
+    journal.override(Override("bob", LESSON, "rgb_to_hsl", 1.5, "late bus"))
+    ada, bob = rows_of(all_scores(journal))
+    assert (ada["student"], ada["1.1 rgb_to_hsl"], ada["1.2 other"], ada["1.W1 why_hsl"]) == (
+        "ada",
+        "2",
+        "0",
+        "",
+    )
+    assert (ada[f"{LESSON} points"], ada[f"{LESSON} out of"], ada["2.1 rgb_to_hsl"]) == ("2", "6", "2")
+    assert ada["total"] == "4" and ada["02_posts notes"] == "x.py does not count"
+    assert ada[f"{LESSON} notes"] == "1 written answer not marked yet"
+    assert (bob["1.1 rgb_to_hsl"], bob["1.W1 why_hsl"], bob["1.2 other"]) == ("1.5", "0", "")
+    assert bob["02_posts status"] == "not handed in" and "late bus" in bob[f"{LESSON} notes"]
+    journal.mark([Mark("ada", LESSON, "why_hsl", 1.25)])
+    (ada, _) = rows_of(all_scores(journal, LESSON))
+    assert (ada["1.W1 why_hsl"], ada["total"]) == ("1.25", "3.25") and "02_posts points" not in ada
+
+
+def test_a_refused_submission_stands_in_the_table_with_its_reason():
+    (row,) = rows_of([score(result("ada", exercise("not found"), status="refused", reason="it is empty"))])
+    assert (row["total"], row[f"{LESSON} status"], row[f"{LESSON} notes"]) == ("0", "refused", "it is empty")
+
+
+def test_an_empty_journal_is_a_header(journal, tmp_path):
+    assert csv_table([]).decode("utf-8-sig") == "student,total\r\n"
+    assert write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])
+    assert write_gradescope(journal, tmp_path / "x") == []
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(results(), max_size=4, unique_by=lambda each: (each.student, each.lesson)))
+def test_no_cell_of_any_table_is_a_formula_and_every_row_has_all_columns(some):
+    table = list(csv.reader(io.StringIO(csv_table(scores(some)).decode("utf-8-sig"), newline="")))
+    assert len(table) == 1 + len({each.student for each in some})
+    assert {len(row) for row in table} == {len(table[0])}
+    for row in table:
+        for cell in row:
+            assert not re.match(r"\s*[=+\-@\t\r]", cell), cell
+
+
+def test_the_sum_of_a_row_is_its_total():
+    made = scores([result("ada", *(exercise(name=f"e{i}", earned=i / 7, points=9) for i in range(9)))])
+    (row,) = rows_of(made)
+    cells = [float(value) for name, value in row.items() if " e" in name]
+    assert sum(cells) == pytest.approx(float(row["total"]), abs=1e-5) and len(cells) == 9
+
+
+def test_odd_names_stay_apart(journal):
+    names = [*("Łucja Nguyễn", "ada", "Ada", "=1+1", "'=1+1", "a,b", 'a"b', "a\nb", "001", "1"), "x" * 300]
+    for name in names:
+        journal.keep(result(name, exercise()))
+    assert len({row["student"] for row in rows_of(all_scores(journal))}) == len(names)
+
+
+# --- Gradescope ---
+
+KEYS = {  # of the autograder documentation
+    *("score", "output", "output_format", "test_output_format", "test_name_format", "visibility"),
+    *("stdout_visibility", "extra_data", "tests"),
+}
+TEST_KEYS = {"name", "number", "score", "max_score", "status", "output", "output_format", "visibility"}
+
+
+@settings(max_examples=150, deadline=None)
+@given(results())
+def test_any_result_is_what_gradescope_specifies_and_holds_nothing_hidden(any_result):
+    made = gradescope_results(score(any_result))
+    assert set(made) == KEYS and all(set(each) == TEST_KEYS for each in made["tests"])
+    assert all(each["status"] in ("passed", "failed") for each in made["tests"])
+    assert made["score"] == pytest.approx(sum(each["score"] for each in made["tests"]), abs=1e-4)
+    text = json.dumps(made, ensure_ascii=False)
+    text.encode()
+    assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
+
+
+def test_a_test_says_what_the_feedback_says():
+    wrong = exercise("wrong", text="Its answer has the wrong shape.", hint="Swap the axes.", line="line 2: x")
+    made = gradescope_results(score(result("ada", wrong, exercise(name="fine", number="1.2"), answer())))
+    first, second = made["tests"]
+    for said in ("Not right yet", "wrong shape", "Hint\nSwap the axes.", "line 2: x"):
+        assert said in first["output"]
+    assert (first["status"], first["number"], first["score"], first["max_score"]) == (
+        "failed",
+        "1.1",
+        0.0,
+        2.0,
+    )
+    assert (second["status"], second["name"]) == ("passed", "fine")
+    assert (
+        made["output"] == "1 written answer to be marked by a person."
+        and made["stdout_visibility"] == "hidden"
+    )
+
+
+def test_a_written_answer_is_a_test_once_it_is_marked():
+    mark = SimpleNamespace(
+        student="ada", lesson=LESSON, question="why_hsl", points=1.5, comment="Well.", time=""
+    )
+    made = gradescope_results(score(result("ada", answer()), (), [mark]))
+    (test,) = made["tests"]
+    assert (test["score"], test["status"], test["output"], made["score"]) == (1.5, "failed", "Well.", 1.5)
+
+
+def test_a_refused_submission_says_so_and_nothing_of_functions_that_nobody_looked_for():
+    made = gradescope_results(score(result("ada", exercise("not found"), status="refused", reason="no zip")))
+    assert made["output"] == "Refused: no zip" and made["tests"][0]["output"] == ""
+
+
+def test_every_student_gets_a_file(journal, tmp_path):
+    names = ["ada", "Ada", "../eve", *(each for each in HOSTILE if each.isprintable())]
+    for name in names:
+        journal.keep(result(name, exercise()))
+    paths = write_gradescope(journal, tmp_path / "out")
+    assert len({str(path).lower() for path in paths}) == len(set(names))
+    assert all(path.resolve().is_relative_to((tmp_path / "out").resolve()) for path in paths)
+    assert json.loads(paths[0].read_text(encoding="utf-8"))["score"] == 2.0
+
+
+# --- formats, and the command ---
+
+
+def test_another_format_is_refused_with_those_there_are():
+    with pytest.raises(
+        ExportError, match=r"no format 'nbgrader'; there are csv and gradescope.*later version"
+    ):
+        check_format("nbgrader")
+    with pytest.raises(ExportError, match=r"no format 'xls'; there are csv and gradescope\.$"):
+        check_format("xls")
+
+
+def command(*words):
+    return CliRunner().invoke(cli.app, [str(word) for word in words])
+
+
+def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
+    grades = tmp_path / "grades"
+    assert "there is no journal" in command("export", grades, "--format", "csv").stderr
+    with Journal(grades) as journal:
+        journal.keep(result("ada", exercise(), answer()))
+    assert "grades.csv" in command("export", grades, "--format", "csv").stdout
+    assert (grades / "exports" / "grades.csv").is_file()
+    refused = command("export", grades, "--format", "nbgrader")
+    assert refused.exit_code == 1 and "there are csv and gradescope" in refused.stderr
+    assert "no lesson '7' was graded" in command("export", grades, "--format", "csv", "--lesson", "7").stderr
+    sheet = grades / "marking" / "01_hsl_filtering_why_hsl.csv"
+    assert "1 answer, 1 to mark" in command("marks", grades).stdout
+    assert "Still to mark: 1 answer (ada)" in command("marks", grades, sheet).stdout
+    sheet.write_bytes(sheet.read_bytes().replace(b"shadows.,,", b'shadows.,"1,5",Fine'))
+    done = command("marks", grades, sheet)
+    assert "1 mark read, 1 of them new or changed" in done.stdout and "Nothing is left" in done.stdout
+    page = (grades / "feedback" / "ada" / f"{LESSON}.html").read_text(encoding="utf-8")
+    assert "1.5 of 2 points" in page and "Fine" in page
+    assert "report.html" in command("report", grades).stdout
+
+
+# --- the autograder ---
+
+
+@pytest.fixture(scope="module")
+def course():
+    return building.load_course(PROJECT)
+
+
+@pytest.fixture(scope="module")
+def archive(course, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("zip")
+    return gradescope.write_autograder(course, "00", b"0123456789abcdef", folder)
+
+
+def test_the_zip_has_its_two_files_at_its_root_and_one_lesson(archive):
+    packed = zipfile.ZipFile(archive)
+    names = packed.namelist()
+    assert {"setup.sh", "run_autograder", gradescope.LOCK, "course.toml", "secret"} <= set(names)
+    assert [name for name in names if re.match(r"(solutions|notebooks)/.*ipynb", name)] == [
+        "notebooks/00_meet_the_nao.ipynb",
+        "solutions/00_meet_the_nao.ipynb",
+    ]
+    assert "nao_course/instructor/autograding/grader.py" in names
+    assert not [
+        name for name in names if re.search(r"tests/|\.git|__pycache__|01_hsl_filtering\.(py|md|ipynb)", name)
+    ]
+    modes = {
+        name: packed.getinfo(name).external_attr >> 16 for name in ("setup.sh", "run_autograder", "secret")
+    }
+    assert [stat.S_IMODE(mode) for mode in modes.values()] == [0o755, 0o755, 0o600]
+    run = packed.read("run_autograder").decode()
+    assert run.startswith("#!") and "/autograder" in run and "00_meet_the_nao" in run
+
+
+def test_the_zip_does_not_hold_the_instructors_secret_and_is_the_same_each_time(course, archive, tmp_path):
+    assert b"0123456789abcdef" not in zipfile.ZipFile(archive).read("secret")
+    again = gradescope.write_autograder(course, "00", b"0123456789abcdef", tmp_path)
+    assert again.read_bytes() == archive.read_bytes()
+    other = gradescope.write_autograder(course, "00", b"another secret, long", tmp_path / "other")
+    assert other.read_bytes() != archive.read_bytes()
+
+
+def test_a_lesson_that_is_not_built_has_no_autograder(course, tmp_path):
+    shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
+    bare = building.Course(tmp_path, "t", "1")
+    with pytest.raises(LessonError, match="there is no course.toml.*run `nao-course build` first"):
+        gradescope.write_autograder(bare, "00", b"x" * 16, tmp_path)
+
+
+@posix
+@pytest.mark.parametrize("name", ["setup.sh", "run_autograder"])
+def test_its_scripts_are_bash(archive, name, tmp_path):
+    bash = shutil.which("bash") or pytest.skip("no bash")
+    script = tmp_path / name
+    script.write_bytes(zipfile.ZipFile(archive).read(name))
+    assert subprocess.run([bash, "-n", script], capture_output=True).returncode == 0
+
+
+def laid_out(archive, root, submission):
+    """A folder as Gradescope lays it out."""
+    zipfile.ZipFile(archive).extractall(root / "source")
+    shutil.copy(root / "source" / "run_autograder", root / "run_autograder")
+    (root / "submission").mkdir()
+    for name, content in submission.items():
+        (root / "submission" / name).write_bytes(content)
+    return root
+
+
+def run_there(root):
+    bash = shutil.which("bash") or pytest.skip("no bash")
+    environment = {
+        **os.environ,
+        "NAO_COURSE_AUTOGRADER": str(root),
+        "NAO_COURSE_PYTHON": sys.executable,
+        "PYTHONPATH": str(root / "source"),  # there it is installed; here another copy is
+    }
+    done = subprocess.run(
+        [bash, root / "run_autograder"], cwd=root, env=environment, capture_output=True, text=True
+    )
+    results = root / "results" / "results.json"
+    return done, json.loads(results.read_text(encoding="utf-8")) if results.exists() else None
+
+
+@posix
+@pytest.mark.slow
+def test_gradescope_gets_all_points_for_the_solution_and_none_for_a_blank_notebook(course, tmp_path):
+    archive = gradescope.write_autograder(course, "01", b"0123456789abcdef", tmp_path)
+    for folder, whole in (("solutions", True), ("notebooks", False)):
+        notebook = (PROJECT / folder / f"{LESSON}.ipynb").read_bytes()
+        root = laid_out(archive, tmp_path / folder, {f"{LESSON}.ipynb": notebook})
+        done, made = run_there(root)
+        assert done.returncode == 0, done.stderr
+        graded = [each for each in made["tests"] if ".W" not in each["number"]]
+        assert made["score"] == (sum(each["max_score"] for each in graded) if whole else 0)
+        assert graded and {each["status"] for each in graded} == {"passed" if whole else "failed"}
+        assert stat.S_IMODE((root / "source" / "solutions").stat().st_mode) & 0o077 == 0
+
+
+@posix
+@pytest.mark.slow
+def test_gradescope_is_told_what_is_missing_and_what_cannot_be_graded(archive, tmp_path):
+    done, made = run_there(laid_out(archive, tmp_path / "a", {"essay.txt": b"words"}))
+    assert done.returncode == 0, done.stderr
+    assert made["score"] == 0 and "There is no 00_meet_the_nao.ipynb" in made["output"]
+    assert "essay.txt" in made["output"]
+    done, made = run_there(laid_out(archive, tmp_path / "b", {"00_meet_the_nao.ipynb": b"{]"}))
+    assert done.returncode == 0, done.stderr
+    assert made["score"] == 0 and made["output"].startswith("Refused: ")
+
+
+@posix
+@pytest.mark.slow
+def test_a_submission_cannot_read_the_solution_that_lies_beside_it_there(archive, tmp_path):
+    if sandbox.probe().level == "process":
+        pytest.skip("the sandbox of this machine cannot close folders")
+    root = tmp_path / "autograder"
+    spy = f"""
+def to_radians(degrees):
+    texts = []
+    for name in ("source/secret", "source/solutions/exercises/00_meet_the_nao.py", "submission/00_meet_the_nao.ipynb"):
+        try:
+            texts.append(open({str(root)!r} + "/" + name).read()[:20])
+        except OSError as error:
+            texts.append(type(error).__name__)
+    raise ValueError("I read " + "; ".join(texts))
+"""
+    notebook = json.loads((PROJECT / "notebooks" / "00_meet_the_nao.ipynb").read_text(encoding="utf-8"))
+    cells = [cell for cell in notebook["cells"] if "def to_radians" in "".join(cell["source"])]
+    cells[0]["source"] = spy
+    laid_out(archive, root, {"00_meet_the_nao.ipynb": json.dumps(notebook).encode()})
+    done, made = run_there(root)
+    assert done.returncode == 0, done.stderr
+    said = next(each["output"] for each in made["tests"] if each["name"] == "to_radians")
+    assert re.search(r"I read (\w+Error; ){2}\w+Error", said), said
+
+
+def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monkeypatch):
+    (tmp_path / "submission").mkdir()
+    (tmp_path / "submission" / "00_meet_the_nao.ipynb").write_bytes(b"{}")
+    write = tmp_path / "results"
+    write.mkdir()
+    (write / "results.json").write_text("{}")
+    failed = SimpleNamespace(failed=["the grader failed"])
+    monkeypatch.setattr(gradescope.commands, "run", lambda *_: failed)
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("landlock", True),)))
+    with pytest.raises(RuntimeError, match="the grader failed"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert list(write.iterdir()) == []
+
+
+def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
+    with pytest.raises(RuntimeError, match="keeps a submission from reading the solution.*landlock"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert not (tmp_path / "results").exists()

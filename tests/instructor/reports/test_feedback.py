@@ -1,0 +1,317 @@
+"""A student's page: it says everything that helps, nothing that is hidden, and is safe whatever was handed in."""
+
+import re
+import time
+from dataclasses import replace
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import get_args
+
+import pytest
+from hypothesis import given, settings
+
+from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.gradebook.scores import score, scores
+from nao_course.instructor.reports import html as pages
+from nao_course.instructor.reports.feedback import _STATES, feedback_page, write
+from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results
+
+HINT = "This looks like degrees where radians belong."
+
+
+def override(points=1.0, reason="The sheet allowed it.", **changed):
+    values = {"student": "ada", "lesson": "01_hsl_filtering", "exercise": "rgb_to_hsl", "time": "2026-01-01"}
+    return SimpleNamespace(**{**values, "points": points, "reason": reason, **changed})
+
+
+def mark(points=1.5, comment="And the sun?", **changed):
+    values = {"student": "ada", "lesson": "01_hsl_filtering", "question": "why_hsl", "time": "2026-01-01"}
+    return SimpleNamespace(**{**values, "points": points, "comment": comment, **changed})
+
+
+def page(*parts, overrides=(), marks=(), **changed):
+    return Page(feedback_page(score(result("ada", *parts, **changed), overrides, marks)))
+
+
+# --- what it says ---
+
+
+def test_what_works_stands_before_what_does_not():
+    text = page(exercise("raised", name="first"), exercise(name="second")).text
+    assert (
+        text.index("What works") < text.index("second") < text.index("What to look at") < text.index("first")
+    )
+
+
+@pytest.mark.parametrize("state", sorted({*get_args(State)} - {"right", "not attempted"}))
+def test_every_way_to_fail_has_its_own_words_and_says_what_to_do(state):
+    _, short, meaning = _STATES[state]
+    assert sum(short == each[1] for each in _STATES.values()) == 1
+    text = page(exercise(state, text="The shape is (3,).", line="line 3: return x")).text
+    for said in (short, "The shape is (3,).", "line 3: return x", "0 of 2 points"):
+        assert said in text
+    assert len(meaning) > 20
+
+
+def test_what_is_not_written_stands_last_and_in_short():
+    text = page(
+        exercise("not attempted", name="later", public=("later: not written yet.",)), exercise("wrong")
+    ).text
+    assert text.index("rgb_to_hsl") < text.index("Not written yet") < text.index("later 0 of 2 points")
+    assert text.count("not written yet") == 0, "once is enough"
+    changed = page(exercise("not attempted"), overrides=[override()]).text
+    assert "1 of 2 points" in changed and "The sheet allowed it." in changed
+
+
+def test_the_hint_stands_once_though_the_public_check_says_it_too():
+    text = page(exercise("wrong", public=("1.1: 2 of 3 pass.", HINT), hint=HINT)).text
+    assert text.count(HINT) == 1 and "1.1: 2 of 3 pass." in text
+
+
+def test_an_earlier_mistake_is_told_with_the_points_that_remain():
+    earned = page(exercise(with_reference=True, earned=1.0)).text
+    assert "earlier functions made this fail; with ours it works: 1 point." in earned
+    lost = page(exercise("wrong", with_reference=True)).text
+    assert "does not work with those either" in lost
+
+
+def test_a_changed_score_counts_and_tells_its_reason():
+    text = page(exercise("wrong"), overrides=[override()]).text
+    assert "1 of 2 points" in text and "The sheet allowed it." in text
+    assert "The grader gave 0, a person 1 point." in text
+
+
+def test_the_latest_change_counts_and_none_of_another_student_or_lesson():
+    others = [
+        override(9.0, student="bob"),
+        override(9.0, lesson="02_goal_posts"),
+        override(9.0, exercise="x"),
+    ]
+    both = [override(2.0, time="2026-02-02"), override(1.0, time="2026-01-01"), *others]
+    assert score(result("ada", exercise("wrong")), both).earned == 2.0
+
+
+def test_a_written_answer_waits_for_a_person_and_then_shows_mark_and_comment():
+    open_ = page(answer()).text
+    assert "Because of the shadows." in open_ and "A person marks this." in open_ and "so far" in open_
+    done = page(answer(), marks=[mark()]).text
+    assert "1.5 of 2 points" in done and "And the sun?" in done
+    assert "A person marks this." not in done and "so far" not in done
+
+
+def test_an_empty_answer_waits_for_nobody():
+    assert "so far" not in page(answer(text=" \n")).text
+    assert score(result("ada", answer(text="")), (), [mark(2.0)]).earned == 2.0
+
+
+def test_a_refused_submission_says_why_and_what_to_do():
+    said = page(exercise("not found"), status="refused", reason="larger than 50 MB").text
+    assert "larger than 50 MB" in said and "Clear all outputs" in said and "0 of 2 points" in said
+    assert "Your notebook does not define it" not in said, "nobody looked into it"
+    assert "nao-course submit" in page(status="refused", reason="").text
+
+
+def test_the_sum_is_that_of_exercises_changes_and_marks():
+    whole = result("ada", exercise(), exercise("wrong", name="other"), answer(), answer(name="more"))
+    found = score(whole, [override(0.5, exercise="other")], [mark(1.25)])
+    assert (found.earned, found.points) == (3.75, 8.0)
+    assert [each.name for each in found.waiting] == ["more"]
+    assert "3.75" in Page(feedback_page(found)).text
+
+
+def test_words_in_backticks_are_code_and_everything_else_stays_text():
+    found = page(answer(question="Why `picture.copy()` and not `picture`? 3 * 4 ` 5"))
+    assert found.tags.count("code") == 2 and "3 * 4 ` 5" in found.text
+
+
+# --- what it never says, and does ---
+
+
+@settings(max_examples=200, deadline=None)
+@given(results())
+def test_no_page_holds_a_rubric_a_mistakes_name_or_what_is_for_assistants(any_result):
+    text = feedback_page(score(any_result))
+    assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
+    assert Page(text).offences() == []
+
+
+def test_a_rubric_stays_secret_after_marking():
+    assert RUBRIC not in page(answer(), marks=[mark()]).text
+
+
+def page_with(text):
+    parts = {"text": text, "line": text, "public": (text, text), "hint": f"{text}!", "notes": (text,)}
+    made = result(
+        "ada",
+        *(exercise(state, name=text, number=text, **parts) for state in get_args(State)),
+        exercise("wrong", name="changed"),
+        answer(name="w", question=text, text=f"x{text}", number=text),
+        file=text,
+        submission=text,
+    )
+    made = replace(made, student=text)
+    changes = override(reason=f"x{text}", student=text, exercise="changed")
+    return feedback_page(score(made, [changes], [mark(comment=f"x{text}", student=text, question="w")]))
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_whatever_a_notebook_says_the_page_keeps_its_elements(text):
+    hostile, harmless = Page(page_with(text)), Page(page_with("fine"))
+    assert hostile.offences() == []
+    assert hostile.elements == harmless.elements
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_refused_page_keeps_its_elements_too(text):
+    refused = Page(feedback_page(score(result(text, status="refused", reason=text, file=text))))
+    assert refused.offences() == []
+
+
+def test_what_cannot_be_seen_is_made_visible():
+    text = feedback_page(score(result("a\u202eb\x1b", exercise("wrong", line="x = '\ud800'\x00"))))
+    assert "⟨U+202E⟩" in text and "⟨U+001B⟩" in text and "⟨U+D800⟩" in text and "⟨U+0000⟩" in text
+    assert not pages._UNSEEN.search(text)
+    assert pages.visible("ك\u200c é 👩\u200d🚀\n\tx") == "ك\u200c é 👩\u200d🚀\n\tx", "honest text stays"
+    assert len(pages.visible("a" + "\u0301" * 1000)) == 5
+
+
+def test_a_long_text_is_cut_with_a_word():
+    text = page(answer(text="y" * 10**6)).text
+    assert len(text) < 30_000 and "980000 more characters" in text
+
+
+def test_nothing_can_run_or_be_fetched():
+    text = feedback_page(score(result("ada", exercise(), answer())))
+    policy = next(
+        a["content"] for _, a in Page(text).elements if a.get("http-equiv") == "Content-Security-Policy"
+    )
+    assert policy.startswith("default-src 'none'; style-src 'sha256-") and "unsafe" not in policy
+    assert "://" not in text and "url(" not in text and "@import" not in text
+
+
+# --- the file ---
+
+
+def test_the_same_score_gives_the_same_bytes_however_long_grading_took(tmp_path):
+    first = write(result("ada", exercise(), seconds=1.0), tmp_path)
+    before = first.read_bytes()
+    assert first == tmp_path / "ada" / "01_hsl_filtering.html"
+    assert write(result("ada", exercise(), seconds=2.0), tmp_path).read_bytes() == before
+
+
+def test_a_page_that_cannot_be_written_leaves_the_old_one(tmp_path, monkeypatch):
+    path = write(result("ada", exercise()), tmp_path)
+    before = path.read_bytes()
+
+    def fail(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(pages.os, "replace", fail)
+    with pytest.raises(OSError, match="disk full"):
+        write(result("ada", exercise("wrong")), tmp_path)
+    assert path.read_bytes() == before and list(path.parent.iterdir()) == [path]
+
+
+ODD = [
+    "..",
+    ".",
+    "",
+    "/",
+    "a/b",
+    "a\\b",
+    "a b",
+    "con",
+    "NUL.txt",
+    "x.",
+    "x ",
+    "é",
+    "e\u0301",
+    "a" * 300,
+    "ü" * 90,
+]
+
+
+def test_every_student_has_a_folder_of_their_own_inside(tmp_path):
+    odd = [*ODD, *HOSTILE, "Łucja Nguyễn", "-rf", "~", "a:b", "a?b", "a*b", "\ud800"]
+    for name in odd:
+        path = write(result(name), tmp_path)
+        assert path.parent.parent == tmp_path and path.resolve().is_relative_to(tmp_path.resolve())
+        assert not re.search(r'[<>:"|?*\x00-\x1f]|[. ]$', path.parent.name), path
+    assert len(list(tmp_path.iterdir())) == len(set(odd))
+
+
+def test_ten_thousand_results_find_what_belongs_to_them_in_linear_time():
+    many = [result(f"s{i}", exercise("wrong")) for i in range(10_000)]
+    changes = [override(student=f"s{i}") for i in range(10_000)]
+    before = time.perf_counter()
+    assert all(each.earned == 1.0 for each in scores(many, changes, []))
+    assert time.perf_counter() - before < 5.0
+
+
+# --- how it reads ---
+
+
+def luminance(colour):
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in parts]
+    return sum(weight * each for weight, each in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+
+
+def contrast(one, other):
+    high, low = sorted((luminance(one), luminance(other)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_contrast_is_known_where_it_is_known():
+    assert contrast("#ffffff", "#000000") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("mode", [0, 1], ids=["light", "dark"])
+def test_every_text_can_be_read_on_what_it_stands_on(mode):
+    start = [match.start() for match in re.finditer("--paper:", pages.STYLE)][mode]
+    colours = dict(
+        re.findall(r"--([\w-]+): (#[0-9a-f]{6})", pages.STYLE[start : pages.STYLE.index("}", start)])
+    )
+    papers = ["paper", "card", "code", *(f"{each}-paper" for each in ("good", "warn", "bad", "calm"))]
+    pairs = [("ink", on) for on in papers]
+    pairs += [(text, on) for text in ("soft", "good", "warn", "bad", "calm") for on in ("paper", "card")]
+    assert {pair: contrast(*(colours[each] for each in pair)) for pair in pairs if weak(colours, pair)} == {}
+    assert contrast(colours["good"], colours["track"]) >= 3, "the bar"
+
+
+def weak(colours, pair):
+    return contrast(*(colours[each] for each in pair)) < 4.5
+
+
+def test_a_screen_reader_finds_language_title_and_headings_in_order():
+    found = page(exercise(), exercise("wrong", name="other"), answer())
+    assert ("html", {"lang": "en"}) in found.elements and "title" in found.tags
+    levels = [int(tag[1]) for tag in found.tags if re.fullmatch("h[1-6]", tag)]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+    signs = [attributes for tag, attributes in found.elements if tag == "svg"]
+    assert all(each["aria-hidden"] == "true" for each in signs), "its words stand beside it"
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_a_page_fits_a_phone_and_says_nothing_to_the_console(tmp_path, chromium):
+    playwright = pytest.importorskip("playwright.sync_api")
+    long = "a_name_without_any_place_to_break_" * 8
+    parts = [exercise(each, name=long, line=long, text=long, public=(long,)) for each in get_args(State)]
+    path = write(result("ada", *parts, answer(text=long, question=long)), tmp_path)
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        try:
+            tab = browser.new_page(viewport={"width": 360, "height": 740})
+            said = []
+            tab.on("console", lambda message: said.append(message.text))
+            tab.goto(path.as_uri())
+            assert tab.evaluate("document.documentElement.scrollWidth") == 360
+            assert tab.evaluate("getComputedStyle(document.querySelector('.score')).fontWeight") == "700", (
+                "styled"
+            )
+            assert said == []
+        finally:
+            browser.close()

@@ -1,0 +1,335 @@
+"""Marks go out as sheets and come back, whatever a spreadsheet does to them on the way; all of them or none."""
+
+import codecs
+import csv
+import io
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from nao_course.instructor.gradebook.journal import Journal, Mark
+from nao_course.instructor.reports import spreadsheets as tables
+from nao_course.instructor.reports.marking_sheets import HEADER, MarksError, read_marks, write_sheets
+from nao_course.instructor.reports.spreadsheets import TableError, as_it_was, harmless, read_table, table
+from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
+
+LESSON, QUESTION = "01_hsl_filtering", "why_hsl"
+STUDENTS = ("ada", "=1+1", 'Łucja; "the" Nguyễn, \'', "007")
+
+
+@pytest.fixture
+def journal(tmp_path):
+    with Journal(tmp_path / "grades") as opened:
+        for name in STUDENTS:
+            opened.keep(result(name, exercise(), answer(text=f"=I am {name}\nand, that; is all")))
+        yield opened
+
+
+@pytest.fixture
+def sheet(journal, tmp_path):
+    (written,) = write_sheets(journal, tmp_path / "marking")
+    return written.table
+
+
+def rows_of(path):
+    return list(csv.reader(io.StringIO(path.read_bytes().decode("utf-8-sig"), newline="")))
+
+
+def save(path, rows, separator=",", encoding="utf-8-sig", ending="\r\n", quoting=csv.QUOTE_MINIMAL):
+    text = io.StringIO()
+    csv.writer(text, delimiter=separator, lineterminator=ending, quoting=quoting).writerows(rows)
+    path.write_bytes(text.getvalue().encode(encoding))
+
+
+def filled(path, points, comment="Good."):
+    """The sheet's rows with points in each."""
+    header, *rows = rows_of(path)
+    at, beside = header.index("points"), header.index("comment")
+    for row, each in zip(rows, points, strict=True):
+        row[at], row[beside] = each, comment
+    return [header, *rows]
+
+
+def given_marks(journal):
+    return {each.student: (each.points, each.comment) for each in journal.marks()}
+
+
+# --- out ---
+
+
+def test_a_sheet_has_a_row_for_each_answer_and_the_page_the_rubric(journal, tmp_path):
+    (written,) = write_sheets(journal, tmp_path)
+    header, *rows = rows_of(written.table)
+    assert tuple(header) == HEADER and len(rows) == len(STUDENTS) == written.answers == written.open
+    page = Page(written.page.read_text(encoding="utf-8"))
+    assert RUBRIC in page.text and page.offences() == []
+    assert page.text.index(RUBRIC) < page.text.index("I am ada")
+
+
+def test_no_cell_of_a_sheet_is_a_formula(sheet):
+    cells = [cell for row in rows_of(sheet) for cell in row]
+    assert any("1+1" in cell for cell in cells)
+    assert not [cell for cell in cells if cell.lstrip()[:1] in tuple("=+-@\t\r") and cell]
+
+
+def test_marks_that_were_given_stand_in_the_next_sheet(journal, sheet, tmp_path):
+    journal.mark([Mark("ada", LESSON, QUESTION, 1.5, "-0.5: the sun")])
+    (written,) = write_sheets(journal, tmp_path / "marking")
+    row = next(row for row in read_table(written.table, HEADER) if row["student"] == "ada")
+    assert (row["points"], row["comment"]) == ("1.5", "-0.5: the sun")
+    assert written.open == len(STUDENTS) - 1
+    assert read_marks(journal, written.table).changed == ()
+
+
+def test_a_sheet_with_marks_that_nobody_read_is_not_written_over(journal, sheet, tmp_path):
+    save(sheet, filled(sheet, ["", "1", "", ""], ""))
+    before = sheet.read_bytes()
+    with pytest.raises(MarksError, match="row 3, has a mark that was not read in"):
+        write_sheets(journal, tmp_path / "marking")
+    assert sheet.read_bytes() == before
+    read_marks(journal, sheet)
+    assert write_sheets(journal, tmp_path / "marking")[0].open == len(STUDENTS) - 1
+
+
+@pytest.mark.parametrize(("points", "comment"), [("", "think again"), ("?", "")])
+def test_a_comment_or_a_question_mark_is_not_written_over_either(journal, sheet, tmp_path, points, comment):
+    save(sheet, filled(sheet, [points, "", "", ""], comment))
+    with pytest.raises(MarksError, match="not read in"):
+        write_sheets(journal, tmp_path / "marking")
+
+
+def test_an_unreadable_sheet_is_not_written_over(journal, sheet, tmp_path):
+    sheet.write_bytes(b"my notes")
+    with pytest.raises(MarksError, match="It may hold marks"):
+        write_sheets(journal, tmp_path / "marking")
+    assert sheet.read_bytes() == b"my notes"
+
+
+def test_an_empty_journal_and_one_without_questions_have_no_sheets(tmp_path):
+    with Journal(tmp_path) as empty:
+        assert write_sheets(empty, tmp_path / "marking") == []
+        empty.keep(result("ada", exercise()))
+        assert write_sheets(empty, tmp_path / "marking") == []
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
+    def page(said, folder):
+        text = f"x{said.encode('utf-8', 'replace').decode()}"
+        with Journal(folder) as kept:
+            kept.keep(result("ada", answer(text=text, question=text, rubric=text, number=text)))
+            kept.mark([Mark("ada", LESSON, QUESTION, 1, text)])
+            return Page(write_sheets(kept, folder)[0].page.read_text(encoding="utf-8"))
+
+    found = page(text, tmp_path / "hostile")
+    assert found.elements == page("fine", tmp_path / "fine").elements and found.offences() == []
+
+
+# --- back ---
+
+VARIANTS = {
+    "as written": {},
+    "semicolons": {"separator": ";"},
+    "tabs in UTF-16": {"separator": "\t", "encoding": "utf-16"},
+    "UTF-16 without a mark": {"encoding": "utf-16-le", "separator": ";"},
+    "big-endian UTF-16 without a mark": {"encoding": "utf-16-be"},
+    "no mark": {"encoding": "utf-8"},
+    "line feeds": {"ending": "\n"},
+    "carriage returns": {"ending": "\r"},
+    "all quoted": {"quoting": csv.QUOTE_ALL, "separator": ";"},
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("comma", [False, True])
+def test_a_sheet_comes_back_from_any_spreadsheet(journal, sheet, variant, comma):
+    save(sheet, filled(sheet, ["0,5" if comma else "0.5", " 2 ", "0", "1,25"]), **VARIANTS[variant])
+    taken = read_marks(journal, sheet)
+    assert (taken.read, len(taken.changed), taken.open) == (4, 4, ())
+    order = sorted(STUDENTS)
+    assert given_marks(journal) == dict(
+        zip(order, [(p, "Good.") for p in (0.5, 2.0, 0.0, 1.25)], strict=True)
+    )
+
+
+def test_reading_twice_changes_nothing(journal, sheet):
+    save(sheet, filled(sheet, ["1"] * 4))
+    assert len(read_marks(journal, sheet).changed) == 4
+    before = journal.marks()
+    again = read_marks(journal, sheet)
+    assert (again.read, again.changed) == (4, ()) and journal.marks() == before
+
+
+def test_windows_own_encoding_is_read(journal, tmp_path):
+    with Journal(tmp_path / "other") as other:
+        other.keep(result("José", answer()))
+        (written,) = write_sheets(other, tmp_path / "m")
+        save(written.table, filled(written.table, ["1"], "c’est ça"), separator=";", encoding="cp1252")
+        read_marks(other, written.table)
+        assert given_marks(other) == {"José": (1.0, "c’est ça")}
+
+
+def test_excels_line_that_names_the_separator_is_no_row(journal, sheet):
+    save(sheet, filled(sheet, ["1", "1", "1", "3"]), separator=";")
+    sheet.write_bytes(codecs.BOM_UTF8 + b"sep=;\r\n" + sheet.read_bytes()[3:])
+    with pytest.raises(MarksError, match="row 5: 3 points; the question is worth 2"):
+        read_marks(journal, sheet)
+
+
+def test_empty_columns_and_rows_moved_and_sorted_ones_do_no_harm(journal, sheet):
+    header, *rows = filled(sheet, ["0", "1", "2", "0.5"])
+    turned = [[*reversed(row), "", ""] for row in [header, *reversed(rows)]]
+    turned.insert(2, [""] * 9)
+    save(sheet, turned, separator=";")
+    assert read_marks(journal, sheet).read == 4
+
+
+def test_a_number_that_lost_its_zeros_is_found_again_where_only_one_can_be_meant(journal, sheet):
+    rows = [[cell if cell != "007" else "7" for cell in row] for row in filled(sheet, ["1"] * 4)]
+    save(sheet, rows)
+    assert read_marks(journal, sheet).read == 4 and "007" in given_marks(journal)
+    journal.keep(result("07", answer()))
+    with pytest.raises(MarksError, match="no student '7'"):
+        read_marks(journal, sheet)
+
+
+def test_what_is_still_open_is_told(journal, sheet):
+    save(sheet, filled(sheet, ["", "1", "", ""], ""))
+    order = sorted(STUDENTS)
+    assert read_marks(journal, sheet).open == tuple((order[i], QUESTION) for i in (0, 2, 3))
+    save(sheet, [row for row in filled(sheet, ["1"] * 4) if row[0] in ("student", "ada")])
+    assert [student for student, _ in read_marks(journal, sheet).open] == ["007", STUDENTS[2]]
+
+
+def test_points_that_were_taken_out_of_a_sheet_stay_in_the_journal(journal, sheet):
+    save(sheet, filled(sheet, ["1"] * 4))
+    read_marks(journal, sheet)
+    save(sheet, filled(sheet, [""] * 4, ""))
+    assert read_marks(journal, sheet).read == 0 and len(journal.marks()) == 4
+
+
+WRONG = {
+    "-1": "row 2: points are '-1'",
+    "2.01": "row 2: 2.01 points; the question is worth 2",
+    "1e0": "row 2: points are '1e0'",
+    "nan": "row 2: points are 'nan'",
+    "inf": "row 2: points are 'inf'",
+    "two": "row 2: points are 'two'; a number from 0 to 2 is wanted",
+    "1,5,0": "row 2: points are '1,5,0'",
+    "01. Mai": "row 2: points are '01. Mai'",
+    "٢": "row 2: points are",
+}
+
+
+@pytest.mark.parametrize("points", WRONG)
+def test_points_that_cannot_be_are_refused_with_their_row_and_nothing_is_read(journal, sheet, points):
+    save(sheet, filled(sheet, [points, "1", "1", "1"]))
+    with pytest.raises(MarksError) as refused:
+        read_marks(journal, sheet)
+    assert WRONG[points] in str(refused.value) and "nothing was read in" in str(refused.value)
+    assert journal.marks() == []
+
+
+def changed(rows, what, to):
+    return [[to if cell == what else cell for cell in row] for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("what", "to", "said"),
+    [
+        ("ada", "eve", "row [2-5]: no student 'eve' was graded"),
+        ("ada", "?da", "save as CSV UTF-8"),
+        (QUESTION, "how", "row 2: there is no question 'how'.*there are 01_hsl_filtering why_hsl"),
+        (LESSON, "02_posts", "row 2: there is no question 'why_hsl' in lesson '02_posts'"),
+        ("points", "score", "row 1: the columns are 'student'.*are wanted"),
+        ("comment", "points", "row 1: the columns are"),
+    ],
+)
+def test_a_row_that_belongs_to_nobody_and_a_changed_header_are_refused(journal, sheet, what, to, said):
+    save(sheet, changed(filled(sheet, ["1"] * 4), what, to))
+    with pytest.raises((MarksError, TableError), match=f"(?s){said}"):
+        read_marks(journal, sheet)
+    assert journal.marks() == []
+
+
+def test_a_further_column_and_a_cell_beside_the_table_are_refused(journal, sheet):
+    header, *rows = filled(sheet, ["1"] * 4)
+    save(sheet, [[*header, "mine"], *rows])
+    with pytest.raises(TableError, match="'mine' does not belong there"):
+        read_marks(journal, sheet)
+    save(sheet, [header, [*rows[0], "1.5"], *rows[1:]])
+    with pytest.raises(TableError, match="row 2: '1.5' stands in a column without a name"):
+        read_marks(journal, sheet)
+
+
+def test_a_row_that_stands_twice_must_say_the_same(journal, sheet):
+    rows = filled(sheet, ["1"] * 4)
+    save(sheet, [*rows, rows[1]])
+    assert read_marks(journal, sheet).read == 4
+    other = changed([rows[1]], "1", "2")
+    save(sheet, [*rows, *other])
+    with pytest.raises(MarksError, match="row 6: .* has another mark in row 2"):
+        read_marks(journal, sheet)
+
+
+def test_all_rows_that_are_wrong_are_told_at_once(journal, sheet):
+    save(sheet, filled(sheet, ["9", "x", "1", "-"]))
+    with pytest.raises(MarksError, match=r"(?s)row 2: .*row 3: .*row 5: "):
+        read_marks(journal, sheet)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "is empty"),
+        (b"\xff\xfe", "is empty"),
+        (b"student\r\nada", "row 1: the columns are 'student'"),
+        (b"\x81\x8d\x8f", "in no encoding"),
+        (",".join(HEADER).encode() + b'\r\n"ada,1', "no CSV table"),
+    ],
+)
+def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path, content, said):
+    path = tmp_path / "x.csv"
+    path.write_bytes(content)
+    with pytest.raises(TableError, match=said):
+        read_marks(journal, path)
+    with pytest.raises(MarksError, match="there is no"):
+        read_marks(journal, tmp_path / "missing.csv")
+
+
+# --- tables ---
+
+
+@settings(max_examples=300)
+@given(st.text())
+@example("'=x")
+@example(" =x")
+def test_making_a_cell_harmless_can_be_undone(text):
+    assert as_it_was(harmless(text)) == text
+    assert harmless(text)[:1] not in tuple("=+-@\t\r")
+
+
+@settings(max_examples=100, deadline=None)
+@given(words(), words(), st.integers(0, 8).map(lambda n: n / 4))
+def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, text, points):
+    folder = tmp_path_factory.mktemp("round")
+    name = name.encode("utf-8", "replace").decode() or "x"
+    with Journal(folder) as kept:
+        kept.keep(result(name, answer(text=text.encode("utf-8", "replace").decode())))
+        kept.mark([Mark(name, LESSON, QUESTION, points, "-1, \"=2\"; 'so'")])
+        (written,) = write_sheets(kept, folder)
+        taken = read_marks(kept, written.table)
+        assert (taken.read, taken.changed) == (1, ())
+
+
+def test_an_answer_longer_than_a_cell_is_cut_with_a_word():
+    (row,) = csv.reader(io.StringIO(table([["y" * 40_000]]).decode("utf-8-sig")))
+    assert len(row[0]) < 32_767 and "cut here" in row[0]
+
+
+def test_a_table_that_is_far_too_large_is_not_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(tables, "LARGEST", 10)
+    (tmp_path / "x.csv").write_bytes(b"0" * 11)
+    with pytest.raises(TableError, match="larger than"):
+        read_table(tmp_path / "x.csv", HEADER)

@@ -1,0 +1,477 @@
+"""Each layer of the sandbox denies by itself what it is there for, and an honest worker notices none of them."""
+
+import contextlib
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from nao_course.exercises import Case
+from nao_course.instructor.sandbox import confinement as module
+from nao_course.instructor.sandbox.confinement import LEVELS, Bounds, Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import SINGLE_THREADED, Worker
+from tests.paths import PROJECT
+from tests.sandboxed import attacker, attempt, denied, need, only
+from tests.toy import toy
+
+NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
+ALL = (*NAMESPACES, "landlock", "seccomp", "unprivileged user")
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="layers of Linux's kernel")
+
+
+@pytest.fixture(scope="module")
+def notebook(tmp_path_factory):
+    return attacker(tmp_path_factory.mktemp("attacker"))
+
+
+@pytest.fixture(scope="module")
+def servers():
+    """One server for each choice of layers that a test asks for."""
+    running = {}
+
+    def server(*layers):
+        if layers not in running:
+            running[layers] = WarmServer(only(*layers)).__enter__()
+        return running[layers]
+
+    yield server
+    for each in running.values():
+        each.close()
+
+
+@pytest.fixture
+def confined(notebook, servers):
+    """A worker behind some layers; all of them, if none are named."""
+    workers = []
+
+    def worker(*layers):
+        workers.append(Worker(notebook, seconds=20.0, server=servers(*(layers or ALL))))
+        return workers[-1]
+
+    yield worker
+    for each in workers:
+        each.close()
+
+
+@pytest.fixture
+def secret(tmp_path):
+    path = tmp_path / "grades.sqlite"
+    path.write_text("secret")
+    path.chmod(0o666)
+    tmp_path.chmod(0o777)
+    return path
+
+
+# --- levels ---
+
+
+def made(*on):
+    return Sandbox(tuple(Layer(name, name in on, "" if name in on else f"{name} is off") for name in ALL))
+
+
+@pytest.mark.parametrize(
+    ("on", "level"),
+    [
+        ((), "process"),
+        (("landlock",), "landlock"),
+        (NAMESPACES, "namespaces"),
+        ((*NAMESPACES, "landlock"), "namespaces"),
+        ((*NAMESPACES[1:], "landlock", "seccomp"), "landlock"),
+        (ALL, "full"),
+    ],
+)
+def test_the_level_is_the_highest_all_of_whose_layers_work(on, level):
+    sandbox = made(*on)
+    assert sandbox.level == level
+    assert f"level {level!r}" in str(sandbox)
+    assert "\n" not in str(sandbox)
+    for each in LEVELS[: LEVELS.index(level) + 1]:
+        if each == level or set(module._NEEDS[each]) <= set(on):
+            sandbox.require(each)
+
+
+def test_what_is_required_and_missing_is_named_with_its_reason():
+    with pytest.raises(SandboxError, match="'full' is required.*'namespaces'.*no seccomp: seccomp is off"):
+        made(*ALL[:5], "landlock", "unprivileged user").require("full")
+    with pytest.raises(ValueError, match="one of process, landlock, namespaces, full; got 'strong'"):
+        made().require("strong")
+    assert "STUDENTS' CODE CAN READ" in str(made())
+
+
+def test_the_machine_is_tried_once_and_says_all_its_layers():
+    sandbox = probe()
+    assert {layer.name for layer in sandbox.layers} >= set(ALL)
+    assert all(layer.detail for layer in sandbox.layers if not layer.on)
+    assert probe() is sandbox
+
+
+def test_off_linux_there_are_processes_with_limits_and_no_more(monkeypatch):
+    monkeypatch.setattr(sys, "platform", "darwin")
+    sandbox = probe.__wrapped__()
+    assert sandbox.level == "process"
+    assert "not on darwin" in str(sandbox)
+
+
+def test_the_module_can_be_imported_where_there_is_no_linux():
+    module = "nao_course.instructor.sandbox.warm_server"
+    code = f"import sys, nao_course.exercises; sys.platform = 'darwin'; import {module}; print(1)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT)
+    assert done.stdout == "1\n", done.stderr
+
+
+@linux
+def test_ci_has_the_highest_level():
+    assert need(*ALL).level == "full"
+
+
+# --- files ---
+
+READ = {
+    "python": "open(args[0]).read()",
+    "the C library": "checked(libc.open(args[0].encode(), 0))",
+}
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+@pytest.mark.parametrize("way", READ)
+def test_no_file_of_the_host_can_be_read(confined, secret, notebook, layers, way):
+    worker = confined(*layers)
+    for path in (
+        PROJECT / "solutions" / "01_hsl_filtering.ipynb",
+        PROJECT / "tests" / "instructor" / "sandbox" / "test_confinement.py",
+        PROJECT / "notebooks" / "01_hsl_filtering.ipynb",
+        PROJECT / "nao_course" / "instructor" / "sandbox" / "worker.py",
+        notebook,
+        secret,
+        "/etc/passwd",
+        "/etc/hostname",
+    ):
+        assert Path(path).exists()
+        assert denied(attempt(worker, READ[way], str(path))), path
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+def test_no_folder_of_the_host_can_be_listed(confined, secret, layers):
+    worker = confined(*layers)
+    for path in (PROJECT / "solutions", PROJECT / ".git", Path.home() / ".cache", secret.parent, "/var"):
+        assert denied(attempt(worker, "os.listdir(args[0])", str(path))), path
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+@pytest.mark.parametrize(
+    "source",
+    [
+        "open(args[0], 'w')",
+        "open(args[0], 'a')",
+        "os.remove(args[0])",
+        "os.rename(args[0], args[0] + '2')",
+        "open(args[0] + '2', 'w')",
+        "os.mkdir(args[0] + '2')",
+        "os.symlink('/', args[0] + '2')",
+        "os.truncate(args[0], 0)",
+        "open(os.__file__, 'a')",
+        "open(os.path.dirname(os.__file__) + '/new.py', 'w')",
+        "open('/here', 'w')",
+        "os.mkdir('/dev/here')",
+    ],
+)
+def test_nothing_outside_the_scratch_folder_can_be_changed(confined, secret, layers, source):
+    outcome = attempt(confined(*layers), source, str(secret))
+    assert denied(outcome, "PermissionError", "FileNotFoundError", "OSError: [Errno 30]"), outcome
+    assert [path.name for path in secret.parent.iterdir() if path.name.startswith("grades")] == [secret.name]
+    assert secret.read_text() == "secret"
+
+
+@linux
+@pytest.mark.parametrize(
+    "source", ["os.chmod(args[0], 0o777)", "os.utime(args[0])", "os.chown(args[0], 0, 0)"]
+)
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("seccomp",)], ids=["all", "namespaces", "seccomp"])
+def test_permissions_and_times_outside_cannot_be_changed(confined, secret, layers, source):
+    assert denied(attempt(confined(*layers), source, str(secret)))
+
+
+@linux
+def test_the_scratch_folder_is_private_and_empty_at_each_start(confined):
+    look = "os.getcwd(), os.environ['HOME'], os.environ['TMPDIR'], sorted(os.listdir())"
+    for _ in range(2):
+        worker = confined()
+        assert attempt(worker, look).value == "('/scratch', '/scratch', '/scratch', ['attacker.ipynb'])"
+        in_tmp = any(
+            path.startswith("/tmp/") for path in module.readable()
+        )  # then /tmp is a folder of its own
+        there = "/scratch/mine" if in_tmp else "/tmp/mine"
+        write = f"import tempfile\nopen('mine', 'w').write('x'), open('{there}').read(), tempfile.mkstemp()[1][:9]"
+        assert attempt(worker, write).value == "(1, 'x', '/scratch/')"
+        worker.close()
+
+
+# --- other processes ---
+
+PTRACE = "checked(libc.ptrace(16, args[0], None, None))"  # PTRACE_ATTACH
+VM_READ = "checked(libc.syscall(310, args[0], None, 0, None, 0, 0))"  # process_vm_readv of x86-64
+
+
+@linux
+def test_no_other_process_is_in_sight(confined):
+    look = "sorted(int(each) for each in os.listdir('/proc') if each.isdigit())"
+    assert (
+        attempt(confined(*NAMESPACES), look).value == "[1, 2]"
+    )  # the one that only waits, and the student's
+    assert denied(attempt(confined(), look))
+    assert "pid" in attempt(confined(), "open('/proc/self/status').read().lower()").value
+
+
+@linux
+@pytest.mark.parametrize("what", ["environ", "mem", "fd/0", "maps", "root/etc/passwd", "cwd/etc/passwd"])
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES], ids=["all", "namespaces"])
+def test_the_other_process_in_the_namespace_is_closed(confined, layers, what):
+    source = "open(args[0], 'rb').read(9)"
+    assert denied(attempt(confined(*layers), source, f"/proc/1/{what}"))
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+def test_the_grader_and_the_server_cannot_be_signalled(confined, servers, layers):
+    worker = confined(*layers)
+    assert attempt(worker, "1").value == "1"
+    for process in (os.getpid(), servers(*layers).process, os.getppid()):
+        outcome = attempt(worker, "os.kill(args[0], 0)", process)
+        assert denied(outcome, "PermissionError", "ProcessLookupError"), outcome
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, ("seccomp",), NAMESPACES], ids=["all", "seccomp", "namespaces"])
+def test_no_process_can_be_traced(confined, layers):
+    worker = confined(*layers)
+    for process in (1, os.getppid()):
+        assert denied(attempt(worker, PTRACE, process), "PermissionError", "ProcessLookupError")
+    if os.uname().machine == "x86_64" and "seccomp" in layers:
+        assert denied(attempt(worker, VM_READ, 1))
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("seccomp",)], ids=["all", "namespaces", "seccomp"])
+@pytest.mark.parametrize(
+    "source",
+    [
+        "checked(libc.mount(b'none', b'/proc', b'tmpfs', 0, None))",
+        "checked(libc.umount2(b'/proc', 2))",
+        "checked(libc.chroot(b'/'))",
+        "checked(libc.setns(os.open('/proc/self/ns/net', 0), 0))",
+        "checked(libc.sethostname(b'x', 1))",
+    ],
+)
+def test_mounts_and_namespaces_cannot_be_changed(confined, layers, source):
+    assert denied(attempt(confined(*layers), source))
+
+
+@linux
+@pytest.mark.parametrize("flags", [0x10000000, 0x10020000, 0x50000000])
+def test_no_new_namespace_can_be_made(confined, flags):
+    worker = confined()
+    assert denied(attempt(worker, "checked(libc.unshare(args[0]))", flags))
+    if os.uname().machine == "x86_64":
+        assert denied(
+            attempt(worker, "checked(libc.syscall(56, args[0] | 17, None, None, None, None))", flags)
+        )
+
+
+@linux
+def test_calls_that_only_an_attack_needs_are_denied(confined):
+    worker = confined()
+    for name, number in {
+        "bpf": 321,
+        "perf_event_open": 298,
+        "userfaultfd": 323,
+        "io_uring_setup": 425,
+    }.items():
+        if os.uname().machine == "x86_64":
+            assert denied(attempt(worker, "checked(libc.syscall(args[0], 0, None, 0, 0, 0))", number)), name
+    assert denied(attempt(worker, "checked(libc.memfd_create(b'x', 0))"))
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
+def test_a_worker_has_no_privileges_and_cannot_get_any(confined, layers):
+    status = attempt(
+        confined(*layers), "open('/proc/self/status').read()" if layers != ("landlock",) else "''"
+    ).value
+    if layers != ("landlock",):  # its /proc is that of the host, which is closed
+        for name in ("CapInh", "CapPrm", "CapEff", "CapAmb"):
+            assert f"{name}:\\t0000000000000000" in status
+        assert "NoNewPrivs:\\t1" in status
+    if layers == NAMESPACES:
+        assert "NoNewPrivs:\\t1" in attempt(confined(*layers), "open('/proc/1/status').read()").value
+    assert (
+        attempt(confined(*layers), "libc.prctl(3, 0, 0, 0, 0), libc.prctl(39, 0, 0, 0, 0)").value == "(0, 1)"
+    )
+
+
+# --- network ---
+
+SPEAK = {
+    "TCP": "socket.create_connection(('127.0.0.1', args[0]), 2)",
+    "a port": "s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen()\n1",
+    "UDP": "s = socket.socket(type=socket.SOCK_DGRAM); s.connect(('127.0.0.1', args[1])); s.send(b'x')\n1",
+    "DNS": "socket.getaddrinfo('example.org', 80)",
+    "a Unix socket": "socket.socket(socket.AF_UNIX).connect(args[2])",
+    "an abstract socket": "socket.socket(socket.AF_UNIX).connect(chr(0) + args[3])",
+    "netlink": "socket.socket(16, 3, 0).send(b'x' * 16)",
+}
+
+
+@pytest.fixture(scope="module")
+def listeners(tmp_path_factory):
+    """What a student's code may not reach: TCP, UDP, Unix and abstract sockets of the host."""
+    path = str(tmp_path_factory.mktemp("s") / "s")
+    name = f"nao-course-test-{os.getpid()}"
+    with (
+        socket.create_server(("127.0.0.1", 0)) as tcp,
+        socket.socket(type=socket.SOCK_DGRAM) as udp,
+        socket.socket(socket.AF_UNIX) as unix,
+        socket.socket(socket.AF_UNIX) as abstract,
+    ):
+        udp.bind(("127.0.0.1", 0))
+        unix.bind(path)
+        abstract.bind("\0" + name)
+        for each in (unix, abstract):
+            each.listen()
+        yield tcp.getsockname()[1], udp.getsockname()[1], path, name, (tcp, udp, unix, abstract)
+
+
+REACHED = {
+    ALL: set(),
+    ("seccomp",): set(),
+    NAMESPACES: {"a port", "netlink"},  # all in a network of its own, which leads nowhere
+    ("landlock",): {"UDP", "a Unix socket", "netlink"},  # it knows TCP and abstract sockets only
+}
+
+
+@linux
+@pytest.mark.parametrize("way", SPEAK)
+@pytest.mark.parametrize("layers", REACHED, ids=["all", "seccomp", "namespaces", "landlock"])
+def test_nothing_can_be_reached(confined, listeners, layers, way):
+    *arguments, sockets = listeners
+    outcome = attempt(confined(*layers), SPEAK[way], *arguments)
+    reached = arrived(sockets)
+    if way in REACHED[layers]:
+        return
+    assert outcome.came == "raised", outcome
+    assert outcome.text.startswith(
+        ("PermissionError", "OSError", "gaierror", "ConnectionRefused", "FileNotFound")
+    )
+    assert reached == 0
+
+
+def arrived(sockets):
+    """How many connections and datagrams are there; they are taken away."""
+    count = 0
+    for each in sockets:
+        each.setblocking(False)
+        with contextlib.suppress(BlockingIOError):
+            if each.type == socket.SOCK_DGRAM:
+                each.recv(100)
+            else:
+                each.accept()[0].close()
+            count += 1
+    return count
+
+
+@linux
+def test_two_workers_cannot_speak_to_each_other(confined):
+    first, second = confined(*NAMESPACES), confined(*NAMESPACES)
+    listen = "s = sys.kept = socket.socket(socket.AF_UNIX); s.bind(chr(0) + 'x'); s.listen()\n1"
+    speak = "socket.socket(socket.AF_UNIX).connect(chr(0) + 'x')"
+    assert attempt(first, listen).value == "1"
+    assert attempt(first, speak).value == "None"
+    assert denied(attempt(second, speak), "ConnectionRefusedError")
+
+
+@linux
+def test_nothing_of_the_graders_environment_is_left(confined):
+    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *SINGLE_THREADED}
+    assert attempt(confined(), "sorted(os.environ)").value == repr(sorted(names))
+
+
+# --- honest work ---
+
+
+@linux
+def test_honest_work_notices_nothing(servers, tmp_path):
+    path = toy.write(
+        tmp_path / "own.ipynb",
+        "import asyncio, threading, tempfile, ctypes, numpy as np, cv2, sympy, scipy.signal, scipy.interpolate",
+        "import matplotlib.pyplot as plt",
+        "from nao_course.sim import Field",
+        """
+def everything(picture):
+    fig, ax = plt.subplots()
+    ax.plot([1, 2], label="é")
+    ax.legend()
+    fig.savefig("figure.png")
+    cv2.imwrite("picture.png", picture)
+    np.save("array.npy", picture)
+    with tempfile.NamedTemporaryFile() as file:
+        file.write(b"x")
+    done = []
+    threads = [threading.Thread(target=done.append, args=(k,)) for k in range(4)]
+    for each in threads: each.start()
+    for each in threads: each.join()
+    x = sympy.Symbol("x")
+    async def wait():
+        await asyncio.sleep(0.001)
+        return 1
+    compare = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(lambda value: value + 1)
+    return [
+        np.array_equal(np.load("array.npy"), picture),
+        np.array_equal(cv2.imread("picture.png"), picture),
+        sorted(done) == [0, 1, 2, 3],
+        float(sympy.integrate(x, (x, 0, 2))) == 2.0,
+        asyncio.run(wait()) == 1,
+        compare(1) == 2,
+        np.linalg.inv(np.eye(200)).sum() == 200,
+        len(scipy.signal.butter(2, 0.1)) == 2,
+        Field(2012) is not None,
+    ]
+""",
+    )
+    with Worker(path, server=servers(*ALL), seconds=60.0) as worker:
+        assert worker.definitions.skipped == ()
+        outcome = worker.call("everything", Case((np_picture(),)))
+        assert outcome.value == [True] * 9, outcome
+        assert worker.notes == ()
+
+
+def np_picture():
+    import numpy as np
+
+    return np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+
+
+@linux
+def test_what_is_denied_is_told_to_the_assistant(confined):
+    worker = confined()
+    attempt(worker, "open(args[0])", "/etc/shadow")
+    attempt(worker, "socket.getaddrinfo('example.org', 80)")
+    attempt(worker, "os.kill(1, 9)")
+    attempt(worker, "os.system('id')")
+    for k in range(50):
+        attempt(worker, "os.listdir(args[0])", f"/var/spool/{k}")
+    assert {"open /etc/shadow", "sends a signal to process 1", "os.listdir /var/spool/1"} <= set(worker.notes)
+    assert any("example.org" in note for note in worker.notes)
+    assert any("starts a program" in note for note in worker.notes)
+    assert len(worker.notes) == 20
+    assert all(len(note) <= 200 for note in worker.notes)
+
+
+def test_bounds_have_room_for_honest_work():
+    assert Bounds().memory >= 2**30
+    assert Bounds().scratch > 50 * 2**20  # the largest notebook

@@ -1,0 +1,499 @@
+"""The warm server's workers are bounded, leave nothing behind, and outlive its death as work to be done again."""
+
+import ast
+import contextlib
+import gc
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import Case
+from nao_course.instructor.sandbox import warm_server as module
+from nao_course.instructor.sandbox.confinement import Bounds, Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import ServerEnded, Worker
+from tests.paths import PROJECT
+from tests.sandboxed import attacker, attempt, need, only
+from tests.toy import toy
+
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="the warm server forks on Linux alone"
+)
+NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
+BOUNDS = Bounds(memory=512 * 2**20, processes=40, scratch=64 * 2**20)
+
+
+@pytest.fixture(scope="module")
+def notebook(tmp_path_factory):
+    return attacker(tmp_path_factory.mktemp("attacker"))
+
+
+@pytest.fixture(scope="module")
+def server():
+    need(*NAMESPACES)
+    with WarmServer(probe(), BOUNDS) as server:
+        yield server
+
+
+@pytest.fixture
+def worker(notebook, server):
+    with Worker(notebook, seconds=20.0, server=server) as worker:
+        yield worker
+
+
+def descendants(process: int) -> set[int]:
+    """All processes below one, in whatever namespace."""
+    parents = {}
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                stat = Path(f"/proc/{name}/stat").read_text()
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            parents[int(name)] = int(stat.rpartition(")")[2].split()[1])
+    found = {process}
+    while more := {child for child, parent in parents.items() if parent in found} - found:
+        found |= more
+    return found - {process}
+
+
+@pytest.fixture(autouse=True)
+def temporary(tmp_path, monkeypatch):
+    """A folder for temporary files that no other process uses."""
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+
+
+def servers_family(server: WarmServer) -> set[int]:
+    """The server and all that was ever forked from it, whoever its parent is now."""
+    line = Path(f"/proc/{server.process}/cmdline").read_bytes()
+    family = set()
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                if Path(f"/proc/{name}/cmdline").read_bytes() == line and not ended(int(name)):
+                    family.add(int(name))
+    return family
+
+
+def state() -> tuple[object, ...]:
+    """What a submission may not change: mounts, temporary files, descriptors."""
+    gc.collect()
+    temporary = sorted(os.listdir(tempfile.gettempdir()))
+    return Path("/proc/self/mounts").read_text(), temporary, len(os.listdir("/proc/self/fd"))
+
+
+def ended(process: int) -> bool:
+    """Whether a process has ended; it may still have to be waited for."""
+    stat = Path(f"/proc/{process}/stat")
+    return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] in "ZX"
+
+
+def eventually(true, seconds=5.0):
+    end = time.monotonic() + seconds
+    while not true():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+# --- bounds ---
+
+BOMBS = {
+    "fork bomb": """
+def bomb():
+    while True:
+        try:
+            os.fork()
+        except OSError:
+            time.sleep(0.01)
+bomb()
+""",
+    "children in sessions of their own": """
+started = 0
+for _ in range(60):
+    try:
+        if os.fork() == 0:
+            libc.setsid()
+            if os.fork() == 0:
+                time.sleep(1000)
+            time.sleep(1000)
+        started += 1
+    except BlockingIOError:
+        break
+started
+""",
+    "threads without end": """
+while True:
+    try:
+        threading.Thread(target=time.sleep, args=(1000,)).start()
+    except RuntimeError:
+        break
+threading.active_count()
+""",
+    "a child that wakes up later": """
+for _ in range(5):
+    if os.fork() == 0:
+        libc.setsid()
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        time.sleep(3)
+        os.kill(-1, 9)
+1
+""",
+}
+
+
+@pytest.mark.parametrize("bomb", BOMBS)
+def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, server, bomb):
+    before, known = state(), servers_family(server)
+    most = 0
+    with Worker(notebook, seconds=3.0, server=server) as worker:
+        attempt(worker, "1")
+        caller = threading.Thread(target=attempt, args=(worker, BOMBS[bomb].strip()))
+        caller.start()
+        while caller.is_alive():
+            most = max(most, len(servers_family(server)))
+            time.sleep(0.05)
+        assert most <= 1.5 * BOUNDS.processes + len(
+            known
+        )  # the kernel counts without a lock: forks at once overshoot
+    assert servers_family(server) == known
+    assert state() == before
+    with Worker(notebook, seconds=10.0, server=server) as worker:
+        assert attempt(worker, "2").value == "2"
+
+
+def test_one_workers_processes_are_not_counted_against_another(notebook, server):
+    with Worker(notebook, seconds=20.0, server=server) as greedy, Worker(notebook, server=server) as honest:
+        assert int(attempt(greedy, BOMBS["threads without end"]).value) > 20
+        assert attempt(honest, "t = threading.Thread(target=print)\nt.start()").value == "None"
+
+
+HOGS = {
+    "one process": "bytearray(2**30)",
+    "many pieces": "[bytearray(2**24) for _ in range(200)]",
+    "touched arrays": "import numpy as np\n[np.ones(2**22) for _ in range(100)]",
+}
+
+
+@pytest.mark.parametrize("hog", HOGS)
+def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
+    outcome = attempt(worker, HOGS[hog])
+    assert outcome.came == "raised"
+    assert outcome.text.startswith(("MemoryError", "_ArrayMemoryError"))
+    assert attempt(worker, "1").value == "1"
+
+
+@pytest.mark.parametrize("kind", ["bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"])
+def test_processes_that_want_too_much_memory_together_are_ended(worker, kind):
+    source = f"""
+import mmap
+for _ in range(8):
+    if os.fork() == 0:
+        block = {kind}
+        for at in range(0, len(block), 4096): block[at] = 1
+        time.sleep(100)
+time.sleep(100)
+"""
+    began = time.monotonic()
+    outcome = attempt(worker, source + "1")
+    assert outcome.came == "died"
+    assert outcome.text == "the process and its children used more than 512 MB of memory"
+    assert time.monotonic() - began < 10
+
+
+FILES = {
+    "one large file": "open('large', 'wb').truncate(10 * 2**30)",
+    "a file that is written": "f = open('large', 'wb')\n[f.write(bytes(2**20)) for _ in range(10240)]",
+    "many files": "[open(f'file{k}', 'wb').write(bytes(2**20)) for k in range(1000)]",
+    "many empty files": "[open(f'file{k}', 'wb').close() for k in range(100_000)]",
+    "many open files": "[open('/dev/null') for k in range(10_000)]",
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_files_are_bounded_and_go_with_the_worker(notebook, server, kind):
+    free = os.statvfs(tempfile.gettempdir()).f_bavail
+    with Worker(notebook, seconds=20.0, server=server) as worker:
+        outcome = attempt(worker, FILES[kind])
+        assert outcome.came == "raised"
+        assert outcome.text.startswith("OSError"), outcome
+        used = attempt(worker, "os.statvfs('/scratch').f_blocks * os.statvfs('/scratch').f_frsize").value
+        assert int(used) == BOUNDS.scratch
+    assert os.statvfs(tempfile.gettempdir()).f_bavail > free - 50_000  # blocks; other processes write, too
+
+
+def test_a_hundred_megabytes_of_output_are_quick_and_bounded(worker):
+    began = time.monotonic()
+    outcome = attempt(worker, "print('x' * 10**8)\nos.write(1, b'y' * 10**7), libc.puts(b'z' * 1000) > 0")
+    assert time.monotonic() - began < 5
+    assert outcome.value == "(10000000, True)"
+    assert outcome.output == "x" * 8192
+    outcome = attempt(worker, "for _ in range(10**6): print('chat')\n1")
+    assert outcome.value == "1", outcome
+
+
+def test_a_notebook_that_is_too_large_is_refused_before_it_is_read(tmp_path, server):
+    path = tmp_path / "large.ipynb"
+    with path.open("wb") as file:
+        file.truncate(200 * 2**20)
+    with Worker(path, server=server) as worker:
+        assert worker.call("f", Case(())).text == "large.ipynb: larger than 50 MB"
+    path.write_text('{"cells": ' + "[" * 10**6)
+    with Worker(path, server=server) as worker:
+        assert "not a notebook" in worker.call("f", Case(())).text
+
+
+# --- nothing of one worker reaches another, or the next ---
+
+
+def test_workers_see_nothing_of_each_other(notebook, server):
+    with Worker(notebook, server=server) as first, Worker(notebook, server=server) as second:
+        assert attempt(first, "open('mine', 'w').write('x')").value == "1"
+        assert attempt(first, "sys.modules['numpy'].pi = 3\nsys.modules['numpy'].pi").value == "3"
+        assert attempt(second, "os.listdir()").value == "['attacker.ipynb']"
+        assert attempt(second, "sys.modules['numpy'].pi > 3.1").value == "True"
+        assert attempt(second, "os.getpid(), os.getppid()").value == "(2, 0)"
+
+
+def test_a_worker_holds_no_descriptor_but_its_channel(worker):
+    source = """
+open_files = [f"/proc/self/fd/{name}" for name in os.listdir("/proc/self/fd")]
+sorted(os.readlink(each).split(":")[0] for each in open_files if os.path.lexists(each))
+"""
+    value = attempt(worker, source).value
+    assert value == "['/dev/null', '/dev/null', '/dev/null', 'socket']"
+
+
+def test_a_worker_has_no_privileges(worker):
+    lines = ast.literal_eval(attempt(worker, "open('/proc/self/status').read().splitlines()").value)
+    status = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
+    assert {int(status[name], 16) for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")} == {0}
+    assert status["NoNewPrivs"] == "1"
+    if "seccomp" in probe().on:
+        assert status["Seccomp"] == "2"
+    if os.geteuid() == 0 and "unprivileged user" in probe().on:
+        assert "0" not in status["Uid"].split()
+
+
+def test_the_solutions_are_in_no_memory_of_a_worker(worker):
+    value = attempt(worker, "[name for name in sys.modules if 'plans' in name or 'solution' in name]").value
+    assert value == "[]"
+
+
+def test_many_workers_at_once_and_one_after_the_other_leave_nothing(notebook, server):
+    before, known = state(), descendants(server.process)
+
+    def grade(number):
+        with Worker(notebook, seconds=30.0, server=server) as worker:
+            return [attempt(worker, f"{number} + {k}").value for k in range(3)]
+
+    with ThreadPoolExecutor(4) as threads:
+        values = list(threads.map(grade, range(24)))
+    assert values == [[str(number + k) for k in range(3)] for number in range(24)]
+    assert descendants(server.process) == known
+    assert state() == before
+
+
+# --- accidents ---
+
+
+def test_a_worker_that_is_killed_costs_its_call_alone(worker, server):
+    known = descendants(server.process)
+    for which in (0, 1):  # the one that waits, and the student's
+        assert attempt(worker, "1").value == "1"
+        both = sorted(descendants(server.process) - known)
+        assert len(both) == 2
+        os.kill(both[which], signal.SIGKILL)
+        assert eventually(lambda student=both[1]: ended(student))
+        assert attempt(worker, "2").text == "the process was ended by signal 9 (Killed)"
+        assert attempt(worker, "3").value == "3"
+        worker.close()
+
+
+def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(notebook):
+    need(*NAMESPACES)
+    with WarmServer(probe(), BOUNDS) as server, Worker(notebook, server=server) as worker:
+        for process in (lambda: server.process, lambda: min(descendants(server.process))):
+            assert attempt(worker, "1").value == "1"
+            below = descendants(server.process)
+            os.kill(process(), signal.SIGKILL)
+            assert eventually(lambda below=below: all(map(ended, below)))
+            with pytest.raises(ServerEnded, match="died"):
+                attempt(worker, "2")
+            with Worker(notebook, server=server) as another:
+                assert attempt(another, "3").value == "3"
+            assert attempt(worker, "4").value == "4"
+        assert server.generation == 3
+
+
+def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
+    need(*NAMESPACES)
+    with WarmServer(probe(), BOUNDS) as server:
+        with Worker(notebook, server=server) as first, Worker(notebook, server=server) as second:
+            assert (attempt(first, "1").value, attempt(second, "1").value) == ("1", "1")
+            below = descendants(server.process)
+            os.kill(server.process, signal.SIGKILL)
+            assert eventually(lambda: all(map(ended, below)))
+            with pytest.raises(ServerEnded):
+                attempt(first, "2")
+            assert attempt(first, "3").value == "3"
+            with pytest.raises(ServerEnded):
+                attempt(second, "4")
+            assert attempt(first, "5").value == "5"  # by the new server still
+        assert server.generation == 2
+
+
+@pytest.mark.slow
+def test_a_server_that_stops_answering_is_replaced(notebook, monkeypatch):
+    need(*NAMESPACES)
+    monkeypatch.setattr(module, "_SECONDS_TO_REPLY", 1.0)
+    with WarmServer(probe(), BOUNDS) as server, Worker(notebook, server=server) as worker:
+        os.kill(min(descendants(server.process)), signal.SIGSTOP)
+        with pytest.raises(ServerEnded):
+            attempt(worker, "1")
+        assert attempt(worker, "2").value == "2"
+
+
+def test_the_server_ends_with_its_grader_however_that_ends(notebook):
+    need(*NAMESPACES)
+    code = f"""
+import os, signal, sys
+from pathlib import Path
+from nao_course.exercises import Case
+from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import Worker
+server = WarmServer(probe()).__enter__()
+worker = Worker(Path({str(notebook)!r}), server=server)
+worker.call("attempt", Case(("1",)))
+print(server.process, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    grader = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=PROJECT)
+    process = int(grader.stdout.readline())
+    grader.wait()
+    grader.stdout.close()
+    assert eventually(lambda: not os.path.exists(f"/proc/{process}/fd") or not descendants(process))
+    assert eventually(
+        lambda: (
+            not Path(f"/proc/{process}/cmdline").exists() or not Path(f"/proc/{process}/cmdline").read_text()
+        )
+    )
+
+
+def test_closing_the_server_leaves_nothing(notebook):
+    before = state()
+    server = WarmServer(probe(), BOUNDS)
+    with server, Worker(notebook, server=server) as worker:
+        assert attempt(worker, "1").value == "1"
+        below = descendants(server.process) | {server.process}
+    assert not any(os.path.exists(f"/proc/{each}") for each in below)
+    assert state() == before
+
+
+def test_a_server_that_cannot_be_confined_does_not_start(monkeypatch):
+    need(*NAMESPACES)
+    monkeypatch.setattr(module, "asdict", lambda bounds: {"no such": 1})
+    server = WarmServer(probe())
+    with pytest.raises(SandboxError, match=r"could not start: TypeError.*no such"):
+        server.__enter__()
+    assert server.process is None
+
+
+def test_a_worker_that_cannot_be_confined_does_not_start(notebook, monkeypatch):
+    told = module.asdict
+
+    def without_room(bounds):
+        return told(bounds) | {"scratch": "no number"}
+
+    need(*NAMESPACES)
+    monkeypatch.setattr(module, "asdict", without_room)
+    with (
+        WarmServer(probe()) as server,
+        Worker(notebook, server=server) as worker,
+        pytest.raises(SandboxError, match="could not be confined"),
+    ):
+        attempt(worker, "1")
+
+
+# --- lower levels ---
+
+
+@pytest.mark.parametrize("layers", [("landlock",), ()], ids=["landlock", "process"])
+def test_without_namespaces_nothing_is_left_either(notebook, layers):
+    before = state()
+    with WarmServer(only(*layers), BOUNDS) as server:
+        known = servers_family(server)
+        for bomb in ("children in sessions of their own", "a child that wakes up later"):
+            with Worker(notebook, seconds=20.0, server=server) as worker:
+                source = BOMBS[bomb].replace("os.kill(-1, 9)", "1")
+                assert int(attempt(worker, source).value) >= 1
+                assert attempt(worker, "open('mine', 'w').write('x')").value == "1"
+                assert len(servers_family(server)) > len(known) + 5
+            assert servers_family(server) == known
+    assert state() == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("missing", ["_try_namespace", "_try_all", "_try_seccomp"])
+def test_a_machine_that_refuses_some_layers_still_grades_behind_the_others(notebook, missing):
+    code = f"""
+import json
+from nao_course.instructor.sandbox import confinement as sandbox
+def refused(*_): raise OSError("refused here")
+sandbox.{missing} = refused
+print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._trial()]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT, check=True
+    )
+    sandbox = Sandbox(tuple(Layer(*each) for each in json.loads(done.stdout)))
+    assert any("refused here" in layer.detail for layer in sandbox.layers if not layer.on)
+    assert sandbox.level != "full"
+    with WarmServer(sandbox, BOUNDS) as server, Worker(notebook, server=server) as worker:
+        assert (
+            attempt(worker, "__import__('colorsys').rgb_to_hls(1, 0, 0)[0], len(os.listdir())").value
+            == "(0.0, 1)"
+        )
+        assert attempt(worker, "open('mine', 'w').write('x')").value == "1"
+
+
+def test_where_nothing_can_be_forked_a_worker_is_a_process_with_limits(notebook, monkeypatch):
+    monkeypatch.setattr(WarmServer, "forks", False)
+    before = state()
+    with WarmServer(probe()) as server, Worker(notebook, server=server) as worker:
+        assert attempt(worker, "os.listdir()").value == "['attacker.ipynb']"
+        assert attempt(worker, "open('large', 'wb').truncate(10 * 2**30)").came == "raised"
+        assert attempt(worker, "1").value == "1"
+        assert server.process is None
+    assert state() == before
+
+
+# --- speed and memory, with room for a busy machine ---
+
+
+def test_a_fork_and_a_call_are_quick_and_a_worker_is_small(server, tmp_path):
+    path = toy.write(tmp_path / "own.ipynb", "import numpy as np", "def f(x): return np.sin(x)")
+    forks, calls = [], []
+    for _ in range(10):
+        began = time.perf_counter()
+        with Worker(path, server=server) as worker:
+            assert worker.definitions.names == ("f",)
+            forks.append(time.perf_counter() - began)
+            began = time.perf_counter()
+            assert worker.call("f", Case((np.zeros(3),))).came == "value"
+            calls.append(time.perf_counter() - began)
+    assert sorted(forks)[2] < 0.3
+    assert sorted(calls)[2] < 0.05

@@ -1,0 +1,570 @@
+"""Whatever a student's code does, its caller gets an outcome in time, and nothing of it stays."""
+
+import json
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import Case
+from nao_course.exercises.codec import encode
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.sandbox import worker as module
+from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import Worker
+from tests.toy import toy
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and forks")
+
+STUDENT = """
+import os, signal, sys, threading, time
+import numpy as np
+
+def double(x):
+    return 2 * x
+def unwritten(x):
+    raise NotImplementedError()
+def fails(x):
+    return 1 / 0
+def loops(x):
+    while True:
+        try:
+            while True: pass
+        except BaseException: pass
+def sleeps(x):
+    time.sleep(1000)
+def stops(x):
+    os.kill(os.getpid(), signal.SIGSTOP)
+def stops_later(x):
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGSTOP)).start()
+def leaves(x):
+    sys.exit(3)
+def leaves_hard(x):
+    os._exit(4)
+def kills_itself(x):
+    os.kill(os.getpid(), signal.SIGKILL)
+def real_time_signal(x):
+    os.kill(os.getpid(), 40)
+def interrupts(x):
+    raise KeyboardInterrupt
+def crashes(x):
+    import ctypes
+    ctypes.string_at(0)
+def prints(x):
+    print("y" * 10_000_000)
+    os.system("echo to the descriptor")
+    os.write(1, b"NAO1 noise")
+    print("late", file=sys.stderr)
+    return x
+def says(x):
+    print("hello", x)
+    return x
+def gives_function(x):
+    return lambda: x
+class Liar:
+    def __eq__(self, other): return True
+def gives_liar(x):
+    return Liar()
+class Mine(np.ndarray):
+    def __eq__(self, other): return np.True_
+def gives_mine(x):
+    return np.zeros(3).view(Mine)
+def gives_much(x):
+    return np.broadcast_to(0.0, (2**27,))
+def gives_many(x):
+    return [None] * 10**6
+def changes(values):
+    values[0] = 5
+    return values.sum()
+def forks(x):
+    os.fork()
+    return x
+def forks_a_loop(x):
+    child = os.fork()
+    while child == 0: time.sleep(1)
+    return child
+def starts_threads(x):
+    for _ in range(5):
+        threading.Thread(target=time.sleep, args=(1000,)).start()
+    return x
+class Raises(Exception):
+    def __str__(self): raise self
+def raises_oddly(x):
+    raise Raises
+def channel():
+    here = [int(name) for name in os.listdir("/proc/self/fd")]
+    return [each for each in here if each > 2]
+def noise(x):
+    for each in range(3, 20):
+        try: os.write(each, b"noise" * 100)
+        except OSError: pass
+def closes(x):
+    os.closerange(0, 100)
+    time.sleep(1000)
+def half_an_answer(x):
+    from nao_course.exercises.codec import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(np.zeros(1000))[:2000])
+        except OSError: pass
+    time.sleep(1000)
+def huge_announcement(x):
+    import struct
+    for each in range(3, 20):
+        try: os.write(each, struct.pack("<4sQQ", b"NAO1", 10, 2**62))
+        except OSError: pass
+def early_answer(x):
+    from nao_course.exercises import Outcome
+    from nao_course.exercises.codec import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(99) + encode(Outcome("value", 1.0)))
+        except OSError: pass
+def odd_outcome(x):
+    from nao_course.exercises import Outcome, running
+    import __main__
+    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker")):
+        if each: each.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
+def environment():
+    return sorted(os.environ)
+def threads():
+    import cv2
+    return cv2.getNumThreads()
+def many_words(x):
+    return {"text": "é", "n": (1, None)}
+"""
+ONE = Case((3.0,))
+
+
+@pytest.fixture(scope="module")
+def notebook(tmp_path_factory):
+    return toy.write(tmp_path_factory.mktemp("student") / "own.ipynb", STUDENT)
+
+
+@pytest.fixture(scope="module", params=["own process", "warm server"])
+def server(request):
+    """The two ways to start a worker: all laws hold for both."""
+    if request.param == "own process":
+        yield None
+    elif not sys.platform.startswith("linux"):
+        pytest.skip("the warm server forks on Linux alone")
+    else:
+        with WarmServer(probe()) as server:
+            yield server
+
+
+@pytest.fixture(scope="module")
+def running(notebook, server):
+    with Worker(notebook, seconds=10.0, server=server) as worker:
+        yield worker
+
+
+@pytest.fixture
+def hurried(notebook, server):
+    with Worker(notebook, seconds=10.0, server=server) as worker:
+        worker.call("double", ONE)
+        worker.seconds = 0.5
+        yield worker
+        worker.seconds = 10.0
+        assert worker.call("double", ONE).value == 6.0  # whatever came before, the next call has its answer
+        assert worker.call("says", ONE).output == "hello 3.0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "came", "text"),
+    [
+        ("double", "value", ""),
+        ("unwritten", "not attempted", ""),
+        ("fails", "raised", "ZeroDivisionError: division by zero"),
+        ("leaves", "raised", "SystemExit: 3"),
+        ("interrupts", "interrupted", ""),
+        ("raises_oddly", "raised", "Raises"),
+        ("no_such_name", "not found", ""),
+        ("gives_function", "unsendable", "a value of type function cannot be sent"),
+        ("gives_liar", "unsendable", "a value of type Liar cannot be sent"),
+        ("gives_much", "unsendable", "a value larger than"),
+        ("gives_many", "unsendable", "more than 200000 values"),
+    ],
+)
+def test_an_outcome_says_what_came_of_a_call(running, name, came, text):
+    outcome = running.call(name, ONE)
+    assert outcome.came == came
+    assert text in outcome.text
+
+
+@posix
+@pytest.mark.parametrize(
+    ("name", "came", "text"),
+    [
+        ("loops", "timed out", "no answer within 0.5 s"),
+        ("sleeps", "timed out", ""),
+        ("stops", "timed out", ""),
+        ("closes", "died", ""),
+        ("half_an_answer", "timed out", ""),
+        ("huge_announcement", "died", "could not be read"),
+        ("noise", "died", "could not be read"),
+        ("early_answer", "died", "could not be read"),
+        ("odd_outcome", "died", "could not be read"),
+        ("leaves_hard", "died", "ended itself with status 4"),
+        ("kills_itself", "died", "ended by signal 9"),
+        ("real_time_signal", "died", "ended by signal 40"),
+        ("crashes", "died", "ended by signal 11"),
+    ],
+)
+def test_whatever_kills_the_process_costs_that_call_alone(hurried, name, came, text):
+    began = time.monotonic()
+    outcome = hurried.call(name, ONE)
+    assert outcome.came == came
+    assert text in outcome.text
+    assert time.monotonic() - began < 5
+
+
+@posix
+@pytest.mark.parametrize("name", ["prints", "forks", "starts_threads"])
+def test_what_a_call_leaves_behind_does_not_disturb_the_next(hurried, name):
+    hurried.seconds = 10.0
+    for _ in range(3):
+        assert hurried.call(name, ONE).value == 3.0
+
+
+@posix
+def test_a_worker_that_does_not_read_costs_its_time_alone(hurried):
+    hurried.call("stops_later", ONE)
+    time.sleep(0.3)
+    assert hurried.call("double", Case((np.zeros(10**6),))).came == "timed out"
+
+
+def test_an_answer_is_plain_when_it_arrives(running):
+    assert type(running.call("gives_mine", ONE).value) is np.ndarray
+    assert running.call("many_words", ONE).value == {"text": "é", "n": (1, None)}
+
+
+def test_the_line_that_raised_is_the_students(running):
+    assert running.call("fails", ONE).line.endswith("return 1 / 0")
+
+
+def test_changing_the_input_is_told(running):
+    case = Case((np.zeros(3),))
+    assert running.call("changes", case).changed
+    assert not running.call("double", case).changed
+    assert case.args[0].sum() == 0
+
+
+def test_the_beginning_of_what_is_printed_is_kept(running):
+    assert running.call("says", ONE).output == "hello 3.0\n"
+    output = running.call("prints", ONE).output
+    assert set(output) == {"y"}
+    assert len(output) == module.MOST_OUTPUT
+    assert running.call("double", ONE).output == ""
+
+
+def test_what_is_expected_is_never_sent(running, monkeypatch):
+    sent = []
+    ask = module._Channel.ask
+    monkeypatch.setattr(
+        module._Channel, "ask", lambda self, frame, s: sent.append(frame) or ask(self, frame, s)
+    )
+    case = replace(ONE, name="a telling name", expected=np.full(3, 987.125))
+    assert running.call("double", case).value == 6.0
+    secret = encode(case.expected)[-24:]
+    assert len(sent) == 1
+    assert secret not in sent[0]
+    assert b"telling" not in sent[0]
+
+
+def test_the_environment_is_scrubbed_and_single_threaded(running, monkeypatch, notebook, server):
+    monkeypatch.setenv("A_SECRET", "1")
+    with Worker(notebook, server=server) as worker:
+        names = worker.call("environment", Case(())).value
+        assert "A_SECRET" not in names
+        assert {"OMP_NUM_THREADS", "MPLBACKEND"} <= set(names)
+        assert worker.call("threads", Case(())).value == 1
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="asks /proc")
+def test_nothing_of_the_callers_is_open_in_the_worker(running, tmp_path):
+    with (tmp_path / "secret").open("w") as secret:
+        os.set_inheritable(secret.fileno(), True)
+        assert len(running.call("channel", Case(())).value) <= 4  # two pipes, /proc itself, the null device
+
+
+def gone(process, seconds=5.0):
+    """Whether a process ends; one that nobody has waited for yet has ended, too."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        try:
+            os.kill(process, 0)
+            if Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
+                return True
+        except (ProcessLookupError, FileNotFoundError):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+@posix
+def test_no_process_is_left(notebook):
+    with Worker(notebook, seconds=5.0) as worker:
+        first = worker.call("forks_a_loop", ONE).value
+        worker.seconds = 0.5
+        worker.call("leaves_hard", ONE)  # the leader is gone, its child is not, and holds the pipes
+        worker.seconds = 5.0
+        second = worker.call("forks_a_loop", ONE).value
+        assert gone(first)
+        assert not gone(second, 0.1)
+    assert gone(second)
+
+
+def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_path, server):
+    path = toy.write(
+        tmp_path / "own.ipynb",
+        "def before(x): return x",
+        "for k in iter(int, 1): pass",
+        "import os\nz = os._exit(5)",
+        "def after(x): return x + 1",
+    )
+    with Worker(path, seconds=1.0, server=server) as worker:
+        assert worker.call("before", ONE).value == 3.0
+        assert worker.call("after", ONE).value == 4.0
+        assert worker.definitions.names == ("before", "after")
+        reasons = {(each.cell, each.line): each.reason for each in worker.definitions.skipped}
+    assert reasons == {
+        (2, 1): "no answer within 1 s",
+        (3, 2): "the process ended itself with status 5",
+    }
+
+
+def test_a_notebook_that_only_ends_is_given_up(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", *["import os\nx = os._exit(5)"] * 10, "def f(x): return x")
+    with Worker(path, seconds=5.0, server=server) as worker:
+        assert worker.call("f", ONE).came == "died"
+        began = time.monotonic()
+        assert worker.call("f", ONE).came == "died"
+        assert time.monotonic() - began < 0.05  # it is not tried again
+        assert worker.definitions.names == ()
+        assert "status 5" in worker.definitions.skipped[0].reason
+
+
+def test_what_is_no_notebook_has_a_reason(tmp_path, server):
+    (tmp_path / "bad.ipynb").write_text("{")
+    for name, reason in (("bad.ipynb", "not a notebook"), ("missing.ipynb", "no such file")):
+        with Worker(tmp_path / name, server=server) as worker:
+            outcome = worker.call("f", ONE)
+            assert outcome.came == "not found"
+            assert reason in outcome.text
+            assert reason in worker.definitions.skipped[0].reason
+
+
+def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", "def f(x): return x\ndef g(x): return f(x) + 1")
+    with Worker(path, {"f": "def f(x): return 10 * x"}, server=server) as worker:
+        assert worker.call("g", ONE).value == 31.0
+        worker.overrides = {"g": "def g(x):\n    return -f(x)"}
+        assert worker.call("g", ONE).value == -3.0
+        worker.overrides = {"f": "def f(x, y=1 / 0): return x"}
+        assert worker.call("f", ONE).came == "not found"
+        worker.overrides = {"f": "def f(:"}
+        assert worker.call("f", ONE).came == "not found"
+        worker.overrides = {"f": "import os; os._exit(3)"}
+        assert worker.call("f", ONE).came == "died"
+        worker.overrides = {}
+        assert worker.call("g", ONE).value == 4.0
+
+
+def test_helpers_beside_the_notebook_and_classes_with_a_driver_work(tmp_path, server):
+    (tmp_path / "colorsys.py").write_text("raise RuntimeError('it must not stand before Python's own')")
+    (tmp_path / "my_helper.py").write_text("def twice(x): return 2 * x")
+    path = toy.write(
+        tmp_path / "own.ipynb",
+        "import colorsys\nfrom my_helper import twice",
+        "def hue(): return colorsys.rgb_to_hls(1, 0, 0)[0]",
+        "class Sampler:\n    def __new__(cls, values, n, rng): return float(rng.choice(values, n).mean())",
+    )
+    helpers = [tmp_path / "colorsys.py", tmp_path / "my_helper.py"]
+    with Worker(path, server=server, helpers=helpers) as worker:
+        assert worker.call("twice", ONE).value == 6.0
+        assert worker.call("hue", Case(())).value == 0.0
+        law = worker.call("Sampler", Case((np.arange(10.0), 5, 30)), "sampling_law").value
+    assert len(law) == 3
+    assert law[2] == 1.0
+
+
+def test_a_released_set_up_cell_stands_in_for_an_edited_one(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", "def hue(): return colorsys.rgb_to_hls(1, 0, 0)[0]")
+    with Worker(path, setup="import colorsys\ncolorsys = 5", server=server) as worker:
+        assert worker.call("hue", Case(())).value == 0.0
+    with Worker(path, server=server) as worker:
+        assert worker.call("hue", Case(())).text.startswith("NameError")
+
+
+def test_written_answers_and_the_stamp_are_read_in_the_worker(tmp_path, server):
+    answer = {"grade": True, "solution": True, "grade_id": "explain"}
+    cells = [
+        {"cell_type": "markdown", "metadata": {"nbgrader": answer}, "source": ["Because\n", "it is."]},
+        {
+            "cell_type": "markdown",
+            "metadata": {"nbgrader": {**answer, "solution": False}},
+            "source": "read only",
+        },
+        {"cell_type": "markdown", "metadata": {"nbgrader": answer}, "source": "And more."},
+        {
+            "cell_type": "markdown",
+            "metadata": {"nbgrader": answer | {"grade_id": "long"}},
+            "source": "x" * 10**6,
+        },
+    ]
+    stamp = {"lesson": "01_toy", "version": "1.2"}
+    path = tmp_path / "own.ipynb"
+    path.write_text(json.dumps({"cells": cells, "metadata": {"nao_course": stamp}, "nbformat": 4}))
+    with Worker(path, server=server) as worker:
+        found = worker.definitions
+    assert found.written["explain"] == "Because\nit is.\n\nAnd more."
+    assert len(found.written["long"]) == 2**16
+    assert (found.lesson, found.version) == ("01_toy", "1.2")
+
+
+LENDING = """
+def base(x): return -1.0
+def user(x):
+    return [base(x), base(x=x), base(2 * x)]
+def asks_for_ever(x):
+    while True: base(x)
+def asks_oddly(x): return base(lambda: x)
+def asks_for_another(x):
+    import os
+    from nao_course.exercises import encode
+    for each in range(3, 20):
+        try: os.write(each, encode(("ask", "secret", (1,), {})))
+        except OSError: pass
+    return x
+"""
+
+
+@pytest.fixture
+def lending(tmp_path, server):
+    path = toy.write(tmp_path / "own.ipynb", LENDING)
+    with Worker(path, seconds=10.0, server=server) as worker:
+        yield worker
+
+
+def test_a_function_that_is_lent_answers_from_the_grader_until_it_is_taken_back(lending):
+    asked = []
+
+    def answer(args, kwargs):
+        asked.append((args, kwargs))
+        return Outcome("value", 10.0 * sum(args) + sum(kwargs.values()))
+
+    assert lending.call("user", ONE).value == [-1.0, -1.0, -1.0]
+    lending.lend({"base": answer})
+    assert lending.call("user", ONE).value == [30.0, 3.0, 60.0]
+    assert asked == [((3.0,), {}), ((), {"x": 3.0}), ((6.0,), {})]
+    lending.close()  # a process that had to be killed
+    assert lending.call("user", ONE).value == [30.0, 3.0, 60.0]
+    lending.lend({})
+    assert lending.call("user", ONE).value == [-1.0, -1.0, -1.0]
+
+
+def test_a_lent_function_that_fails_raises_in_the_students_code(lending):
+    lending.lend({"base": lambda args, kwargs: Outcome("raised", text="ValueError: too small")})
+    outcome = lending.call("user", ONE)
+    assert outcome.came == "raised"
+    assert outcome.text == "RuntimeError: base gives no answer to this: raised ValueError: too small"
+    assert outcome.line.endswith("return [base(x), base(x=x), base(2 * x)]")
+    assert lending.call("asks_oddly", ONE).text.startswith("CodecError")
+
+
+def test_time_in_the_grader_is_not_the_students(lending):
+    def slowly(args, kwargs):
+        time.sleep(0.4)
+        return Outcome("value", 1.0)
+
+    lending.definitions  # noqa: B018 - it loads
+    lending.seconds, lending.total = 0.8, 1.0
+    lending.lend({"base": slowly})
+    assert lending.call("user", ONE).value == [1.0, 1.0, 1.0]
+
+
+def test_asking_for_ever_and_for_what_is_not_lent_gains_nothing(lending, monkeypatch):
+    lending.lend({"base": lambda args, kwargs: Outcome("value", 1.0)})
+    lending.definitions  # noqa: B018 - it loads
+    monkeypatch.setattr(module, "MOST_ASKED", 500)
+    assert "too often" in lending.call("asks_for_ever", ONE).text
+    assert lending.call("asks_for_another", ONE).came == "died"
+    lending.lend({})
+    lending.seconds = 0.5
+    assert lending.call("asks_for_ever", ONE).came == "timed out"
+
+
+def test_a_submission_has_a_total_of_time(notebook, server):
+    with Worker(notebook, seconds=0.7, total=2.0, server=server) as worker:
+        came = [worker.call("sleeps", ONE).text for _ in range(5)]
+        assert "no answer within 0.7 s" in came
+        assert came[-1] == "all 2 s that a submission has are used up"
+
+
+def test_the_texts_of_an_answer_are_bounded_whoever_writes_them(tmp_path, server):
+    source = """
+import sys, __main__
+from nao_course.exercises import Outcome, running
+long = "x" * 10**6
+def lies(x):
+    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker")):
+        if each: each.encoded = lambda *_: running.encoded(Outcome("raised", None, long, long, False, long))
+"""
+    path = toy.write(tmp_path / "own.ipynb", source, *["print(1)"] * 1500)
+    with Worker(path, server=server) as worker:
+        outcome = worker.call("lies", ONE)
+        assert (len(outcome.text), len(outcome.line), len(outcome.output)) == (1000, 1000, 8192)
+        assert len(worker.definitions.skipped) == 1000
+
+
+PATCHES = [
+    "json.dumps = json.loads = lambda *args, **kwargs: {}",
+    "struct.Struct.pack = None",
+    "codec._PREFIX = None",
+    "codec._TYPES.clear()",
+    "codec._Writer.node = lambda *args: {'l': [None] * 10**5}",
+    "codec._Writer.array = lambda *args: {'a': '<f8', 'shape': [-1], 'b': -8}",
+    "codec._Writer.array = lambda *args: {'a': '<f8', 'shape': [2**40, 2**40], 'b': 0}",
+    "codec.encode = lambda *args: b'NAO1'",
+    "builtins.len = lambda x: 0",
+    "builtins.isinstance = lambda *args: True",
+    "builtins.type = object",
+    "builtins.exec = builtins.compile = builtins.print = None",
+    "np.asarray = np.frombuffer = np.ndarray = None",
+    "np.testing.assert_allclose = np.allclose = np.array_equal = lambda *args, **kwargs: True",
+    "os.write = os.read = lambda *args: b''",
+    "os.getpid = lambda: 1",
+    "ast.parse = gc.collect = gc.get_objects = None",
+    "sys.modules.clear()",
+    "sys.stdout = sys.stderr = None",
+    "sys.settrace(lambda *args: 1 / 0)",
+    "[each.clear() for each in gc.get_objects() if type(each) is dict and 'codec' in each]",
+    "Outcome.__init__ = lambda *args, **kwargs: None",
+    "sys.setrecursionlimit(50)",
+    "threading.Thread(target=lambda: [os.write(each, b'x' * 10**6) for each in (3, 4, 5)]).start()",
+]
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+def test_what_a_student_puts_in_place_of_anything_costs_them_alone(tmp_path, server, patch):
+    source = f"""
+import ast, builtins, gc, json, os, struct, sys, threading
+import numpy as np
+from nao_course.exercises import Outcome, codec
+def f(x): return 2 * x
+def g(x):
+    {patch}
+    return 3 * x
+"""
+    path = toy.write(tmp_path / "own.ipynb", source)
+    with Worker(path, seconds=2.0, server=server) as worker:
+        for _ in range(2):
+            outcome = worker.call("g", ONE)
+            assert outcome.came in ("value", "raised", "died", "timed out", "unsendable"), outcome
+            assert type(outcome.value) in (float, type(None), list, dict, np.ndarray, int)
+        worker.close()
+        assert worker.call("f", ONE).value == 6.0

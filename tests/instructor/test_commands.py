@@ -1,0 +1,644 @@
+"""`nao-course grade` and `regrade`: each submission gets one score or one reason, whatever happens to the run."""
+
+import contextlib
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from typer.testing import CliRunner
+
+from nao_course import cli
+from nao_course.instructor import commands
+from nao_course.instructor.autograding import batch as runs
+from nao_course.instructor.autograding import secret as secrets_module
+from nao_course.instructor.autograding.batch import grade_all
+from nao_course.instructor.autograding.grader import GraderError, prepare
+from nao_course.instructor.autograding.secret import SecretError, keyed, load_secret
+from nao_course.instructor.collecting.submissions import gather, of_lessons
+from nao_course.instructor.gradebook.journal import NAME, Journal, JournalError
+from nao_course.instructor.gradebook.records import as_json
+from nao_course.instructor.sandbox.confinement import SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from tests.paths import PROJECT
+from tests.toy import chain
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of POSIX")
+
+
+@pytest.fixture
+def course(tmp_path, monkeypatch):
+    """A course in the working folder, a secret, and somewhere to hand in to."""
+    made = chain.make_course(tmp_path / "course")
+    secret = tmp_path / "secret"
+    secret.write_bytes(chain.SECRET)
+    secret.chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
+    monkeypatch.chdir(tmp_path / "course")
+    monkeypatch.setattr(cli.console, "width", 200)
+    return made
+
+
+@pytest.fixture(scope="module")
+def server():
+    with WarmServer(probe()) as each:
+        yield each
+
+
+@pytest.fixture
+def warm(server, monkeypatch):
+    """Let the commands use one server: starting it takes long."""
+
+    class Lent:
+        def __init__(self, sandbox):
+            self.sandbox = sandbox
+
+        def __enter__(self):
+            return server
+
+        def __exit__(self, *_):
+            pass
+
+    monkeypatch.setattr(commands, "WarmServer", Lent)
+
+
+@pytest.fixture
+def handed_in(tmp_path):
+    """A class: right, blank, wrong, ending, no notebook, and one that only two exercises are right of."""
+    root = tmp_path / "in"
+    chain.hand_in(root, "ada", chain.notebook(answer="Because."))
+    chain.hand_in(root, "bob", chain.notebook(chain.BLANK))
+    chain.hand_in(root, "cleo", chain.notebook(chain.MISTAKES))
+    chain.hand_in(root, "dan", chain.notebook({"double": "import os\ndef double(x):\n    os._exit(3)"}))
+    chain.hand_in(root, "eve", b"{")
+    chain.hand_in(root, "fay", chain.notebook({"double": chain.MISTAKES["double"]}))
+    return root
+
+
+def run(*words):
+    return CliRunner().invoke(cli.app, [str(word) for word in words])
+
+
+def kept(grades):
+    """All that the journal says, but for times."""
+    with Journal(grades, make=False) as journal:
+        return {(each.student, each.lesson): as_json(each) | {"seconds": 0} for each in journal.results()}
+
+
+def rows(grades, table):
+    database = sqlite3.connect(grades / NAME)
+    try:
+        return database.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
+    finally:
+        database.close()
+
+
+# --- grade ---
+
+
+def test_a_class_is_graded_and_the_same_command_again_grades_nothing(course, warm, handed_in, tmp_path):
+    first = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert first.exit_code == 0, first.output
+    for word in (
+        "Sandbox: level",
+        "graded",
+        "refused",
+        "eve, 90_chain: 90_chain.ipynb: not a notebook",
+        "mean so far",
+        "2.80 of 9 (5 graded in all)",
+    ):
+        assert word in first.output
+    before = kept(tmp_path / "grades")
+    scores = {
+        student: sum(each["earned"] for each in result["exercises"])
+        for (student, _), result in before.items()
+    }
+    assert scores == {"ada": 7, "bob": 0, "cleo": 0, "dan": 3.5, "eve": 0, "fay": 3.5}
+    assert before["ada", chain.LESSON]["level"] == probe().level
+    again = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert again.exit_code == 0
+    assert kept(tmp_path / "grades") == before
+    assert rows(tmp_path / "grades", "history") == 0
+    assert len(list((tmp_path / "grades" / "feedback").rglob("*.html"))) == 6
+
+
+def test_only_what_has_changed_is_graded_again(course, warm, handed_in, tmp_path):
+    grades = tmp_path / "grades"
+    run("grade", handed_in, "--out", grades)
+    chain.hand_in(handed_in, "bob", chain.notebook())
+    chain.hand_in(handed_in, "eve", chain.notebook())
+    chain.hand_in(handed_in, "gus", chain.notebook())
+    assert run("grade", handed_in, "--out", grades).exit_code == 0
+    assert (rows(grades, "results"), rows(grades, "history")) == (7, 2)
+    assert sum(each["earned"] for each in kept(grades)["bob", chain.LESSON]["exercises"]) == 7
+    path = course.solutions / "exercises" / f"{chain.LESSON}.py"
+    path.write_text(path.read_text().replace('"slip"', '"slop"'))
+    run("grade", handed_in, "--out", grades)
+    assert rows(grades, "history") == 2 + 7  # another assignment: all of them
+
+
+def test_a_lesson_can_be_chosen_and_one_that_is_not_there_is_said(course, warm, handed_in, tmp_path):
+    assert run("grade", handed_in, "--out", tmp_path / "g", "--lesson", "90").exit_code == 0
+    assert len(kept(tmp_path / "g")) == 6
+    wrong = run("grade", handed_in, "--out", tmp_path / "g", "--lesson", "07")
+    assert wrong.exit_code == 1 and "no lesson 07" in wrong.output
+
+
+def test_a_sandbox_that_is_too_weak_is_refused_before_anything_runs(course, handed_in, tmp_path, monkeypatch):
+    weak = type(probe())(tuple(each for each in probe().layers if each.name != "landlock"))
+    from nao_course.instructor.sandbox.confinement import Layer
+
+    weak = type(weak)((*weak.layers, Layer("landlock", False, "not today")))
+    monkeypatch.setattr(commands, "probe", lambda: weak)
+    refused = run("grade", handed_in, "--out", tmp_path / "grades", "--require-sandbox", "full")
+    assert refused.exit_code == 1 and "not today" in refused.output
+    assert kept(tmp_path / "grades") == {}
+    unknown = run("grade", handed_in, "--out", tmp_path / "grades", "--require-sandbox", "iron")
+    assert unknown.exit_code == 1 and "iron" in unknown.output
+
+
+def test_what_holds_no_submissions_is_said(course, warm, tmp_path):
+    (tmp_path / "empty").mkdir()
+    for path in ("empty", "nothing"):
+        said = run("grade", tmp_path / path, "--out", tmp_path / "grades")
+        assert said.exit_code == 1 and "is wanted" in said.output
+
+
+def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed_in, tmp_path):
+    (handed_in / "ada" / "essay.ipynb").write_text("{}")
+    (handed_in / "[red]x[").mkdir()
+    shutil.copy(handed_in / "ada" / f"{chain.LESSON}.ipynb", handed_in / "[red]x[")
+    said = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert said.exit_code == 0
+    assert "ada/essay.ipynb: it is named after no lesson" in said.output
+    assert ("[red]x[", chain.LESSON) in kept(tmp_path / "grades")
+
+
+def test_an_error_of_the_graders_own_is_said_and_the_status_is_not_0(
+    course, warm, handed_in, tmp_path, monkeypatch
+):
+    real = runs.grade
+
+    def fails_at_bob(submission, assignment, **more):
+        if submission.student == "bob":
+            raise GraderError("bob: the grader failed")
+        return real(submission, assignment, **more)
+
+    monkeypatch.setattr(runs, "grade", fails_at_bob)
+    said = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert said.exit_code == 1 and "NOT GRADED" in said.output and "bob: the grader failed" in said.output
+    assert "bob" not in {student for student, _ in kept(tmp_path / "grades")}
+    monkeypatch.undo()
+    assert len(kept(tmp_path / "grades")) == 5
+
+
+def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_path):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    results = []
+    for jobs in (1, 2, 4):
+        random.Random(jobs).shuffle(found)
+        grades = tmp_path / f"grades{jobs}"
+        with Journal(grades) as journal:
+            publish = runs.feedback_writer(journal, grades / "feedback")
+            summary = grade_all(
+                found, lambda lesson: assignment, journal, jobs=jobs, server=server, publish=publish
+            )
+        assert (summary.graded, len(summary.refused), summary.failed) == (5, 1, [])
+        pages = {
+            path.relative_to(grades): path.read_bytes()
+            for path in sorted((grades / "feedback").rglob("*.html"))
+        }
+        results.append((json.dumps(list(kept(grades).values())), pages))
+    assert results[0] == results[1] == results[2] and len(results[0][1]) == 6
+
+
+def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, monkeypatch):
+    path = chain.hand_in(tmp_path, "x", b"{}")
+    taken, most = [], []
+
+    def many():
+        for number in range(500):
+            taken.append(number)
+            yield runs.Submission(f"s{number}", chain.LESSON, path)
+
+    def done(submission):
+        most.append(len(taken) - len(most))
+
+    assignment = prepare(course, "90", chain.SECRET)
+    monkeypatch.setattr(runs, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
+    with Journal(tmp_path / "grades") as journal:
+        grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
+    assert len(most) == 500 and max(most) <= 5
+
+
+def refusal(submission, assignment):
+    from nao_course.instructor.autograding.grader import refuse
+
+    return refuse(submission, assignment, "no")
+
+
+def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in, tmp_path):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    done = []
+
+    def tell(submission):
+        done.append(submission)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    grades = tmp_path / "grades"
+    with Journal(grades) as journal:
+        with pytest.raises(KeyboardInterrupt):
+            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server, tell=tell)
+        assert len(journal.results()) == 2
+        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == 2
+    assert len(kept(grades)) == 6 and rows(grades, "history") == 0
+
+
+@posix
+def test_control_c_on_the_command_is_no_traceback(course, tmp_path):
+    for number in range(40):
+        chain.hand_in(tmp_path / "in", f"s{number}", chain.notebook(extra=f"n = {number}"))
+    words = [
+        sys.executable,
+        "-m",
+        "nao_course.cli",
+        "grade",
+        str(tmp_path / "in"),
+        "--out",
+        str(tmp_path / "grades"),
+    ]
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    process = subprocess.Popen(
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
+    pages = tmp_path / "grades" / "feedback"
+    while len(list(pages.rglob("*.html"))) < 2 and process.poll() is None:  # then the first result is kept
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (130, "")
+    assert "Stopped. What is graded is kept" in said
+    assert 0 < len(kept(tmp_path / "grades")) < 40
+
+
+@posix
+def test_a_full_disk_ends_the_run_with_a_clear_error(course, server, handed_in, tmp_path, monkeypatch):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    with Journal(tmp_path / "grades") as journal:
+        pages = journal._database.execute("PRAGMA page_count").fetchone()[0]
+        journal._database.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own full disk
+        with pytest.raises(JournalError, match="full.*Make room on the disk"):
+            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server)
+    with Journal(tmp_path / "grades") as journal:
+        whole = len(journal.results())
+        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == whole
+    assert len(kept(tmp_path / "grades")) == 6
+
+
+def full_disk_command(tmp_path, handed_in):
+    """`nao-course grade` into a file system of 200 kB, in a user and mount namespace of its own."""
+    words = f'mount -t tmpfs -o size=200k none {tmp_path}/small && cd {tmp_path}/course && exec "$@"'
+    grade = [
+        sys.executable,
+        "-m",
+        "nao_course.cli",
+        "grade",
+        str(handed_in),
+        "--out",
+        f"{tmp_path}/small/grades",
+    ]
+    return ["unshare", "-rm", "sh", "-c", words, "sh", *grade]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="a file system in a namespace")
+def test_a_really_full_disk_is_said_without_a_traceback(course, handed_in, tmp_path):
+    (tmp_path / "small").mkdir()
+    if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode:
+        pytest.skip("no user namespaces here")
+    for number in range(60):
+        chain.hand_in(handed_in, f"more{number}", b"{")
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    done = subprocess.run(
+        full_disk_command(tmp_path, handed_in), capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "disk is full" in done.stderr or "No space left" in done.stderr
+
+
+@posix
+@pytest.mark.parametrize("what", ["folder", "journal"])
+def test_an_output_that_cannot_be_written_is_said_before_anything_is_graded(
+    course, handed_in, tmp_path, what
+):
+    grades = tmp_path / "grades"
+    if what == "folder":
+        grades.write_text("a file")
+    else:
+        grades.mkdir()
+        (grades / NAME).mkdir()
+    said = run("grade", handed_in, "--out", grades)
+    assert said.exit_code == 1 and "cannot open the journal" in said.output
+    assert "Sandbox" not in said.output
+
+
+KILLED = """
+import pickle, sys
+from pathlib import Path
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.autograding.batch import grade_all
+from nao_course.instructor.sandbox.confinement import Sandbox, Layer
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.collecting.submissions import gather, of_lessons
+assignment = pickle.loads(Path(sys.argv[1]).read_bytes())
+found = gather(Path(sys.argv[2]), Path(sys.argv[3]), [assignment.lesson]).submissions
+sandbox = pickle.loads(Path(sys.argv[5]).read_bytes())
+with Journal(Path(sys.argv[4])) as journal, WarmServer(sandbox) as server:
+    print("ready", flush=True)
+    done = grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
+print(done.graded, flush=True)
+"""
+
+
+def of_this_run(marker):
+    """Processes with a marker in their environment or command."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            if marker in (path / "environ").read_bytes() + (path / "cmdline").read_bytes():
+                found.append(path.name)
+        except OSError:
+            continue
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server, tmp_path):
+    """Thirty times kill -9 and the same again: each submission has the result of an undisturbed run, once."""
+    import pickle
+
+    root, students = tmp_path / "in", 100
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(students):
+        chain.hand_in(root, f"s{number:02}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
+    assignment = prepare(course, "90", chain.SECRET)
+    (tmp_path / "assignment").write_bytes(pickle.dumps(assignment))
+    (tmp_path / "sandbox").write_bytes(pickle.dumps(probe()))
+    with Journal(tmp_path / "undisturbed") as journal:
+        found = gather(root, tmp_path, course.names()).submissions
+        grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
+    wanted = kept(tmp_path / "undisturbed")
+    chance, kills, rounds = random.Random(3), 0, 0
+    marker = f"PATH_OF_RUN={tmp_path}"
+    environment = os.environ | {
+        "PYTHONPATH": str(PROJECT),
+        "TMPDIR": str(tmp_path),
+        "PATH_OF_RUN": str(tmp_path),
+    }
+    while kills < 30:
+        grades = tmp_path / f"grades{rounds}"
+        rounds += 1
+        while True:
+            words = [
+                str(tmp_path / "assignment"),
+                str(root),
+                str(tmp_path),
+                str(grades),
+                str(tmp_path / "sandbox"),
+            ]
+            process = subprocess.Popen(
+                [sys.executable, "-c", KILLED, *words], stdout=subprocess.PIPE, env=environment
+            )
+            process.stdout.readline()
+            try:
+                process.wait(chance.uniform(0.0, 1.5))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                kills += 1
+            process.communicate()
+            if process.returncode == 0:
+                break
+            assert process.returncode == -signal.SIGKILL
+            assert all(wanted[key] == result for key, result in kept(grades).items())
+        assert kept(grades) == wanted
+        assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+    deadline = time.monotonic() + 20
+    while of_this_run(marker.encode()) and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert of_this_run(marker.encode()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_path):
+    """Thirty times kill -9 of a worker's process, or of the warm server: nobody's result is another."""
+    root, students = tmp_path / "in", 100
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(students):
+        chain.hand_in(root, f"s{number:03}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
+    assignment = prepare(course, "90", chain.SECRET)
+    found = gather(root, tmp_path, course.names()).submissions
+    chance, kills = random.Random(4), 0
+    servers = []
+
+    def one_run(grades):
+        """What the command does, until the server cannot be started."""
+        with contextlib.suppress(SandboxError), WarmServer(probe()) as server, Journal(grades) as journal:
+            servers.append(server)
+            return not grade_all(found, lambda _: assignment, journal, jobs=2, server=server).failed
+        return False
+
+    assert one_run(tmp_path / "undisturbed")
+    wanted, over = kept(tmp_path / "undisturbed"), threading.Event()
+
+    def kill():
+        nonlocal kills
+        while not over.wait(chance.uniform(0.2, 4.0)):
+            process = servers[-1].process
+            if not process:  # it is just not there
+                continue
+            with contextlib.suppress(psutil.NoSuchProcess):
+                server = psutil.Process(process)
+                family = server.children(recursive=True)
+                (chance.choice(family) if family and kills % 6 else server).kill()
+                kills += 1
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        rounds = 0
+        while kills < 30:
+            grades, rounds = tmp_path / f"grades{rounds}", rounds + 1
+            assert any(one_run(grades) for _ in range(50))  # the same command again goes on where it was
+            assert kept(grades) == wanted
+            assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+    finally:
+        over.set()
+        killer.join()
+
+
+# --- regrade ---
+
+
+@pytest.fixture
+def graded(course, warm, handed_in, tmp_path):
+    grades = tmp_path / "grades"
+    assert run("grade", handed_in, "--out", grades).exit_code == 0
+    return grades
+
+
+def test_points_can_be_given_by_hand_with_a_reason(graded):
+    said = run("regrade", graded, "--student", "cleo", "--set", "double=1.5", "--reason", "nearly")
+    assert said.exit_code == 0, said.output
+    with Journal(graded) as journal:
+        (override,) = journal.overrides()
+    assert (override.student, override.exercise, override.points, override.reason) == (
+        "cleo",
+        "double",
+        1.5,
+        "nearly",
+    )
+    (page,) = (graded / "feedback").rglob("*leo*/*.html")
+    assert "nearly" in page.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--student", "cleo", "--set", "double=1"], "--reason"),
+        (["--student", "cleo", "--set", "double=1", "--reason", " "], "--reason"),
+        (["--student", "cleo", "--set", "double=2.5", "--reason", "x"], "0 to 2 points, got 2.5"),
+        (["--student", "cleo", "--set", "double=-1", "--reason", "x"], "0 to 2 points"),
+        (["--student", "cleo", "--set", "double=nan", "--reason", "x"], "0 to 2 points"),
+        (["--student", "cleo", "--set", "double", "--reason", "x"], "EXERCISE=POINTS"),
+        (["--student", "cleo", "--set", "treble=1", "--reason", "x"], "no exercise 'treble'"),
+        (["--student", "cloe", "--set", "double=1", "--reason", "x"], "is it 'cleo'"),
+        (["--student", "cleo", "--lesson", "03", "--set", "double=1", "--reason", "x"], "--lesson"),
+    ],
+)
+def test_points_that_make_no_sense_are_refused(graded, words, reason):
+    said = run("regrade", graded, *words)
+    assert said.exit_code == 1
+    assert reason in said.output
+    with Journal(graded) as journal:
+        assert journal.overrides() == []
+
+
+def test_a_student_of_several_lessons_is_asked_which(graded):
+    with Journal(graded) as journal:
+        result = next(journal.each_result(student="cleo"))
+        journal.keep(type(result)(**(vars(result) | {"lesson": "91_other"})))
+    words = ["--student", "cleo", "--set", "double=1", "--reason", "x"]
+    said = run("regrade", graded, *words)
+    assert said.exit_code == 1 and "90_chain, 91_other" in said.output
+    assert run("regrade", graded, *words, "--lesson", "90").exit_code == 0
+
+
+def test_a_submission_is_graded_again_on_demand_and_others_are_not(graded):
+    before = kept(graded)
+    said = run("regrade", graded, "--student", "cleo")
+    assert said.exit_code == 0, said.output
+    assert rows(graded, "history") == 1
+    assert kept(graded) == before
+
+
+def test_a_submission_of_an_earlier_run_is_found_again(graded, handed_in, tmp_path):
+    late = tmp_path / "late"
+    (late / "zoe").mkdir(parents=True)
+    shutil.copy(next((handed_in / "ada").glob("*.ipynb")), late / "zoe")
+    assert run("grade", late, "--out", graded).exit_code == 0
+    result = run("regrade", graded, "--student", "bob")
+    assert result.exit_code == 0 and rows(graded, "history") == 1, result.output
+
+
+def test_what_the_sandbox_saw_is_said(course, warm, handed_in, tmp_path):
+    if probe().level == "process":
+        pytest.skip("there is no sandbox that could see something")
+    notebook = next((handed_in / "bob").glob("*.ipynb"))
+    cells = json.loads(notebook.read_text())
+    cells["cells"].append(
+        {"cell_type": "code", "source": "SEEN = open('/etc/shadow').read()", "metadata": {}, "outputs": []}
+    )
+    notebook.write_text(json.dumps(cells))
+    result = run("grade", handed_in, "--out", tmp_path / "grades")
+    assert "Seen by the sandbox:" in result.output and "bob, 90_chain: open /etc/shadow" in result.output
+    assert run("report", tmp_path / "grades").exit_code == 0
+    assert "open /etc/shadow" in (tmp_path / "grades" / "report.html").read_text()
+
+
+def test_where_the_submissions_are_gone_it_waits_for_the_next_run(graded, handed_in, tmp_path):
+    handed_in.rename(tmp_path / "moved")
+    assert "next `nao-course grade`" in run("regrade", graded, "--student", "cleo").output
+    assert run("grade", tmp_path / "moved", "--out", graded).exit_code == 0
+    assert rows(graded, "history") == 1
+
+
+def test_a_folder_without_a_journal_is_said_and_none_is_made(tmp_path):
+    said = run("regrade", tmp_path, "--student", "cleo")
+    assert said.exit_code == 1 and "there is no journal" in said.output
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- the secret ---
+
+
+@pytest.fixture
+def no_secret(tmp_path, monkeypatch):
+    monkeypatch.delenv("NAO_COURSE_SECRET", raising=False)
+    monkeypatch.setattr(secrets_module.typer, "get_app_dir", lambda name: str(tmp_path / "config" / name))
+    return tmp_path / "config" / "nao-course" / "secret"
+
+
+@posix
+def test_a_secret_is_made_once_for_this_users_eyes_only(no_secret):
+    first = load_secret()
+    assert len(first) >= 32
+    assert load_secret() == first
+    assert stat.S_IMODE(no_secret.stat().st_mode) == 0o600
+    assert [each.name for each in no_secret.parent.iterdir()] == ["secret"]
+
+
+@posix
+@pytest.mark.parametrize(
+    ("content", "mode", "reason"),
+    [(b"x" * 40, 0o644, "chmod 600"), (b"short", 0o600, "5 bytes"), (b"", 0o600, "0 bytes")],
+)
+def test_a_secret_that_is_none_is_refused(no_secret, content, mode, reason):
+    no_secret.parent.mkdir(parents=True)
+    no_secret.write_bytes(content)
+    no_secret.chmod(mode)
+    with pytest.raises(SecretError, match=reason):
+        load_secret()
+
+
+def test_a_secret_that_is_named_is_not_made(no_secret, tmp_path, monkeypatch):
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "mine"))
+    with pytest.raises(SecretError, match="mine"):
+        load_secret()
+    assert not (tmp_path / "mine").exists() and not no_secret.exists()
+
+
+def test_words_under_a_secret_are_told_apart():
+    assert keyed(b"s", "a", "b") != keyed(b"s", "ab") != keyed(b"t", "ab")
+    assert keyed(b"s", "a") == keyed(b"s", "a")

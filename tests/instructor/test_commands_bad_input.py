@@ -1,0 +1,397 @@
+"""Every grading command says in a sentence what it cannot use, with status 1, and writes nothing then."""
+
+import hashlib
+import os
+import shutil
+import sqlite3
+import subprocess
+import sys
+import zipfile
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from nao_course import cli
+from nao_course.instructor.autograding.grader import prepare, refuse
+from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.gradebook import journal as journals
+from nao_course.instructor.gradebook.journal import NAME, Journal
+from tests.paths import PROJECT
+from tests.toy import chain
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="pipes and modes of POSIX")
+READERS = {
+    "regrade": ("regrade", "@GRADES", "--student", "ada", "--set", "double=1", "--reason", "x"),
+    "regrade again": ("regrade", "@GRADES", "--student", "ada"),
+    "export csv": ("export", "@GRADES", "--format", "csv"),
+    "export gradescope": ("export", "@GRADES", "--format", "gradescope"),
+    "marks": ("marks", "@GRADES"),
+    "marks of a sheet": ("marks", "@GRADES", "@SHEET"),
+    "report": ("report", "@GRADES"),
+}
+ALL = READERS | {"grade": ("grade", "@IN", "--out", "@GRADES")}
+
+
+@pytest.fixture(scope="module")
+def assignment(tmp_path_factory):
+    return prepare(chain.make_course(tmp_path_factory.mktemp("course")), "90", chain.SECRET)
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch, assignment):
+    """A course in the working folder, and in "grades" a journal of one refused submission."""
+    chain.make_course(tmp_path / "course")
+    (tmp_path / "secret").write_bytes(chain.SECRET)
+    (tmp_path / "secret").chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "secret"))
+    monkeypatch.chdir(tmp_path / "course")
+    path = chain.hand_in(tmp_path / "in", "ada", b"{")
+    with Journal(tmp_path / "grades") as journal:
+        journal.keep(refuse(Submission("ada", chain.LESSON, path), assignment, "it is broken"))
+        journal.began(tmp_path / "in")
+    (tmp_path / "sheet.csv").write_text("student,points\nada,1\n")
+    return tmp_path
+
+
+def words(place, command, **others):
+    names = {"GRADES": place / "grades", "IN": place / "in", "SHEET": place / "sheet.csv"} | others
+    return [str(names[word[1:]]) if word.startswith("@") else word for word in ALL[command]]
+
+
+def state(folder):
+    """All files and folders of a place, but for what SQLite itself keeps beside a journal that is read."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        if not path.name.endswith((".sqlite-wal", ".sqlite-shm")):
+            known = path.is_file() and path.stat().st_size < 2**24
+            found[str(path)] = (
+                hashlib.sha256(path.read_bytes()).hexdigest() if known else path.lstat().st_mode
+            )
+    return found
+
+
+def refused(place, arguments, *said):
+    """Run a command that has to be refused in a sentence; nothing is written."""
+    before = state(place)
+    done = CliRunner().invoke(cli.app, [str(word) for word in arguments])
+    assert isinstance(done.exception, SystemExit), repr(done.exception)
+    assert done.exit_code == 1, done.output
+    assert "Traceback" not in done.output
+    assert 0 < len(done.stderr.strip()) < 600 and done.stderr.strip().isprintable(), done.stderr
+    for text in said:
+        assert text in done.stderr
+    assert state(place) == before
+
+
+def fill(path, content):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+    return path
+
+
+# --- GRADES that is none ---
+
+
+@pytest.mark.parametrize("command", [name for name in READERS if name != "export gradescope"])
+@pytest.mark.parametrize("what", ["nothing", "empty", "file", "link to nothing"])
+def test_what_is_no_folder_of_grades_is_said_and_none_is_made(place, command, what):
+    grades = place / "elsewhere"
+    if what == "empty":
+        grades.mkdir()
+    elif what == "file":
+        grades.write_text("grades")
+    elif what == "link to nothing":
+        grades.symlink_to(place / "gone")
+    refused(place, words(place, command, GRADES=grades), "there is no journal", "nao-course grade")
+
+
+@pytest.mark.parametrize(
+    "command", ["grade", "export gradescope"]
+)  # an autograder may be wanted before any grade
+@pytest.mark.parametrize("what", ["file", "link to nothing", "below a file"])
+def test_grades_that_cannot_be_made_are_said(place, command, what):
+    grades = place / "elsewhere"
+    if what == "link to nothing":
+        grades.symlink_to(place / "gone" / "further")
+    else:
+        grades.write_text("grades")
+    out = grades / "below" if what == "below a file" else grades
+    refused(place, words(place, command, GRADES=out), "cannot open the journal")
+
+
+def _newer(path):
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA user_version = 99")
+
+
+def _anothers(path):
+    path.unlink()
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE TABLE notes (text TEXT)")
+
+
+def _without_tables(path):
+    with closing(sqlite3.connect(path)) as database:
+        for table in ("results", "overrides", "marks", "runs", "history"):
+            database.execute(f"DROP TABLE {table}")
+
+
+def _damaged(path):
+    data = path.read_bytes()
+    path.write_bytes(data[:100] + os.urandom(len(data) - 100))
+
+
+def _cut(path):
+    path.write_bytes(path.read_bytes()[:5000])
+
+
+def _huge(path):
+    with path.open("wb") as file:
+        file.truncate(2**28)
+
+
+JOURNALS = {
+    "newer": (_newer, "of version 99"),
+    "anothers": (_anothers, "no journal of this course"),
+    "without tables": (_without_tables, "cannot"),
+    "damaged": (_damaged, "cannot"),
+    "cut": (_cut, "cannot"),
+    "text": (lambda path: path.write_text("student,points\n" * 100), "is no journal"),
+    "huge": (_huge, "is no journal"),
+}
+
+
+@pytest.mark.parametrize("command", ALL)
+@pytest.mark.parametrize("kind", JOURNALS)
+def test_a_journal_that_cannot_be_used_is_said_and_left_as_it_is(place, command, kind):
+    damage, reason = JOURNALS[kind]
+    damage(place / "grades" / NAME)
+    refused(place, words(place, command), "journal.sqlite", reason)
+
+
+ODD_RESULTS = ["", "{", "[]", "7", "null", '"text"', "{}", '{"student": 1}', "[" * 60000, '{"exercises": 5}']
+
+
+@pytest.mark.parametrize("command", READERS)
+@pytest.mark.parametrize("text", ODD_RESULTS)
+def test_a_result_in_the_journal_that_makes_no_sense_is_said(place, command, text):
+    with closing(sqlite3.connect(place / "grades" / NAME)) as database, database:
+        database.execute("UPDATE results SET result = ?", (text,))
+    refused(place, words(place, command), "holds a result that cannot be read")
+
+
+@pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
+def test_a_journal_that_another_one_holds_is_said(place, command, monkeypatch):
+    monkeypatch.setattr(journals, "PATIENCE", 0.1)
+    with closing(sqlite3.connect(place / "grades" / NAME, isolation_level=None)) as database:
+        database.execute("BEGIN IMMEDIATE")
+        refused(place, words(place, command), "locked", "Another grader")
+
+
+@posix
+@pytest.mark.parametrize("command", ALL)
+def test_a_journal_that_is_a_pipe_or_folder_is_said_at_once(place, command):
+    (place / "grades" / NAME).unlink()
+    os.mkfifo(place / "grades" / NAME)
+    refused(place, words(place, command), "journal")
+    (place / "grades" / NAME).unlink()
+    (place / "grades" / NAME).mkdir()
+    refused(place, words(place, command), "journal")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a read-only mount in a namespace")
+@pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
+def test_grades_that_may_only_be_read_are_said(place, command):
+    mount = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
+    if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode:
+        pytest.skip("no user namespaces here")
+    before = state(place)
+    shell = [
+        "unshare",
+        "-rm",
+        "sh",
+        "-c",
+        mount,
+        "sh",
+        str(place / "grades"),
+        sys.executable,
+        "-m",
+        "nao_course.cli",
+    ]
+    done = subprocess.run(
+        [*shell, *words(place, command)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(PROJECT)},
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "journal" in done.stderr and "Traceback" not in done.stderr
+    assert state(place) == before
+
+
+# --- grade: submissions that are none ---
+
+
+def _zip(path, *names):
+    with zipfile.ZipFile(path, "w") as archive:
+        for name in names:
+            archive.writestr(name, b"{}")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda place: place / "gone", "there is no"),
+        (lambda place: Path("x" * 300), ""),
+        (lambda place: fill(place / "new" / "essay.txt", b"x"), "is wanted"),
+        (lambda place: fill(place / "empty.zip", b""), "is wanted"),
+        (lambda place: fill(place / "broken.zip", b"PK\3\4" + bytes(500)), "is wanted"),
+        (lambda place: _zip(place / "nothing.zip"), "holds no submissions"),
+        (lambda place: fill(place / "new" / ".hidden" / "x.ipynb", b"{}").parent.parent, "holds no submissions"),
+        (lambda place: fill(place / "new" / "x", b"").parent.joinpath("..", "empty"), "is wanted"),
+        (lambda place: Path("/dev/null"), "is wanted"),
+        (lambda place: Path("/dev/zero"), "is wanted"),
+    ],
+    ids=["missing", "long name", "a file", "an empty zip", "a broken zip", "a zip of nothing", "hidden", "odd path",
+         "null", "zero"],
+)  # fmt: skip
+def test_what_holds_no_submissions_is_said_and_no_journal_is_made(place, make, said):
+    path = make(place)
+    refused(place, ["grade", path, "--out", place / "new grades"], said)
+
+
+@posix
+def test_a_pipe_for_submissions_is_said_at_once(place):
+    os.mkfifo(place / "pipe")
+    refused(place, ["grade", place / "pipe", "--out", place / "new grades"], "is wanted")
+
+
+@pytest.mark.parametrize(
+    "lesson", ["07", "-1", "", "90_chains", "../90_chain", "x" * 1000, "9" * 100, "\x1b[31m", "٩٠"]
+)
+def test_a_lesson_that_there_is_not_is_said(place, lesson):
+    refused(place, ["grade", place / "in", "--out", place / "new grades", f"--lesson={lesson}"], "lesson")
+
+
+def test_no_course_here_is_said(place, monkeypatch):
+    (place / "nowhere").mkdir()
+    monkeypatch.chdir(place / "nowhere")
+    refused(place, ["grade", place / "in", "--out", place / "new grades"])
+    refused(place, ["export", place / "new grades", "--format", "gradescope"])
+    refused(place, words(place, "export gradescope"))
+
+
+def test_a_course_that_was_not_built_is_said(place):
+    shutil.rmtree(place / "course" / "notebooks")
+    done = CliRunner().invoke(cli.app, ["grade", str(place / "in"), "--out", str(place / "new grades")])
+    assert done.exit_code == 1 and "nao-course build" in done.stderr
+    with Journal(place / "new grades") as journal:
+        assert journal.results() == []
+
+
+@posix
+@pytest.mark.parametrize("content", [b"", b"short", None])
+def test_a_secret_that_is_none_is_said(place, content):
+    (place / "secret").unlink() if content is None else (place / "secret").write_bytes(content)
+    refused(place, ["grade", place / "in", "--out", place / "grades"], "secret")
+
+
+def test_a_level_that_there_is_not_is_said(place):
+    done = CliRunner().invoke(cli.app, [*words(place, "grade"), "--require-sandbox", "iron"])
+    assert done.exit_code == 1 and "iron" in done.stderr
+
+
+# --- regrade ---
+
+
+@pytest.mark.parametrize(
+    "change", ["=", "double", "double=", "=1", "double=1=2", "double=x", "double=inf", "double=-inf", "double=nan",
+               "double=1e400", "double=-1e-300", "double=3", "double=0x1", "double=1,5", "Double=1", "double =1",
+               "why=1", "\x00=1", "double=\x1b[31m", "d" * 400 + "=1"],
+)  # fmt: skip
+def test_points_that_cannot_be_are_said(place, change):
+    refused(place, ["regrade", place / "grades", "--student", "ada", f"--set={change}", "--reason", "x"])
+
+
+@pytest.mark.parametrize(
+    "student", ["", "Ada", "ada ", "../ada", "%", "' OR 1=1 --", "\x1b[31m", "x" * 400, "\ud800"]
+)
+@pytest.mark.parametrize("more", [(), ("--set", "double=1", "--reason", "x")], ids=["again", "set"])
+def test_a_student_who_is_not_there_is_said(place, student, more):
+    refused(place, ["regrade", place / "grades", "--student", student, *more], "no result of")
+
+
+@pytest.mark.parametrize("lesson", ["91", "x", "90_chains", "%"])
+def test_a_lesson_that_was_not_handed_in_is_said(place, lesson):
+    refused(place, [*words(place, "regrade"), "--lesson", lesson], "90_chain")
+
+
+def test_a_submission_that_is_not_there_any_more_is_said(place):
+    shutil.move(place / "in" / "ada", place / "in" / "bob")
+    done = CliRunner().invoke(cli.app, words(place, "regrade again"))
+    assert done.exit_code == 1 and "any more" in done.stderr
+    with Journal(place / "grades") as journal:
+        assert [each.student for each in journal.results()] == ["ada"]
+
+
+# --- export and marks ---
+
+
+@pytest.mark.parametrize("format_", ["", "CSV", "xlsx", "../csv", "\x1b[31m", "x" * 300])
+def test_a_format_that_there_is_not_is_said(place, format_):
+    refused(place, ["export", place / "grades", f"--format={format_}"], "csv")
+
+
+@pytest.mark.parametrize("format_", ["csv", "gradescope"])
+@pytest.mark.parametrize("lesson", ["91", "x", "../90", "\x1b[31m"])
+def test_a_lesson_that_was_not_graded_is_said(place, lesson, format_):
+    refused(place, ["export", place / "grades", "--format", format_, "--lesson", lesson], "lesson")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"\n\n\n", b"\0" * 100, bytes(range(256)) * 20, b"PK\3\4" + bytes(100), "a,b".encode("utf-16"),
+        b"student,lesson\n", b"student,points\nada,1\n", b'"' * 10_000, b"," * 10_000, b'a,"b\nc', b"x" * 2**20,
+        b"<html><table></table></html>", b"[" * 10_000, b"\x1b[31m,\x1b[2J\n",
+    ],
+    ids=lambda content: f"{content[:8]!r} {len(content)}",
+)  # fmt: skip
+def test_a_sheet_that_is_none_is_said_and_no_mark_is_kept(place, content):
+    refused(place, words(place, "marks of a sheet", SHEET=fill(place / "bad.csv", content)))
+
+
+@posix
+@pytest.mark.parametrize("what", ["missing", "folder", "pipe", "zeros", "huge"])
+def test_a_sheet_that_is_no_file_is_said_at_once(place, what):
+    sheet = Path("/dev/zero") if what == "zeros" else place / "bad.csv"
+    if what == "folder":
+        sheet.mkdir()
+    elif what == "pipe":
+        os.mkfifo(sheet)
+    elif what == "huge":
+        _huge(sheet)
+    refused(place, words(place, "marks of a sheet", SHEET=sheet))
+
+
+# --- what looks bad, and is right ---
+
+
+def test_an_empty_journal_is_no_mistake(place):
+    """Nothing was graded yet: the tables are headers, the page says so, and the status is 0."""
+    with Journal(place / "new grades"):
+        pass
+    for command in ("export csv", "marks", "report"):
+        done = CliRunner().invoke(cli.app, words(place, command, GRADES=place / "new grades"))
+        assert done.exit_code == 0, done.output
+
+
+def test_a_class_of_refused_submissions_has_a_status_of_0(place):
+    """Each has its reason: that is all a run can do."""
+    fill(place / "in" / "bob" / f"{chain.LESSON}.ipynb", b"{")
+    done = CliRunner().invoke(cli.app, words(place, "grade"))
+    assert done.exit_code == 0, done.output
+    assert "bob, 90_chain: 90_chain.ipynb: not a notebook of format 4" in done.output

@@ -1,0 +1,191 @@
+"""What the two pages for assistants say is so: their commands run, and what they name exists."""
+
+import csv
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from nao_course.instructor.sandbox.confinement import LEVELS, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import Worker
+from tests.attacks.code import ATTACKS
+from tests.paths import PROJECT
+from tests.sandboxed import attacker, attempt, need, only
+
+DOCS = PROJECT / "docs"
+PAGES = ("grade_a_class.md", "what_is_protected.md")
+NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
+LESSON = "01_hsl_filtering.ipynb"
+
+
+def text_of(page):
+    return (DOCS / page).read_text(encoding="utf-8")
+
+
+def fences(page):
+    """Each fenced block of a page: its language and its text."""
+    return re.findall(r"^```(\w*)\n(.*?)^```$", text_of(page), re.MULTILINE | re.DOTALL)
+
+
+def squeezed(text):
+    """Without what a longer number or the terminal's width changes in a table."""
+    return re.sub(r"[\s━]+", " ", text)
+
+
+@pytest.fixture
+def sh(tmp_path, monkeypatch):
+    """Runs commands in a copy of the course, for a user who has never graded."""
+    course = tmp_path / "course"
+    for folder in ("nao_course", "solutions", "notebooks"):
+        shutil.copytree(PROJECT / folder, course / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("course.toml", "pyproject.toml", "README.md", "LICENSE", "requirements-dev.lock"):
+        shutil.copy(PROJECT / name, course)
+    program = tmp_path / "bin" / "nao-course"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m nao_course.cli "$@"\n')
+    program.chmod(0o755)
+    monkeypatch.delenv("NAO_COURSE_SECRET", raising=False)
+    monkeypatch.delenv("XDG_CONFIG_HOME", raising=False)
+    told = {"HOME": str(tmp_path), "PYTHONPATH": str(course), "COLUMNS": "250"}
+    path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
+
+    def run(commands):
+        done = subprocess.run(
+            ["sh", "-e", "-c", commands],
+            cwd=course,
+            env={**os.environ, **told, "PATH": path},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, f"{commands}\n{done.stderr}"
+        return done.stdout
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the page says to grade on Linux")
+def test_grading_can_be_followed_word_for_word(sh, tmp_path):
+    need(*NAMESPACES)
+    blocks = fences("grade_a_class.md")
+    assert sum(language == "" for language, _ in blocks) >= 6
+    said = ""
+    for language, text in blocks:
+        if language == "":
+            if ".csv" in text:
+                _mark(tmp_path / "rehearsal_grades" / "marking", ("ada", "eve"))
+            if "--out ../grades " in text:
+                _hand_in_to_moodle(tmp_path / "moodle.zip")
+            said = sh(text)
+        elif language == "text":
+            for line in text.splitlines():
+                assert line.startswith("Sandbox:") or squeezed(line) in squeezed(said), said
+    assert re.search(r"graded +│ 0 .*unchanged +│ 1 ", said, re.DOTALL), said
+    assert (tmp_path / "grades/exports/gradescope/autograder_01_hsl_filtering.zip").is_file()
+    with (tmp_path / "rehearsal_grades/exports/grades.csv").open(encoding="utf-8-sig", newline="") as file:
+        totals = {row["student"]: float(row["total"]) for row in csv.DictReader(file)}
+    assert totals == {"ada": 14.5, "ben": 1.0, "eve": 14.5}
+    assert not (tmp_path / "rehearsal").exists()
+
+
+def _mark(folder, students):
+    """Do in the sheet what the page says to do in a spreadsheet."""
+    (path,) = folder.glob("*.csv")
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        if row["student"] in students:
+            row |= {"points": "1.5", "comment": "Good."}
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, rows[0])
+        table.writeheader()
+        table.writerows(rows)
+
+
+def _hand_in_to_moodle(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.write(PROJECT / "solutions" / LESSON, f"Ada Lovelace_1234567_assignsubmission_file_/{LESSON}")
+
+
+def test_each_message_that_is_explained_is_one_that_is_said():
+    table = text_of("grade_a_class.md").split("| message |")[1].split("\n\n")[0]
+    messages = [m for row in table.splitlines()[2:] for m in re.findall("`(.+?)`", row.split(" | ")[0])]
+    assert len(messages) > 12
+    sources = [path.read_text(encoding="utf-8") for path in (PROJECT / "nao_course").rglob("*.py")]
+    whole = re.sub(r'"\s+f?"', "", "\n".join(sources))
+    messages.remove("regrade")  # a command
+    assert [message for message in messages if message not in whole] == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    for path, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]+))?\)", text_of(page)):
+        target = DOCS / (path or page)
+        assert target.is_file(), path
+        headings = re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+        assert not anchor or anchor in {re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings}
+
+
+def test_what_is_said_to_be_tested_is():
+    """Each word of code in the last column of the table of threats is a test or an attack that there is."""
+    tests = {
+        name
+        for path in (PROJECT / "tests").rglob("test_*.py")
+        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    there = tests | {attack.name for attack in ATTACKS}
+    rows = text_of("what_is_protected.md").split("| what a")[1].split("\n\n")[0].splitlines()[2:]
+    named = [name for row in rows for name in re.findall(r"`(\w+)`", row.rstrip(" |").split(" | ")[-1])]
+    named += re.findall(r"`(test_\w+)`", text_of("what_is_protected.md"))
+    assert len(named) >= 20
+    assert [name for name in named if name not in there] == []
+
+
+def test_every_level_is_a_column_of_the_table_of_threats():
+    (header,) = (line for line in text_of("what_is_protected.md").splitlines() if line.startswith("| what a"))
+    assert re.findall(r"`(\w+)`", header) == list(LEVELS)
+
+
+# --- what lower levels hold, and what they do not ---
+
+BOTH = {"process", "landlock"}
+ANYWHERE = {  # what an attacker does, and at which of the lower levels it works, with no other layer
+    "open('/etc/passwd').read()": {"process"},
+    "open(args[0] + '/new', 'w')": {"process"},
+    "os.chmod(args[0], 0o755)": BOTH,
+    "os.kill(args[1], 0)": {"process"},
+    "os.listdir('/proc')": {"process"},
+    "socket.create_connection(('127.0.0.1', args[2]), 2)": {"process"},
+    "s = socket.socket(type=socket.SOCK_DGRAM); s.connect(('127.0.0.1', args[2])); s.send(b'x')\n1": BOTH,
+    "socket.socket(socket.AF_UNIX).connect(args[3])": BOTH,
+    "bytearray(3 * 2**30)": set(),
+    "open('large', 'wb').truncate(10 * 2**30)": set(),
+    "[open(f'part{k}', 'wb').truncate(100 * 2**20) for k in range(3)]": BOTH,
+}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+@pytest.mark.parametrize("level", sorted(BOTH))
+def test_a_lower_level_holds_what_the_page_says_and_no_more(level, tmp_path):
+    (landlock,) = (layer for layer in probe().layers if layer.name == "landlock")
+    if level == "landlock" and int(landlock.detail.rpartition(" ")[2] if landlock.on else 0) < 6:
+        pytest.skip("Landlock of this kernel knows neither signals nor TCP")
+    notebook = attacker(tmp_path)
+    tmp_path.chmod(0o777)
+    with (
+        WarmServer(only(*({level} - {"process"}))) as server,
+        Worker(notebook, seconds=20.0, server=server) as worker,
+        socket.create_server(("127.0.0.1", 0)) as tcp,
+        socket.socket(socket.AF_UNIX) as unix,
+    ):
+        unix.bind(str(tmp_path / "s"))
+        unix.listen()
+        places = (str(tmp_path), os.getpid(), tcp.getsockname()[1], str(tmp_path / "s"))
+        works = {source: attempt(worker, source, *places).came == "value" for source in ANYWHERE}
+    assert works == {source: level in levels for source, levels in ANYWHERE.items()}

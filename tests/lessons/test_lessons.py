@@ -1,0 +1,424 @@
+"""Every lesson of the course, in solutions/ and as a student gets it: what a great lesson is, where a machine can tell.
+
+A new lesson is tested as soon as its text is there.
+"""
+
+import ast
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from itertools import pairwise
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from nao_course.exercises.checking import grade_public, read_public, unpack
+from nao_course.exercises.definitions import load_definitions
+from nao_course.instructor.authoring import build as building
+from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring.mutation import mutate
+from nao_course.instructor.authoring.plans import SEEDS, check_plan, hidden_cases
+from tests.paths import PROJECT
+
+COURSE = building.load_course(PROJECT)
+NAMES = COURSE.names()
+LONG = {"07", "09", "11", "12"}  # lessons of three hours
+EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
+
+each_lesson = pytest.mark.parametrize("name", NAMES)
+each_exercise = pytest.mark.parametrize(
+    ("name", "exercise"), EXERCISES, ids=[exercise.name for _, exercise in EXERCISES]
+)
+
+
+def solved(name):
+    return lessons.read_lesson(COURSE.text(name))
+
+
+def student_copy(name):
+    return nbformat.read(PROJECT / "notebooks" / f"{name}.ipynb", as_version=4)
+
+
+def executed(name):
+    return nbformat.read(PROJECT / "solutions" / f"{name}.ipynb", as_version=4)
+
+
+def reference(name):
+    return load_definitions(PROJECT / "solutions" / f"{name}.ipynb")
+
+
+def prose(notebook):
+    return "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+
+
+def headings(text):
+    outside = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    return re.findall(r"^#+ .+", outside, re.MULTILINE)
+
+
+def is_drawn(cell):
+    """Whether a cell shows a picture, whose pixels differ between versions of OpenCV and matplotlib."""
+    shown = [output.get("data", {}) for output in cell.get("outputs", ())]
+    return any("image/png" in data or "data:image" in str(data.get("text/html", "")) for data in shown)
+
+
+def words_of_checks(data):
+    """What a lesson's check data says, without its numbers: their last digits are those of one machine."""
+    public = unpack(data)
+    exercises = [
+        replace(
+            each,
+            cases=[case.name for case in each.cases],
+            mistakes=[mistake.message for mistake in each.mistakes],
+        )
+        for each in public.exercises
+    ]
+    return replace(public, exercises=exercises)
+
+
+def run(notebook, folder, *, strict):
+    """Execute a notebook as a student (not strict) or a test (strict) does; return how long it took."""
+    environment = building.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(folder)}
+    if not strict:
+        del environment["NAO_COURSE_STRICT"]
+    client = NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(folder)}})
+    start = time.monotonic()
+    client.execute(env=environment, stderr=subprocess.DEVNULL)
+    return time.monotonic() - start
+
+
+# --- what is built is what is written ---
+
+
+def test_what_is_committed_is_what_the_texts_say():
+    for path, content in building.build(COURSE, execute=False).files.items():
+        as_it_says = words_of_checks if path.suffix == ".bin" else bytes
+        assert as_it_says((PROJECT / path).read_bytes()) == as_it_says(content), f"{path}: run `make build`"
+
+
+@each_lesson
+def test_the_executed_solution_is_that_of_the_text(name):
+    assert building.edited(COURSE, name) == (False, False), "run `make build`"
+    kept = json.dumps(executed(name).cells)
+    assert "widget-view" not in kept and '"execution":' not in kept
+    assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < building.LARGEST
+
+
+@pytest.mark.slow
+def test_building_twice_makes_the_same_bytes():
+    assert building.build(COURSE).files == building.build(COURSE).files
+
+
+@each_lesson
+def test_a_text_is_what_its_own_notebook_would_be_written_as(name):
+    assert lessons.write_lesson(executed(name)) == COURSE.text(name).read_text(encoding="utf-8")
+
+
+# --- RUBRIC.md ---
+
+
+@each_lesson
+def test_rubric_1_one_title_and_a_first_cell_that_says_what_is_needed(name):
+    notebook = solved(name)
+    titles = headings(prose(notebook))
+    levels = [len(title.split()[0]) for title in titles]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in pairwise(levels)), titles
+    first = notebook.cells[0].source
+    assert "**Before you start**" in first and "**Follows**" in first
+    assert re.search(r"\*\*Time:\*\* \d+ minutes", first)
+
+
+@each_lesson
+def test_rubric_2_three_to_five_objectives_that_name_every_exercise(name):
+    (objectives,) = re.findall(
+        r"^## What you will be able to do\n(.*?)(?=^#|\Z)", prose(solved(name)), re.MULTILINE | re.DOTALL
+    )
+    items = re.findall(r"^- .*(?:\n  .*)*", objectives, re.MULTILINE)
+    assert 3 <= len(items) <= 5
+    numbers = {exercise.number for exercise in read_public(name).exercises}
+    assert numbers <= set(re.findall(r"\d+\.\d+", objectives))
+    if name[:2] != "00":
+        assert all(re.search(r"\d+\.\d+", item) for item in items), "each objective names its exercise"
+
+
+@each_lesson
+def test_rubric_3_a_length_that_fits_into_its_time(name):
+    notebook = solved(name)
+    minutes = int(re.search(r"\*\*Time:\*\* (\d+)", notebook.cells[0].source)[1])
+    assert minutes == 180 if name[:2] in LONG else 45 <= minutes <= 90
+    assert 20 <= len(notebook.cells) <= 70
+    assert 900 <= len(prose(notebook).split()) <= 3000
+
+
+@each_lesson
+def test_rubric_4_there_are_words_before_every_exercise(name):
+    cells = solved(name).cells
+    for ordinal, _ in lessons.code_cells(solved(name), "exercise"):
+        assert cells[ordinal - 1].cell_type == "markdown"
+
+
+@each_lesson
+def test_rubric_4_a_lesson_imports_public_names_of_the_students_side(name):
+    for _, cell in lessons.code_cells(solved(name)):
+        for node in ast.walk(ast.parse(lessons.python(cell))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("nao_course"):
+                parts = [*node.module.split("."), *(alias.name for alias in node.names)]
+                assert "instructor" not in parts and not [part for part in parts if part.startswith("_")]
+
+
+@each_lesson
+def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
+    cells = lessons.code_cells(solved(name), "exercise")
+    assert len(cells) == 1 if name[:2] == "00" else 3 <= len(cells) <= 9
+    for _, cell in cells:
+        tree = ast.parse(lessons.python(cell))
+        wanted = lessons.exercise_name(cell)
+        definition = next(each for each in tree.body if getattr(each, "name", "") == wanted)
+        docstring = ast.get_docstring(definition) or ""
+        assert "Example" in docstring and "eturn" in docstring, wanted
+        if isinstance(definition, ast.FunctionDef):
+            arguments = [*definition.args.args, *definition.args.kwonlyargs]
+            assert definition.returns and all(each.annotation for each in arguments), wanted
+            assert len(lessons.solution_lines(cell)) <= 15, wanted
+
+
+@each_lesson
+def test_rubric_6_difficulty_never_falls_and_the_text_says_it(name):
+    numbers = {exercise.name: exercise.number for exercise in read_public(name).exercises}
+    exercises = COURSE.plan(name).exercises
+    assert all(before.stars <= after.stars for before, after in pairwise(exercises))
+    words = {1: "one star", 2: "two stars", 3: "three stars"}
+    titles = headings(prose(solved(name)))
+    for exercise in exercises:
+        number, stars = re.escape(numbers[exercise.name]), words[exercise.stars]
+        assert [title for title in titles if re.search(rf"Exercise {number} \(.*{stars}\)", title)]
+
+
+@each_lesson
+def test_rubric_7_a_check_stands_directly_after_its_exercise(name):
+    code = [cell for _, cell in lessons.code_cells(solved(name))]
+    for cell, after in pairwise(code):
+        if lessons.role(cell) == "exercise":
+            assert (lessons.role(after), lessons.exercise_name(after)) == (
+                "check",
+                lessons.exercise_name(cell),
+            )
+
+
+@each_exercise
+def test_rubric_7_a_check_answers_within_two_seconds_and_tells_outcomes_apart(name, exercise):
+    public = next(each for each in read_public(name).exercises if each.name == exercise.name)
+    right = reference(name)[exercise.name]
+    start = time.monotonic()
+    report = grade_public(public, right)
+    assert time.monotonic() - start < 2
+    assert report.state == "right"
+    assert "grader has other" in repr(report)
+
+    def blank(*args, **kwargs):
+        raise NotImplementedError
+
+    def raises(*args, **kwargs):
+        raise ZeroDivisionError
+
+    assert grade_public(public, blank).state == "not attempted"
+    assert grade_public(public, raises).state == "raised"
+    assert grade_public(public, lambda *args, **kwargs: None).state == "wrong"
+
+
+@each_lesson
+def test_rubric_8_mistakes_lose_points_with_their_own_message_and_alternatives_get_them_all(name):
+    plans = {each: COURSE.plan(each) for each in NAMES}
+    taken = {each.name for other in NAMES if other != name for each in plans[other].exercises}
+    check_plan(name, plans[name], reference(name), taken)
+
+
+@each_exercise
+def test_rubric_8_no_two_mistakes_say_the_same_and_hidden_cases_differ_by_seed(name, exercise):
+    messages = [mistake.message for mistake in exercise.mistakes]
+    assert len(set(messages)) == len(messages)
+    assert len(exercise.mistakes) >= 3 and len(exercise.alternatives) >= 3
+    first, second = (hidden_cases(exercise, reference(name)[exercise.name], seed) for seed in SEEDS[:2])
+    assert repr(first) != repr(second)
+
+
+@each_exercise
+def test_rubric_9_two_hints(name, exercise):
+    assert len(exercise.hints) == 2 and all(exercise.hints)
+
+
+def asserted_equations():
+    """Numbers of equations that some test says it asserts."""
+    found = set()
+    for path in (PROJECT / "tests").glob("test_*.py"):
+        found |= set(re.findall(r"pytest\.mark\.asserts\(([^)]*)\)", path.read_text(encoding="utf-8")))
+    return {label for each in found for label in re.findall(r"eq-[\w-]+", each)}
+
+
+@each_lesson
+def test_rubric_10_equations_have_numbers_of_their_own_and_each_is_asserted_by_a_test(name):
+    numbers = re.findall(r"\\tag\{([\w.]+)\}", prose(solved(name)))
+    assert len(set(numbers)) == len(numbers)
+    assert {"eq-" + number.replace(".", "-") for number in numbers} <= asserted_equations()
+
+
+@each_lesson
+def test_rubric_12_a_panel_or_question_leaves_words_where_no_widget_lives(name):
+    shown = [
+        output.data
+        for _, cell in lessons.code_cells(executed(name))
+        for output in cell.outputs
+        if output.output_type in ("display_data", "execute_result")
+    ]
+    assert all(data.get("text/plain", "").strip() for data in shown)
+    panels = re.findall(
+        r"^\w+(?:Panel|Dial)\(", "\n".join(cell.source for cell in solved(name).cells), re.MULTILINE
+    )
+    assert panels, "a panel is a cell's last line"
+
+
+@each_lesson
+def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer_every_choice(name):
+    sources = [cell.source for cell in solved(name).cells]
+    predicted = [
+        number
+        for number, source in enumerate(sources)
+        if source.startswith("prediction(") or re.search(r"\*\*Predict, and write it down", source)
+    ]
+    assert predicted and "**Predict" in "".join(sources[predicted[0] - 1 : predicted[0] + 1])
+    asked = {
+        each.name: list(each.choices.values())
+        for each in read_public(name).questions
+        if f'check.question("{each.name}")' in sources
+    }
+    assert len(asked) == len(read_public(name).questions)
+    for number, cell in enumerate(re.split(r"^\*\*Think\.\*\*", "\n".join(sources), flags=re.MULTILINE)[1:]):
+        asked[f"think {number}"] = re.findall(r"</summary>\n+(.+?)\n*</details>", cell, re.DOTALL)
+    assert len(asked) >= 2
+    for replies in asked.values():
+        assert len(replies) >= 3 and len(set(replies)) == len(replies) and all(map(str.strip, replies))
+
+
+@each_lesson
+def test_rubric_13_every_picture_in_the_text_has_words_for_who_cannot_see_it(name):
+    text = prose(solved(name))
+    assert not re.findall(r"!\[\s*\]\(", text)
+    assert not [tag for tag in re.findall(r"<img[^>]*>", text) if not re.search(r'alt="[^"]+"', tag)]
+
+
+@each_lesson
+def test_rubric_13_every_figure_has_words_for_who_cannot_see_it(name):
+    for _, cell in lessons.code_cells(executed(name)):
+        shown = [output.get("data", {}) for output in cell.outputs]
+        assert not [data for data in shown if "image/png" in data], "show it through nao_course.plotting"
+        tags = re.findall(r"<img[^>]*>", "".join(str(data.get("text/html", "")) for data in shown))
+        assert all(re.search(r'alt="[^"]{10,}"', tag) for tag in tags)
+
+
+@each_lesson
+def test_rubric_15_it_ends_with_what_is_built_what_is_missing_and_references(name):
+    titles = [title.lstrip("# ") for title in headings(prose(solved(name)))]
+    assert titles[-2].startswith("What you have") and titles[-1] == "References"
+    references = prose(solved(name)).split("## References")[1]
+    assert len(re.findall(r"^- ", references, re.MULTILINE)) >= 3
+
+
+@pytest.mark.slow
+@each_lesson
+def test_hidden_cases_catch_mutants_of_the_solutions(name):
+    """Mutants that are right are declared with the reason, and pass many more hidden cases."""
+    if name[:2] == "00":
+        pytest.skip("lesson 00 is not graded")
+    report = mutate(name, jobs=2)
+    hidden, public, total = report.caught()
+    assert total >= 150
+    assert hidden / total >= 0.97, [mutant.diff for mutant in report.survivors]
+    assert public / total >= 0.85
+    known = {line for trial in report.equivalents for line in trial.mutant.lines}
+    for exercise in COURSE.plan(name).exercises:
+        assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
+
+
+@each_lesson
+def test_rubric_16_the_student_copy_is_blank(name):
+    notebook = student_copy(name)
+    nbformat.validate(notebook)
+    text = nbformat.writes(notebook)
+    assert lessons.BEGIN not in text and lessons.END not in text
+    assert not [cell for cell in notebook.cells if cell.get("outputs") or cell.get("execution_count")]
+    ids = [cell.id for cell in notebook.cells]
+    assert len(set(ids)) == len(ids)
+    for _, cell in lessons.code_cells(notebook, "exercise"):
+        assert "raise NotImplementedError" in cell.source
+    assert notebook.metadata.nao_course.lesson == name
+    assert notebook.metadata.nao_course.version == COURSE.version
+
+
+@each_lesson
+def test_rubric_16_the_blank_student_copy_runs_to_its_end_and_scores_nothing(name, tmp_path):
+    notebook = student_copy(name)
+    assert run(notebook, tmp_path, strict=False) < 60
+    outputs = [output for _, cell in lessons.code_cells(notebook) for output in cell.outputs]
+    assert not [output for output in outputs if output.get("name") == "stderr" or "ename" in output]
+    for _, cell in lessons.code_cells(notebook, "check"):
+        assert "not written yet" in str(cell.outputs), lessons.exercise_name(cell)
+    blank = load_definitions(PROJECT / "notebooks" / f"{name}.ipynb")
+    for public in read_public(name).exercises:
+        assert not grade_public(public, blank[public.name])
+
+
+@each_lesson
+def test_rubric_16_the_solution_scores_everything(name):
+    for exercise in COURSE.plan(name).exercises:
+        public = next(each for each in read_public(name).exercises if each.name == exercise.name)
+        right = reference(name)[exercise.name]
+        assert grade_public(public, right)
+        assert public.points == exercise.points
+    for _, cell in lessons.code_cells(executed(name), "check"):
+        assert "✔" in str(cell.outputs), lessons.exercise_name(cell)
+
+
+def test_rubric_16_built_notebooks_are_clean():
+    folders = [str(PROJECT / "notebooks"), str(PROJECT / "solutions")]
+    command = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--no-cache",
+        "--config",
+        str(PROJECT / "pyproject.toml"),
+    ]
+    checked = subprocess.run([*command, *folders], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout
+
+
+# --- nbval ---
+
+
+@pytest.mark.slow
+@each_lesson
+def test_nbval_finds_the_stored_outputs_again(name, tmp_path):
+    """Texts are compared, pictures only drawn; a check that does not pass raises."""
+    notebook = tmp_path / f"{name}.ipynb"
+    kept = executed(name)
+    for _, cell in lessons.code_cells(kept):
+        if is_drawn(cell):
+            cell.metadata["tags"] = ["nbval-ignore-output"]
+    nbformat.write(kept, notebook)
+    command = [sys.executable, "-m", "pytest", "--nbval", "-q", "-p", "no:cacheprovider", "-c", os.devnull]
+    environment = building.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(PROJECT / "solutions")}
+    ran = subprocess.run(
+        [*command, "--rootdir", str(tmp_path), str(notebook)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert ran.returncode == 0, ran.stdout[-3000:]
