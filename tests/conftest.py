@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.paths import PROJECT
+from nao_course.datasets import data_folder
 
 os.environ["MPLBACKEND"] = "Agg"  # here and in every kernel that a test starts: no test opens a window
 
@@ -23,12 +23,10 @@ BROWSERS_ELSEWHERE = (
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """The folder of recorded pictures and logs; they are not ours to pass on, so most machines have none."""
-    named = os.environ.get("NAO_COURSE_DATA")
-    folder = Path(named) if named else PROJECT.parent / "shared" / "data"
-    if not folder.is_dir():
-        where = "NAO_COURSE_DATA names no folder" if named else "NAO_COURSE_DATA is not set"
-        pytest.skip(f"no recorded data: {where}")
-    return folder
+    try:
+        return data_folder()
+    except FileNotFoundError as problem:
+        pytest.skip(f"no recorded data: {problem}")
 
 
 @pytest.fixture
