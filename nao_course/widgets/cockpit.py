@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from nao_course.geometry import Pose
-from nao_course.plotting import place_estimate
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
-from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
+from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, PrintedCopy, complaint
 
 Measure = Callable[[Any, CameraView], Iterable[Measurement]]

@@ -20,12 +20,11 @@ from nao_course.plotting import (
     as_path,
     course_style,
     estimate_outlines,
-    measured_points,
     plot_field,
     style_of,
 )
 from nao_course.sim import Field
-from nao_course.slam import KINDS, Estimate, Measurement
+from nao_course.slam import KINDS, Estimate, Measurement, measured_points
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches

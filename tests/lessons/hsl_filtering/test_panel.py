@@ -11,11 +11,11 @@ import ipywidgets
 import numpy as np
 import pytest
 
+from nao_course.lessons.hsl_filtering import FilterPanel
+from nao_course.lessons.hsl_filtering.panel import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
 from nao_course.sim import SimulatedNao, Truth
-from nao_course.widgets import FilterPanel
 from nao_course.widgets.attempts import TooSlow, time_limit
-from nao_course.widgets.colour_filter import ERROR_COLOURS
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
 
