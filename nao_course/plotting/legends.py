@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from nao_course.plotting.style import LANDMARK_MARKERS, style_of
+from nao_course.plotting.style import LABEL_COLOURS, LANDMARK_MARKERS, style_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -51,4 +52,12 @@ def landmark_keys(kinds: Iterable[str], colour: str, whose: str) -> list[Line2D]
             label=f"{whose} {kind}",
         )
         for kind in present
+    ]
+
+
+def label_keys(texts: Sequence[str]) -> list[Patch]:
+    """Keys of the four labels, other, green, yellow and white, with what is to be said of each."""
+    return [
+        Patch(facecolor=colour, edgecolor="#333333", label=text)
+        for text, colour in zip(texts, LABEL_COLOURS, strict=True)
     ]

@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray, as_points
 from nao_course.plotting.drawing import Drawing, say_count
-from nao_course.plotting.legends import legend_below
+from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.plotting.style import HALO, LABEL_COLOURS, course_style
 from nao_course.sim import LABELS, Picture, VisibleLandmark
 
@@ -224,11 +223,8 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
         plot_picture(
             array, ax, cmap=ListedColormap(LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
         )
-        keys = [
-            Patch(facecolor=colour, edgecolor="#333333", label=f"{label} {name} ({part:.1%})")
-            for label, (name, colour, part) in enumerate(zip(LABELS, LABEL_COLOURS, parts, strict=True))
-        ]
-        legend_below(figure, keys)
+        texts = [f"{label} {name} ({parts[label]:.1%})" for label, name in enumerate(LABELS)]
+        legend_below(figure, label_keys(texts))
         ax.set_title(title or "")
     said = ", ".join(f"{name} {part:.1%}" for name, part in zip(LABELS, parts, strict=True))
     return Drawing(
@@ -236,13 +232,15 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
     )
 
 
-def painted(labels: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+def painted(labels: npt.ArrayLike, colours: Sequence[str] = LABEL_COLOURS) -> npt.NDArray[np.uint8]:
     """Turn labels into a picture in their colours.
 
     Parameters
     ----------
     labels : array_like of int, shape (H, W)
         0 other, 1 green, 2 yellow, 3 white.
+    colours : sequence of str
+        One for each label; by default those of the course's figures.
 
     Returns
     -------
@@ -254,8 +252,8 @@ def painted(labels: npt.ArrayLike) -> npt.NDArray[np.uint8]:
     ValueError
         For another shape, or a label that is none of these.
     """
-    colours = np.round(255 * np.array([to_rgb(colour) for colour in LABEL_COLOURS])).astype(np.uint8)
-    return colours[_labels(labels).astype(np.intp)]
+    palette = np.round(255 * np.array([to_rgb(colour) for colour in colours])).astype(np.uint8)
+    return palette[_labels(labels).astype(np.intp)]
 
 
 def _labels(labels: npt.ArrayLike) -> npt.NDArray[Any]:
