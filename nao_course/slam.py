@@ -9,7 +9,20 @@ from typing import Literal
 
 import numpy as np
 
-from nao_course.geometry import FloatArray, Pose, finite, wrap_angle
+from nao_course.geometry import FloatArray, Pose, as_points, finite, wrap_angle
+
+__all__ = [
+    "KINDS",
+    "DeadReckoning",
+    "Estimate",
+    "LandmarkKind",
+    "Measurement",
+    "Motion",
+    "SlamAlgorithm",
+    "measured_points",
+    "place_estimate",
+    "run_slam",
+]
 
 LandmarkKind = Literal["corner", "post"]
 KINDS: tuple[LandmarkKind, ...] = ("corner", "post")
@@ -114,6 +127,61 @@ class Estimate:
         object.__setattr__(self, "kinds", tuple(self.kinds))
 
 
+def measured_points(measurements: Iterable[Measurement], pose: Pose) -> FloatArray:
+    """Where measurements put their landmarks.
+
+    Parameters
+    ----------
+    measurements : iterable of Measurement
+        N of them.
+    pose : Pose
+        From where they were taken.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        Metres, in the frame in which `pose` is given.
+    """
+    polar = as_points([(each.bearing, each.range) for each in measurements])
+    return pose.to_parent(polar[:, 1:] * np.column_stack([np.cos(polar[:, 0]), np.sin(polar[:, 0])]))
+
+
+def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
+    """Turn and shift an estimate into another frame, its covariances too.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        In the frame its algorithm maps in.
+    frame : Pose or None
+        That frame's pose in the new one; None leaves the estimate as it is.
+
+    Returns
+    -------
+    Estimate
+        In the frame in which `frame` is given.
+
+    Raises
+    ------
+    ValueError
+        If it is no Estimate.
+    """
+    if not isinstance(estimate, Estimate):
+        raise ValueError(f"estimate must be an Estimate, got {type(estimate).__name__}")
+    if frame is None:
+        return estimate
+    c, s = np.cos(frame.theta), np.sin(frame.theta)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    with np.errstate(invalid="ignore", over="ignore"):  # what is no number stays none
+        return Estimate(
+            frame @ estimate.pose,
+            turn @ estimate.covariance @ turn.T,
+            frame.to_parent(estimate.landmarks),
+            turn[:2, :2] @ estimate.landmark_covariances @ turn[:2, :2].T,
+            estimate.kinds,
+        )
+
+
 class SlamAlgorithm(ABC):
     """The abstract class of Aliyev et al. 2014, section 3.3: motions and measurements in, an estimate out."""
 
@@ -179,3 +247,8 @@ def run_slam(
         algorithm.observe(measurements)
         estimates.append(algorithm.estimate())
     return estimates
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not what this module imports."""
+    return __all__

@@ -3,8 +3,18 @@
 import numpy as np
 import pytest
 
+from nao_course import slam
 from nao_course.geometry import Pose
-from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm, run_slam
+from nao_course.slam import (
+    DeadReckoning,
+    Estimate,
+    Measurement,
+    Motion,
+    SlamAlgorithm,
+    measured_points,
+    place_estimate,
+    run_slam,
+)
 
 
 def test_a_motion_drives_along_the_old_heading_and_then_turns():
@@ -63,3 +73,58 @@ def test_bad_values_are_refused_with_what_was_expected(make, says):
 def test_an_abstract_algorithm_cannot_be_made():
     with pytest.raises(TypeError, match="abstract"):
         SlamAlgorithm()
+
+
+def test_measurements_put_their_landmarks_where_range_and_bearing_say():
+    pose = Pose(1.0, 2.0, np.pi / 2)
+    points = measured_points([Measurement(0.0, 2.0), Measurement(np.pi / 2, 1.0)], pose)
+    assert np.allclose(points, [(1, 4), (0, 2)])
+    assert measured_points([], pose).shape == (0, 2)
+
+
+def random_estimate(rng, landmarks=3):
+    def covariances(n, size):
+        roots = rng.normal(size=(n, size, size))
+        return roots @ np.swapaxes(roots, 1, 2)
+
+    kinds = ("post", "corner", "corner")[:landmarks]
+    positions = rng.normal(size=(landmarks, 2))
+    return Estimate(
+        Pose(*rng.normal(size=3)), covariances(1, 3)[0], positions, covariances(landmarks, 2), kinds
+    )
+
+
+def variances(covariance, direction):
+    return np.einsum("i,...ij,j->...", direction, covariance, direction)
+
+
+def test_a_placed_estimate_has_the_same_variance_in_every_turned_direction(rng):
+    estimate, frame = random_estimate(rng), Pose(0.5, -1.0, 0.7)
+    placed = place_estimate(estimate, frame)
+    for direction in rng.normal(size=(5, 2)):
+        turned = frame.to_parent(direction)[0] - (frame.x, frame.y)
+        for name in ("covariance", "landmark_covariances"):
+            before, after = getattr(estimate, name)[..., :2, :2], getattr(placed, name)[..., :2, :2]
+            assert np.allclose(variances(after, turned), variances(before, direction))
+        with_heading = [np.append(each, 0.3) for each in (direction, turned)]
+        assert np.isclose(
+            variances(placed.covariance, with_heading[1]), variances(estimate.covariance, with_heading[0])
+        )
+
+
+def test_an_estimate_moves_with_its_frame_and_back(rng):
+    estimate, frame = random_estimate(rng), Pose(0.5, -1.0, 0.7)
+    placed = place_estimate(estimate, frame)
+    assert np.allclose(frame.to_local(placed.landmarks), estimate.landmarks)
+    assert np.allclose(placed.pose.as_array(), (frame @ estimate.pose).as_array())
+    back = place_estimate(placed, frame.inverse())
+    for name in ("covariance", "landmarks", "landmark_covariances"):
+        assert np.allclose(getattr(back, name), getattr(estimate, name))
+    assert place_estimate(estimate, None) is estimate
+    with pytest.raises(ValueError, match="must be an Estimate, got str"):
+        place_estimate("here", frame)
+
+
+def test_tab_completion_shows_the_modules_own_names_and_nothing_else():
+    assert dir(slam) == sorted(slam.__all__)
+    assert not {"np", "ABC", "Pose", "dataclass"} & set(dir(slam))

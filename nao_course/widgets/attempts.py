@@ -1,22 +1,114 @@
-"""A student's code at arm's length: what it raises becomes a sentence, what it prints is kept."""
+"""A student's code at arm's length: it is given a time, what it raises becomes a sentence, what it prints is kept."""
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import io
+import sys
 import sysconfig
 import threading
+import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Generic, TextIO, TypeVar
 
-KEPT_LETTERS = 1000
+TIME_LIMIT = 10.0  # s for one call of a student's code before it is given up
+KEPT_LETTERS = 1000  # of what it prints, the last ones
 _LIBRARIES = (
     str(Path(__file__).parents[1]),
     *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
 )
+
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class Attempt(Generic[Value]):
+    """What came of one call of a student's code.
+
+    Parameters
+    ----------
+    value : object
+        What it returned; None if it did not come to its end.
+    message : str
+        Why it did not, in a sentence; empty if it did.
+    error : BaseException or None
+        What it raised.
+    unfinished : bool
+        Whether that was its NotImplementedError: an exercise that is not written yet.
+    printed : str
+        The end of what it printed.
+    seconds : float
+        How long it took.
+    """
+
+    value: Value | None = None
+    message: str = ""
+    error: BaseException | None = None
+    unfinished: bool = False
+    printed: str = ""
+    seconds: float = 0.0
+
+    @property
+    def done(self) -> bool:
+        """Whether it came to its end."""
+        return not self.message
+
+
+def attempt(
+    call: Callable[[], Value],
+    what: str,
+    *,
+    limit: float = TIME_LIMIT,
+    unfinished: str | None = None,
+    quiet: bool = False,
+) -> Attempt[Value]:
+    """Call a student's code: whatever it does, except for being interrupted, nothing is raised.
+
+    Every panel asks a student's functions through this.
+
+    Parameters
+    ----------
+    call : callable
+        Takes nothing; looks at what comes back, too, and raises ValueError or TypeError where that cannot be used.
+    what : str
+        Whose code it is, for messages: "your filter", "move()".
+    limit : float
+        Seconds until it is stopped.
+    unfinished : str, optional
+        The message for a NotImplementedError; by default that is an error like any other.
+    quiet : bool
+        Whether what it prints is only kept, and shown nowhere else.
+
+    Returns
+    -------
+    Attempt
+        What it returned or what went wrong, what it printed, and how long it took.
+    """
+    printed = PrintedCopy(sys.stdout, quiet)
+    value: Value | None = None
+    message, error = "", None
+    began = time.perf_counter()
+    try:
+        with contextlib.redirect_stdout(printed), time_limit(limit):
+            value = call()
+    except (Exception, SystemExit, TooSlow) as caught:  # noqa: BLE001 - its mistake is a message, never a dead panel
+        error = caught
+    took = time.perf_counter() - began
+    unwritten = unfinished is not None and isinstance(error, NotImplementedError)
+    if isinstance(error, TooSlow):
+        message = (
+            f"Time is up: {what} was not done after {limit:g} s and was stopped in line {_line_of(error)}. "
+            "Does a loop end?"
+        )
+    elif error is not None:
+        message = unfinished if unfinished and unwritten else complaint(what, error)
+    return Attempt(value, message, error, unwritten, printed.text, took)
 
 
 class PrintedCopy(io.TextIOBase):

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import contextlib
-import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from nao_course.geometry import Pose
-from nao_course.plotting import place_estimate
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
-from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
-from nao_course.widgets.attempts import KEPT_LETTERS, PrintedCopy, complaint
+from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
+from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
 
 Measure = Callable[[Any, CameraView], Iterable[Measurement]]
+
+Value = TypeVar("Value")
 
 CAMERAS = ("top", "bottom")
 LIVE_SIZE = (320, 240)
@@ -69,6 +68,8 @@ class Cockpit:
         The odometry's origin in the world; by default where the truth says, else the field frame's.
     frame : Pose, optional
         In the world, of the frame that `slam` maps in; by default `start`, as in both seeds.
+    time_limit : float
+        Seconds for each call of the student's code before it is stopped.
 
     Attributes
     ----------
@@ -90,7 +91,7 @@ class Cockpit:
         The end of what the student's code printed during the latest command.
     alarm : bool
         Whether the message is a complaint.
-    error : Exception or None
+    error : BaseException or None
         What the student's code raised last.
     """
 
@@ -102,10 +103,12 @@ class Cockpit:
         measure: Measure | None = None,
         start: Pose | None = None,
         frame: Pose | None = None,
+        time_limit: float = TIME_LIMIT,
     ) -> None:
         """Take the first picture with each camera."""
         _check_parts(nao, truth, slam, measure)
         self.nao, self.truth, self.slam, self.measure = nao, truth, slam, measure
+        self.time_limit = time_limit
         origin = truth.odometry_start if truth is not None else nao.field.pose
         self.start = origin if start is None else start
         self.frame = self.start if frame is None else frame
@@ -119,7 +122,7 @@ class Cockpit:
         self.message = ""
         self.printed = ""
         self.alarm = False
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
         self._truths: dict[str, PictureTruth | None] = {}
         for camera in CAMERAS:
             self.photograph(camera)
@@ -142,7 +145,7 @@ class Cockpit:
         self.seen = NOTHING
         if self.slam is None:
             return True
-        return self._try("move", lambda: self._slam.move(done)) and self._ask_estimate()
+        return self._try("move", lambda: self._slam.move(done)).done and self._ask_estimate()
 
     def turn_head(self, yaw: float, pitch: float) -> None:
         """Turn the head by so much (rad, positive left and down), as far as its joints go."""
@@ -179,12 +182,14 @@ class Cockpit:
             What was measured; empty if the student's code failed.
         """
         self.seen, self.printed = NOTHING, ""
-        if not self._try("measure", lambda: self._measure(camera, size)):
+        seen = self._measured(camera, size)
+        if seen is None:
             return ()
+        self.seen = seen
         found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
         if self.slam is None:
             self.say(f"{found} with the {camera} camera.")
-        elif self._try("observe", lambda: self._slam.observe(self.seen)) and self._ask_estimate():
+        elif self._try("observe", lambda: self._slam.observe(seen)).done and self._ask_estimate():
             known = 0 if self.estimate is None else len(self.estimate.landmarks)
             self.say(f"{found}; {type(self.slam).__name__} knows {known}.")
         return self.seen
@@ -227,42 +232,48 @@ class Cockpit:
         assert self.slam is not None
         return self.slam
 
-    def _measure(self, camera: str, size: tuple[int, int]) -> None:
-        if self.measure is None:
-            self.seen = self.nao.sense(camera)
-            return
+    def _measured(self, camera: str, size: tuple[int, int]) -> tuple[Measurement, ...] | None:
+        """What a camera sees from here; None if the student's code failed."""
+        measure = self.measure
+        if measure is None:
+            return self.nao.sense(camera)
         picture = self.photograph(camera, size)
-        found = self.measure(picture.pixels.copy(), picture.view)
-        if isinstance(found, Measurement) or not isinstance(found, Iterable):
-            raise TypeError(f"it must return a list of Measurement, got {type(found).__name__}")
-        seen = tuple(found)
-        for each in seen:
-            if not isinstance(each, Measurement):
-                raise TypeError(f"its list must hold Measurement only, got {type(each).__name__}")
-        self.seen = seen
+        return self._try("measure", lambda: _checked(measure(picture.pixels.copy(), picture.view))).value
 
     def _ask_estimate(self) -> bool:
-        return self.slam is None or self._try("estimate", self._read_estimate)
+        if self.slam is None:
+            return True
+        placed = self._try("estimate", self._placed_estimate).value
+        if placed is None:
+            return False
+        self.estimate = placed
+        self.estimated.append(placed.pose)
+        return True
 
-    def _read_estimate(self) -> None:
+    def _placed_estimate(self) -> Estimate:
         believed = self._slam.estimate()
         if not isinstance(believed, Estimate):
             raise TypeError(f"it must return an Estimate, got {type(believed).__name__}")
-        self.estimate = place_estimate(believed, self.frame)
-        self.estimated.append(self.estimate.pose)
+        return place_estimate(believed, self.frame)
 
-    def _try(self, what: str, call: Callable[[], None]) -> bool:
-        """Run a student's code; what it raises becomes the message."""
-        copy = PrintedCopy(sys.stdout)
-        try:
-            with contextlib.redirect_stdout(copy):
-                call()
-        except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
-            self.complain(f"{what}()", error)
-            return False
-        finally:
-            self.printed = (self.printed + copy.text)[-KEPT_LETTERS:]
-        return True
+    def _try(self, what: str, call: Callable[[], Value]) -> Attempt[Value]:
+        """Run a student's code; what goes wrong becomes the message."""
+        tried = attempt(call, f"{what}()", limit=self.time_limit)
+        self.printed = (self.printed + tried.printed)[-KEPT_LETTERS:]
+        if not tried.done:
+            self.error, self.alarm, self.message = tried.error, True, tried.message
+        return tried
+
+
+def _checked(found: object) -> tuple[Measurement, ...]:
+    """What a student's `measure` returned, if it is what it must be."""
+    if isinstance(found, Measurement) or not isinstance(found, Iterable):
+        raise TypeError(f"it must return a list of Measurement, got {type(found).__name__}")
+    seen = tuple(found)
+    for each in seen:
+        if not isinstance(each, Measurement):
+            raise TypeError(f"its list must hold Measurement only, got {type(each).__name__}")
+    return seen
 
 
 def _place(pose: Pose) -> str:

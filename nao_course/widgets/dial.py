@@ -13,7 +13,7 @@ import numpy.typing as npt
 from nao_course.geometry import Pose
 from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
-from nao_course.widgets.parts import LabelledImage, bundle, jpeg
+from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
 
 PRESETS = ("clean", "lab", "dark", "harsh")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
@@ -46,7 +46,7 @@ class RealityDial:
         """Begin with the laboratory's picture."""
         self.field, self.pose, self.seed = field or Field(), pose or Pose(0.6, -0.5, 0.2), seed
         self.reality, self.tilt = Reality.lab(), 0.0
-        self._moving_sliders = False
+        self._moving_sliders, self._newest = False, Newest(self._show)
         self._image = LabelledImage(format="jpeg", layout=ipywidgets.Layout(width="480px"))
         self._said = ipywidgets.HTML()
         self._sliders = {name: self._slider(name) for name in _STANDING}
@@ -148,11 +148,11 @@ class RealityDial:
         if not self._moving_sliders:
             changes: dict[str, Any] = {name: float(change["new"])}
             self.reality = replace(self.reality, **changes)
-            self._show()
+            self._newest.ask()
 
     def _tilted(self, change: Any) -> None:
         self.tilt = float(np.radians(change["new"]))
-        self._show()
+        self._newest.ask()
 
     def _put(self, reality: Reality) -> None:
         """Take on effects, and move the sliders without a picture for each."""

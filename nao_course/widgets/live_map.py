@@ -20,12 +20,12 @@ from nao_course.plotting import (
     as_path,
     course_style,
     estimate_outlines,
-    measured_points,
     plot_field,
     style_of,
 )
+from nao_course.plotting.legends import source_key
 from nao_course.sim import Field
-from nao_course.slam import KINDS, Estimate, Measurement
+from nao_course.slam import KINDS, Estimate, Measurement, measured_points
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
@@ -75,7 +75,7 @@ class LiveMap:
             self._ax = figure.add_subplot()
             self._ax.tick_params(labelsize=9)
             plot_field(field, self._ax)
-            keys = [legend_key(source, label) for source, label in sources.items()]
+            keys = [source_key(source, label) for source, label in sources.items()]
             figure.legend(
                 handles=keys,
                 loc="outside lower center",
@@ -120,13 +120,6 @@ class LiveMap:
         for artist in self._artists:
             self._ax.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())[:, :, :3]
-
-
-def legend_key(source: str, label: str | None = None) -> Line2D:
-    """Entry of a legend for a source, under its own name or another."""
-    style = style_of(source)
-    look: dict[str, Any] = {"color": style.colour, "ls": style.line, "marker": style.marker, "mec": "white"}
-    return Line2D([], [], lw=1.8, ms=8, label=label or style.label, **look)
 
 
 def _agg(figure: Figure) -> Any:

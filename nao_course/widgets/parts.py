@@ -107,8 +107,23 @@ def box(kind: str, name: str, *children: Any) -> Any:
     return made
 
 
-def status_box(words: str, facts: str, *, alarm: bool = False, printed: str = "") -> str:
-    """Return HTML that says, aloud where a screen reader listens, what happened; `words` are HTML, the rest text."""
+def status_box(
+    message: str, facts: str, *, alarm: bool = False, shows_where: bool = False, printed: str = ""
+) -> str:
+    """Return HTML that says, aloud where a screen reader listens, what happened.
+
+    Parameters
+    ----------
+    message, facts, printed : str
+        What happened, how things stand, and what the student's code printed.
+    alarm : bool
+        Whether the message is a complaint.
+    shows_where : bool
+        Whether to say that ``raise panel.error`` leads to the line.
+    """
+    words = html.escape(message)
+    if shows_where:
+        words += " <i>(raise panel.error shows where)</i>"
     if printed.strip():
         words += f'<pre class="nao-printed">{html.escape(printed.rstrip())}</pre>'
     return (

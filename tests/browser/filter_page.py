@@ -14,7 +14,7 @@ SCENE = """import cv2
 import numpy as np
 from nao_course.geometry import Pose
 from nao_course.sim import Field, SimulatedNao, Truth
-from nao_course.widgets import FilterPanel
+from nao_course.lessons.hsl_filtering import FilterPanel
 
 nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
 scene = nao.take_picture("bottom").pixels

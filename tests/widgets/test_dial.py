@@ -1,10 +1,13 @@
 """The reality dial: sliders, presets and code say the same, and a picture stays where no widget lives."""
 
+import asyncio
+
 import numpy as np
 import pytest
 
 from nao_course.sim import Reality
 from nao_course.widgets import RealityDial
+from nao_course.widgets.parts import jpeg
 
 
 def test_it_begins_as_the_laboratory_and_the_same_sliders_give_the_same_picture():
@@ -57,3 +60,25 @@ def test_a_picture_and_a_text_stay_where_no_widget_lives():
     assert "application/vnd.jupyter.widget-view+json" in bundle
     assert bundle["text/html"].startswith("<img alt=")
     assert "noise 1" in bundle["text/plain"]
+
+
+def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
+    dial = RealityDial()
+    shown = []
+    dial._image.observe(lambda change: shown.append(change["new"]), "value")
+
+    async def scenario():
+        for burst in range(2):  # while one picture is rendered, a browser sends several values
+            for step in range(1, 11):
+                dial._sliders["noise"].value = 0.1 * (10 * burst + step)
+                dial._tilt.value = 0.1 * step
+            await asyncio.sleep(0)
+        while dial._newest.busy:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(scenario())
+    assert dial.reality.noise == pytest.approx(2.0)
+    assert dial.tilt == pytest.approx(np.radians(1.0))
+    assert 1 <= len(shown) <= 3
+    assert shown[-1] == jpeg(dial.pixels)
+    assert "noise 2" in dial._said.value

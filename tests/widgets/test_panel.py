@@ -1,91 +1,25 @@
 """The control panel: what happens on each command, what it shows, and what it must not show."""
 
 import asyncio
+import contextlib
 import re
 import threading
 import time
 
-import ipywidgets
 import nbformat
 import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.sim import Field, Reality, SimulatedNao, Truth
-from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm
+from nao_course.sim import SimulatedNao, Truth
+from nao_course.slam import DeadReckoning, Estimate, Measurement, SlamAlgorithm
 from nao_course.widgets import ControlPanel
-from nao_course.widgets.cockpit import STEP, TURN_STEP, Cockpit, pieces
-from nao_course.widgets.live_map import LiveMap, MapContents
-from nao_course.widgets.panel import KEYS, PERIOD
+from nao_course.widgets.attempts import TooSlow
+from nao_course.widgets.cockpit import STEP
+from nao_course.widgets.panel import PERIOD
+from tests.widgets.robots import Failing, Recorder, clean_nao, press
 
-
-class Recorder(DeadReckoning):
-    """Remembers what it was told."""
-
-    def __init__(self, start=None):
-        super().__init__(start)
-        self.motions, self.seen = [], []
-
-    def move(self, motion):
-        self.motions.append(motion)
-        super().move(motion)
-
-    def observe(self, measurements):
-        self.seen.append(tuple(measurements))
-
-
-class Failing(Recorder):
-    """Raises where it is told to."""
-
-    def __init__(self, where):
-        super().__init__()
-        self.where = where
-
-    def move(self, motion):
-        super().move(motion)
-        if self.where == "move":
-            raise IndexError("index 9 is out of bounds <b>for</b> axis 0")
-
-    def observe(self, measurements):
-        if self.where == "observe":
-            raise ZeroDivisionError("division by zero")
-
-    def estimate(self):
-        return None if self.where == "estimate" else super().estimate()
-
-
-def clean_nao(seed=1, **options):
-    return SimulatedNao(rng=seed, reality=Reality.clean(), **options)
-
-
-def press(panel, name):
-    """Press the button that the browser would press."""
-
-    def find(widget):
-        if f"nao-do-{name}" in widget._dom_classes:
-            return widget
-        return next(filter(None, map(find, getattr(widget, "children", ()))), None)
-
-    find(panel.widget).click()
-
-
-def all_widgets(widget):
-    yield widget
-    for child in getattr(widget, "children", ()):
-        yield from all_widgets(child)
-
-
-# --- the cockpit: commands without buttons ---
-
-
-@pytest.mark.parametrize(
-    "motion", [Motion(0.2), Motion(-0.33, 1.0), Motion(0.0, -np.pi), Motion(), Motion(1e-9)]
-)
-def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
-    parts = list(pieces(motion))
-    assert sum(part.distance for part in parts) == pytest.approx(motion.distance)
-    assert sum(part.turn for part in parts) == pytest.approx(motion.turn)
-    assert all(abs(part.distance) <= STEP + 1e-9 and abs(part.turn) <= TURN_STEP + 1e-9 for part in parts)
+# --- commands ---
 
 
 def test_slam_gets_every_motion_and_believes_what_odometry_believes():
@@ -104,13 +38,6 @@ def test_the_map_begins_where_the_robot_stands():
     assert np.allclose(ControlPanel(nao, Truth(nao)).cockpit.odometry[0].as_array(), [0.5, -0.5, 0.4])
     assert np.allclose(ControlPanel(nao).cockpit.odometry[0].as_array(), 0)
     assert np.allclose(ControlPanel(nao, start=Pose(1, 1, 0)).cockpit.odometry[0].as_array(), [1, 1, 0])
-
-
-def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
-    nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
-    cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
-    cockpit.move(Motion(0.05))
-    assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
 
 
 def test_pictures_are_counted_and_only_those_taken_are_kept():
@@ -166,14 +93,14 @@ def test_a_hidden_truth_is_neither_in_words_nor_in_the_map():
     truth = Truth(nao)
     panel = ControlPanel(nao, truth, show_truth=False)
     panel.forward(0.3)
-    before = panel._map_image.value
+    before = panel._controls.map.value
     truth.place(Pose(2.0, 1.0, 2.0))
     panel._show_map()
-    assert panel._map_image.value == before
+    assert panel._controls.map.value == before
     assert "truth" not in panel.summary()
     assert "truth" not in repr(panel._repr_mimebundle_()["text/html"])
     panel.show_truth = True
-    assert panel._map_image.value != before
+    assert panel._controls.map.value != before
     assert "truth (2.00, 1.00) m" in panel.summary()
 
 
@@ -214,8 +141,8 @@ def test_a_failing_move_ends_the_drive_and_says_where():
     panel.forward(0.5)
     assert nao.odometry.x == pytest.approx(STEP)
     assert re.search(r"IndexError in move\(\), line \d+: index 9 is out of bounds", panel.cockpit.message)
-    assert "&lt;b&gt;" in panel._status.value
-    assert "nao-alarm" in panel._status.value
+    assert "&lt;b&gt;" in panel._controls.status.value
+    assert "nao-alarm" in panel._controls.status.value
     with pytest.raises(IndexError):
         raise panel.error
 
@@ -263,10 +190,10 @@ def test_what_the_students_code_prints_is_in_the_panel_and_where_it_belongs(caps
     panel = ControlPanel(clean_nao(), slam=Recorder(), measure=measure)
     press(panel, "slam")
     assert panel.cockpit.printed == "three <corners>\n"
-    assert "three &lt;corners&gt;" in panel._status.value
+    assert "three &lt;corners&gt;" in panel._controls.status.value
     assert capsys.readouterr().out == "three <corners>\n"
     panel.forward(0.05)
-    assert "corners" not in panel._status.value
+    assert "corners" not in panel._controls.status.value
 
 
 @pytest.mark.parametrize(
@@ -283,6 +210,77 @@ def test_what_the_students_code_prints_is_in_the_panel_and_where_it_belongs(caps
 def test_a_part_that_cannot_work_is_refused_in_words(parts, said):
     with pytest.raises(ValueError, match=said):
         ControlPanel(**{"nao": clean_nao(), **parts})
+
+
+class Endless(Recorder):
+    """Has a loop without an end where it is told to, until it is mended."""
+
+    def __init__(self, where):
+        super().__init__()
+        self.where, self.mended = where, False
+
+    def turn_for_ever(self, where):
+        while where == self.where and not self.mended:
+            with contextlib.suppress(Exception):  # as a student's `except Exception`
+                time.sleep(0)
+
+    def move(self, motion):
+        self.turn_for_ever("move")
+        super().move(motion)
+
+    def observe(self, measurements):
+        self.turn_for_ever("observe")
+        super().observe(measurements)
+
+    def estimate(self):
+        self.turn_for_ever("estimate")
+        return super().estimate()
+
+    def measure(self, pixels, view):
+        self.turn_for_ever("measure")
+        return [Measurement(0.1, 2.0)]
+
+
+@pytest.mark.parametrize("where", ["move", "observe", "estimate", "measure"])
+def test_code_that_never_ends_is_stopped_and_the_panel_lives(where):
+    slam = Endless(where)
+    panel = ControlPanel(clean_nao(), slam=slam, measure=slam.measure, time_limit=0.2)
+    if where != "estimate":  # that is asked for at once, when the panel is made
+        press(panel, "forward" if where == "move" else "slam")
+    assert f"{where}() was not done after 0.2 s and was stopped in line" in panel.cockpit.message
+    assert (
+        "was stopped in line" in panel._controls.status.value and "nao-alarm" in panel._controls.status.value
+    )
+    assert isinstance(panel.error, TooSlow)
+    slam.mended = True
+    before = panel.cockpit.nao.odometry.x
+    press(panel, "forward")
+    assert panel.cockpit.nao.odometry.x == pytest.approx(before + 0.2)
+    assert panel.cockpit.message == "Walk 0.20 m ahead: done."
+    press(panel, "slam")
+    assert "Measured 1 landmark; Endless knows 0" in panel.cockpit.message
+    assert "nao-alarm" not in panel._controls.status.value
+
+
+def test_a_drive_in_a_kernels_loop_ends_where_slam_never_does():
+    panel = ControlPanel(clean_nao(), slam=Endless("move"), time_limit=0.2)
+
+    async def scenario():
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(STEP)
+    assert "move() was not done after 0.2 s" in panel.cockpit.message
+
+
+def test_what_ends_python_is_only_a_message():
+    def measure(pixels, view):
+        raise SystemExit(3)
+
+    panel = ControlPanel(clean_nao(), measure=measure)
+    press(panel, "slam")
+    assert "SystemExit in measure(), line" in panel.cockpit.message
 
 
 def test_strange_estimates_are_drawn_without_complaint():
@@ -474,26 +472,6 @@ def test_the_panel_starts_no_thread():
 # --- what the browser gets, and what stays where it cannot live ---
 
 
-def test_every_control_has_a_name_and_says_its_key():
-    panel = ControlPanel(clean_nao())
-    for widget in all_widgets(panel.widget):
-        if isinstance(widget, ipywidgets.Button):
-            assert widget.description and "key:" in widget.tooltip
-        elif isinstance(widget, ipywidgets.Dropdown | ipywidgets.Checkbox):
-            assert widget.description
-        elif isinstance(widget, ipywidgets.Image):
-            assert widget.tooltip
-
-
-def test_every_key_presses_one_button_and_none_belongs_to_two():
-    classes = [
-        name for widget in all_widgets(ControlPanel(clean_nao()).widget) for name in widget._dom_classes
-    ]
-    assert all(classes.count(f"nao-do-{name}") == 1 for name in KEYS)
-    keys = [key for several in KEYS.values() for key in several]
-    assert len(keys) == len(set(keys))
-
-
 def test_where_no_widget_can_live_a_picture_and_words_remain():
     panel = ControlPanel(clean_nao())
     bundle = panel._repr_mimebundle_()
@@ -510,22 +488,3 @@ def test_a_notebook_exported_without_widget_state_shows_the_picture():
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("panel", outputs=[output])])
     page, _ = nbconvert.HTMLExporter().from_notebook_node(notebook)
     assert '<img alt="Control panel' in page
-
-
-def test_the_live_map_of_a_whole_field_is_a_picture():
-    pixels = LiveMap(Field(2025, half=False), {"odometry": "odometry"}).draw(
-        MapContents({"odometry": [Pose()]})
-    )
-    assert pixels.dtype == np.uint8
-    assert pixels.shape[2] == 3
-
-
-def test_the_live_map_forgets_what_it_drew_before():
-    chart = LiveMap(Field(), {"truth": "truth", "odometry": "odometry", "ekf": "EKF"})
-    empty = chart.draw(MapContents({}))
-    estimate = Estimate(Pose(), np.eye(3), np.array([[1.0, 1.0]]), np.eye(2)[None], ("post",))
-    full = chart.draw(
-        MapContents({"truth": [Pose(), Pose(1, 0, 0)]}, estimate, [Measurement(0.1, 1.0)], "truth")
-    )
-    assert not np.array_equal(full, empty)
-    assert np.array_equal(chart.draw(MapContents({})), empty)

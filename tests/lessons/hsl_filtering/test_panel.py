@@ -11,11 +11,11 @@ import ipywidgets
 import numpy as np
 import pytest
 
+from nao_course.lessons.hsl_filtering import FilterPanel
+from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
 from nao_course.sim import SimulatedNao, Truth
-from nao_course.widgets import FilterPanel
-from nao_course.widgets.attempts import TooSlow, time_limit
-from nao_course.widgets.colour_filter import ERROR_COLOURS
+from tests.widgets.robots import all_widgets
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
 
@@ -48,12 +48,6 @@ def decoded(widget):
 
 def colour(text):
     return tuple(int(text[i : i + 2], 16) for i in (1, 3, 5))
-
-
-def all_widgets(widget):
-    yield widget
-    for child in getattr(widget, "children", ()):
-        yield from all_widgets(child)
 
 
 # --- settings ---
@@ -281,7 +275,7 @@ def test_a_function_that_never_ends_is_stopped_in_any_thread(rng):
         return brightness(picture, green, yellow, beta, min_saturation)
 
     panel = make(rng, label)
-    panel._patience = 0.2
+    panel.time_limit = 0.2
     panel.set(beta=201)
     assert "was not done after 0.2 s and was stopped" in panel.summary()
     panel.reset()
@@ -291,22 +285,6 @@ def test_a_function_that_never_ends_is_stopped_in_any_thread(rng):
     thread.join(10)
     assert not thread.is_alive()
     assert panel.labels is None
-
-
-def endless():
-    with time_limit(0.05):
-        while True:
-            pass
-
-
-def test_a_time_limit_that_was_kept_is_forgotten():
-    before = threading.active_count()
-    with time_limit(0.05):
-        pass
-    time.sleep(0.1)
-    assert threading.active_count() == before
-    with pytest.raises(TooSlow):
-        endless()
 
 
 def test_how_long_a_picture_takes_is_said_and_why_the_panel_lags(rng):

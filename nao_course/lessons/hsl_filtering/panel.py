@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import contextlib
-import html
-import sys
 import threading
-import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import ipywidgets
 import numpy as np
 import numpy.typing as npt
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
-from nao_course.plotting import LABEL_COLOURS, Drawing, course_style, plot_picture
+from nao_course.lessons.hsl_filtering.scores import (
+    COLOURS,
+    ERROR_COLOURS,
+    Score,
+    error_classes,
+    legend,
+    score_table,
+)
+from nao_course.lessons.hsl_filtering.settings import HUE_MOST, SLIDERS, FilterSettings, Limits
+from nao_course.plotting import Drawing, course_style, painted, plot_picture
+from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.sim import LABELS
-from nao_course.widgets.attempts import PrintedCopy, TooSlow, complaint, time_limit
+from nao_course.widgets.attempts import TIME_LIMIT, Attempt, attempt
 from nao_course.widgets.parts import (
     LabelledImage,
     Newest,
@@ -34,25 +37,10 @@ from nao_course.widgets.parts import (
 )
 
 Pixels = npt.NDArray[np.uint8]
-Limits = tuple[float, float]
 Label = Callable[[Pixels, Limits, Limits, float, float], Any]
 
-COLOURS = LABELS[1:]  # green, yellow, white
-PATIENCE = 10.0  # s for one picture before it is given up
 SLOW = 0.1  # s for one picture: from here on the panel says why it lags
 SHOWN = {"labels": "Labels", **{colour: f"Errors in {colour}" for colour in COLOURS}}
-# Right, called so but is not, is so but missed, neither: after Okabe and Ito (2008), apart in lightness too.
-ERROR_COLOURS = ("#ffffff", "#e69f00", "#3a8fd0", "#2b2b31")
-_HUE_MOST = 359.0  # degrees; the next one is 0
-_SLIDERS: Mapping[str, tuple[str, str, float, float, str]] = {  # name: label, tooltip, most, step, format
-    "green low": ("Green from (°)", "Smallest hue called green, in degrees", _HUE_MOST, 1.0, ".0f"),
-    "green high": ("Green to (°)", "Largest hue called green; below the smallest: through 0", _HUE_MOST, 1.0, ".0f"),
-    "yellow low": ("Yellow from (°)", "Smallest hue called yellow, in degrees", _HUE_MOST, 1.0, ".0f"),
-    "yellow high": ("Yellow to (°)", "Largest hue called yellow; below the smallest: through 0", _HUE_MOST, 1.0, ".0f"),
-    "beta": ("White: β", "Lower bound of the threshold for white, equation 4.1", 255.0, 1.0, ".0f"),
-    "min_saturation": ("Least saturation", "Green and yellow are at least this saturated", 1.0, 0.01, ".2f"),
-}  # fmt: skip
-
 _CSS = """
 .nao-filter .nao-pictures { gap: 8px; overflow: visible; }
 .nao-filter .nao-pictures > * { flex: 1 1 0; min-width: 0; max-width: 322px; overflow: visible; }
@@ -82,65 +70,6 @@ _CSS = """
 """
 
 
-@dataclass(frozen=True)
-class FilterSettings:
-    """Where the sliders stand: rounded to their steps, as a browser would do it.
-
-    Parameters
-    ----------
-    green, yellow : (float, float)
-        Limits of the hue in whole degrees; the first is larger where the interval goes through 0.
-    beta : float
-        Of equation 4.1, a whole lightness, 0 to 255.
-    min_saturation : float
-        Of green and yellow, 0 to 1 in hundredths.
-    """
-
-    green: Limits
-    yellow: Limits
-    beta: float
-    min_saturation: float
-
-    def __post_init__(self) -> None:
-        """Refuse what no slider can show."""
-        for name in ("green", "yellow"):
-            limits = np.asarray(getattr(self, name), dtype=float)
-            if limits.shape != (2,) or not ((limits >= 0) & (limits < 360)).all():
-                raise ValueError(
-                    f"{name} must be two hues in degrees, from 0 to below 360; got {getattr(self, name)!r}"
-                )
-            low, high = np.minimum(np.round(limits), _HUE_MOST)
-            object.__setattr__(self, name, (float(low), float(high)))
-        for name, most, digits in (("beta", 255, 0), ("min_saturation", 1, 2)):
-            if not 0 <= getattr(self, name) <= most:
-                raise ValueError(f"{name} must be from 0 to {most}, got {getattr(self, name)!r}")
-            object.__setattr__(self, name, round(float(getattr(self, name)), digits))
-
-    def __str__(self) -> str:
-        """Say them in words."""
-        hues = ", ".join(f"{name} {low:.0f}° to {high:.0f}°" for name, (low, high) in self._hues())
-        return f"{hues}, beta {self.beta:.0f}, least saturation {self.min_saturation:.2f}"
-
-    def _hues(self) -> tuple[tuple[str, Limits], ...]:
-        return ("green", self.green), ("yellow", self.yellow)
-
-
-@dataclass(frozen=True)
-class Score:
-    """How good the labels of one colour are.
-
-    Parameters
-    ----------
-    precision : float
-        Of the pixels called so, the part that is; NaN if none is called so.
-    recall : float
-        Of the pixels that are so, the part that is called so; NaN if there are none.
-    """
-
-    precision: float
-    recall: float
-
-
 class FilterPanel:
     """A picture, the labels your colour filter gives it, and the true ones; sliders for the filter's limits.
 
@@ -163,6 +92,8 @@ class FilterPanel:
         At the start, 0 to 1.
     unfinished : str
         What to say while `label` raises NotImplementedError.
+    time_limit : float
+        Seconds for one picture; a function that takes longer is stopped, and the panel says so.
 
     Raises
     ------
@@ -194,6 +125,7 @@ class FilterPanel:
         beta: float = 120.0,
         min_saturation: float = 0.16,
         unfinished: str = "Finish exercises 1.1 to 1.6 to move this panel.",
+        time_limit: float = TIME_LIMIT,
     ) -> None:
         """Label the first scene and build the widgets."""
         if not callable(label):
@@ -201,11 +133,11 @@ class FilterPanel:
         self._scenes = _paired(picture, truth)
         self._label, self._unfinished = label, unfinished
         self._start = self._settings = FilterSettings(green, yellow, beta, min_saturation)
-        self._labels: Pixels | None = None
-        self._message, self._printed, self._took = "", "", 0.0
+        self.time_limit = time_limit
+        self._latest: Attempt[Pixels] = Attempt()
         self._error: BaseException | None = None
         self._moving_sliders = False
-        self._patience, self._one_at_a_time = PATIENCE, threading.RLock()
+        self._one_at_a_time = threading.RLock()
         self._newest = Newest(self._relabel)
         self._build()
         self._show_scene()
@@ -237,15 +169,15 @@ class FilterPanel:
     @property
     def labels(self) -> Pixels | None:
         """What your function gave for the present settings, (H, W); None where it failed."""
-        return self._labels
+        return self._latest.value
 
     @property
     def scores(self) -> dict[str, Score]:
         """Precision and recall of green, yellow and white; empty where your function failed."""
-        if self._labels is None:
+        labels, truth = self.labels, self._scene[1]
+        if labels is None:
             return {}
-        truth = self._scene[1]
-        return {name: _score(self._labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
+        return {name: Score.of(labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
 
     @property
     def error(self) -> BaseException | None:
@@ -255,31 +187,21 @@ class FilterPanel:
     def summary(self) -> str:
         """Return the settings and the scores, a line each, or why there are none."""
         scene = [f"scene: {self._scene_name}"] if len(self._scenes) > 1 else []
-        scores = [
-            f"{name}: precision {_percent(score.precision)}, recall {_percent(score.recall)}"
-            for name, score in self.scores.items()
-        ]
-        return "\n".join([*scene, str(self._settings), *(scores or [self._message])])
+        scores = [f"{name}: {score}" for name, score in self.scores.items()]
+        return "\n".join([*scene, str(self._settings), *(scores or [self._latest.message])])
 
     def drawing(self) -> Drawing:
         """Return what the panel shows as a figure, for where no widget can live."""
         picture, truth = self._scene
         scores = self.scores
-        keys = [Patch(facecolor=LABEL_COLOURS[0], edgecolor="#333333", label=LABELS[0])]
-        for name, colour in zip(COLOURS, LABEL_COLOURS[1:], strict=True):
-            said = (
-                f": precision {_percent(scores[name].precision)}, recall {_percent(scores[name].recall)}"
-                if scores
-                else ""
-            )
-            keys.append(Patch(facecolor=colour, edgecolor="#333333", label=name + said))
+        texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
             figure = Figure(figsize=(9.6, 3.2 * picture.shape[0] / picture.shape[1] + 0.95))
-            shown = {"scene": picture, "your labels": self._coloured(), "true labels": _painted(truth)}
+            shown = {"scene": picture, "your labels": self._coloured(), "true labels": painted(truth)}
             for ax, (title, pixels) in zip(figure.subplots(1, 3), shown.items(), strict=True):
                 plot_picture(pixels, ax, ticks=False)
                 ax.set_title(title, fontsize=11)
-            figure.legend(handles=keys, loc="outside lower center", ncols=2)
+            legend_below(figure, label_keys(texts), columns=2)
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def __repr__(self) -> str:
@@ -296,27 +218,12 @@ class FilterPanel:
     def _relabel(self) -> None:
         """Ask the student's function, and show what comes of it."""
         with self._one_at_a_time:  # a slider's thread and a cell's
-            self._try()
-            self._show_labels()
-
-    def _try(self) -> None:
-        self._labels, self._message = None, "Interrupted."  # unless what follows comes to its end
-        printed = PrintedCopy(sys.stdout, quiet=True)
-        began = time.perf_counter()
-        try:
-            with contextlib.redirect_stdout(printed), time_limit(self._patience):
-                self._labels = self._ask()
-            self._message = ""
-        except NotImplementedError as error:
-            self._error, self._message = error, self._unfinished
-        except TooSlow as error:
-            self._error = error
-            self._message = (
-                f"Your filter was not done after {self._patience:g} s and was stopped. Does a loop end?"
+            self._latest = Attempt(message="Interrupted.")  # unless what follows comes to its end
+            self._latest = attempt(
+                self._ask, "your filter", limit=self.time_limit, unfinished=self._unfinished, quiet=True
             )
-        except Exception as error:  # noqa: BLE001 - a student's mistake is a message here, never a dead panel
-            self._error, self._message = error, complaint("your filter", error)
-        self._took, self._printed = time.perf_counter() - began, printed.text
+            self._error = self._latest.error or self._error
+            self._show_labels()
 
     def _ask(self) -> Pixels:
         picture, truth = self._scene
@@ -344,20 +251,19 @@ class FilterPanel:
         return self._scenes[self._scene_name]
 
     def _coloured(self, shown: str = "labels") -> Pixels:
-        """The student's labels in colours, or the errors of one colour; grey where there are none."""
-        truth = self._scene[1]
-        if self._labels is None:
-            return _painted(np.zeros_like(truth))
+        """The labels, or the errors in one colour, as a picture; all of class 0 where there are none."""
+        labels, truth = self.labels, self._scene[1]
+        if labels is None:
+            return painted(np.zeros_like(truth))
         if shown == "labels":
-            return _painted(self._labels)
+            return painted(labels)
         label = LABELS.index(shown)
-        called, there = self._labels == label, truth == label
-        return _painted(np.select([called & there, called, there], [0, 1, 2], 3), ERROR_COLOURS)
+        return painted(error_classes(labels == label, truth == label), ERROR_COLOURS)
 
     def _show_scene(self) -> None:
         picture, truth = self._scene
         self._images["scene"].value = jpeg(picture)
-        self._images["truth"].value = png(_painted(truth))
+        self._images["truth"].value = png(painted(truth))
 
     def _show_labels(self) -> None:
         """Show the labels as they are, without asking again."""
@@ -366,25 +272,25 @@ class FilterPanel:
         self._captions[
             "labels"
         ].value = f"<b>Your {'labels' if shown == 'labels' else SHOWN[shown].lower()}</b>"
-        self._legend.value = _legend(shown)
-        self._table.value = _table(self.scores)
+        self._legend.value = legend(shown)
+        self._table.value = score_table(self.scores)
         self._status.value = self._said()
 
     def _said(self) -> str:
-        if self._message:
-            words, facts = html.escape(self._message), str(self._settings)
-            if not isinstance(self._error, NotImplementedError | TooSlow):
-                words += " <i>(raise panel.error shows where)</i>"
-            return status_box(words, facts, alarm=True, printed=self._printed)
-        facts = f"Your code labels a picture in {1000 * self._took:.0f} ms."
-        if self._took > SLOW:
+        latest = self._latest
+        if not latest.done:
+            where = latest.error is not None and not latest.unfinished
+            facts = str(self._settings)
+            return status_box(latest.message, facts, alarm=True, shows_where=where, printed=latest.printed)
+        facts = f"Your code labels a picture in {1000 * latest.seconds:.0f} ms."
+        if latest.seconds > SLOW:
             facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
-        return status_box(html.escape(str(self._settings)), facts, printed=self._printed)
+        return status_box(str(self._settings), facts, printed=latest.printed)
 
     # --- widgets ---
 
     def _build(self) -> None:
-        self._sliders = {name: self._slider(name) for name in _SLIDERS}
+        self._sliders = {name: self._slider(name) for name in SLIDERS}
         names = {"scene": "The scene", "labels": "Your labels", "truth": "The true labels"}
         self._captions = {name: html_line(f"<b>{text}</b>", "nao-caption") for name, text in names.items()}
         self._images = {name: _image(name, text) for name, text in names.items()}
@@ -415,9 +321,9 @@ class FilterPanel:
         self.widget.add_class("nao-filter")
 
     def _slider(self, name: str) -> Any:
-        label, tooltip, most, step, shape = _SLIDERS[name]
+        label, tooltip, most, step, shape = SLIDERS[name]
         slider = ipywidgets.FloatSlider(
-            value=_value(self._settings, name),
+            value=self._settings.of_slider(name),
             min=0.0,
             max=most,
             step=step,
@@ -426,7 +332,7 @@ class FilterPanel:
             tooltip=tooltip,
         )
         slider.add_class(f"nao-slider-{name.replace('_', '-').replace(' ', '-')}")
-        if most == _HUE_MOST:
+        if most == HUE_MOST:
             slider.add_class("nao-hue")
         slider.observe(self._slid, names="value")
         return slider
@@ -447,7 +353,7 @@ class FilterPanel:
         """Take on settings, and move the sliders without a picture for each."""
         self._settings, self._moving_sliders = settings, True
         for name, slider in self._sliders.items():
-            slider.value = _value(settings, name)
+            slider.value = settings.of_slider(name)
         self._moving_sliders = False
         self._relabel()
 
@@ -475,53 +381,7 @@ def _paired(pictures: Any, truths: Any) -> dict[str, tuple[Pixels, Pixels]]:
     return scenes
 
 
-def _score(called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> Score:
-    both = int((called & there).sum())
-    return Score(*(both / total if (total := int(of.sum())) else float("nan") for of in (called, there)))
-
-
-def _percent(part: float) -> str:
-    return "-" if np.isnan(part) else f"{100 * part:.1f} %"
-
-
-def _value(settings: FilterSettings, name: str) -> float:
-    """What a slider shows of the settings."""
-    if name in ("beta", "min_saturation"):
-        return float(getattr(settings, name))
-    colour, end = name.split()
-    return float(getattr(settings, colour)[end == "high"])
-
-
-def _painted(classes: npt.NDArray[Any], colours: tuple[str, ...] = LABEL_COLOURS) -> Pixels:
-    """A picture (H, W, 3) of classes (H, W)."""
-    palette = np.round(255 * np.array([to_rgb(colour) for colour in colours])).astype(np.uint8)
-    return palette[classes]
-
-
 def _image(name: str, text: str) -> Any:
     image = LabelledImage(format="jpeg" if name == "scene" else "png", tooltip=text)
     image.add_class(f"nao-image-{name}")
     return image
-
-
-def _key(colour: str, text: str) -> str:
-    return f'<span><i class="nao-key" style="background:{colour}"></i>{text}</span>'
-
-
-def _legend(shown: str) -> str:
-    """What the colours of the picture in the middle mean."""
-    if shown == "labels":
-        return "".join(_key(colour, name) for name, colour in zip(LABELS, LABEL_COLOURS, strict=True))
-    words = (f"{shown}, and called so", f"called {shown}, but is not", f"{shown}, but missed", "neither")
-    return "".join(_key(colour, text) for colour, text in zip(ERROR_COLOURS, words, strict=True))
-
-
-def _table(scores: Mapping[str, Score]) -> str:
-    """HTML of precision and recall; dashes where there are none."""
-    rows = []
-    for name, colour in zip(COLOURS, LABEL_COLOURS[1:], strict=True):
-        score = scores.get(name, Score(float("nan"), float("nan")))
-        cells = "".join(f"<td>{_percent(part)}</td>" for part in (score.precision, score.recall))
-        rows.append(f'<tr><th scope="row">{_key(colour, name)}</th>{cells}</tr>')
-    head = '<th></th><th scope="col">Precision</th><th scope="col">Recall</th>'
-    return f"<table><caption>Your labels</caption><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"

@@ -1,0 +1,138 @@
+"""Figures of lesson 01: a picture beside its hue, saturation and lightness, and hues on their circle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.colors import hsv_to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.plotting.drawing import Drawing, say_count
+from nao_course.plotting.legends import legend_below
+from nao_course.plotting.pictures import as_pixels, plot_picture
+from nao_course.plotting.style import STYLES, course_style
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+
+
+def draw_hsl(
+    picture: npt.ArrayLike, hue: npt.ArrayLike, saturation: npt.ArrayLike, lightness: npt.ArrayLike
+) -> Drawing:
+    """Draw a picture beside its hue, saturation and lightness.
+
+    Parameters
+    ----------
+    picture : array_like of uint8, shape (H, W, 3)
+        RGB.
+    hue, saturation, lightness : array_like, shape (H, W)
+        Degrees [0, 360), 0 to 1, and 0 to 255. Hues are painted as pure colours.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the medians.
+
+    Raises
+    ------
+    ValueError
+        For another shape.
+    """
+    array = as_pixels(picture)
+    channels = [np.asarray(each, dtype=float) for each in (hue, saturation, lightness)]
+    for name, channel in zip(("hue", "saturation", "lightness"), channels, strict=True):
+        if channel.shape != array.shape[:2]:
+            raise ValueError(
+                f"{name} must have shape {array.shape[:2]} as the picture has; got {channel.shape}"
+            )
+    painted = hsv_to_rgb(
+        np.dstack([channels[0] % 360 / 360, np.ones_like(channels[0]), 0.9 + 0 * channels[0]])
+    )
+    shown = (array, np.round(255 * painted).astype(np.uint8), channels[1], channels[2])
+    titles = ("picture", "hue (degrees, as pure colours)", "saturation (0 to 1)", "lightness (0 to 255)")
+    with course_style():
+        figure = Figure(figsize=(9.9, 8.0))
+        for ax, image, title, largest in zip(
+            figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
+        ):
+            grey = {} if largest is None else {"cmap": "gray", "vmin": 0, "vmax": largest}
+            plot_picture(image, ax, ticks=False, **grey)
+            ax.set_title(title, fontsize=11)
+    middle = [float(np.median(channel)) for channel in channels]
+    words = (
+        f"A picture of {array.shape[1]} x {array.shape[0]} pixels beside its hue, saturation and lightness; "
+        f"their medians are {middle[0]:.0f} degrees, {middle[1]:.2f} and {middle[2]:.0f}."
+    )
+    return Drawing(figure, words, photo=True)
+
+
+def draw_hue_circle(
+    hues: Mapping[str, npt.ArrayLike],
+    limits: Mapping[str, tuple[float, float]] | None = None,
+    title: str = "",
+) -> Drawing:
+    """Draw where hues lie on the circle, and intervals of them.
+
+    Parameters
+    ----------
+    hues : mapping of str to array_like
+        Hues in degrees, by what they are of; each has a ring of its own, from the inside.
+    limits : mapping of str to (low, high), optional
+        Intervals in degrees, counterclockwise from low to high, by the same names; low > high goes through 0.
+    title : str
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the intervals.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to draw, or a limit belongs to no ring.
+    """
+    if not hues:
+        raise ValueError("hues must have at least one entry, got none")
+    if unknown := sorted((limits or {}).keys() - hues.keys()):
+        raise ValueError(f"limits are for {list(hues)}; got {unknown}, too")
+    angles = {name: np.asarray(values, dtype=float).ravel() % 360 for name, values in hues.items()}
+    with course_style():
+        figure = Figure(figsize=(5.4, 5.6))
+        ax: Any = figure.add_subplot(projection="polar")
+        outer = np.radians(np.arange(0, 360, 2.0))
+        colours = hsv_to_rgb(
+            np.column_stack([outer / (2 * np.pi), np.ones_like(outer), np.full_like(outer, 0.9)])
+        )
+        ax.bar(outer, 0.25, width=np.radians(2.2), bottom=len(angles) + 3.0, color=colours)
+        keys: list[Artist] = []
+        for ring, (name, values) in enumerate(angles.items(), start=3):
+            style = list(STYLES.values())[(ring - 3) % len(STYLES)]
+            spread = ring + 0.35 * np.sin(12.9898 * np.arange(len(values)))  # apart, but the same each time
+            ax.plot(np.radians(values), spread, style.marker, ms=4, color=style.colour, alpha=0.6, mec="none")
+            keys.append(Line2D([], [], color=style.colour, marker=style.marker, ls="", label=name))
+            if limits and name in limits:
+                low, high = limits[name]
+                arc = np.radians(np.linspace(low, low + (high - low) % 360, 200))
+                ax.plot(arc, np.full_like(arc, ring + 0.47), color=style.colour, lw=3)
+        ax.set_rlim(0, len(angles) + 3.25)
+        ax.set_rticks([])
+        ax.grid(color="#e3e5e8")
+        ax.spines["polar"].set_visible(False)
+        ax.set_thetagrids(range(0, 360, 30), [f"{degrees}°" for degrees in range(0, 360, 30)])
+        ax.set_title(title)
+        legend_below(figure, keys, columns=2)
+    said = "; ".join(
+        f"{name}: {say_count(len(values), 'hue')}"
+        + (
+            f", limits from {limits[name][0]:.1f} to {limits[name][1]:.1f} degrees"
+            if limits and name in limits
+            else ""
+        )
+        for name, values in angles.items()
+    )
+    return Drawing(figure, f"{title or 'Hues on the circle of colours'}. {said}.")

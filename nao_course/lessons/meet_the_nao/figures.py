@@ -1,0 +1,365 @@
+"""Figures of lesson 00: frames and angles, what both cameras see, and how far robots drift."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Patch, Rectangle, Wedge
+
+from nao_course.geometry import FloatArray, Pose
+from nao_course.plotting.drawing import Drawing, say_angle, say_count, say_place
+from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.maps import metric_axes, plot_field, say_field
+from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose
+from nao_course.plotting.pictures import plot_picture
+from nao_course.plotting.style import CARPET, HALO, STYLES, YELLOW, course_style
+from nao_course.sim import NAO_V4, CameraView, Field, Landmark, SimulatedNao
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+
+
+def draw_drift(
+    paths: npt.ArrayLike,
+    field: Field | None = None,
+    *,
+    start: Pose | None = None,
+    commanded: PathLike | None = None,
+    title: str | None = None,
+) -> Drawing:
+    """Draw robots that got the same commands, and where they went.
+
+    Parameters
+    ----------
+    paths : array_like, shape (N, M + 1, 3)
+        Each robot's poses, such as `nao_course.sim.repeat_drive` gives.
+    field : Field, optional
+        Drawn below them.
+    start : Pose, optional
+        Where the paths' origin is in the world.
+    commanded : Pose, sequence of Pose, or array_like of shape (M + 1, 2) or (M + 1, 3), optional
+        Where the commands lead without any error, from the same origin: each robot's odometry.
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the spread at the end.
+
+    Raises
+    ------
+    ValueError
+        For another shape.
+    """
+    array = np.asarray(paths, dtype=float)
+    if array.ndim != 3 or array.shape[2] != 3 or not array.shape[0] or not array.shape[1]:
+        raise ValueError(
+            f"paths must have shape (robots, steps + 1, 3), with at least one robot; got {array.shape}"
+        )
+    origin = start or Pose()
+    robots, ends = len(array), origin.to_parent(array[:, -1, :2])
+    believed = None if commanded is None else as_path(commanded, "commanded")
+    truth = STYLES["truth"]
+    keys: list[Artist] = [
+        Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=5, label="true paths, ends")
+    ]
+    with course_style():
+        figure = Figure(figsize=(6.4, 6.9) if field is None or field.half else (9.2, 6.6))
+        ax = figure.add_subplot()
+        everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
+        metric_axes(ax, everywhere, margin=0.4)
+        if field is None:
+            ax.grid(color="#e3e5e8")
+        if field is not None:
+            plot_field(field, ax)
+        for path in array:
+            ax.plot(*origin.to_parent(path[:, :2]).T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
+        ax.plot(*ends.T, truth.marker, color=truth.colour, ms=5, mec="white", mew=0.7, zorder=5)
+        if robots >= 3:
+            outline = ellipse_outlines(ends.mean(axis=0), np.cov(ends.T)[None])
+            ax.add_collection(filled_outlines(outline, truth.colour))
+            keys.append(Patch(facecolor="#d4d4d4", edgecolor=truth.colour, label="95 % of the ends"))
+        if believed is not None and len(believed):
+            placed = np.column_stack([origin.to_parent(believed[:, :2]), believed[:, 2] + origin.theta])
+            plot_path(placed, ax, "odometry")
+            keys.append(source_key("odometry", "what each believes"))
+        ax.plot(origin.x, origin.y, "*", color=YELLOW, mec="black", ms=13, zorder=7)
+        keys.append(Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"))
+        legend_below(figure, keys, columns=2 if field is None or field.half else 4)
+        ax.set_title(title or "")
+    spread = ends.std(axis=0, ddof=1) if robots > 1 else np.zeros(2)
+    words = (
+        f"{title or 'Drift'}: {say_count(robots, 'robot')}, the same {say_count(array.shape[1] - 1, 'command')} each. "
+        f"They end around ({ends[:, 0].mean():.2f}, {ends[:, 1].mean():.2f}) m, with standard deviations "
+        f"{spread[0]:.2f} m in x and {spread[1]:.2f} m in y."
+    )
+    if believed is not None and len(believed):
+        words += f" Each believes it is at {say_place(placed[-1])}."
+    return Drawing(figure, words)
+
+
+def _inside(view: CameraView, x: FloatArray, y: FloatArray) -> FloatArray:
+    """How many pixels inside the picture points of the ground fall; negative outside it."""
+    pixels = view.project(np.column_stack([x.ravel(), y.ravel()]))
+    width, height = view.size
+    sides = [pixels[:, 0] + 0.5, width - 0.5 - pixels[:, 0], pixels[:, 1] + 0.5, height - 0.5 - pixels[:, 1]]
+    inside: FloatArray = np.clip(np.nan_to_num(np.min(sides, axis=0), nan=-50.0), -50, 50)
+    return inside.reshape(x.shape)
+
+
+_CAMERA_COLOURS = {"top": "#0b5fa5", "bottom": "#c84b00"}
+
+
+def plot_footprint(
+    view: CameraView, ax: Axes, colour: str = STYLES["ekf"].colour, reach: float = 6.0
+) -> None:
+    """Draw the part of the ground a camera sees, up to `reach` metres.
+
+    The axis is in the robot's frame, seen from above: ahead is up, so its x axis holds y and points left.
+    """
+    x, y = np.meshgrid(np.linspace(-1.0, reach, 281), np.linspace(-reach, reach, 321))
+    values = np.minimum(_inside(view, x, y), (reach - np.hypot(x, y)) * 100)
+    if (values > 0).any():
+        ax.contourf(y, x, values, levels=[0, 1e9], colors=[colour], alpha=0.22, zorder=2)
+        ax.contour(y, x, values, levels=[0], colors=[colour], linewidths=1.6, zorder=3)
+
+
+def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: str | None = None) -> Drawing:
+    """Draw what both cameras see, and which part of the ground that is.
+
+    Parameters
+    ----------
+    nao : SimulatedNao
+        It takes a picture with each camera, so its random numbers go on.
+    size : (int, int)
+        Of the pictures, pixels.
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        The figure.
+    """
+    pictures = {camera: nao.take_picture(camera, size) for camera in ("top", "bottom")}
+    reach = 4.0
+    with course_style():
+        figure = Figure(figsize=(9.8, 6.2))
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.32))
+        for row, (camera, picture) in enumerate(pictures.items()):
+            ax = figure.add_subplot(grid[row, 0])
+            plot_picture(picture, ax, ticks=False)
+            ax.set_title(f"{camera} camera", fontsize=11, color=_CAMERA_COLOURS[camera])
+            for spine in ax.spines.values():
+                spine.set(visible=True, color=_CAMERA_COLOURS[camera], linewidth=2.5)
+        ax = figure.add_subplot(grid[:, 1])
+        for radius in range(1, int(reach) + 1):
+            ax.add_patch(Circle((0, 0), radius, fill=False, color="#d5d8dc", lw=0.9, zorder=1))
+        for camera, picture in pictures.items():
+            plot_footprint(picture.view, ax, _CAMERA_COLOURS[camera], reach)
+        ax.plot(0, 0, "o", color="#1a1a1a", ms=9, zorder=5)
+        ax.plot([0, 0], [0, 0.3], color="#1a1a1a", lw=2.4, zorder=5)
+        ax.annotate("robot", (0, 0), (8, -12), textcoords="offset points")
+        ax.set(
+            aspect="equal",
+            xlim=(2.6, -2.6),
+            ylim=(-0.6, reach + 0.1),
+            xlabel="y (m), left is positive",
+            ylabel="x ahead (m)",
+        )
+        ax.set_title("the ground they see, robot frame", fontsize=11)
+        keys = [
+            Patch(facecolor=colour, alpha=0.5, label=f"{camera} camera")
+            for camera, colour in _CAMERA_COLOURS.items()
+        ]
+        legend_below(figure, keys)
+        if title:
+            figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
+    yaw, pitch = nao.head
+    words = [
+        f"Both cameras with the head at yaw {say_angle(yaw)}, pitch {say_angle(pitch)} (positive is down)."
+    ]
+    words += [_say_footprint(camera, picture.view) for camera, picture in pictures.items()]
+    return Drawing(figure, " ".join([f"{title}.", *words] if title else words), photo=True)
+
+
+def _say_footprint(camera: str, view: CameraView) -> str:
+    ahead = np.linspace(0.0, 20.0, 2001)
+    along = np.column_stack([ahead * np.cos(view.yaw), ahead * np.sin(view.yaw)]) + view.offset
+    seen = ahead[view.contains(view.project(along))]
+    if not len(seen):
+        return f"The {camera} camera sees no ground."
+    far = "the horizon" if seen[-1] > 19.9 else f"{seen[-1]:.1f} m"
+    return f"The {camera} camera sees the ground from {seen[0]:.1f} m to {far} before it."
+
+
+def _arrow(
+    ax: Axes, start: npt.ArrayLike, end: npt.ArrayLike, colour: str, width: float = 2.2, line: Any = "-"
+) -> None:
+    """An arrow between two points of the axis."""
+    ax.add_patch(
+        FancyArrowPatch(
+            tuple(np.asarray(start, dtype=float)),
+            tuple(np.asarray(end, dtype=float)),
+            arrowstyle="-|>",
+            mutation_scale=14,
+            shrinkA=0,
+            shrinkB=0,
+            color=colour,
+            lw=width,
+            ls=line,
+            zorder=5,
+        )
+    )
+
+
+def _angle(
+    ax: Axes, at: npt.ArrayLike, first: float, last: float, radius: float, colour: str, label: str
+) -> None:
+    """An arc from one direction to another (rad, in the axis's frame), with its name beside the middle."""
+    x, y = np.asarray(at, dtype=float)
+    low, high = np.degrees(sorted((first, last)))
+    ax.add_patch(Arc((x, y), 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, lw=2, zorder=5))
+    end, back = last, last - np.sign(last - first) * 0.12
+    tip, tail = ((x + radius * np.cos(a), y + radius * np.sin(a)) for a in (end, back))
+    _arrow(ax, tail, tip, colour, 1.0)
+    middle = (first + last) / 2
+    _name(ax, (x + radius * 1.12 * np.cos(middle), y + radius * 1.12 * np.sin(middle)), label, colour)
+
+
+def _name(ax: Axes, at: npt.ArrayLike, label: str, colour: str, **options: Any) -> None:
+    x, y = np.asarray(at, dtype=float)
+    ax.text(x, y, label, color=colour, zorder=8, path_effects=HALO, **({"va": "center"} | options))
+
+
+_FIELD_FRAME, _ROBOT_FRAME, _SIGHT = "#1a1a1a", "#0b5fa5", "#a14566"
+
+
+def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing:
+    """Draw the course's frames and angles: field, robot, bearing and range, head yaw and pitch.
+
+    Parameters
+    ----------
+    field : Field, optional
+        Of which rule year; one half of it is drawn. By default the first seed's.
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        A figure for the first lesson.
+    """
+    field = Field(2012 if field is None else field.year)
+    with course_style():
+        figure = Figure(figsize=(10.2, 6.4))
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.18, 1.0))
+        landmark = _frames_on_field(figure.add_subplot(grid[:, 0]), field)
+        _head_from_above(figure.add_subplot(grid[0, 1]))
+        _head_from_the_side(figure.add_subplot(grid[1, 1]))
+        if title:
+            figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
+    words = (
+        f"The frames of the course on {say_field(field)}, seen from above. The field frame's x axis points to "
+        "the goal, its y axis to the left; the robot's x axis points ahead and its y axis to its left, turned by "
+        f"the heading theta against the field's. A {landmark} is measured by its range, the distance over the "
+        "ground, and its bearing, the angle from straight ahead, positive to the left. The head's yaw is "
+        "positive to the left, its pitch positive downwards from the horizon."
+    )
+    return Drawing(figure, f"{title}. {words}" if title else words)
+
+
+def _frames_on_field(ax: Axes, field: Field) -> str:
+    """Field frame, robot frame, and one measurement; returns what is measured."""
+    d = field.dimensions
+    plot_field(field, ax)
+    ax.set_title("on the field, from above", fontsize=11)
+    unit = 0.8 * d.length / 6
+    for axis, label, where in (((unit, 0), "x", (0, -9)), ((0, unit), "y", (-11, 0))):
+        _arrow(ax, (0, 0), axis, _FIELD_FRAME)
+        ax.annotate(
+            label, axis, where, textcoords="offset points", ha="center", va="center", color=_FIELD_FRAME
+        )
+    _name(ax, (-0.05, -0.2), "field frame", _FIELD_FRAME, ha="left", va="top")
+    robot = Pose(0.14 * d.length, -0.33 * d.width, np.radians(18))
+    target = Landmark(d.length / 2 - d.goal_area[0], d.goal_area[1] / 2, "corner", "L")
+    local = robot.to_local([target.x, target.y])[0]
+    bearing, distance = float(np.arctan2(local[1], local[0])), float(np.hypot(*local))
+    ahead, left = robot.to_parent([[1.7 * unit, 0], [0, unit]])
+    ax.plot(
+        [robot.x, robot.x + 1.65 * unit],
+        [robot.y, robot.y],
+        color=_FIELD_FRAME,
+        lw=1,
+        ls=(0, (4, 3)),
+        zorder=4,
+    )
+    ax.plot([robot.x, target.x], [robot.y, target.y], color=_SIGHT, lw=1.8, ls=(0, (1.5, 1.5)), zorder=4)
+    ax.plot(target.x, target.y, "s", color="none", mec=_SIGHT, ms=13, mew=2.2, zorder=6)
+    for end, label in ((ahead, "x"), (left, "y")):
+        _arrow(ax, (robot.x, robot.y), end, _ROBOT_FRAME)
+        outwards = end + 0.14 * unit * (end - (robot.x, robot.y)) / np.hypot(*(end - (robot.x, robot.y)))
+        _name(ax, outwards, label, _ROBOT_FRAME, ha="center")
+    plot_pose(robot, ax, "ekf", length=0.05)
+    _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
+    _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.4 * unit, _FIELD_FRAME, r" heading $\theta$")
+    _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, " bearing")
+    middle = robot.to_parent(0.62 * local)[0]
+    _name(ax, middle + (-0.1, 0.05), "range", _SIGHT, ha="right")
+    _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _SIGHT, ha="center")
+    return f"corner at bearing {say_angle(bearing)} and range {distance:.1f} m"
+
+
+def _bare(ax: Axes, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
+    ax.set_title(title, fontsize=11)
+    ax.set(aspect="equal", xlim=x, ylim=y)
+    ax.set_axis_off()
+
+
+def _head_from_above(ax: Axes) -> None:
+    """The head's yaw, ahead being to the right."""
+    _bare(ax, "head yaw, from above", (-0.45, 2.0), (-0.5, 0.95))
+    yaw, half = np.radians(32), NAO_V4.hfov / 2
+    ax.add_patch(Wedge((0, 0), 1.12, *np.degrees([yaw - half, yaw + half]), color=_SIGHT, alpha=0.14, lw=0))
+    ax.add_patch(Ellipse((0, 0), 0.24, 0.62, color="#c9ced6", zorder=2))
+    ax.add_patch(Circle((0, 0), 0.14, color="#8b94a3", zorder=3))
+    _arrow(ax, (0, 0), (1.2, 0), _ROBOT_FRAME)
+    _name(ax, (1.25, 0), "x: straight ahead", _ROBOT_FRAME)
+    direction = np.array([np.cos(yaw), np.sin(yaw)])
+    _arrow(ax, (0, 0), 1.2 * direction, _SIGHT)
+    _name(ax, 1.26 * direction, "camera", _SIGHT)
+    _angle(ax, (0, 0), 0.0, yaw, 0.62, _SIGHT, "  yaw: positive left")
+
+
+def _head_from_the_side(ax: Axes) -> None:
+    """The camera's pitch, ahead being to the right; heights to scale."""
+    height, pitch = NAO_V4.view("top").height, np.radians(20)
+    _bare(ax, "pitch, from the side", (-0.35, 1.65), (-0.16, 0.78))
+    ax.fill_between([-0.3, 1.6], -0.05, 0, color=CARPET, lw=0)
+    for corner, width, tall in (
+        ((-0.05, 0), 0.15, 0.05),
+        ((-0.03, 0.04), 0.07, 0.2),
+        ((-0.06, 0.2), 0.13, 0.22),
+    ):
+        ax.add_patch(Rectangle(corner, width, tall, color="#c9ced6", zorder=2))
+    ax.add_patch(Ellipse((0.0, 0.5), 0.17, 0.15, color="#8b94a3", zorder=3))
+    eye = np.array([0.06, height])
+    ax.plot([eye[0], 1.3], [height, height], color=_FIELD_FRAME, lw=1, ls=(0, (4, 3)))
+    _name(ax, (1.3, height + 0.05), "horizon", _FIELD_FRAME, ha="right")
+    reach = height / np.tan(pitch)
+    ax.plot([eye[0], eye[0] + reach], [height, 0], color=_SIGHT, lw=1.2, ls=(0, (1.5, 1.5)))
+    axis = np.array([np.cos(pitch), -np.sin(pitch)])
+    _arrow(ax, eye, eye + 0.85 * axis, _SIGHT)
+    _name(ax, eye + 0.86 * axis + (0.02, 0.06), "camera", _SIGHT, ha="left")
+    _angle(ax, eye, 0.0, -pitch, 0.45, _SIGHT, " pitch: positive down")
+    _arrow(ax, (-0.2, 0.0), (-0.2, height), _ROBOT_FRAME, 1.4)
+    ax.plot([-0.22, eye[0]], [height, height], color=_ROBOT_FRAME, lw=0.8)
+    _name(ax, (-0.23, height / 2), f"height\n{height:.2f} m", _ROBOT_FRAME, ha="right")
+    _name(ax, (eye[0] + reach, -0.1), "where the axis meets the ground", _SIGHT, ha="center")

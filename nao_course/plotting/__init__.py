@@ -1,0 +1,54 @@
+"""Figures of the course: maps of the field, paths, estimates with their ellipses, and pictures.
+
+Verbs that begin with ``plot_`` add to an axis; verbs that begin with ``draw_`` need one line and give a
+finished `Drawing`. Nothing here touches pyplot, so no figure shows twice and none stays in memory.
+"""
+
+from nao_course.plotting.drawing import Drawing, Table, image_tag, table
+from nao_course.plotting.ellipses import ellipse_outlines, estimate_outlines, plot_ellipse
+from nao_course.plotting.maps import draw_map, plot_estimate, plot_field, plot_landmarks, plot_measurements
+from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose
+from nao_course.plotting.pictures import draw_labels, draw_picture, draw_pictures, painted, plot_picture
+from nao_course.plotting.style import (
+    LABEL_COLOURS,
+    LANDMARK_MARKERS,
+    STYLES,
+    Style,
+    course_style,
+    style_of,
+)
+
+__all__ = [
+    "LABEL_COLOURS",
+    "LANDMARK_MARKERS",
+    "STYLES",
+    "Drawing",
+    "PathLike",
+    "Style",
+    "Table",
+    "as_path",
+    "course_style",
+    "draw_labels",
+    "draw_map",
+    "draw_picture",
+    "draw_pictures",
+    "ellipse_outlines",
+    "estimate_outlines",
+    "image_tag",
+    "painted",
+    "plot_ellipse",
+    "plot_estimate",
+    "plot_field",
+    "plot_landmarks",
+    "plot_measurements",
+    "plot_path",
+    "plot_picture",
+    "plot_pose",
+    "style_of",
+    "table",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

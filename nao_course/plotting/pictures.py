@@ -1,0 +1,266 @@
+"""Pictures of the camera, with what is marked in them, and the labels of their pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray, as_points
+from nao_course.plotting.drawing import Drawing, say_count
+from nao_course.plotting.legends import label_keys, legend_below
+from nao_course.plotting.style import HALO, LABEL_COLOURS, course_style
+from nao_course.sim import LABELS, Picture, VisibleLandmark
+
+
+def as_pixels(picture: Picture | npt.ArrayLike) -> npt.NDArray[Any]:
+    """An RGB picture, or one channel, as an array."""
+    array = picture.pixels if isinstance(picture, Picture) else np.asarray(picture)
+    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] != 3) or 0 in array.shape:
+        raise ValueError(
+            f"a picture must be a Picture or an array of shape (H, W, 3) or (H, W), got {array.shape}"
+        )
+    if array.ndim == 3 and array.dtype != np.uint8:
+        raise ValueError(f"a picture's colours must be uint8 (0 to 255), got {array.dtype}")
+    return array
+
+
+def say_picture(picture: Picture | npt.NDArray[Any]) -> str:
+    """Which camera's picture it is, if any, and its size."""
+    if isinstance(picture, Picture):
+        return (
+            f"picture of the {picture.camera} camera, {picture.view.size[0]} x {picture.view.size[1]} pixels"
+        )
+    height, width = picture.shape[:2]
+    return f"{'picture' if picture.ndim == 3 else 'values of one channel'}, {width} x {height} pixels"
+
+
+def plot_picture(picture: Picture | npt.ArrayLike, ax: Axes, ticks: bool = True, **options: Any) -> None:
+    """Show a picture, (H, W, 3) of uint8 or (H, W), on an axis in pixels; `options` go to ``imshow``."""
+    array = as_pixels(picture)
+    height, width = array.shape[:2]
+    if array.ndim == 2:
+        options.setdefault("cmap", "gray")
+    options.setdefault("interpolation", "nearest" if width <= 64 else "antialiased")
+    ax.imshow(array, **options)
+    ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), xticks=[], yticks=[])
+    ax.spines[["left", "bottom"]].set_visible(False)
+    if ticks:
+        ax.set(xlabel="u (px)", ylabel="v (px)")
+        ax.set(xticks=_pixel_ticks(width, 4), yticks=_pixel_ticks(height, 3))
+        ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+
+
+def _pixel_ticks(length: int, parts: int) -> list[int]:
+    """Round numbers of pixels, and the last pixel."""
+    return [*(length * part // parts for part in range(parts)), length - 1]
+
+
+def _marked(landmarks: Iterable[VisibleLandmark] | npt.ArrayLike) -> tuple[FloatArray, list[str]]:
+    """Pixels (N, 2) and kinds of what is to be marked in a picture."""
+    values: Any = landmarks
+    if not isinstance(values, np.ndarray):
+        values = list(values)
+        if values and all(isinstance(each, VisibleLandmark) for each in values):
+            return as_points([each.pixel for each in values]), [
+                "hidden" if each.occluded else each.landmark.kind for each in values
+            ]
+    points = as_points(values, name="landmarks (pixels u, v)")
+    return points, ["point"] * len(points)
+
+
+_MARKS = {  # kind: (marker, colour); open shapes, so that what is marked stays visible
+    "corner": ("s", "#ff3b81"),
+    "post": ("o", "#2c7bff"),
+    "cross": ("D", "#ff8c1a"),
+    "hidden": ("x", "#111111"),
+    "point": ("o", "#ff3b81"),
+}
+
+
+def _mark(ax: Axes, points: FloatArray, kinds: Sequence[str]) -> list[Line2D]:
+    keys = []
+    for kind, (marker, colour) in _MARKS.items():
+        chosen = np.array([each == kind for each in kinds], dtype=bool)
+        if not chosen.any():
+            continue
+        look: dict[str, Any] = {
+            "marker": marker,
+            "color": colour,
+            "mfc": "none",
+            "ls": "",
+            "ms": 12,
+            "mew": 2.2,
+        }
+        ax.plot(*points[chosen].T, **look, path_effects=HALO)
+        look |= {"ms": 9, "mew": 1.8}
+        keys.append(Line2D([], [], **look, label="behind a post" if kind == "hidden" else kind))
+    return keys
+
+
+def draw_picture(
+    picture: Picture | npt.ArrayLike,
+    landmarks: Iterable[VisibleLandmark] | npt.ArrayLike = (),
+    title: str | None = None,
+) -> Drawing:
+    """Draw one picture, with landmarks or other points marked in it.
+
+    Parameters
+    ----------
+    picture : Picture or array_like, shape (H, W, 3) of uint8, or (H, W)
+        What to show.
+    landmarks : iterable of VisibleLandmark, or array_like of shape (N, 2)
+        The truth's landmarks, or pixels (u, v).
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        The figure.
+
+    Raises
+    ------
+    ValueError
+        For values of another shape.
+    """
+    array = as_pixels(picture)
+    points, kinds = _marked(landmarks)
+    with course_style():
+        figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + (1.1 if len(points) else 0.8)))
+        ax = figure.add_subplot()
+        plot_picture(array, ax)
+        legend_below(figure, _mark(ax, points, kinds), columns=5)
+        ax.set_title(title or "")
+    words = f"{title or 'One'}: {say_picture(picture if isinstance(picture, Picture) else array)}."
+    if len(points):
+        where = ", ".join(f"{kind} ({u:.0f}, {v:.0f})" for kind, (u, v) in zip(kinds, points, strict=True))
+        words += f" Marked at (u, v): {where}."
+    return Drawing(figure, words, photo=array.ndim == 3)
+
+
+def draw_pictures(
+    pictures: Sequence[Picture | npt.ArrayLike], titles: Sequence[str] = (), columns: int = 3
+) -> Drawing:
+    """Draw several pictures in a grid, to compare them.
+
+    Parameters
+    ----------
+    pictures : sequence of Picture or array_like, (H, W, 3) of uint8, or (H, W)
+        At least one.
+    titles : sequence of str
+        One for each, or none.
+    columns : int
+        Of the grid.
+
+    Returns
+    -------
+    Drawing
+        The figure.
+
+    Raises
+    ------
+    ValueError
+        If there is no picture, or there are titles but not one for each.
+    """
+    arrays = [as_pixels(picture) for picture in pictures]
+    if not arrays:
+        raise ValueError("pictures must hold at least one picture, got none")
+    if len(titles) not in (0, len(arrays)):
+        raise ValueError(f"{len(arrays)} pictures need {len(arrays)} titles or none, got {len(titles)}")
+    if columns < 1:
+        raise ValueError(f"columns must be at least 1, got {columns}")
+    columns = min(columns, len(arrays))
+    rows = -(-len(arrays) // columns)
+    names = list(titles) or [f"{number + 1}" for number in range(len(arrays))]
+    width = {1: 7.0, 2: 4.7}.get(columns, 9.9 / columns)
+    with course_style():
+        figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.45)))
+        grid = figure.subplots(rows, columns, squeeze=False)
+        for ax, array, name in zip(grid.flat, arrays, names, strict=False):
+            plot_picture(array, ax, ticks=False)
+            ax.set_title(name, fontsize=11)
+        for ax in grid.flat[len(arrays) :]:
+            ax.set_axis_off()
+    said = "; ".join(
+        f"{name}: {say_picture(picture if isinstance(picture, Picture) else array)}"
+        for name, picture, array in zip(names, pictures, arrays, strict=True)
+    )
+    return Drawing(figure, f"{say_count(len(arrays), 'picture')} side by side. {said}.", photo=True)
+
+
+def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
+    """Draw the class of each pixel: other, green, yellow, white.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (H, W)
+        0 other, 1 green, 2 yellow, 3 white.
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text says how much of the picture each class covers.
+
+    Raises
+    ------
+    ValueError
+        For another shape, or a label that is none of these.
+    """
+    array = _labels(labels)
+    parts = [float((array == label).mean()) for label in range(len(LABELS))]
+    with course_style():
+        figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + 1.1))
+        ax = figure.add_subplot()
+        plot_picture(
+            array, ax, cmap=ListedColormap(LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
+        )
+        texts = [f"{label} {name} ({parts[label]:.1%})" for label, name in enumerate(LABELS)]
+        legend_below(figure, label_keys(texts))
+        ax.set_title(title or "")
+    said = ", ".join(f"{name} {part:.1%}" for name, part in zip(LABELS, parts, strict=True))
+    return Drawing(
+        figure, f"{title or 'Labels'}: classes of {array.shape[1]} x {array.shape[0]} pixels: {said}."
+    )
+
+
+def painted(labels: npt.ArrayLike, colours: Sequence[str] = LABEL_COLOURS) -> npt.NDArray[np.uint8]:
+    """Turn labels into a picture in their colours.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (H, W)
+        0 other, 1 green, 2 yellow, 3 white.
+    colours : sequence of str
+        One for each label; by default those of the course's figures.
+
+    Returns
+    -------
+    ndarray of uint8, shape (H, W, 3)
+        RGB.
+
+    Raises
+    ------
+    ValueError
+        For another shape, or a label that is none of these.
+    """
+    palette = np.round(255 * np.array([to_rgb(colour) for colour in colours])).astype(np.uint8)
+    return palette[_labels(labels).astype(np.intp)]
+
+
+def _labels(labels: npt.ArrayLike) -> npt.NDArray[Any]:
+    array = np.asarray(labels)
+    if array.ndim != 2 or array.size == 0:
+        raise ValueError(f"labels must have shape (H, W), got {array.shape}")
+    if not np.isin(array, range(len(LABELS))).all():
+        wrong = sorted(set(np.unique(array).tolist()) - set(range(len(LABELS))))
+        raise ValueError(f"labels must be 0 other, 1 green, 2 yellow or 3 white; got {wrong[:5]}")
+    return array

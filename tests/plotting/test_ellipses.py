@@ -1,0 +1,52 @@
+"""Ellipses: they hold the part of the probability that they say."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.stats import chi2
+
+from nao_course.plotting import ellipse_outlines, plot_ellipse
+
+
+@pytest.mark.parametrize("probability", [0.5, 0.95])
+def test_an_ellipse_holds_the_part_it_says(probability, rng):
+    covariance = np.array([[0.3, 0.1], [0.1, 0.08]])
+    outline = ellipse_outlines([1.0, 2.0], covariance[None], probability)[0]
+    away = outline - (1.0, 2.0)
+    distances = np.einsum("ni,ij,nj->n", away, np.linalg.inv(covariance), away)
+    assert np.allclose(distances, chi2.ppf(probability, 2))
+    from matplotlib.path import Path
+
+    samples = rng.multivariate_normal([1.0, 2.0], covariance, 20_000)
+    assert Path(outline).contains_points(samples).mean() == pytest.approx(probability, abs=0.015)
+
+
+def test_certainty_in_one_direction_is_a_line_and_in_both_a_point():
+    line, point = ellipse_outlines([[0, 0], [1, 1]], [np.diag([0.04, 0.0]), np.zeros((2, 2))])
+    assert np.allclose(line[:, 1], 0) and np.ptp(line[:, 0]) > 0.5
+    assert np.allclose(point, 1)
+
+
+@pytest.mark.parametrize(
+    "wrong", [[[np.nan, 0], [0, 1]], [[-1, 0], [0, 1]], [[1, 2], [2, 1]], [[1, 0.5], [0, 1]]]
+)
+def test_what_is_no_covariance_has_no_ellipse(wrong):
+    assert np.isnan(ellipse_outlines([0, 0], [wrong])).all()
+    ax = Figure().add_subplot()
+    if np.isnan(wrong).any():
+        plot_ellipse([0, 0], wrong, ax)
+    else:
+        with pytest.raises(ValueError, match="symmetric"):
+            plot_ellipse([0, 0], wrong, ax)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: ellipse_outlines([0, 0], [np.eye(2)], probability=95), "between 0 and 1"),
+        (lambda: plot_ellipse([0, 0], np.eye(3), Figure().add_subplot()), r"\(2, 2\)"),
+    ],
+)
+def test_a_wrong_value_is_refused_in_words(call, said):
+    with pytest.raises(ValueError, match=said):
+        call()

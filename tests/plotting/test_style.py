@@ -1,0 +1,55 @@
+"""Styles: told apart by every kind of reader, and independent of the reader's own settings."""
+
+import cv2
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from nao_course.plotting import STYLES
+from tests.plotting.examples import a_map
+
+# Machado, Oliveira and Fernandes 2009: what readers without one kind of cone see, linear RGB.
+CONES = {
+    "all": np.eye(3),
+    "no red": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "no green": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.01182, 0.04294, 0.968881],
+    ],
+    "no blue": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.3039],
+    ],
+}
+
+
+def test_every_source_has_its_own_colour_marker_and_line():
+    for name in ("colour", "marker", "line"):
+        assert len({str(getattr(style, name)) for style in STYLES.values()}) == len(STYLES)
+
+
+@pytest.mark.parametrize("eyes", CONES)
+def test_the_colours_stay_apart_for_every_kind_of_vision(eyes):
+    def seen(colour):
+        linear = np.array(CONES[eyes]) @ (np.array(to_rgb(colour)) ** 2.2)
+        rgb = np.clip(linear, 0, 1) ** (1 / 2.2)
+        return cv2.cvtColor(rgb.astype(np.float32)[None, None], cv2.COLOR_RGB2LAB)[0, 0]
+
+    colours = [seen(style.colour) for style in STYLES.values()]
+    apart = [np.linalg.norm(a - b) for i, a in enumerate(colours) for b in colours[:i]]
+    assert min(apart) > 25  # CIELAB; 2.3 is a just noticeable difference
+
+
+def test_a_readers_own_settings_change_nothing():
+    expected = a_map().image()
+    with matplotlib.rc_context(
+        {"font.size": 30, "axes.facecolor": "red", "savefig.dpi": 30, "lines.linewidth": 9}
+    ):
+        assert a_map().image() == expected

@@ -1,0 +1,62 @@
+"""What the panels' tests drive: robots without noise, algorithms that remember or fail, and hands that press."""
+
+from __future__ import annotations
+
+from nao_course.sim import Reality, SimulatedNao
+from nao_course.slam import DeadReckoning
+
+
+class Recorder(DeadReckoning):
+    """Remembers what it was told."""
+
+    def __init__(self, start=None):
+        super().__init__(start)
+        self.motions, self.seen = [], []
+
+    def move(self, motion):
+        self.motions.append(motion)
+        super().move(motion)
+
+    def observe(self, measurements):
+        self.seen.append(tuple(measurements))
+
+
+class Failing(Recorder):
+    """Raises where it is told to."""
+
+    def __init__(self, where):
+        super().__init__()
+        self.where = where
+
+    def move(self, motion):
+        super().move(motion)
+        if self.where == "move":
+            raise IndexError("index 9 is out of bounds <b>for</b> axis 0")
+
+    def observe(self, measurements):
+        if self.where == "observe":
+            raise ZeroDivisionError("division by zero")
+
+    def estimate(self):
+        return None if self.where == "estimate" else super().estimate()
+
+
+def clean_nao(seed=1, **options):
+    return SimulatedNao(rng=seed, reality=Reality.clean(), **options)
+
+
+def press(panel, name):
+    """Press the button that the browser would press."""
+
+    def find(widget):
+        if f"nao-do-{name}" in widget._dom_classes:
+            return widget
+        return next(filter(None, map(find, getattr(widget, "children", ()))), None)
+
+    find(panel.widget).click()
+
+
+def all_widgets(widget):
+    yield widget
+    for child in getattr(widget, "children", ()):
+        yield from all_widgets(child)

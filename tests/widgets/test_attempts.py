@@ -1,0 +1,81 @@
+"""A student's code at arm's length: stopped in time, its mistakes in sentences, its prints kept."""
+
+import contextlib
+import io
+import threading
+import time
+
+import pytest
+
+from nao_course.widgets.attempts import KEPT_LETTERS, TooSlow, attempt, time_limit
+
+
+def endless():
+    with time_limit(0.05):
+        while True:
+            pass
+
+
+def test_a_time_limit_that_was_kept_is_forgotten():
+    before = threading.active_count()
+    with time_limit(0.05):
+        pass
+    time.sleep(0.1)
+    assert threading.active_count() == before
+    with pytest.raises(TooSlow):
+        endless()
+
+
+def test_code_that_comes_to_its_end_gives_its_value():
+    tried = attempt(lambda: 7, "your code")
+    assert (tried.value, tried.done, tried.message, tried.error) == (7, True, "", None)
+    assert tried.seconds >= 0
+
+
+def test_a_mistake_is_a_sentence_with_its_line():
+    def divide():
+        return 1 / 0
+
+    tried = attempt(divide, "your code")
+    assert not tried.done and tried.value is None
+    line = divide.__code__.co_firstlineno + 1
+    assert tried.message == f"ZeroDivisionError in your code, line {line}: division by zero"
+    with pytest.raises(ZeroDivisionError):
+        raise tried.error
+
+
+def test_an_exercise_that_is_not_written_is_told_from_a_mistake():
+    def blank():
+        raise NotImplementedError
+
+    assert attempt(blank, "it", unfinished="Finish exercise 1.6.").message == "Finish exercise 1.6."
+    assert attempt(blank, "it", unfinished="Finish exercise 1.6.").unfinished
+    assert "NotImplementedError in it" in attempt(blank, "it").message
+    assert not attempt(lambda: 1 / 0, "it", unfinished="Finish exercise 1.6.").unfinished
+
+
+def test_what_never_ends_is_stopped_and_its_line_is_said():
+    def loop():
+        while True:
+            pass
+
+    tried = attempt(loop, "your code", limit=0.05)
+    assert isinstance(tried.error, TooSlow)
+    assert "Time is up: your code was not done after 0.05 s and was stopped in line" in tried.message
+    assert attempt(lambda: "still here", "your code", limit=60).value == "still here"
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_what_is_printed_is_kept_and_shown_unless_it_is_to_be_quiet(quiet):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        tried = attempt(lambda: print("a" * KEPT_LETTERS + "end"), "your code", quiet=quiet)
+    assert tried.printed.endswith("end\n") and len(tried.printed) == KEPT_LETTERS
+    assert out.getvalue() == ("" if quiet else "a" * KEPT_LETTERS + "end\n")
+
+
+def test_an_interrupted_kernel_is_interrupted():
+    def interrupted():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        attempt(interrupted, "your code")

@@ -1,0 +1,27 @@
+"""The cockpit: commands without buttons."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import Truth
+from nao_course.slam import Motion
+from nao_course.widgets.cockpit import STEP, TURN_STEP, Cockpit, pieces
+from tests.widgets.robots import Recorder, clean_nao
+
+
+@pytest.mark.parametrize(
+    "motion", [Motion(0.2), Motion(-0.33, 1.0), Motion(0.0, -np.pi), Motion(), Motion(1e-9)]
+)
+def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
+    parts = list(pieces(motion))
+    assert sum(part.distance for part in parts) == pytest.approx(motion.distance)
+    assert sum(part.turn for part in parts) == pytest.approx(motion.turn)
+    assert all(abs(part.distance) <= STEP + 1e-9 and abs(part.turn) <= TURN_STEP + 1e-9 for part in parts)
+
+
+def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
+    nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
+    cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
+    cockpit.move(Motion(0.05))
+    assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
