@@ -151,22 +151,23 @@ def build(
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
-        from nao_course.instructor.authoring import build as building
+        from nao_course.instructor.authoring import build
+        from nao_course.instructor.authoring.course import load_course
 
-        course = building.load_course()
+        course = load_course()
         texts = {}
         wanted = lessons or []
         if from_notebook:
             (name,) = wanted = course.names([from_notebook])
-            texts[name] = building.text_from_notebook(course, name)
+            texts[name] = build.text_from_notebook(course, name)
         else:
-            building.refuse_to_lose_edits(course, course.names(wanted))
+            build.refuse_to_lose_edits(course, course.names(wanted))
         tasks = {name: progress.add_task(name, total=None, step="") for name in course.names(wanted)}
 
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = building.build(course, wanted, texts=texts, tell=tell).write()
+        changes = build.build(course, wanted, texts=texts, tell=tell).write()
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
     if not changes:
@@ -188,7 +189,7 @@ def _progress() -> Progress:
 def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
     with _plainly():
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.authoring.release import make_release
 
         path = make_release(load_course(), out)
@@ -282,10 +283,10 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold as scaffolds
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring import scaffold
+        from nao_course.instructor.authoring.course import load_course
 
-        for path in scaffolds.add_exercise(load_course(), lesson, name):
+        for path in scaffold.add_exercise(load_course(), lesson, name):
             _say(f"wrote {os.path.relpath(path)}")
 
 
@@ -293,10 +294,10 @@ def new_exercise(lesson: str, name: str) -> None:
 def new_lesson(number: str, name: str) -> None:
     """Begin a lesson: a text and a declaration, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold as scaffolds
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring import scaffold
+        from nao_course.instructor.authoring.course import load_course
 
-        for path in scaffolds.add_lesson(load_course(), number, name):
+        for path in scaffold.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")
 
 

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.exercises.exercise import ANSWER_HERE
-from nao_course.instructor.authoring import build as building
-from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.release import release_problems
 from tests.paths import PROJECT
 
@@ -90,11 +90,11 @@ def course(tmp_path, monkeypatch):
     """A course with one small lesson, in the working folder."""
     shutil.copytree(PROJECT / "nao_course", tmp_path / "nao_course", ignore=shutil.ignore_patterns("*.bin"))
     (tmp_path / "solutions" / "exercises").mkdir(parents=True)
-    (tmp_path / "solutions" / "01_toy.md").write_text(lessons.HEADER + TEXT)
+    (tmp_path / "solutions" / "01_toy.md").write_text(lesson_text.HEADER + TEXT)
     (tmp_path / "solutions" / "exercises" / "01_toy.py").write_text(PLAN)
     (tmp_path / "course.toml").write_text('title = "Toy"\nversion = "1"\n[points]\n')
     monkeypatch.chdir(tmp_path)
-    return building.load_course()
+    return load_course()
 
 
 def run(*words):
@@ -143,7 +143,7 @@ def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course):
 
 def test_a_student_copy_has_nbgraders_metadata_and_no_solution(built):
     notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
-    exercise, check = (cell for _, cell in lessons.code_cells(notebook, "exercise", "check"))
+    exercise, check = (cell for _, cell in lesson_text.code_cells(notebook, "exercise", "check"))
     assert exercise.source.endswith('4.0."""\n    raise NotImplementedError')
     assert (exercise.id, check.id) == ("lesson01-double", "lesson01-check_double")
     wanted = {"schema_version": 3, "task": False, "cell_type": "code"}
@@ -177,7 +177,7 @@ def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
     with_a_written_question(course)
     assert run("build").exit_code == 0
     notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
-    ((_, cell),) = lessons.written_cells(notebook)
+    ((_, cell),) = lesson_text.written_cells(notebook)
     assert cell.source == ANSWER_HERE and "two times one" not in nbformat.writes(notebook)
     assert dict(cell.metadata.nbgrader) | {"checksum": ""} == {
         "schema_version": 3,
@@ -191,8 +191,8 @@ def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
         "points": 2.0,
     }
     solved = nbformat.read("solutions/01_toy.ipynb", as_version=4)
-    assert lessons.written_cells(solved)[0][1].source == "Because two times one is two."
-    assert lessons.write_lesson(solved) == course.text("01_toy").read_text()
+    assert lesson_text.written_cells(solved)[0][1].source == "Because two times one is two."
+    assert lesson_text.write_lesson(solved) == course.text("01_toy").read_text()
     write(course.text("01_toy"), '"say_why"', '"say_how"')
     assert "begin with +++" in run("build").output
 
@@ -371,7 +371,7 @@ def test_a_notebook_edited_in_jupyterlab_comes_back_into_the_text_with_nothing_l
     result = run("build", "--from-notebook", "01")
     assert result.exit_code == 0, result.output
     assert "wrote solutions/01_toy.md" in result.output
-    again = lessons.read_lesson(built.text("01_toy"))
+    again = lesson_text.read_lesson(built.text("01_toy"))
     assert [(cell.cell_type, cell.source) for cell in again.cells] == [
         (cell.cell_type, cell.source) for cell in edited
     ]
@@ -455,7 +455,7 @@ def test_check_says_in_a_table_what_is_right_and_what_is_not():
 def test_check_names_what_went_wrong(tmp_path):
     path = tmp_path / "00_meet_the_nao.ipynb"
     notebook = nbformat.read(PROJECT / "notebooks" / path.name, as_version=4)
-    (cell,) = (cell for _, cell in lessons.code_cells(notebook, "exercise"))
+    (cell,) = (cell for _, cell in lesson_text.code_cells(notebook, "exercise"))
     cell.source = "def to_radians(angle_deg):\n    return angle_deg"
     nbformat.write(notebook, path)
     result = run("check", str(path))

@@ -19,8 +19,7 @@ from typing import Any
 from rich.console import Console
 
 from nao_course.instructor import commands
-from nao_course.instructor.authoring.build import Course
-from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.autograding.secret import keyed
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import Journal
@@ -196,7 +195,7 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
 
 def main() -> None:
     """Grade a submission where Gradescope has put it; the argument is the lesson."""
-    from nao_course.instructor.authoring.build import load_course
+    from nao_course.instructor.authoring.course import load_course
 
     root = Path(os.environ.get(ROOT_VARIABLE) or ROOT)
     grade_submission(root, load_course(root / "source"), sys.argv[1])

@@ -8,8 +8,7 @@ from pathlib import Path
 from nao_course.instructor.autograding.batch import feedback_writer
 from nao_course.instructor.commands import FEEDBACK
 from nao_course.instructor.gradebook.journal import Journal, JournalError
-from nao_course.instructor.reports import exports
-from nao_course.instructor.reports import marking_sheets as sheets
+from nao_course.instructor.reports import exports, marking_sheets
 from nao_course.instructor.reports.html import counted
 
 _SHOWN = 20  # names of those who wait
@@ -40,7 +39,7 @@ def export(grades: Path, format_: str, lesson: str = "") -> Iterator[str]:
 
 
 def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
-    from nao_course.instructor.authoring.build import load_course
+    from nao_course.instructor.authoring.course import load_course
     from nao_course.instructor.autograding.secret import load_secret
     from nao_course.instructor.gradescope import write_autograder
 
@@ -84,7 +83,7 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
         if file is None:
             yield from _sheets(journal, grades)
             return
-        taken = sheets.read_marks(journal, file)
+        taken = marking_sheets.read_marks(journal, file)
         yield f"{counted(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
         changed = {(each.student, each.lesson) for each in taken.changed}
         write = feedback_writer(journal, grades / FEEDBACK)
@@ -100,7 +99,7 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
 
 
 def _sheets(journal: Journal, grades: Path) -> Iterator[str]:
-    written = sheets.write_sheets(journal, grades / sheets.FOLDER)
+    written = marking_sheets.write_sheets(journal, grades / marking_sheets.FOLDER)
     for each in written:
         yield f"wrote {each.table} and .html: {counted(each.answers, 'answer')}, {each.open} to mark"
     if written:

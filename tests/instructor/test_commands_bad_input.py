@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 from nao_course import cli
 from nao_course.instructor.autograding.grader import prepare, refuse
 from nao_course.instructor.collecting.submissions import Submission
-from nao_course.instructor.gradebook import journal as journals
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from tests.paths import PROJECT
 from tests.toy import chain
@@ -184,7 +183,7 @@ def test_a_result_in_the_journal_that_makes_no_sense_is_said(place, command, tex
 
 @pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
 def test_a_journal_that_another_one_holds_is_said(place, command, monkeypatch):
-    monkeypatch.setattr(journals, "PATIENCE", 0.1)
+    monkeypatch.setattr("nao_course.instructor.gradebook.journal.PATIENCE", 0.1)
     with closing(sqlite3.connect(place / "grades" / NAME, isolation_level=None)) as database:
         database.execute("BEGIN IMMEDIATE")
         refused(place, words(place, command), "locked", "Another grader")

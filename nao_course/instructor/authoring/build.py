@@ -24,10 +24,8 @@ from nao_course.exercises import LessonPlan
 from nao_course.exercises.checking import pack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import ANSWER_HERE
-from nao_course.instructor.authoring import lesson_text as lessons
-from nao_course.instructor.authoring.course import NUMBERED, LessonError
-from nao_course.instructor.authoring.course import Course as Course
-from nao_course.instructor.authoring.course import load_course as load_course
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import NUMBERED, Course, LessonError
 from nao_course.instructor.authoring.plans import PlanError, check_plan, publish
 
 CHECKS = Path("nao_course", "exercises", "checks")
@@ -146,7 +144,7 @@ def build(
 
 def _stamp(text: str, notebook: NotebookNode) -> dict[str, str]:
     """What tells later whether text or notebook was edited since."""
-    return {"text": lessons.text_hash(text), "cells": lessons.fingerprint(notebook)}
+    return {"text": lesson_text.text_hash(text), "cells": lesson_text.fingerprint(notebook)}
 
 
 def _read_all(
@@ -163,15 +161,15 @@ def _read_all(
     for name, text in sources.items():
         plan = plans[name]
         try:
-            notebook = lessons.read_lesson(course.text(name), text)
+            notebook = lesson_text.read_lesson(course.text(name), text)
         except LessonError as error:
             problems += str(error).splitlines()
             continue
         exercises, written = ([each.name for each in kind] for kind in (plan.exercises, plan.written))
-        wrong = list(lessons.lesson_problems(notebook, exercises, written))
+        wrong = list(lesson_text.lesson_problems(notebook, exercises, written))
         problems += wrong
         if not wrong:
-            lessons.set_points(notebook, plan.points)
+            lesson_text.set_points(notebook, plan.points)
             notebook.metadata.nao_course["version"] = course.version
             solved[name] = notebook
     if problems:
@@ -219,9 +217,9 @@ def _with_place(notebook: NotebookNode, problem: str) -> str:
     problem = problem.removeprefix(f"{name}: ")
     where = [f"solutions/exercises/{name}.py"]
     where += [
-        lessons.place(f"{name}.md", notebook, ordinal)
-        for ordinal, cell in lessons.code_cells(notebook, "exercise")
-        if lessons.exercise_name(cell) == problem.split(":")[0]
+        lesson_text.place(f"{name}.md", notebook, ordinal)
+        for ordinal, cell in lesson_text.code_cells(notebook, "exercise")
+        if lesson_text.exercise_name(cell) == problem.split(":")[0]
     ]
     return f"{', '.join(where)}: {problem}"
 
@@ -271,7 +269,7 @@ def _images(course: Course, name: str, notebook: NotebookNode) -> dict[Path, byt
             continue
         for match in _IMAGE.finditer(cell.source):
             image = match[1] or match[2]
-            where = lessons.place(f"{name}.md", notebook, ordinal)
+            where = lesson_text.place(f"{name}.md", notebook, ordinal)
             if "://" in image or not image.startswith("images/"):
                 raise LessonError(f"{where}: {image} must be a file in solutions/images/, named images/NAME")
             if not (course.solutions / image).is_file():
@@ -364,11 +362,11 @@ def execute(solved: NotebookNode, root: Path) -> NotebookNode:
             if any(o.output_type == "error" for o in _outputs(cell))
         )
         what = f"{error.ename}: {error.evalue}"
-        raise LessonError(f"{lessons.place(file, notebook, ordinal)}: {what}") from None
+        raise LessonError(f"{lesson_text.place(file, notebook, ordinal)}: {what}") from None
     notebook.metadata = solved.metadata
     problems: list[str] = []
-    for ordinal, cell in lessons.code_cells(notebook):
-        where = lessons.place(file, notebook, ordinal)
+    for ordinal, cell in lesson_text.code_cells(notebook):
+        where = lesson_text.place(file, notebook, ordinal)
         cell["outputs"] = [kept for output in cell.outputs if (kept := _tidy(output))]
         problems += [
             f"{where}: {problem}" for output in cell.outputs for problem in _output_problems(output, root)
@@ -432,7 +430,9 @@ def edited(course: Course, name: str) -> tuple[bool, bool]:
     notebook = read_notebook(path)
     stamp = notebook.metadata.get("nao_course", {})
     text = course.text(name).read_text(encoding="utf-8")
-    return stamp.get("text") != lessons.text_hash(text), stamp.get("cells") != lessons.fingerprint(notebook)
+    return stamp.get("text") != lesson_text.text_hash(text), stamp.get("cells") != lesson_text.fingerprint(
+        notebook
+    )
 
 
 def read_notebook(path: Path) -> NotebookNode:
@@ -470,14 +470,14 @@ def text_from_notebook(course: Course, name: str) -> str:
         )
     notebook = read_notebook(course.solutions / f"{name}.ipynb")
     points = course.plan(name).points
-    for _, cell in (*lessons.code_cells(notebook, "check"), *lessons.written_cells(notebook)):
-        exercise = lessons.exercise_name(cell)
+    for _, cell in (*lesson_text.code_cells(notebook, "check"), *lesson_text.written_cells(notebook)):
+        exercise = lesson_text.exercise_name(cell)
         if cell.metadata.nbgrader.get("points") != points.get(exercise):
             raise LessonError(
                 f"{file}: the points of {exercise} were changed in the notebook; they are declared in "
                 f"solutions/exercises/{name}.py, and for one course in course.toml"
             )
-    return lessons.write_lesson(notebook)
+    return lesson_text.write_lesson(notebook)
 
 
 def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import nbformat
 
-from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring import lesson_text
 
 SMALLEST = 9  # nodes of a piece of code; smaller ones are alike by accident, such as a shape that is unpacked
 _BUILTINS = frozenset(dir(builtins))
@@ -81,7 +81,7 @@ def _code_in(file: str, content: bytes) -> Iterator[tuple[str, str]]:
         yield from (("example, ", each) for each in _fenced(content.decode()))
     elif file.endswith(".ipynb"):
         for number, cell in enumerate(nbformat.reads(content.decode(), as_version=4).cells, start=1):
-            pieces = [lessons.python(cell)] if cell.cell_type == "code" else _fenced(cell.source)
+            pieces = [lesson_text.python(cell)] if cell.cell_type == "code" else _fenced(cell.source)
             yield from ((f"cell {number}, ", piece) for piece in pieces)
 
 

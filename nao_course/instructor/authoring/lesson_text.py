@@ -15,7 +15,7 @@ import nbformat
 from IPython.core.inputtransformer2 import TransformerManager
 from nbformat import NotebookNode
 
-from nao_course.instructor.authoring.course import LessonError as LessonError
+from nao_course.instructor.authoring.course import LessonError
 
 HEADER = """---
 jupytext:

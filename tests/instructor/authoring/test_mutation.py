@@ -9,7 +9,7 @@ from rich.console import Console
 
 from nao_course.exercises import Case, Exact, LessonPlan, Mistake
 from nao_course.exercises.checking import pack, unpack
-from nao_course.instructor.authoring import mutation as mutants
+from nao_course.instructor.authoring import mutation
 from nao_course.instructor.authoring.mutation import make_mutants, mutate, show
 from nao_course.instructor.authoring.plans import (
     PlanError,
@@ -245,12 +245,12 @@ def test_weak_tests_let_mutants_live(tmp_path):
 
 
 def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
-    monkeypatch.setattr(mutants, "SECONDS", 0.5)
+    monkeypatch.setattr(mutation, "SECONDS", 0.5)
     slow = toy.solutions(tmp_path / "slow")
     body = "def clamp(x, low, high):\n    k = 0\n    while k < 3:\n        k += 1\n    return max(low, min(high, x))"
     toy.write(slow / "90_toy.ipynb", ("solution", body), ("solution", toy.MEAN))
-    monkeypatch.setattr(mutants, "_by_cosmic_ray", lambda source: iter(()))
-    monkeypatch.setattr(mutants, "_by_us", lambda tree: iter([("endless", body.replace("+=", "-="))]))
+    monkeypatch.setattr(mutation, "_by_cosmic_ray", lambda source: iter(()))
+    monkeypatch.setattr(mutation, "_by_us", lambda tree: iter([("endless", body.replace("+=", "-="))]))
     report = mutate("90", jobs=1, solutions=slow)
     assert [(trial.hidden, trial.public) for trial in report.trials if trial.mutant.exercise == "clamp"] == [
         (True, True)

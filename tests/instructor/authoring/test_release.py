@@ -13,14 +13,12 @@ import nbformat
 import pytest
 
 from nao_course import homework
-from nao_course.instructor.authoring import build as building
-from nao_course.instructor.authoring import lesson_text as lessons
-from nao_course.instructor.authoring import release
+from nao_course.instructor.authoring import build, lesson_text, release
+from nao_course.instructor.authoring.course import LessonError, load_course
 from nao_course.instructor.authoring.leaks import SMALLEST, fingerprints
-from nao_course.instructor.authoring.lesson_text import LessonError
 from tests.paths import PROJECT
 
-COURSE = building.load_course(PROJECT)
+COURSE = load_course(PROJECT)
 NOTEBOOK = "release/notebooks/01_hsl_filtering.ipynb"
 
 
@@ -87,7 +85,7 @@ def test_nothing_in_the_release_is_a_secret(files):
 
 def secret_pieces():
     """A piece of each kind of secret: lines of a solution, of a mistake or alternative, and of hidden cases."""
-    notebook = building.read_notebook(COURSE.solutions / "01_hsl_filtering.ipynb")
+    notebook = build.read_notebook(COURSE.solutions / "01_hsl_filtering.ipynb")
     cell = next(cell for cell in notebook.cells if "def rgb_to_hsl" in cell.source)
     solution = cell.source.split("### BEGIN SOLUTION\n")[1].split("    ### END SOLUTION")[0]
     declared = (COURSE.solutions / "exercises" / "01_hsl_filtering.py").read_text(encoding="utf-8")
@@ -321,12 +319,12 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
     blank = nbformat.reads(files[f"release/notebooks/{name}.ipynb"].decode(), as_version=4)
     solved = nbformat.from_dict(blank)
     solutions = {
-        lessons.exercise_name(cell): cell.source
-        for _, cell in lessons.code_cells(lessons.read_lesson(COURSE.text(name)), "exercise")
+        lesson_text.exercise_name(cell): cell.source
+        for _, cell in lesson_text.code_cells(lesson_text.read_lesson(COURSE.text(name)), "exercise")
     }
-    for _, cell in lessons.code_cells(solved, "exercise"):
-        cell.source = solutions[lessons.exercise_name(cell)]
-    for _, cell in lessons.written_cells(solved):
+    for _, cell in lesson_text.code_cells(solved, "exercise"):
+        cell.source = solutions[lesson_text.exercise_name(cell)]
+    for _, cell in lesson_text.written_cells(solved):
         cell.source = "One pixel decides it."
     for student, notebook in (("blank", blank), ("solved", solved)):
         (tmp_path / "submitted" / student / name).mkdir(parents=True)

@@ -14,8 +14,7 @@ from pathlib import Path
 import pytest
 
 from nao_course import homework
-from nao_course.instructor.collecting import archives as containers
-from nao_course.instructor.collecting import submissions
+from nao_course.instructor.collecting import archives, submissions
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.submissions import (
     Submission,
@@ -364,7 +363,7 @@ def test_a_zip_bomb_is_refused_and_the_others_are_not(look, tmp_path):
 
 
 def test_a_zip_that_lies_about_sizes_is_refused(look, tmp_path):
-    content = bytes(containers.SMALL * 8)
+    content = bytes(archives.SMALL * 8)
     path = packed(tmp_path / "in" / "ada" / "my.zip", {HSL: content})
     data = bytearray(path.read_bytes())
     at = data.rfind(b"PK\1\2")
@@ -385,7 +384,7 @@ def test_a_zip_within_a_zip_within_a_zip_is_not_opened(look, tmp_path):
 
 def test_a_zip_of_very_many_files_is_refused_before_its_contents_are_read(look, tmp_path, monkeypatch):
     with zipfile.ZipFile(tmp_path / "many.zip", "w") as archive:
-        for number in range(containers.MOST_ENTRIES + 1):
+        for number in range(archives.MOST_ENTRIES + 1):
             archive.writestr(str(number), b"")
     put(tmp_path / "in", "ada/01_hsl_filtering.zip", content=(tmp_path / "many.zip").read_bytes())
     monkeypatch.setattr(zipfile, "ZipFile", None)

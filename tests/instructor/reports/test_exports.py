@@ -19,8 +19,7 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.instructor import gradescope
-from nao_course.instructor.authoring import build as building
-from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.instructor.authoring.course import Course, LessonError, load_course
 from nao_course.instructor.gradebook.journal import Journal, Mark, Override
 from nao_course.instructor.gradebook.scores import score, scores
 from nao_course.instructor.reports.exports import (
@@ -217,7 +216,7 @@ def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
 
 @pytest.fixture(scope="module")
 def course():
-    return building.load_course(PROJECT)
+    return load_course(PROJECT)
 
 
 @pytest.fixture(scope="module")
@@ -256,7 +255,7 @@ def test_the_zip_does_not_hold_the_instructors_secret_and_is_the_same_each_time(
 
 def test_a_lesson_that_is_not_built_has_no_autograder(course, tmp_path):
     shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
-    bare = building.Course(tmp_path, "t", "1")
+    bare = Course(tmp_path, "t", "1")
     with pytest.raises(LessonError, match="there is no course.toml.*run `nao-course build` first"):
         gradescope.write_autograder(bare, "00", b"x" * 16, tmp_path)
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 
 from nao_course.instructor.gradebook.records import State
 from nao_course.instructor.gradebook.scores import score, scores
-from nao_course.instructor.reports import html as pages
+from nao_course.instructor.reports import html
 from nao_course.instructor.reports.feedback import _STATES, feedback_page, write
 from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results
 
@@ -170,9 +170,9 @@ def test_a_refused_page_keeps_its_elements_too(text):
 def test_what_cannot_be_seen_is_made_visible():
     text = feedback_page(score(result("a\u202eb\x1b", exercise("wrong", line="x = '\ud800'\x00"))))
     assert "⟨U+202E⟩" in text and "⟨U+001B⟩" in text and "⟨U+D800⟩" in text and "⟨U+0000⟩" in text
-    assert not pages._UNSEEN.search(text)
-    assert pages.visible("ك\u200c é 👩\u200d🚀\n\tx") == "ك\u200c é 👩\u200d🚀\n\tx", "honest text stays"
-    assert len(pages.visible("a" + "\u0301" * 1000)) == 5
+    assert not html._UNSEEN.search(text)
+    assert html.visible("ك\u200c é 👩\u200d🚀\n\tx") == "ك\u200c é 👩\u200d🚀\n\tx", "honest text stays"
+    assert len(html.visible("a" + "\u0301" * 1000)) == 5
 
 
 def test_a_long_text_is_cut_with_a_word():
@@ -206,7 +206,7 @@ def test_a_page_that_cannot_be_written_leaves_the_old_one(tmp_path, monkeypatch)
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr(pages.os, "replace", fail)
+    monkeypatch.setattr(html.os, "replace", fail)
     with pytest.raises(OSError, match="disk full"):
         write(result("ada", exercise("wrong")), tmp_path)
     assert path.read_bytes() == before and list(path.parent.iterdir()) == [path]
@@ -269,9 +269,9 @@ def test_contrast_is_known_where_it_is_known():
 
 @pytest.mark.parametrize("mode", [0, 1], ids=["light", "dark"])
 def test_every_text_can_be_read_on_what_it_stands_on(mode):
-    start = [match.start() for match in re.finditer("--paper:", pages.STYLE)][mode]
+    start = [match.start() for match in re.finditer("--paper:", html.STYLE)][mode]
     colours = dict(
-        re.findall(r"--([\w-]+): (#[0-9a-f]{6})", pages.STYLE[start : pages.STYLE.index("}", start)])
+        re.findall(r"--([\w-]+): (#[0-9a-f]{6})", html.STYLE[start : html.STYLE.index("}", start)])
     )
     papers = ["paper", "card", "code", *(f"{each}-paper" for each in ("good", "warn", "bad", "calm"))]
     pairs = [("ink", on) for on in papers]

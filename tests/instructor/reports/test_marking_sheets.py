@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from nao_course.instructor.gradebook.journal import Journal, Mark
-from nao_course.instructor.reports import spreadsheets as tables
+from nao_course.instructor.reports import spreadsheets
 from nao_course.instructor.reports.marking_sheets import HEADER, MarksError, read_marks, write_sheets
 from nao_course.instructor.reports.spreadsheets import TableError, as_it_was, harmless, read_table, table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
@@ -329,7 +329,7 @@ def test_an_answer_longer_than_a_cell_is_cut_with_a_word():
 
 
 def test_a_table_that_is_far_too_large_is_not_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(tables, "LARGEST", 10)
+    monkeypatch.setattr(spreadsheets, "LARGEST", 10)
     (tmp_path / "x.csv").write_bytes(b"0" * 11)
     with pytest.raises(TableError, match="larger than"):
         read_table(tmp_path / "x.csv", HEADER)
