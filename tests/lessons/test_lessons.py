@@ -19,10 +19,11 @@ from nbclient import NotebookClient
 
 from nao_course.exercises.checking import grade_public, read_public, unpack
 from nao_course.exercises.definitions import load_definitions
-from nao_course.instructor.authoring import build, lesson_text
+from nao_course.instructor.authoring import build, execute, lesson_text, round_trip
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.mutation import mutate
-from nao_course.instructor.authoring.plans import SEEDS, check_plan, hidden_cases
+from nao_course.instructor.authoring.plan_checks import check_plan
+from nao_course.instructor.authoring.plans import SEEDS, hidden_cases
 from tests.paths import PROJECT
 
 COURSE = load_course(PROJECT)
@@ -83,7 +84,7 @@ def words_of_checks(data):
 
 def run(notebook, folder, *, strict):
     """Execute a notebook as a student (not strict) or a test (strict) does; return how long it took."""
-    environment = build.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(folder)}
+    environment = execute.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(folder)}
     if not strict:
         del environment["NAO_COURSE_STRICT"]
     client = NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(folder)}})
@@ -103,10 +104,10 @@ def test_what_is_committed_is_what_the_texts_say():
 
 @each_lesson
 def test_the_executed_solution_is_that_of_the_text(name):
-    assert build.edited(COURSE, name) == (False, False), "run `make build`"
+    assert round_trip.edited(COURSE, name) == (False, False), "run `make build`"
     kept = json.dumps(executed(name).cells)
     assert "widget-view" not in kept and '"execution":' not in kept
-    assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < build.LARGEST
+    assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < execute.LARGEST
 
 
 @pytest.mark.slow
@@ -413,7 +414,7 @@ def test_nbval_finds_the_stored_outputs_again(name, tmp_path):
             cell.metadata["tags"] = ["nbval-ignore-output"]
     nbformat.write(kept, notebook)
     command = [sys.executable, "-m", "pytest", "--nbval", "-q", "-p", "no:cacheprovider", "-c", os.devnull]
-    environment = build.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(PROJECT / "solutions")}
+    environment = execute.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(PROJECT / "solutions")}
     ran = subprocess.run(
         [*command, "--rootdir", str(tmp_path), str(notebook)],
         cwd=tmp_path,

@@ -362,6 +362,12 @@ def text_hash(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def notebook_bytes(notebook: NotebookNode) -> bytes:
+    """Return a notebook as the bytes of its file, the same for the same notebook."""
+    nbformat.validate(notebook)
+    return (nbformat.writes(notebook) + "\n").encode()
+
+
 def set_points(notebook: NotebookNode, points: Mapping[str, float]) -> None:
     """Write what each exercise and written answer is worth into its cell."""
     for _, cell in [*code_cells(notebook, "check"), *written_cells(notebook)]:
