@@ -24,7 +24,7 @@ new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (ins
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
-_MARKS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
+_SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
 
 
 @app.callback()
@@ -78,15 +78,15 @@ def check(notebook: Path) -> None:
         report = reports.get(exercise.name)  # a report that says "wrong" is false
         state = "right" if report is None else report.state
         lines = ("All public checks pass. The grader has others.",) if report is None else report.lines
-        mark = _MARKS.get(state, f"[red]✘ {state}[/]")
+        sign = _SIGNS.get(state, f"[red]✘ {state}[/]")
         table.add_row(
-            f"{exercise.number} {exercise.name}", f"{exercise.points:g}", mark, escape("\n".join(lines))
+            f"{exercise.number} {exercise.name}", f"{exercise.points:g}", sign, escape("\n".join(lines))
         )
     for question in public.written:
-        mark, said = "○ nothing written", "A person marks it."
+        sign, said = "○ nothing written", "A person marks it."
         if question.number not in found.unwritten:
-            mark = "● written"
-        table.add_row(f"{question.number} in your own words", f"{question.points:g}", mark, said)
+            sign = "● written"
+        table.add_row(f"{question.number} in your own words", f"{question.points:g}", sign, said)
     console.print(table)
     for each in skipped:
         if each.reason != "not a definition":
@@ -248,9 +248,9 @@ def export(
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.export(grades, format_, lesson):
+        for line in commands.export(grades, format_, lesson):
             _say(line)
 
 
@@ -263,9 +263,9 @@ def marks(
 ) -> None:
     """Write sheets to mark written answers with, or read one back (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.marks(grades, file):
+        for line in commands.marks(grades, file):
             _say(line)
 
 
@@ -273,9 +273,9 @@ def marks(
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises, what was refused (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.report(grades):
+        for line in commands.report(grades):
             _say(line)
 
 

@@ -14,12 +14,12 @@ import nbformat
 from nbformat import NotebookNode
 from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums, LockCells
 
-from nao_course.exercises import LessonPlan
+from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.checking import pack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import NUMBERED, Course, LessonError
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError, publish
@@ -165,7 +165,9 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
     shutil.copytree(course.root / "nao_course", stage / "nao_course")
     (stage / CHECKS).mkdir(exist_ok=True)
     (stage / "solutions").mkdir()
-    for path in course.solutions.glob(f"{NUMBERED}.ipynb"):  # of lessons that are not built this time
+    for path in course.solutions.glob(
+        f"{lesson_names.PATTERN}.ipynb"
+    ):  # of lessons that are not built this time
         shutil.copy2(path, stage / "solutions")
     if (course.solutions / "images").is_dir():
         shutil.copytree(course.solutions / "images", stage / "solutions" / "images")
@@ -268,6 +270,6 @@ def _stale(course: Course) -> tuple[Path, ...]:
     return tuple(
         path.relative_to(course.root)
         for folder, suffix in folders
-        for path in sorted((course.root / folder).glob(f"{NUMBERED}{suffix}"))
+        for path in sorted((course.root / folder).glob(f"{lesson_names.PATTERN}{suffix}"))
         if path.stem not in names
     )

@@ -66,10 +66,10 @@ def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[
     found: dict[str, Leak] = {}
     for file, content in public.items():
         for place, source in _code_in(file, content):
-            for mark, line in [*fingerprints(source), *_quoted(source)]:
-                if mark in secrets:
+            for fingerprint, line in [*fingerprints(source), *_quoted(source)]:
+                if fingerprint in secrets:
                     where = f"{file}, {place}line {line}"
-                    found.setdefault(where, Leak(where, secrets[mark]))
+                    found.setdefault(where, Leak(where, secrets[fingerprint]))
     return list(found.values())
 
 
@@ -137,7 +137,7 @@ def _quoted(source: str) -> Iterator[tuple[str, int]]:
     for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             inside = textwrap.dedent(node.value).strip()
-            yield from ((mark, node.lineno) for mark, _ in fingerprints(inside))
+            yield from ((fingerprint, node.lineno) for fingerprint, _ in fingerprints(inside))
 
 
 def _blocks(tree: ast.AST) -> Iterator[list[ast.stmt]]:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises import lesson_names
 from nao_course.exercises.codec import CodecError, decode, encode
 from nao_course.exercises.comparisons import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
@@ -42,8 +43,8 @@ def lesson_name(lesson: str, solutions: Path = SOLUTIONS) -> str:
     PlanError
         If no lesson in `solutions` is meant, or several are.
     """
-    names = sorted(path.stem for path in (solutions / "exercises").glob("[0-9][0-9]_*.py"))
-    meant = [name for name in names if name == lesson or name.split("_")[0] == lesson.zfill(2)]
+    names = sorted(path.stem for path in (solutions / "exercises").glob(f"{lesson_names.PATTERN}.py"))
+    meant = lesson_names.meant(lesson, names)
     if len(meant) != 1:
         raise PlanError(f"there is no one lesson {lesson!r} with exercises in {solutions}; there are {names}")
     return meant[0]
@@ -189,7 +190,7 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
     PlanError
         If the reference lacks an exercise or fails in one.
     """
-    lesson_number = int(lesson.split("_")[0])
+    lesson_number = int(lesson_names.number_of(lesson))
     exercises = [
         publish_exercise(f"{lesson_number}.{number}", exercise, reference_of(reference, exercise))
         for number, exercise in enumerate(plan.exercises, start=1)

@@ -120,7 +120,9 @@ def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
         if name.endswith(".ipynb"):
             text = content.decode()
             problems += [
-                f"{name} says {mark}" for mark in (lesson_text.BEGIN, lesson_text.END) if mark in text
+                f"{name} says {delimiter}"
+                for delimiter in (lesson_text.BEGIN, lesson_text.END)
+                if delimiter in text
             ]
             if re.search(r"\bTODO\b", text):
                 problems.append(f"{name} says TODO: it is not finished")
@@ -147,9 +149,9 @@ def secrets(course: Course) -> dict[str, str]:
     for name in course.names():
         notebook = lesson_text.read_lesson(course.text(name))
         for _, cell in lesson_text.code_cells(notebook, "exercise"):
-            marks = fingerprints(lesson_text.python(cell), lesson_text.solution_lines(cell))
-            found |= {mark: f"the solution of {lesson_text.exercise_name(cell)}" for mark, _ in marks}
+            pieces = fingerprints(lesson_text.python(cell), lesson_text.solution_lines(cell))
+            found |= {each: f"the solution of {lesson_text.exercise_name(cell)}" for each, _ in pieces}
     for path in sorted((course.solutions / "exercises").glob("*.py")):
-        marks = fingerprints(path.read_text(encoding="utf-8"))
-        found |= {mark: f"{path.name}, line {line}" for mark, line in marks}
+        pieces = fingerprints(path.read_text(encoding="utf-8"))
+        found |= {each: f"{path.name}, line {line}" for each, line in pieces}
     return found

@@ -8,6 +8,8 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
+from nao_course.exercises import lesson_names
+from nao_course.exercises.cells import metadata
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 
@@ -23,7 +25,7 @@ def edited(course: Course, name: str) -> tuple[bool, bool]:
     if not path.is_file():
         return True, False
     notebook = read_notebook(path)
-    stamp = notebook.metadata.get("nao_course", {})
+    stamp = metadata(notebook, "nao_course")
     text = course.text(name).read_text(encoding="utf-8")
     return stamp.get("text") != lesson_text.text_hash(text), stamp.get("cells") != lesson_text.fingerprint(
         notebook
@@ -88,7 +90,7 @@ def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
         raise LessonError(
             "\n".join(
                 f"solutions/{name}.ipynb was edited since it was built: bring that back into the text with "
-                f"`nao-course build --from-notebook {name[:2]}`, or delete the notebook"
+                f"`nao-course build --from-notebook {lesson_names.number_of(name)}`, or delete the notebook"
                 for name in lost
             )
         )

@@ -9,6 +9,7 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
+from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 
@@ -129,7 +130,7 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
         raise LessonError(
             f"a lesson is two digits and a name such as 'ekf_derivations', got {number!r} {name!r}"
         )
-    taken = [each for each in course.names() if each.startswith(number)]
+    taken = lesson_names.meant(number, course.names())
     if taken:
         raise LessonError(f"lesson {number} is there already: {taken[0]}")
     title = name.replace("_", " ").capitalize()
@@ -176,7 +177,7 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
     number = len(course.plan(stem).exercises) + 1
     checks = lesson_text.code_cells(notebook, "check") or lesson_text.code_cells(notebook, "setup")
     place = checks[-1][0] + 1
-    notebook.cells[place:place] = _cells(f"{int(stem[:2])}.{number}", name)
+    notebook.cells[place:place] = _cells(f"{int(lesson_names.number_of(stem))}.{number}", name)
     text.write_text(lesson_text.write_lesson(notebook), encoding="utf-8")
     plan.write_text(declared, encoding="utf-8")
     return [text, plan]

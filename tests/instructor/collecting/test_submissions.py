@@ -16,15 +16,8 @@ import pytest
 from nao_course import homework
 from nao_course.instructor.collecting import archives, submissions
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import (
-    Submission,
-    clean_name,
-    gather,
-    lesson_of,
-    of_lessons,
-    read,
-    safe_name,
-)
+from nao_course.instructor.collecting.names import LONGEST_NAME, clean_name, lesson_of, safe_name
+from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, read
 
 LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
 HSL = "01_hsl_filtering.ipynb"
@@ -477,7 +470,7 @@ def test_safe_names_are_safe_and_none_is_anothers():
 
 def test_students_names_hold_nothing_that_a_terminal_obeys():
     names = [clean_name(name) for name in HOSTILE]
-    assert all(name.isprintable() and len(name) <= submissions.LONGEST_NAME for name in names)
+    assert all(name.isprintable() and len(name) <= LONGEST_NAME for name in names)
     assert all(name.encode() is not None for name in names)
     assert clean_name("a" * 500) != clean_name("a" * 499 + "b")
     assert clean_name("Mu\u0308ller") == clean_name("Müller")  # one student, two file systems

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from nao_course.instructor.gradebook.journal import Journal, Mark, Override
-from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import Mark, Override, State
 from nao_course.instructor.gradebook.scores import score, scores
 from nao_course.instructor.reports.class_report import _KINDS, exercises_of, report_page, write_report
 from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results

@@ -20,7 +20,8 @@ from typer.testing import CliRunner
 from nao_course import cli
 from nao_course.instructor import gradescope
 from nao_course.instructor.authoring.course import Course, LessonError, load_course
-from nao_course.instructor.gradebook.journal import Journal, Mark, Override
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import Mark, Override
 from nao_course.instructor.gradebook.scores import score, scores
 from nao_course.instructor.reports.exports import (
     ExportError,
