@@ -20,8 +20,12 @@ def f(x: int | None, k=0) -> "a | b":
 '''
 
 
-def test_mutants_are_python_and_no_two_are_alike():
-    made = make_mutants("f", SOURCE)
+@pytest.fixture(scope="module")
+def made():
+    return make_mutants("f", SOURCE)
+
+
+def test_mutants_are_python_and_no_two_are_alike(made):
     assert len(made) > 60
     assert len({each.source for each in made} | {made[0].original}) == len(made) + 1
     for each in made:
@@ -50,10 +54,8 @@ def test_mutants_are_python_and_no_two_are_alike():
         ),
     ],
 )
-def test_the_slips_of_arrays_and_formulas_are_among_them(line):
-    assert any(
-        line in [each.strip() for each in mutant.source.splitlines()] for mutant in make_mutants("f", SOURCE)
-    )
+def test_the_slips_of_arrays_and_formulas_are_among_them(made, line):
+    assert any(line in [each.strip() for each in mutant.source.splitlines()] for mutant in made)
 
 
 def test_a_lessons_mutants_are_caught_and_the_rest_is_listed(solutions):
