@@ -25,7 +25,7 @@ import psutil
 from rich.console import Console
 
 from benchmarks import ROOT, Result, Table
-from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.gradebook.journal import Journal
 
@@ -49,15 +49,17 @@ def notebooks() -> Iterator[tuple[str, str]]:
     """Endless submissions: the student's copy with answers in it; each is another file. Yields (kind, JSON)."""
     course = load_course(ROOT)
     blank = nbformat.read(ROOT / "notebooks" / f"{LESSON}.ipynb", as_version=4)
-    solved = lessons.read_lesson(course.text(LESSON))
-    answers = {lessons.exercise_name(cell): cell.source for _, cell in lessons.code_cells(solved, "exercise")}
+    solved = lesson_text.read_lesson(course.text(LESSON))
+    answers = {
+        lesson_text.exercise_name(cell): cell.source for _, cell in lesson_text.code_cells(solved, "exercise")
+    }
     number = 0
     while True:
         kind = KINDS[number % len(KINDS)]
         notebook = nbformat.from_dict(blank)
-        for place, (_, cell) in enumerate(lessons.code_cells(notebook, "exercise")):
+        for place, (_, cell) in enumerate(lesson_text.code_cells(notebook, "exercise")):
             cell.source = (
-                _answer(lessons.exercise_name(cell), cell.source, answers, kind, place) + f"\n# {number}"
+                _answer(lesson_text.exercise_name(cell), cell.source, answers, kind, place) + f"\n# {number}"
             )
         yield kind, nbformat.writes(notebook)
         number += 1

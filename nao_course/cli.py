@@ -24,7 +24,7 @@ new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (ins
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
-_MARKS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
+_SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
 
 
 @app.callback()
@@ -78,15 +78,15 @@ def check(notebook: Path) -> None:
         report = reports.get(exercise.name)  # a report that says "wrong" is false
         state = "right" if report is None else report.state
         lines = ("All public checks pass. The grader has others.",) if report is None else report.lines
-        mark = _MARKS.get(state, f"[red]✘ {state}[/]")
+        sign = _SIGNS.get(state, f"[red]✘ {state}[/]")
         table.add_row(
-            f"{exercise.number} {exercise.name}", f"{exercise.points:g}", mark, escape("\n".join(lines))
+            f"{exercise.number} {exercise.name}", f"{exercise.points:g}", sign, escape("\n".join(lines))
         )
     for question in public.written:
-        mark, said = "○ nothing written", "A person marks it."
+        sign, said = "○ nothing written", "A person marks it."
         if question.number not in found.unwritten:
-            mark = "● written"
-        table.add_row(f"{question.number} in your own words", f"{question.points:g}", mark, said)
+            sign = "● written"
+        table.add_row(f"{question.number} in your own words", f"{question.points:g}", sign, said)
     console.print(table)
     for each in skipped:
         if each.reason != "not a definition":
@@ -151,22 +151,23 @@ def build(
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
-        from nao_course.instructor.authoring import build as building
+        from nao_course.instructor.authoring import build, round_trip
+        from nao_course.instructor.authoring.course import load_course
 
-        course = building.load_course()
+        course = load_course()
         texts = {}
         wanted = lessons or []
         if from_notebook:
             (name,) = wanted = course.names([from_notebook])
-            texts[name] = building.text_from_notebook(course, name)
+            texts[name] = round_trip.text_from_notebook(course, name)
         else:
-            building.refuse_to_lose_edits(course, course.names(wanted))
+            round_trip.refuse_to_lose_edits(course, course.names(wanted))
         tasks = {name: progress.add_task(name, total=None, step="") for name in course.names(wanted)}
 
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = building.build(course, wanted, texts=texts, tell=tell).write()
+        changes = build.build(course, wanted, texts=texts, tell=tell).write()
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
     if not changes:
@@ -188,7 +189,7 @@ def _progress() -> Progress:
 def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
     with _plainly():
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.authoring.release import make_release
 
         path = make_release(load_course(), out)
@@ -247,9 +248,9 @@ def export(
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.export(grades, format_, lesson):
+        for line in commands.export(grades, format_, lesson):
             _say(line)
 
 
@@ -262,9 +263,9 @@ def marks(
 ) -> None:
     """Write sheets to mark written answers with, or read one back (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.marks(grades, file):
+        for line in commands.marks(grades, file):
             _say(line)
 
 
@@ -272,9 +273,9 @@ def marks(
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises, what was refused (instructors)."""
     with _plainly():
-        from nao_course.instructor import handing_over
+        from nao_course.instructor import commands
 
-        for line in handing_over.report(grades):
+        for line in commands.report(grades):
             _say(line)
 
 
@@ -282,10 +283,10 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold as scaffolds
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring import scaffold
+        from nao_course.instructor.authoring.course import load_course
 
-        for path in scaffolds.add_exercise(load_course(), lesson, name):
+        for path in scaffold.add_exercise(load_course(), lesson, name):
             _say(f"wrote {os.path.relpath(path)}")
 
 
@@ -293,10 +294,10 @@ def new_exercise(lesson: str, name: str) -> None:
 def new_lesson(number: str, name: str) -> None:
     """Begin a lesson: a text and a declaration, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold as scaffolds
-        from nao_course.instructor.authoring.build import load_course
+        from nao_course.instructor.authoring import scaffold
+        from nao_course.instructor.authoring.course import load_course
 
-        for path in scaffolds.add_lesson(load_course(), number, name):
+        for path in scaffold.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")
 
 

@@ -11,10 +11,12 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib import metadata
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from nao_course.exercises import lesson_names
+from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.definitions import MOST_BYTES
 
 RELEASE = Path("release")  # where an unpacked release lies; nobody works in it
@@ -27,14 +29,22 @@ Cell = dict[str, Any]
 Notebook = dict[str, Any]
 
 
-def zipped(files: Mapping[str, bytes]) -> bytes:
-    """Pack files into a zip that is the same for the same files."""
+def zipped(files: Mapping[str, bytes], modes: Mapping[str, int] | None = None) -> bytes:
+    """Pack files into a zip that is the same for the same files.
+
+    Parameters
+    ----------
+    files : mapping of str to bytes
+        Contents by the path in the zip.
+    modes : mapping of str to int, optional
+        Permissions of those that are not 0o644.
+    """
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name)  # its date is 1980, always
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o100644 << 16
+            entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3  # permissions as on Unix
+            entry.external_attr = (0o100000 | (modes or {}).get(name, 0o644)) << 16
             archive.writestr(entry, files[name])
     return packed.getvalue()
 
@@ -89,7 +99,7 @@ def submit(folder: Path, out: Path) -> Receipt:
     """
     if not folder.is_dir():
         raise ValueError(f"{folder} is no folder: submit packs a folder of notebooks")
-    found = [*sorted(folder.glob("[0-9][0-9]_*.ipynb")), *sorted(folder.glob("*.py"))]
+    found = [*sorted(folder.glob(f"{lesson_names.PATTERN}.ipynb")), *sorted(folder.glob("*.py"))]
     files = {path.name: path.read_bytes() for path in found if path.is_file() and not path.is_symlink()}
     notebooks = {name: _parsed(name, content) for name, content in files.items() if name.endswith(".ipynb")}
     if not notebooks:
@@ -101,10 +111,10 @@ def submit(folder: Path, out: Path) -> Receipt:
                 "in JupyterLab choose Edit, Clear Outputs of All Cells, and save"
             )
     now = datetime.now(UTC)
-    releases = {str(_course(each).get("version", "unknown")) for each in notebooks.values()}
+    releases = {str(metadata(each, "nao_course").get("version", "unknown")) for each in notebooks.values()}
     time = now.isoformat(timespec="seconds")
     hashes = {name: hashlib.sha256(each).hexdigest() for name, each in files.items()}
-    versions = {"release": ", ".join(sorted(releases)), "python": platform.python_version()} | _installed()
+    versions = {"release": ", ".join(sorted(releases))} | installed_versions()
     told: dict[str, object] = {"time": time, "files": hashes, "versions": versions}
     code = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
     path = out / f"submission-{now:%Y%m%d-%H%M%S}.zip"
@@ -113,12 +123,13 @@ def submit(folder: Path, out: Path) -> Receipt:
     return Receipt(path, time, hashes, versions, code)
 
 
-def _installed() -> dict[str, str]:
-    found = {}
+def installed_versions() -> dict[str, str]:
+    """Return the versions of Python and of what a lesson's numbers depend on."""
+    found = {"python": platform.python_version()}
     for name in _VERSIONS:
         try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:  # OpenCV comes under several names
+            found[name] = version(name)
+        except PackageNotFoundError:  # OpenCV comes under several names
             continue
     return found
 
@@ -214,13 +225,13 @@ def _keep(path: Path) -> Path:
 
 def _carry_over(before: list[Cell] | None, own: list[Cell], new: list[Cell]) -> tuple[int, list[str]]:
     """Put a student's cells into a new notebook's; return how many, and those that found no place."""
-    given = {_key(cell): _source(cell) for cell in before or new}
-    exercises = {_key(cell): cell for cell in new if _is_exercise(cell)}
-    unchanged = {_source(cell): cell for cell in new if not _is_exercise(cell)}
+    given = {_key(cell): source_of(cell) for cell in before or new}
+    exercises = {_key(cell): cell for cell in new if is_solution(cell)}
+    unchanged = {source_of(cell): cell for cell in new if not is_solution(cell)}
     carried, lost, seen = 0, list[str](), set[str]()
     at = -1  # in `new`: where the student's last known cell stands
     for cell in own:
-        key, source = _key(cell), _source(cell)
+        key, source = _key(cell), source_of(cell)
         added = key not in given or key in seen
         seen.add(key)
         home = exercises.get(key) or unchanged.get(given.get(key, ""))
@@ -233,7 +244,7 @@ def _carry_over(before: list[Cell] | None, own: list[Cell], new: list[Cell]) -> 
             cell["metadata"].pop("nao_course", None)
             new.insert(at + 1, _blank(cell))
             at += 1
-        elif home is None or (before is None and not _is_exercise(home)):
+        elif home is None or (before is None and not is_solution(home)):
             lost.append(source.strip().splitlines()[0][:60])
             continue
         else:
@@ -247,28 +258,11 @@ def _blank(cell: Cell) -> Cell:
 
 
 def _key(cell: Cell) -> str:
-    return str(_grading(cell).get("grade_id") or cell.get("id", ""))
-
-
-def _is_exercise(cell: Cell) -> bool:
-    return bool(_grading(cell).get("solution"))
+    return grade_id(cell) or str(cell.get("id", ""))
 
 
 def _is_locked(cell: Cell) -> bool:
-    return bool(_grading(cell).get("locked"))
-
-
-def _grading(cell: Cell) -> dict[str, Any]:
-    return dict(cell.get("metadata", {}).get("nbgrader", {}))
-
-
-def _course(notebook: Notebook) -> dict[str, Any]:
-    return dict(notebook.get("metadata", {}).get("nao_course", {}))
-
-
-def _source(cell: Cell) -> str:
-    source = cell["source"]
-    return source if isinstance(source, str) else "".join(source)
+    return bool(metadata(cell, "nbgrader").get("locked"))
 
 
 def _cells_or_none(path: Path) -> list[Cell] | None:
@@ -277,13 +271,14 @@ def _cells_or_none(path: Path) -> list[Cell] | None:
         cells = _parsed(path.name, path.read_bytes())["cells"]
     except (OSError, ValueError):
         return None
-    return [_blank(cell) | {"source": _source(cell)} for cell in cells]
+    return [_blank(cell) | {"source": source_of(cell)} for cell in cells]
 
 
 def _parsed(name: str, content: bytes) -> Notebook:
     try:
         notebook: Notebook = json.loads(content)
-        [(_key(cell), _source(cell), cell["cell_type"]) for cell in notebook["cells"]]
+        for cell in notebook["cells"]:
+            "".join(cell["source"]), cell["cell_type"], cell.get("metadata", {}).keys()
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise ValueError(f"{name} is not a notebook ({type(error).__name__}: {error})") from None
     return notebook

@@ -45,7 +45,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
-_MARKS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
+_SIGNS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
 _DATA = "checks"
 
 
@@ -77,7 +77,7 @@ class Report:
 
     def __repr__(self) -> str:
         """Return the lines as text."""
-        return "\n".join((f"{_MARKS[self.state]} {self.lines[0]}", *(f"  {line}" for line in self.lines[1:])))
+        return "\n".join((f"{_SIGNS[self.state]} {self.lines[0]}", *(f"  {line}" for line in self.lines[1:])))
 
     def _repr_html_(self) -> str:
         """Return the lines in a box whose colour is also said by a sign."""
@@ -87,7 +87,7 @@ class Report:
         return (
             f'<div role="status" data-check="{escape(self.name)}" data-state="{self.state}" '
             f'style="border-left: 4px solid {colour}; padding: 0.4em 0.8em; margin: 0.3em 0">'
-            f'<div><strong style="color: {colour}">{_MARKS[self.state]} {first}</strong></div>{body}</div>'
+            f'<div><strong style="color: {colour}">{_SIGNS[self.state]} {first}</strong></div>{body}</div>'
         )
 
 
@@ -156,7 +156,9 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
 
 
 def explain(
-    exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str = "stopped after 20 seconds"
+    exercise: PublicExercise,
+    outcomes: Sequence[Outcome],
+    stopped: str = f"stopped after {running.SECONDS:g} seconds",
 ) -> Report:
     """Say what an exercise's public cases came to.
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
+from nao_course.exercises.cells import grade_id, is_graded, is_solution, metadata, source_of
 from nao_course.exercises.running import describe
 
 MOST_BYTES = 50 * 2**20
@@ -215,7 +216,7 @@ def read_notebook(path: str | Path) -> NotebookText:
     try:
         notebook = json.loads(file.read_bytes().decode("utf-8-sig"))
         cells = _cells(notebook)
-        code = [(_role(cell), _source(cell)) for cell in cells if cell.get("cell_type") == "code"]
+        code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
         text = NotebookText(code, _written(cells), *_stamp(notebook))
         language = _language(notebook)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
@@ -245,13 +246,8 @@ def _is_whole(cell: dict[str, Any]) -> bool:
 
 def _language(notebook: dict[str, Any]) -> str:
     """The language of a notebook's kernel, where it is another one than Python."""
-    language = _text(_dict(_dict(notebook.get("metadata")).get("kernelspec")).get("language") or "", 40)
+    language = _text(metadata(notebook, "kernelspec").get("language") or "", 40)
     return "" if "python" in language.lower() else language
-
-
-def _dict(value: Any) -> dict[str, Any]:
-    """A dict where there is one; metadata of another kind say nothing."""
-    return value if isinstance(value, dict) else {}
 
 
 def _text(value: Any, most: int) -> str:
@@ -263,31 +259,25 @@ def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
     """Written answers; what stands in several cells of one name is kept, one after the other."""
     answers: dict[str, str] = {}
     for cell in cells:
-        grading = _dict(_dict(cell.get("metadata")).get("nbgrader"))
-        if cell.get("cell_type") == "markdown" and grading.get("grade") and grading.get("solution"):
-            name = _text(grading.get("grade_id"), 100)
-            answers[name] = _text("\n\n".join(filter(None, [answers.get(name), _source(cell)])), MOST_WRITTEN)
+        if cell.get("cell_type") == "markdown" and is_graded(cell) and is_solution(cell):
+            name = _text(grade_id(cell), 100)
+            answers[name] = _text(
+                "\n\n".join(filter(None, [answers.get(name), source_of(cell)])), MOST_WRITTEN
+            )
     return answers
 
 
 def _stamp(notebook: dict[str, Any]) -> tuple[str, str]:
-    stamp = _dict(_dict(notebook.get("metadata")).get("nao_course"))
+    stamp = metadata(notebook, "nao_course")
     return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100)
 
 
 def _role(cell: dict[str, Any]) -> str:
-    metadata = _dict(cell.get("metadata"))
-    grading = _dict(metadata.get("nbgrader"))
-    if grading.get("solution"):
+    if is_solution(cell):
         return "solution"
-    if grading.get("grade"):
+    if is_graded(cell):
         return "check"
-    return str(_dict(metadata.get("nao_course")).get("role", "student"))
-
-
-def _source(cell: dict[str, Any]) -> str:
-    source = cell.get("source")
-    return "".join(map(str, source)) if isinstance(source, list) else str(source or "")
+    return str(metadata(cell, "nao_course").get("role", "student"))
 
 
 def _parse(source: str, file: str) -> list[ast.stmt]:

@@ -30,6 +30,9 @@ _NOT_THE_STUDENTS = (
 )
 
 
+SECONDS = 20.0  # that all public cases of an exercise may take, wall clock
+
+
 @register
 @dataclass(frozen=True)
 class Outcome:
@@ -80,7 +83,7 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
 
 
 def call_all(
-    function: Callable[..., Any], cases: Sequence[Case], driver: str = "", seconds: float = 20.0
+    function: Callable[..., Any], cases: Sequence[Case], driver: str = "", seconds: float = SECONDS
 ) -> list[Outcome]:
     """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
 

@@ -6,21 +6,18 @@ a submission in /autograder/submission, and /autograder/results/results.json is 
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 import sys
 import tempfile
-import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
+from nao_course.homework import zipped
 from nao_course.instructor import commands
-from nao_course.instructor.authoring.build import Course
-from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.autograding.secret import keyed
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import Journal
@@ -77,6 +74,13 @@ exec "${{NAO_COURSE_PYTHON:-$root/venv/bin/python}}" -P -m nao_course.instructor
 """
 
 
+_MODES = {
+    "setup.sh": 0o755,
+    "run_autograder": 0o755,
+    "secret": 0o600,
+}  # scripts as such; the secret for its owner
+
+
 def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -> Path:
     """Write the zip to upload as a lesson's autograder. It holds the solution: it is for Gradescope only.
 
@@ -102,7 +106,7 @@ def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -
         If there is no such lesson, or it is not built.
     """
     (name,) = course.names([lesson])
-    return write_whole(folder / f"autograder_{name}.zip", _zipped(contents(course, name, secret)))
+    return write_whole(folder / f"autograder_{name}.zip", zipped(contents(course, name, secret), _MODES))
 
 
 def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
@@ -122,19 +126,6 @@ def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
     files["run_autograder"] = _RUN.replace("LESSON", lesson).encode()
     files["secret"] = keyed(secret, "gradescope", lesson).encode()
     return files
-
-
-def _zipped(files: Mapping[str, bytes]) -> bytes:
-    """Pack files, scripts as such and the secret for its owner only; the same bytes for the same files."""
-    modes = {"setup.sh": 0o755, "run_autograder": 0o755, "secret": 0o600}
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(files):
-            entry = zipfile.ZipInfo(name)  # its date is 1980, always
-            entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
-            entry.external_attr = (0o100000 | modes.get(name, 0o644)) << 16
-            archive.writestr(entry, files[name])
-    return packed.getvalue()
 
 
 # --- what runs there ---
@@ -196,7 +187,7 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
 
 def main() -> None:
     """Grade a submission where Gradescope has put it; the argument is the lesson."""
-    from nao_course.instructor.authoring.build import load_course
+    from nao_course.instructor.authoring.course import load_course
 
     root = Path(os.environ.get(ROOT_VARIABLE) or ROOT)
     grade_submission(root, load_course(root / "source"), sys.argv[1])

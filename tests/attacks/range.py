@@ -43,9 +43,9 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.instructor.authoring.build import Course, load_course
+from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.autograding.grader import Assignment, prepare
-from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
 from nao_course.instructor.sandbox.confinement import LEVELS

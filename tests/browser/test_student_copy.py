@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from nao_course.instructor.authoring import build as building
-from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring import lesson_text, round_trip
+from nao_course.instructor.authoring.course import load_course
 from tests.browser.lab import browser_page, jupyter_lab, wait_for
 from tests.paths import PROJECT
 
@@ -53,10 +53,12 @@ def check_state(page, name):
 def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_green(tmp_path, chromium):
     folder = tmp_path / "notebooks"
     shutil.copytree(PROJECT / "notebooks", folder)
-    course = building.load_course(PROJECT)
-    solved = lessons.read_lesson(course.text(NAME))
+    course = load_course(PROJECT)
+    solved = lesson_text.read_lesson(course.text(NAME))
     (cell,) = (
-        cell for _, cell in lessons.code_cells(solved, "exercise") if lessons.exercise_name(cell) == EXERCISE
+        cell
+        for _, cell in lesson_text.code_cells(solved, "exercise")
+        if lesson_text.exercise_name(cell) == EXERCISE
     )
     with jupyter_lab(folder, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
         lab.open(page, f"{NAME}.ipynb")
@@ -89,7 +91,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
 def test_a_solution_that_is_edited_and_saved_in_jupyterlab_comes_back_into_the_text(tmp_path, chromium):
     shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
     shutil.copy(PROJECT / "course.toml", tmp_path)
-    course = building.load_course(tmp_path)
+    course = load_course(tmp_path)
     text = course.text(NAME).read_text(encoding="utf-8")
     with jupyter_lab(course.solutions, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
         lab.open(page, f"{NAME}.ipynb")
@@ -107,8 +109,8 @@ def test_a_solution_that_is_edited_and_saved_in_jupyterlab_comes_back_into_the_t
         into(page, check + 1)
         page.keyboard.insert_text('print("new")')
         page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save').then(() => null)")
-        wait_for(lambda: building.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
-    again = building.text_from_notebook(course, NAME)
+        wait_for(lambda: round_trip.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
+    again = round_trip.text_from_notebook(course, NAME)
     solution_end, check_end = "    ### END SOLUTION\n", f'check("{EXERCISE}", {EXERCISE})\n```\n'
     wanted = text.replace(solution_end, f"{solution_end}\n# edited in JupyterLab\n", 1)
     cell = '\n```{code-cell} ipython3\n:role: display\n\nprint("new")\n```\n'

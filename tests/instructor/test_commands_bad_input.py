@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 from nao_course import cli
 from nao_course.instructor.autograding.grader import prepare, refuse
 from nao_course.instructor.collecting.submissions import Submission
-from nao_course.instructor.gradebook import journal as journals
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from tests.paths import PROJECT
 from tests.toy import chain
@@ -184,7 +183,7 @@ def test_a_result_in_the_journal_that_makes_no_sense_is_said(place, command, tex
 
 @pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
 def test_a_journal_that_another_one_holds_is_said(place, command, monkeypatch):
-    monkeypatch.setattr(journals, "PATIENCE", 0.1)
+    monkeypatch.setattr("nao_course.instructor.gradebook.journal.PATIENCE", 0.1)
     with closing(sqlite3.connect(place / "grades" / NAME, isolation_level=None)) as database:
         database.execute("BEGIN IMMEDIATE")
         refused(place, words(place, command), "locked", "Another grader")
@@ -202,7 +201,14 @@ def test_a_journal_that_is_a_pipe_or_folder_is_said_at_once(place, command):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a read-only mount in a namespace")
-@pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param("grade", marks=pytest.mark.slow),
+        "regrade",
+        pytest.param("regrade again", marks=pytest.mark.slow),
+    ],
+)
 def test_grades_that_may_only_be_read_are_said(place, command):
     mount = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
     if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode:
@@ -389,6 +395,7 @@ def test_an_empty_journal_is_no_mistake(place):
         assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 def test_a_class_of_refused_submissions_has_a_status_of_0(place):
     """Each has its reason: that is all a run can do."""
     fill(place / "in" / "bob" / f"{chain.LESSON}.ipynb", b"{")

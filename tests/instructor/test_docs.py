@@ -170,6 +170,7 @@ ANYWHERE = {  # what an attacker does, and at which of the lower levels it works
 }
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="forks")
 @pytest.mark.parametrize("level", sorted(BOTH))
 def test_a_lower_level_holds_what_the_page_says_and_no_more(level, tmp_path):

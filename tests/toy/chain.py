@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from nao_course.instructor.authoring.build import Course, load_course
+from nao_course.instructor.authoring.course import Course, load_course
 
 LESSON = "90_chain"
 SECRET = b"a secret of sixteen bytes, or more"

@@ -1,1 +1,15 @@
-"""Writing a course: lesson texts and plans into notebooks, their checks, mutants and releases."""
+"""Writing a course: texts and plans into notebooks and back, their checks, mutants and releases."""
+
+__all__: list[str] = [
+    "build",
+    "course",
+    "execute",
+    "leaks",
+    "lesson_text",
+    "mutation",
+    "plan_checks",
+    "plans",
+    "release",
+    "round_trip",
+    "scaffold",
+]

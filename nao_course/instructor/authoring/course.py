@@ -7,10 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from nao_course.exercises import lesson_names
 from nao_course.exercises.exercise import LessonPlan
 from nao_course.instructor.authoring.plans import load_plan
-
-NUMBERED = "[0-9][0-9]_*"
 
 
 class LessonError(ValueError):
@@ -52,13 +51,14 @@ class Course:
         LessonError
             If there is no such lesson.
         """
-        there = sorted(path.stem for path in self.solutions.glob(f"{NUMBERED}.md"))
-        missing = [each for each in wanted if not any(_means(each, name) for name in there)]
+        there = sorted(path.stem for path in self.solutions.glob(f"{lesson_names.PATTERN}.md"))
+        meant = {word: lesson_names.meant(word, there) for word in wanted}
+        missing = [word for word, names in meant.items() if not names]
         if missing:
             raise LessonError(
                 f"there is no lesson {', '.join(map(_shown, missing))} in {self.solutions.name}/; {there}"
             )
-        return [name for name in there if not wanted or any(_means(each, name) for each in wanted)]
+        return [name for name in there if not wanted or any(name in names for names in meant.values())]
 
     def text(self, name: str) -> Path:
         """The file of a lesson's text."""
@@ -80,10 +80,6 @@ class Course:
 def _shown(name: str) -> str:
     """A word of a command, where somebody may have typed anything."""
     return name if name.isprintable() and len(name) <= 80 else repr(name[:80])
-
-
-def _means(wanted: str, name: str) -> bool:
-    return wanted == name or wanted.zfill(2) == name.split("_")[0]
 
 
 def load_course(folder: Path | None = None) -> Course:

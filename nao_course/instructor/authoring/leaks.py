@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import nbformat
 
-from nao_course.instructor.authoring import lesson_text as lessons
+from nao_course.instructor.authoring import lesson_text
 
 SMALLEST = 9  # nodes of a piece of code; smaller ones are alike by accident, such as a shape that is unpacked
 _BUILTINS = frozenset(dir(builtins))
@@ -66,10 +66,10 @@ def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[
     found: dict[str, Leak] = {}
     for file, content in public.items():
         for place, source in _code_in(file, content):
-            for mark, line in [*fingerprints(source), *_quoted(source)]:
-                if mark in secrets:
+            for fingerprint, line in [*fingerprints(source), *_quoted(source)]:
+                if fingerprint in secrets:
                     where = f"{file}, {place}line {line}"
-                    found.setdefault(where, Leak(where, secrets[mark]))
+                    found.setdefault(where, Leak(where, secrets[fingerprint]))
     return list(found.values())
 
 
@@ -81,7 +81,7 @@ def _code_in(file: str, content: bytes) -> Iterator[tuple[str, str]]:
         yield from (("example, ", each) for each in _fenced(content.decode()))
     elif file.endswith(".ipynb"):
         for number, cell in enumerate(nbformat.reads(content.decode(), as_version=4).cells, start=1):
-            pieces = [lessons.python(cell)] if cell.cell_type == "code" else _fenced(cell.source)
+            pieces = [lesson_text.python(cell)] if cell.cell_type == "code" else _fenced(cell.source)
             yield from ((f"cell {number}, ", piece) for piece in pieces)
 
 
@@ -137,7 +137,7 @@ def _quoted(source: str) -> Iterator[tuple[str, int]]:
     for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             inside = textwrap.dedent(node.value).strip()
-            yield from ((mark, node.lineno) for mark, _ in fingerprints(inside))
+            yield from ((fingerprint, node.lineno) for fingerprint, _ in fingerprints(inside))
 
 
 def _blocks(tree: ast.AST) -> Iterator[list[ast.stmt]]:

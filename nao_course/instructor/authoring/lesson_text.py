@@ -15,7 +15,9 @@ import nbformat
 from IPython.core.inputtransformer2 import TransformerManager
 from nbformat import NotebookNode
 
-from nao_course.instructor.authoring.course import LessonError as LessonError
+from nao_course.exercises import lesson_names
+from nao_course.exercises.cells import grade_id, metadata
+from nao_course.instructor.authoring.course import LessonError
 
 HEADER = """---
 jupytext:
@@ -86,7 +88,7 @@ def read_lesson(path: Path, text: str | None = None) -> NotebookNode:
                 cell["metadata"] = _with_grading(dict(cell.metadata))
             except LessonError as error:
                 problems.append(f"{place(path.name, notebook, ordinal)}: {error}")
-        cell["id"] = f"lesson{path.stem[:2]}-{grade_id(cell) or f'{ordinal:03d}'}"
+        cell["id"] = f"lesson{lesson_names.number_of(path.stem)}-{grade_id(cell) or f'{ordinal:03d}'}"
     if problems:
         raise LessonError("\n".join(problems))
     notebook.metadata = nbformat.from_dict(KERNEL | {"nao_course": {"lesson": path.stem}})
@@ -140,14 +142,9 @@ def _nbgrader(
 # --- what cells are ---
 
 
-def grade_id(cell: NotebookNode) -> str:
-    """Return a cell's name for nbgrader, or nothing."""
-    return str(cell.metadata.get("nbgrader", {}).get("grade_id", ""))
-
-
 def role(cell: NotebookNode) -> str:
     """Return exercise, check, setup or display of a code cell, written of an answer; of any other, nothing."""
-    return str(cell.metadata.get("nao_course", {}).get("role", ""))
+    return str(metadata(cell, "nao_course").get("role", ""))
 
 
 def exercise_name(cell: NotebookNode) -> str:
@@ -175,14 +172,14 @@ def python(cell: NotebookNode) -> str:
 
 
 def solution_lines(cell: NotebookNode) -> set[int]:
-    """Return the numbers of the lines between the marks of a cell's solution, from 1."""
+    """Return the numbers of the lines between the delimiters of a cell's solution, from 1."""
     lines: set[int] = set()
     within = False
     for number, line in enumerate(cell.source.splitlines(), start=1):
-        mark = line.strip()
-        if within and mark != END:
+        stripped = line.strip()
+        if within and stripped != END:
             lines.add(number)
-        within = mark == BEGIN or (within and mark != END)
+        within = stripped == BEGIN or (within and stripped != END)
     return lines
 
 
@@ -253,13 +250,13 @@ def _cell_problems(cell: NotebookNode, tree: ast.Module, declared: Collection[st
         yield f"{what} {name} is not declared in solutions/exercises; there are {sorted(declared)}"
     if what == "check" and cell.source != f'check("{name}", {name})':
         yield f'the cell of a check is exactly: check("{name}", {name})'
-    marks = [line.strip() for line in cell.source.splitlines() if line.strip() in (BEGIN, END)]
-    if marks != [BEGIN, END] * (len(marks) // 2):
+    delimiters = [line.strip() for line in cell.source.splitlines() if line.strip() in (BEGIN, END)]
+    if delimiters != [BEGIN, END] * (len(delimiters) // 2):
         yield f"{BEGIN} and {END} take turns, each alone in its line"
-    elif marks and what != "exercise":
+    elif delimiters and what != "exercise":
         yield "a solution stands outside an exercise: say :exercise: NAME"
     elif what == "exercise":
-        if not marks:
+        if not delimiters:
             yield f"an exercise needs its solution between {BEGIN} and {END}"
         if name not in {getattr(statement, "name", "") for statement in tree.body}:
             yield f"exercise {name} defines no function or class of that name"
@@ -287,7 +284,7 @@ def write_lesson(notebook: NotebookNode) -> str:
         If a cell holds something that text cannot: attachments, metadata of nbgrader's that the course has no word for,
         lines that MyST would read as something else.
     """
-    file = f"{notebook.metadata.get('nao_course', {}).get('lesson', 'lesson')}.ipynb"
+    file = f"{metadata(notebook, 'nao_course').get('lesson', 'lesson')}.ipynb"
     plain = nbformat.v4.new_notebook(metadata=KERNEL | {"jupytext": {"default_lexer": "ipython3"}})
     for ordinal, cell in enumerate(notebook.cells):
         if not cell.source.strip():  # JupyterLab leaves an empty one at the end
@@ -360,6 +357,12 @@ def fingerprint(notebook: NotebookNode) -> str:
 def text_hash(text: str) -> str:
     """Hash a lesson's text."""
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def notebook_bytes(notebook: NotebookNode) -> bytes:
+    """Return a notebook as the bytes of its file, the same for the same notebook."""
+    nbformat.validate(notebook)
+    return (nbformat.writes(notebook) + "\n").encode()
 
 
 def set_points(notebook: NotebookNode, points: Mapping[str, float]) -> None:

@@ -1,18 +1,17 @@
-"""A lesson's declaration and its reference: loaded, checked, and turned into what a student's checks carry."""
+"""A lesson's declaration and its reference: loaded, and turned into what a student's checks carry."""
 
 from __future__ import annotations
 
 import importlib.util
 import sys
-from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.checking import grade_public
+from nao_course.exercises import lesson_names
 from nao_course.exercises.codec import CodecError, decode, encode
 from nao_course.exercises.comparisons import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
@@ -25,14 +24,10 @@ from nao_course.exercises.exercise import (
     PublicMistake,
     PublicQuestion,
     PublicWritten,
-    Question,
-    Written,
 )
 from nao_course.exercises.running import call
 
 SOLUTIONS = Path("solutions")
-LARGEST_PICTURE = 64 * 48  # pixels; a lesson's public data travels with the package
-FEWEST = 3  # mistakes, and alternatives
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others
 
 
@@ -48,8 +43,8 @@ def lesson_name(lesson: str, solutions: Path = SOLUTIONS) -> str:
     PlanError
         If no lesson in `solutions` is meant, or several are.
     """
-    names = sorted(path.stem for path in (solutions / "exercises").glob("[0-9][0-9]_*.py"))
-    meant = [name for name in names if name == lesson or name.split("_")[0] == lesson.zfill(2)]
+    names = sorted(path.stem for path in (solutions / "exercises").glob(f"{lesson_names.PATTERN}.py"))
+    meant = lesson_names.meant(lesson, names)
     if len(meant) != 1:
         raise PlanError(f"there is no one lesson {lesson!r} with exercises in {solutions}; there are {names}")
     return meant[0]
@@ -66,7 +61,7 @@ def load_plan(path: str | Path) -> LessonPlan:
     Returns
     -------
     LessonPlan
-        Not checked yet; see `check_plan`.
+        Not checked yet; see `plan_checks.check_plan`.
 
     Raises
     ------
@@ -195,9 +190,9 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
     PlanError
         If the reference lacks an exercise or fails in one.
     """
-    lesson_number = int(lesson.split("_")[0])
+    lesson_number = int(lesson_names.number_of(lesson))
     exercises = [
-        publish_exercise(f"{lesson_number}.{number}", exercise, _of(reference, exercise))
+        publish_exercise(f"{lesson_number}.{number}", exercise, reference_of(reference, exercise))
         for number, exercise in enumerate(plan.exercises, start=1)
     ]
     questions = [
@@ -246,7 +241,14 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
     )
 
 
-def _of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:
+def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:
+    """Return an exercise's reference function.
+
+    Raises
+    ------
+    PlanError
+        If the solution lacks it.
+    """
     if exercise.name not in reference:
         raise PlanError(f"{exercise.name}: the solution notebook does not define it")
     return reference[exercise.name]
@@ -263,120 +265,3 @@ def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., 
         else:
             answers[str(number)] = {"raises": outcome.text.split(":")[0]}
     return answers
-
-
-# --- refusing what would fail a student later ---
-
-
-def check_plan(
-    lesson: str,
-    plan: LessonPlan,
-    reference: Mapping[str, Callable[..., Any]],
-    taken: Collection[str] = (),
-) -> None:
-    """Refuse a plan whose checks or grading would not work.
-
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering".
-    plan : LessonPlan
-        The declaration.
-    reference : mapping of str to callable
-        The solution's functions.
-    taken : collection of str
-        Names of the exercises of all other lessons.
-
-    Raises
-    ------
-    PlanError
-        One line for each thing that is wrong: which exercise and what.
-    """
-    problems = list(_name_problems(plan, taken))
-    for number, exercise in enumerate(plan.exercises, start=1):
-        try:
-            problems += _exercise_problems(str(number), exercise, _of(reference, exercise))
-        except PlanError as error:
-            problems.append(str(error))
-    if problems:
-        raise PlanError("\n".join(f"{lesson}: {problem}" for problem in problems))
-
-
-def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:
-    kinds: tuple[Sequence[Exercise | Question | Written], ...] = (
-        plan.exercises,
-        plan.questions,
-        plan.written,
-    )
-    names = [each.name for kind in kinds for each in kind]
-    for name in _twice([*names, *(name for name in taken if name in names)]):
-        yield f"{name}: the name is used twice"
-    for question in plan.questions:
-        if question.right not in question.choices:
-            yield f"{question.name}: its right answer is not one of its choices"
-
-
-def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., Any]) -> Iterator[str]:
-    """What is wrong with an exercise whose reference works; PlanError where that fails."""
-    name = exercise.name
-    if exercise.points > 0:
-        for kind, many in (("mistakes", exercise.mistakes), ("alternatives", exercise.alternatives)):
-            if len(many) < FEWEST:
-                yield f"{name}: {len(many)} {kind}; at least {FEWEST} are wanted"
-    for twice in _twice([each.name for each in exercise.mistakes]):
-        yield f"{name}: two mistakes are called {twice!r}"
-    for cases, kind in ((exercise.public(), "public"), (_drawn(exercise, SEEDS[0]), "hidden")):
-        if not cases:
-            yield f"{name}: no {kind} cases"
-            return
-    yield from _case_problems(exercise)
-    public = publish_exercise(number, exercise, function)
-    hidden = [case for seed in SEEDS for case in hidden_cases(exercise, function, seed)]
-    for title, alternative in exercise.alternatives.items():
-        report = grade_public(public, alternative)
-        if not report:
-            yield f"{name}: alternative {title!r} is not right: {' '.join(report.lines)}"
-        elif not (report := grade_public(replace(public, cases=hidden), alternative)):
-            yield f"{name}: alternative {title!r} is not right in a hidden case: {' '.join(report.lines)}"
-    for mistake in exercise.mistakes:
-        report = grade_public(public, mistake.function)
-        if report:
-            yield f"{name}: mistake {mistake.name!r}: no public case tells it from the right answer"
-        elif mistake.message not in report.lines:
-            yield f"{name}: mistake {mistake.name!r}: its message is not shown, but: {' '.join(report.lines)}"
-        if grade_public(replace(public, cases=hidden), mistake.function):
-            yield f"{name}: mistake {mistake.name!r}: no hidden case tells it from the right answer"
-
-
-def _drawn(exercise: Exercise, seed: int) -> list[Case]:
-    return exercise.hidden(np.random.default_rng(seed))
-
-
-def _case_problems(exercise: Exercise) -> Iterator[str]:
-    try:
-        if encode(exercise.public()) != encode(exercise.public()):
-            yield f"{exercise.name}: its public cases are not the same each time"
-        if encode(_drawn(exercise, SEEDS[0])) != encode(_drawn(exercise, SEEDS[0])):
-            yield f"{exercise.name}: its hidden cases are not the same for the same seed"
-    except CodecError as error:
-        raise PlanError(f"{exercise.name}: a case cannot be sent: {error}") from None
-    for number, case in enumerate(exercise.public(), start=1):
-        for array in _arrays((case.args, case.kwargs)):
-            if array.ndim >= 2 and array.shape[0] * array.shape[1] > LARGEST_PICTURE:
-                size = f"{array.shape[1]}x{array.shape[0]}"
-                yield f"{exercise.name}: public case {number} has a picture of {size}; 64x48 is the most"
-
-
-def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
-    """All arrays in a value."""
-    if isinstance(value, np.ndarray):
-        yield value
-    elif isinstance(value, tuple | list):
-        for each in value:
-            yield from _arrays(each)
-    elif isinstance(value, dict):
-        yield from _arrays(list(value.values()))
-
-
-def _twice(names: Sequence[str]) -> list[str]:
-    return [name for name, count in Counter(names).items() if count > 1]

@@ -10,10 +10,10 @@ from pathlib import Path, PurePosixPath
 
 from nao_course.exercises.checking import unpack
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
-from nao_course.instructor.authoring import lesson_text as lessons
-from nao_course.instructor.authoring.build import CHECKS, Course, build
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.build import CHECKS, build
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
-from nao_course.instructor.authoring.lesson_text import LessonError
 
 FOLDER = (
     "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
@@ -119,7 +119,11 @@ def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
     for name, content in files.items():
         if name.endswith(".ipynb"):
             text = content.decode()
-            problems += [f"{name} says {mark}" for mark in (lessons.BEGIN, lessons.END) if mark in text]
+            problems += [
+                f"{name} says {delimiter}"
+                for delimiter in (lesson_text.BEGIN, lesson_text.END)
+                if delimiter in text
+            ]
             if re.search(r"\bTODO\b", text):
                 problems.append(f"{name} says TODO: it is not finished")
             problems += [f"{name}: a written answer is in it" for answer in answers if answer in text]
@@ -133,7 +137,7 @@ def model_answers(course: Course) -> list[str]:
     return [
         json.dumps(line, ensure_ascii=False)[1:-1]
         for name in course.names()
-        for _, cell in lessons.written_cells(lessons.read_lesson(course.text(name)))
+        for _, cell in lesson_text.written_cells(lesson_text.read_lesson(course.text(name)))
         for line in cell.source.splitlines()
         if len(line) > 20
     ]
@@ -143,11 +147,11 @@ def secrets(course: Course) -> dict[str, str]:
     """Fingerprint all code that no student may get; by the fingerprint, what it is of."""
     found: dict[str, str] = {}
     for name in course.names():
-        notebook = lessons.read_lesson(course.text(name))
-        for _, cell in lessons.code_cells(notebook, "exercise"):
-            marks = fingerprints(lessons.python(cell), lessons.solution_lines(cell))
-            found |= {mark: f"the solution of {lessons.exercise_name(cell)}" for mark, _ in marks}
+        notebook = lesson_text.read_lesson(course.text(name))
+        for _, cell in lesson_text.code_cells(notebook, "exercise"):
+            pieces = fingerprints(lesson_text.python(cell), lesson_text.solution_lines(cell))
+            found |= {each: f"the solution of {lesson_text.exercise_name(cell)}" for each, _ in pieces}
     for path in sorted((course.solutions / "exercises").glob("*.py")):
-        marks = fingerprints(path.read_text(encoding="utf-8"))
-        found |= {mark: f"{path.name}, line {line}" for mark, line in marks}
+        pieces = fingerprints(path.read_text(encoding="utf-8"))
+        found |= {each: f"{path.name}, line {line}" for each, line in pieces}
     return found

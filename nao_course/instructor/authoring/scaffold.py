@@ -9,9 +9,9 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
-from nao_course.instructor.authoring import lesson_text as lessons
-from nao_course.instructor.authoring.build import Course
-from nao_course.instructor.authoring.lesson_text import LessonError
+from nao_course.exercises import lesson_names
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import Course, LessonError
 
 # The exercise that a scaffold declares doubles a number: all its parts are there, and each is to be replaced.
 _DECLARATION = """def _{name}_public() -> list[Case]:
@@ -130,13 +130,13 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
         raise LessonError(
             f"a lesson is two digits and a name such as 'ekf_derivations', got {number!r} {name!r}"
         )
-    taken = [each for each in course.names() if each.startswith(number)]
+    taken = lesson_names.meant(number, course.names())
     if taken:
         raise LessonError(f"lesson {number} is there already: {taken[0]}")
     title = name.replace("_", " ").capitalize()
     stem = f"{number}_{name}"
     text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
-    text.write_text(lessons.HEADER + _LESSON.format(title=title, name=stem), encoding="utf-8")
+    text.write_text(lesson_text.HEADER + _LESSON.format(title=title, name=stem), encoding="utf-8")
     plan.write_text(_PLAN.format(number=number, title=title), encoding="utf-8")
     return [text, plan]
 
@@ -173,12 +173,12 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
             )
     text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
     declared = _with_declaration(plan, name)
-    notebook = lessons.read_lesson(text)
+    notebook = lesson_text.read_lesson(text)
     number = len(course.plan(stem).exercises) + 1
-    checks = lessons.code_cells(notebook, "check") or lessons.code_cells(notebook, "setup")
+    checks = lesson_text.code_cells(notebook, "check") or lesson_text.code_cells(notebook, "setup")
     place = checks[-1][0] + 1
-    notebook.cells[place:place] = _cells(f"{int(stem[:2])}.{number}", name)
-    text.write_text(lessons.write_lesson(notebook), encoding="utf-8")
+    notebook.cells[place:place] = _cells(f"{int(lesson_names.number_of(stem))}.{number}", name)
+    text.write_text(lesson_text.write_lesson(notebook), encoding="utf-8")
     plan.write_text(declared, encoding="utf-8")
     return [text, plan]
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import platform
 import threading
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import partial
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.grader import (
     Assignment,
     GraderError,
@@ -22,8 +21,8 @@ from nao_course.instructor.autograding.grader import (
     submission_hash,
 )
 from nao_course.instructor.collecting.submissions import Submission
-from nao_course.instructor.gradebook.journal import Journal, Mark, Override
-from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import each_score
 
 if TYPE_CHECKING:
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 Grade = Callable[[Submission, Assignment], SubmissionResult]
 Outcome = SubmissionResult | GraderError
-_VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
 
 
 @dataclass
@@ -178,13 +176,7 @@ def _outcome(future: Future[SubmissionResult]) -> Outcome:
 
 def installed() -> str:
     """Name the versions that a result was made with."""
-    found = [f"Python {platform.python_version()}"]
-    for name in _VERSIONS:
-        try:
-            found.append(f"{name} {metadata.version(name)}")
-        except metadata.PackageNotFoundError:  # OpenCV comes under several names
-            continue
-    return ", ".join(found)
+    return ", ".join(f"{name} {version}" for name, version in installed_versions().items())
 
 
 def mean_score(journal: Journal, lesson: str) -> tuple[int, float, float]:

@@ -146,7 +146,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     Parameters
     ----------
     course : Course
-        From `building.load_course`.
+        From `course.load_course`.
     lesson : str
         Number or name.
     secret : bytes

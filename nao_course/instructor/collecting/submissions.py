@@ -1,26 +1,10 @@
-"""What students handed in: found in folders and in the zips of learning platforms, named, bounded and hashed.
-
-Understood are, each in a folder or in a zip:
-
-- ``STUDENT/01_hsl_filtering.ipynb``, also some folders deeper;
-- ``STUDENT_01_hsl_filtering.ipynb``;
-- Moodle's ``Firstname Lastname_1234567_assignsubmission_file_/01_hsl_filtering.ipynb`` and the older
-  ``Firstname Lastname_1234567_assignsubmission_file_01_hsl_filtering.ipynb``;
-- Canvas's ``lastnamefirstname_123456_7890123_01_hsl_filtering.ipynb``, with ``_LATE`` after the name, and with ``-2``
-  after the file's name where it was handed in again;
-- a zip wherever a notebook might be, such as that of ``nao-course submit``. A zip within that zip is not opened.
-
-The lesson is in the file's name, whatever a browser or Jupyter added: ``01_hsl_filtering (1).ipynb``,
-``01_hsl_filtering-Copy1.ipynb``. A student is called by the folder or what precedes the lesson, with the platform's
-number: two students may have one name. Notebooks are not opened here.
-"""
+"""What students handed in: found in folders and in the zips of learning platforms, bounded and hashed."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import re
-import unicodedata
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,18 +21,11 @@ from nao_course.instructor.collecting.archives import (
     in_zip,
     read_plain,
 )
+from nao_course.instructor.collecting.names import NamedFile, clean_name, lesson_of, name_file
 
 MOST_HELPERS, LARGEST_HELPER = 20, 2**20
-LONGEST_NAME = 100
 _MOST_NOTES = 20
-_MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
-_CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
-_COPY = r"(?:[ _-]*(?:\(\d+\)|(?:copy|kopie|v|final) ?\d*|\d{1,3}))*"
-_RESUBMITTED = re.compile(r"-(\d{1,3})$")
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
-_PLAIN = re.compile(r"[a-z0-9_][a-z0-9_.-]{0,59}(?<![.])")
-_HASHED = re.compile(r".*-[0-9a-f]{16}")
-_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
 @dataclass(frozen=True)
@@ -137,36 +114,6 @@ def read(submission: Submission) -> Files:
     return Files(notebook, {name: read_plain(path, LARGEST_HELPER) for name, path in submission.helpers})
 
 
-def safe_name(student: str) -> str:
-    """Return a file name for a student: no two have one, whatever the file system makes of upper and lower case.
-
-    Examples
-    --------
-    >>> safe_name("ada_lovelace")
-    'ada_lovelace'
-    >>> safe_name("../Ada")
-    'ada-4e4af21652b78501'
-    """
-    ordinary = (
-        _PLAIN.fullmatch(student) and not _HASHED.fullmatch(student) and not _RESERVED.fullmatch(student)
-    )
-    if ordinary:
-        return student
-    letters = unicodedata.normalize("NFKD", student).encode("ascii", "ignore").decode().lower()
-    start = re.sub(r"[^a-z0-9_]+", "-", letters).strip("-")[:40] or "student"
-    return f"{start}-{hashlib.sha256(student.encode('utf-8', 'surrogatepass')).hexdigest()[:16]}"
-
-
-def clean_name(name: str) -> str:
-    """Return a name without control characters or halves of characters, not too long, and still its own."""
-    name = name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
-    name = unicodedata.normalize("NFC", name).strip()
-    name = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in name)
-    if len(name) > LONGEST_NAME:
-        name = f"{name[: LONGEST_NAME - 20]}...{hashlib.sha256(name.encode()).hexdigest()[:16]}"
-    return name
-
-
 def gather(
     path: Path, scratch: Path, lessons: Sequence[str], wanted: Sequence[str] | None = None
 ) -> Gathered:
@@ -224,15 +171,6 @@ def _unwrapped(items: list[Item]) -> list[Item]:
 
 
 @dataclass(frozen=True)
-class _Name:
-    """Whose file it is and what it is called, from where it lies."""
-
-    student: str
-    file: str
-    order: tuple[int, int] = (0, 0)  # Canvas: handed in again how often, and its number
-
-
-@dataclass(frozen=True)
 class _Candidate:
     """A notebook that may be a student's submission."""
 
@@ -240,45 +178,6 @@ class _Candidate:
     order: tuple[Any, ...]
     home: tuple[Any, ...]  # helpers with the same one belong to it
     shown: str
-
-
-def _named(parts: tuple[str, ...], lessons: Sequence[str]) -> _Name | None:
-    """Whose file lies there; nobody's where no student is named."""
-    first, last = parts[0], parts[-1]
-    if moodle := _MOODLE.fullmatch(first):
-        return _Name(moodle["student"], last if len(parts) > 1 else moodle["file"])
-    if len(parts) > 1:
-        return _Name(first, last)
-    if canvas := _CANVAS.fullmatch(first):
-        stem, dot, suffix = canvas["file"].rpartition(".")
-        again = _RESUBMITTED.search(stem)
-        name = _RESUBMITTED.sub("", stem) + dot + suffix
-        order = (int(again[1]) if again else 0, int(canvas["handed_in"][:18]))
-        return _Name(f"{canvas['student']}_{canvas['user']}", name, order)
-    stem, _, suffix = first.rpartition(".")
-    for pattern in (_lesson_pattern(lessons), r"(?P<lesson>submission-\d{8}-\d{6})"):
-        found = re.fullmatch(rf"(?P<student>.*?){pattern}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
-        if found and (student := found["student"].strip("_- ")):
-            return _Name(student, first[found.start("lesson") :])
-    return _Name(stem, first) if re.fullmatch(r"submission-.*", stem) and suffix == "zip" else None
-
-
-def _lesson_pattern(lessons: Sequence[str]) -> str:
-    return "(?P<lesson>" + "|".join(re.sub("[_-]", "[ _-]", name) for name in lessons) + ")"
-
-
-def lesson_of(file: str, lessons: Sequence[str]) -> str:
-    """Return the lesson that a file is named after; nothing where it is none.
-
-    Examples
-    --------
-    >>> lesson_of("01_HSL_filtering (1).ipynb", ["01_hsl_filtering"])
-    '01_hsl_filtering'
-    """
-    stem = file.rpartition(".")[0] or file
-    found = re.fullmatch(rf"(?:.*[_ -])?{_lesson_pattern(lessons)}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
-    name = re.sub("[ -]", "_", found["lesson"].lower()) if found else ""
-    return next((each for each in lessons if each.replace("-", "_") == name), "") if name else ""
 
 
 class _Search:
@@ -294,7 +193,7 @@ class _Search:
     def look_at(self, item: Item) -> None:
         """Sort a file in."""
         shown = clean_name("/".join(item.parts))
-        name = _named(item.parts, self.lessons)
+        name = name_file(item.parts, self.lessons)
         if name is None:
             if item.parts[-1] not in ("receipt.json",):
                 self.unknown.append(f"{shown}: it names no student and lesson")
@@ -303,7 +202,7 @@ class _Search:
         else:
             self.take(item, name, (item.source.parent, item.parts[:-1]), name.order, item.time, shown)
 
-    def look_into(self, item: Item, name: _Name, shown: str) -> None:
+    def look_into(self, item: Item, name: NamedFile, shown: str) -> None:
         """Sort in what a student's zip holds."""
         try:
             path = self.unpack(item, "handed_in.zip", LARGEST_ZIP)
@@ -320,14 +219,14 @@ class _Search:
         time = _receipt_time(inside) or item.time
         for each in inside:
             within = f"{shown}/{clean_name('/'.join(each.parts))}"
-            inner = _Name(name.student, each.parts[-1], name.order)
+            inner = NamedFile(name.student, each.parts[-1], name.order)
             if inner.file.lower().endswith(".zip"):
                 self.unknown.append(f"{within}: a zip within a zip is not opened")
             else:
                 self.take(each, inner, (path, each.parts[:-1]), name.order, time, within)
 
     def take(
-        self, item: Item, name: _Name, place: tuple[Any, ...], order: Any, time: float, shown: str
+        self, item: Item, name: NamedFile, place: tuple[Any, ...], order: Any, time: float, shown: str
     ) -> None:
         """Sort in a notebook or helper."""
         home = (name.student, *place)
@@ -343,7 +242,13 @@ class _Search:
             self.unknown.append(f"{shown}: {item.problem or 'it is no notebook'}")
 
     def add(
-        self, item: Item, name: _Name, lesson: str, home: tuple[Any, ...], order: tuple[Any, ...], shown: str
+        self,
+        item: Item,
+        name: NamedFile,
+        lesson: str,
+        home: tuple[Any, ...],
+        order: tuple[Any, ...],
+        shown: str,
     ) -> None:
         """Remember a notebook."""
         if not item.problem and item.size == 0:

@@ -11,17 +11,22 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
-from nao_course.instructor.gradebook.records import SubmissionResult, as_json, from_json
+from nao_course.instructor.gradebook.records import (
+    Mark,
+    Override,
+    SubmissionResult,
+    as_json,
+    from_json,
+    now,
+)
 
 NAME = "journal.sqlite"
 VERSION = 1
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
-_MARK = 0x4E414F4A  # "NAOJ": tells this file from other SQLite files
+_APPLICATION = 0x4E414F4A  # "NAOJ": tells this file from other SQLite files
 _COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
 _SCHEMA = f"""
 CREATE TABLE results (
@@ -36,65 +41,13 @@ CREATE TABLE marks (
     student TEXT NOT NULL, lesson TEXT NOT NULL, question TEXT NOT NULL, points REAL NOT NULL, comment TEXT NOT NULL,
     time TEXT NOT NULL);
 CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
-PRAGMA application_id = {_MARK};
+PRAGMA application_id = {_APPLICATION};
 PRAGMA user_version = {VERSION};
 """
 
 
 class JournalError(ValueError):
     """A journal that cannot be used or written; the message says which and what to do."""
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-@dataclass(frozen=True)
-class Override:
-    """Points that a person gave instead of the grader.
-
-    Parameters
-    ----------
-    student, lesson, exercise : str
-        Whose, and of which exercise.
-    points : float
-        What it is worth now.
-    reason : str
-        Why.
-    time : str
-        When, in UTC.
-    """
-
-    student: str
-    lesson: str
-    exercise: str
-    points: float
-    reason: str
-    time: str = field(default_factory=_now)
-
-
-@dataclass(frozen=True)
-class Mark:
-    """Points that a person gave for a written answer.
-
-    Parameters
-    ----------
-    student, lesson, question : str
-        Whose answer, and to which question.
-    points : float
-        What it got.
-    comment : str
-        For the student.
-    time : str
-        When, in UTC.
-    """
-
-    student: str
-    lesson: str
-    question: str
-    points: float
-    comment: str = ""
-    time: str = field(default_factory=_now)
 
 
 class Journal:
@@ -137,15 +90,15 @@ class Journal:
     def _prepare(self) -> None:
         """Make the tables of a new file; refuse a file that is another one's."""
         self._database.execute("PRAGMA synchronous = NORMAL")
-        mark, version = self._pragma("application_id"), self._pragma("user_version")
-        new = (mark, version) == (0, 0)
+        application, version = self._pragma("application_id"), self._pragma("user_version")
+        new = (application, version) == (0, 0)
         if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
                     for statement in _SCHEMA.split(";"):
                         self._database.execute(statement)
-            mark, version = self._pragma("application_id"), self._pragma("user_version")
-        if mark != _MARK:
+            application, version = self._pragma("application_id"), self._pragma("user_version")
+        if application != _APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
         if version > VERSION:
             raise JournalError(
@@ -195,7 +148,7 @@ class Journal:
             result.level,
             result.seconds,
             versions,
-            _now(),
+            now(),
             json.dumps(as_json(result), ensure_ascii=False),
         )
         with self._writing():
@@ -289,7 +242,7 @@ class Journal:
     def began(self, submissions: Path) -> None:
         """Note where the submissions of a run are."""
         with self._writing():
-            self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), _now()))
+            self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), now()))
 
     def places(self) -> list[Path]:
         """Where the submissions of all runs were, the last run's first."""

@@ -1,9 +1,10 @@
-"""What the grader says of a submission: plain values that the journal keeps and every export reads."""
+"""What the grader and then people say of a submission: plain values that the journal keeps and exports read."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
 from typing import Any, Literal
 
 State = Literal[
@@ -151,6 +152,65 @@ class SubmissionResult:
     def points(self) -> float:
         """What all exercises are worth."""
         return sum(each.points for each in self.exercises)
+
+
+# --- what people say ---
+
+
+def now() -> str:
+    """Return the time in UTC, as records carry it."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+@dataclass(frozen=True)
+class Override:
+    """Points that a person gave instead of the grader.
+
+    Parameters
+    ----------
+    student, lesson, exercise : str
+        Whose, and of which exercise.
+    points : float
+        What it is worth now.
+    reason : str
+        Why.
+    time : str
+        When, in UTC.
+    """
+
+    student: str
+    lesson: str
+    exercise: str
+    points: float
+    reason: str
+    time: str = field(default_factory=now)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Points that a person gave for a written answer.
+
+    Parameters
+    ----------
+    student, lesson, question : str
+        Whose answer, and to which question.
+    points : float
+        What it got.
+    comment : str
+        For the student.
+    time : str
+        When, in UTC.
+    """
+
+    student: str
+    lesson: str
+    question: str
+    points: float
+    comment: str = ""
+    time: str = field(default_factory=now)
+
+
+# --- as JSON ---
 
 
 def as_json(result: SubmissionResult) -> dict[str, Any]:

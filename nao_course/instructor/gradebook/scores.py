@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-from nao_course.instructor.gradebook.records import ExerciseResult, SubmissionResult, WrittenAnswer
-
-if TYPE_CHECKING:
-    from nao_course.instructor.gradebook.journal import Mark, Override
+from nao_course.instructor.gradebook.records import (
+    ExerciseResult,
+    Mark,
+    Override,
+    SubmissionResult,
+    WrittenAnswer,
+)
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Score:
         override = self.overrides.get(exercise.name)
         return exercise.earned if override is None else override.points
 
-    def mark(self, answer: WrittenAnswer) -> float | None:
+    def of_answer(self, answer: WrittenAnswer) -> float | None:
         """Points of a written answer; None while a person has to mark it. What was left empty has none."""
         mark = self.marks.get(answer.name)
         if mark is not None:
@@ -47,7 +49,7 @@ class Score:
     def earned(self) -> float:
         """Points so far: exercises and marked answers."""
         return sum(map(self.of, self.result.exercises)) + sum(
-            self.mark(each) or 0.0 for each in self.result.written
+            self.of_answer(each) or 0.0 for each in self.result.written
         )
 
     @property
@@ -58,7 +60,7 @@ class Score:
     @property
     def waiting(self) -> tuple[WrittenAnswer, ...]:
         """Written answers that a person has still to mark."""
-        return tuple(each for each in self.result.written if self.mark(each) is None)
+        return tuple(each for each in self.result.written if self.of_answer(each) is None)
 
 
 def score(result: SubmissionResult, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()) -> Score:

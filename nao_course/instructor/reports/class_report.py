@@ -55,7 +55,7 @@ _STYLE: Any = {
 
 
 @dataclass(frozen=True)
-class Exercise:
+class ExerciseSummary:
     """How a class did in one exercise.
 
     Parameters
@@ -151,7 +151,7 @@ def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
     return element("table", element("tbody", *cells))
 
 
-def exercises_of(graded: Sequence[Score]) -> list[Exercise]:
+def exercises_of(graded: Sequence[Score]) -> list[ExerciseSummary]:
     """How a class did in each exercise, in the lesson's order.
 
     Parameters
@@ -166,17 +166,17 @@ def exercises_of(graded: Sequence[Score]) -> list[Exercise]:
     return [_exercise(given) for given in by_name.values()]
 
 
-def _exercise(given: Sequence[tuple[Score, ExerciseResult]]) -> Exercise:
+def _exercise(given: Sequence[tuple[Score, ExerciseResult]]) -> ExerciseSummary:
     last = given[-1][1]
     counts = {kind: sum(each.state in states for _, each in given) for kind, (_, _, states) in _KINDS.items()}
     shares = [
         score.of(each) / each.points if each.points > 0 else float(each.state == "right")
         for score, each in given
     ]
-    return Exercise(f"{last.number} {last.name}".strip(), last.points, mean(shares), counts)
+    return ExerciseSummary(f"{last.number} {last.name}".strip(), last.points, mean(shares), counts)
 
 
-def _hardest(exercises: Sequence[Exercise]) -> Iterator[Markup]:
+def _hardest(exercises: Sequence[ExerciseSummary]) -> Iterator[Markup]:
     """Name the exercises that the class lost most in."""
     hard = sorted((each for each in exercises if each.share < 1), key=lambda each: each.share)[:HARDEST]
     if hard:
@@ -188,7 +188,7 @@ def _hardest(exercises: Sequence[Exercise]) -> Iterator[Markup]:
         yield element("ol", *rows)
 
 
-def _exercises_table(exercises: Sequence[Exercise]) -> Markup:
+def _exercises_table(exercises: Sequence[ExerciseSummary]) -> Markup:
     """The figure's numbers, for whoever cannot see it."""
     names = ["exercise", "points", "earned", *_KINDS]
     head = [element("th", names[0], scope="col")]
@@ -258,7 +258,7 @@ def _scores_figure(graded: Sequence[Score]) -> Markup:
     )
 
 
-def _exercises_figure(exercises: Sequence[Exercise], submissions: int) -> Markup:
+def _exercises_figure(exercises: Sequence[ExerciseSummary], submissions: int) -> Markup:
     """What share of the class got each exercise right, wrong, or not at all."""
     shares = {kind: np.array([each.counts[kind] for each in exercises]) for kind in _KINDS}
     total = np.maximum(sum(shares.values()), 1)

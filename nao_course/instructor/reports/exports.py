@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from nao_course.instructor.collecting.submissions import safe_name
+from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import ExerciseResult, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, scores
@@ -96,7 +96,7 @@ def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str 
     given: dict[tuple[str, str], float | None] = {
         (each.number, each.name): score.of(each) for each in score.result.exercises
     }
-    given |= {(each.number, each.name): score.mark(each) for each in score.result.written}
+    given |= {(each.number, each.name): score.of_answer(each) for each in score.result.written}
     return [
         *(given.get(column) for column in columns),
         score.earned,
@@ -165,7 +165,7 @@ def _exercise_test(score: Score, exercise: ExerciseResult) -> dict[str, Any]:
 
 def _written_test(score: Score, answer: WrittenAnswer) -> dict[str, Any]:
     mark = score.marks.get(answer.name)
-    points = score.mark(answer) or 0.0
+    points = score.of_answer(answer) or 0.0
     return _test(answer, points, points >= answer.points, mark.comment if mark else "There is no answer.")
 
 

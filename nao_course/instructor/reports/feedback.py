@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from nao_course.instructor.collecting.submissions import safe_name
-from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.gradebook.records import (
+    ExerciseResult,
+    Mark,
+    Override,
+    State,
+    SubmissionResult,
+    WrittenAnswer,
+)
 from nao_course.instructor.gradebook.scores import Score, score
 from nao_course.instructor.reports.html import (
     Markup,
@@ -23,9 +30,6 @@ from nao_course.instructor.reports.html import (
     prose,
     write_whole,
 )
-
-if TYPE_CHECKING:
-    from nao_course.instructor.gradebook.journal import Mark, Override
 
 LONGEST = 20_000  # characters of one text that are shown
 _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what it means
@@ -285,7 +289,7 @@ def _written(score: Score) -> Iterator[Markup]:
 
 
 def _answer(score: Score, answer: WrittenAnswer) -> Iterator[Markup]:
-    given = score.mark(answer)
+    given = score.of_answer(answer)
     points = f"{number(given)} of {_points(answer.points)}" if given is not None else _points(answer.points)
     title = element("h3", answer.number, " " if answer.number else "", "In your own words")
     yield element("div", title, element("span", points, class_="points"), class_="top")

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from nao_course.instructor.collecting.submissions import safe_name
-from nao_course.instructor.gradebook.journal import Journal, Mark
-from nao_course.instructor.gradebook.records import WrittenAnswer
+from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, scores
 from nao_course.instructor.reports.html import (
     Markup,
@@ -91,7 +91,7 @@ class _Answer:
 
     @property
     def is_open(self) -> bool:
-        return self.score.mark(self.answer) is None
+        return self.score.of_answer(self.answer) is None
 
 
 def write_sheets(journal: Journal, folder: Path) -> list[Sheet]:

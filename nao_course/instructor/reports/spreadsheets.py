@@ -31,7 +31,7 @@ class Row:
     number : int
         As the spreadsheet counts: the header is row 1.
     cells : mapping of str to str
-        By the header's names, as they were before `harmless`.
+        By the header's names, as they were before `escape_formula`.
     """
 
     number: int
@@ -42,29 +42,29 @@ class Row:
         return self.cells[name]
 
 
-def harmless(text: str) -> str:
-    """Put an apostrophe before what a spreadsheet would run as a formula; see `as_it_was`.
+def escape_formula(text: str) -> str:
+    """Put an apostrophe before what a spreadsheet would run as a formula; see `unescape_formula`.
 
     Examples
     --------
-    >>> harmless("=1+1"), harmless("Ada"), as_it_was(harmless("'=1+1"))
+    >>> escape_formula("=1+1"), escape_formula("Ada"), unescape_formula(escape_formula("'=1+1"))
     ("'=1+1", 'Ada', "'=1+1")
     """
     return f"'{text}" if _FORMULA.match(text) else text
 
 
-def as_it_was(cell: str) -> str:
-    """Take away the apostrophe that `harmless` put there."""
+def unescape_formula(cell: str) -> str:
+    """Take away the apostrophe that `escape_formula` put there."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
 
 
 def table(rows: Iterable[Sequence[str | float | None]]) -> bytes:
-    """Make a CSV file (RFC 4180), in UTF-8 with the mark that spreadsheets know it by.
+    """Make a CSV file (RFC 4180), in UTF-8 with the byte order mark that spreadsheets know it by.
 
     Parameters
     ----------
     rows : iterable of sequence
-        Text is made harmless; numbers are written as they are, None as an empty cell.
+        Text that would be a formula is escaped; numbers are written as they are, None as an empty cell.
     """
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerows([[_cell(each) for each in row] for row in rows])
@@ -75,7 +75,7 @@ def _cell(value: str | float | None) -> str:
     if value is None:
         return ""
     if isinstance(value, str):
-        return harmless(fitting(value))
+        return escape_formula(fitting(value))
     return f"{round(float(value), 6) + 0.0:.6f}".rstrip("0").rstrip(".")
 
 
@@ -142,7 +142,7 @@ def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> t
 
 
 def _text(path: Path) -> str:
-    """A file's text. An encoding that no mark names is UTF-8 where it can be, else what Excel calls CSV."""
+    """A file's text. An encoding that no byte order mark names is UTF-8 where it can be, else what Excel calls CSV."""
     if path.stat().st_size > LARGEST:
         raise TableError(f"{path.name} is larger than {LARGEST // 2**20} MB")
     data = path.read_bytes()
@@ -184,7 +184,7 @@ def _rows(file: str, rows: Sequence[Sequence[str]], header: Sequence[str]) -> It
         for at, cell in enumerate(cells):
             name = names[at] if at < len(names) else ""
             if name:
-                filled[name] = as_it_was(cell)
+                filled[name] = unescape_formula(cell)
             elif cell.strip():
                 where = f"{file}, row {number}: {cell[:40]!r} stands in a column without a name"
                 raise TableError(f"{where}. Is a quotation mark missing?")

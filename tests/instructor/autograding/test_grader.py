@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises.comparisons import Close
-from nao_course.instructor.authoring.build import load_course
+from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, prepare
 from nao_course.instructor.collecting.submissions import Submission

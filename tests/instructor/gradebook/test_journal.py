@@ -12,8 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from nao_course.instructor.gradebook.journal import NAME, VERSION, Journal, JournalError, Mark, Override
-from nao_course.instructor.gradebook.records import ExerciseResult, SubmissionResult, WrittenAnswer
+from nao_course.instructor.gradebook.journal import NAME, VERSION, Journal, JournalError
+from nao_course.instructor.gradebook.records import (
+    ExerciseResult,
+    Mark,
+    Override,
+    SubmissionResult,
+    WrittenAnswer,
+)
 
 LESSON = "01_hsl_filtering"
 EXERCISE = ExerciseResult(

@@ -1,0 +1,129 @@
+"""Whose file it is and of which lesson: the names that students, browsers and learning platforms give.
+
+Understood are, each in a folder or in a zip:
+
+- ``STUDENT/01_hsl_filtering.ipynb``, also some folders deeper;
+- ``STUDENT_01_hsl_filtering.ipynb``;
+- Moodle's ``Firstname Lastname_1234567_assignsubmission_file_/01_hsl_filtering.ipynb`` and the older
+  ``Firstname Lastname_1234567_assignsubmission_file_01_hsl_filtering.ipynb``;
+- Canvas's ``lastnamefirstname_123456_7890123_01_hsl_filtering.ipynb``, with ``_LATE`` after the name, and with ``-2``
+  after the file's name where it was handed in again;
+- a zip wherever a notebook might be, such as that of ``nao-course submit``. A zip within that zip is not opened.
+
+The lesson is in the file's name, whatever a browser or Jupyter added: ``01_hsl_filtering (1).ipynb``,
+``01_hsl_filtering-Copy1.ipynb``. A student is called by the folder or what precedes the lesson, with the platform's
+number: two students may have one name. Nothing is opened here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+LONGEST_NAME = 100
+_MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
+_CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
+_COPY = r"(?:[ _-]*(?:\(\d+\)|(?:copy|kopie|v|final) ?\d*|\d{1,3}))*"
+_RESUBMITTED = re.compile(r"-(\d{1,3})$")
+_PLAIN = re.compile(r"[a-z0-9_][a-z0-9_.-]{0,59}(?<![.])")
+_HASHED = re.compile(r".*-[0-9a-f]{16}")
+_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+
+
+@dataclass(frozen=True)
+class NamedFile:
+    """Whose file it is and what it is called, from where it lies.
+
+    Parameters
+    ----------
+    student : str
+        Whose.
+    file : str
+        What it is called, without what a platform added.
+    order : tuple of int
+        Of two files of one name the larger one counts: for Canvas, how often it was handed in again and its number.
+    """
+
+    student: str
+    file: str
+    order: tuple[int, int] = (0, 0)
+
+
+def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | None:
+    """Say whose file lies somewhere; None where no student is named.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        Where it lies, by folders; the last one is the file's own name.
+    lessons : sequence of str
+        Names of the lessons that there are.
+    """
+    first, last = parts[0], parts[-1]
+    if moodle := _MOODLE.fullmatch(first):
+        return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
+    if len(parts) > 1:
+        return NamedFile(first, last)
+    if canvas := _CANVAS.fullmatch(first):
+        stem, dot, suffix = canvas["file"].rpartition(".")
+        again = _RESUBMITTED.search(stem)
+        name = _RESUBMITTED.sub("", stem) + dot + suffix
+        order = (int(again[1]) if again else 0, int(canvas["handed_in"][:18]))
+        return NamedFile(f"{canvas['student']}_{canvas['user']}", name, order)
+    stem, _, suffix = first.rpartition(".")
+    for pattern in (_lesson_pattern(lessons), r"(?P<lesson>submission-\d{8}-\d{6})"):
+        found = re.fullmatch(rf"(?P<student>.*?){pattern}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
+        if found and (student := found["student"].strip("_- ")):
+            return NamedFile(student, first[found.start("lesson") :])
+    return NamedFile(stem, first) if re.fullmatch(r"submission-.*", stem) and suffix == "zip" else None
+
+
+def _lesson_pattern(lessons: Sequence[str]) -> str:
+    return "(?P<lesson>" + "|".join(re.sub("[_-]", "[ _-]", name) for name in lessons) + ")"
+
+
+def lesson_of(file: str, lessons: Sequence[str]) -> str:
+    """Return the lesson that a file is named after; nothing where it is none.
+
+    Examples
+    --------
+    >>> lesson_of("01_HSL_filtering (1).ipynb", ["01_hsl_filtering"])
+    '01_hsl_filtering'
+    """
+    stem = file.rpartition(".")[0] or file
+    found = re.fullmatch(rf"(?:.*[_ -])?{_lesson_pattern(lessons)}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
+    name = re.sub("[ -]", "_", found["lesson"].lower()) if found else ""
+    return next((each for each in lessons if each.replace("-", "_") == name), "") if name else ""
+
+
+def safe_name(student: str) -> str:
+    """Return a file name for a student: no two have one, whatever the file system makes of upper and lower case.
+
+    Examples
+    --------
+    >>> safe_name("ada_lovelace")
+    'ada_lovelace'
+    >>> safe_name("../Ada")
+    'ada-4e4af21652b78501'
+    """
+    ordinary = (
+        _PLAIN.fullmatch(student) and not _HASHED.fullmatch(student) and not _RESERVED.fullmatch(student)
+    )
+    if ordinary:
+        return student
+    letters = unicodedata.normalize("NFKD", student).encode("ascii", "ignore").decode().lower()
+    start = re.sub(r"[^a-z0-9_]+", "-", letters).strip("-")[:40] or "student"
+    return f"{start}-{hashlib.sha256(student.encode('utf-8', 'surrogatepass')).hexdigest()[:16]}"
+
+
+def clean_name(name: str) -> str:
+    """Return a name without control characters or halves of characters, not too long, and still its own."""
+    name = name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+    name = unicodedata.normalize("NFC", name).strip()
+    name = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in name)
+    if len(name) > LONGEST_NAME:
+        name = f"{name[: LONGEST_NAME - 20]}...{hashlib.sha256(name.encode()).hexdigest()[:16]}"
+    return name

@@ -1,0 +1,185 @@
+"""What is made of right and broken lessons, in a small course."""
+
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+
+from nao_course.exercises.exercise import ANSWER_HERE
+from nao_course.instructor.authoring import lesson_text
+from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
+
+
+def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kernel):
+    assert sorted(run("build").output.split("\n")[:-1])[-3:] == [
+        "wrote nao_course/exercises/checks/01_toy.bin",
+        "wrote notebooks/01_toy.ipynb",
+        "wrote solutions/01_toy.ipynb",
+    ]
+    before = contents(course.root)
+    assert "Nothing has changed." in run("build", "01").output
+    assert contents(course.root) == before
+    assert "shown" in Path("solutions/01_toy.ipynb").read_text().split('"outputs"')[-1]
+
+
+def test_a_student_copy_has_nbgraders_metadata_and_no_solution(built):
+    notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
+    exercise, check = (cell for _, cell in lesson_text.code_cells(notebook, "exercise", "check"))
+    assert exercise.source.endswith('4.0."""\n    raise NotImplementedError')
+    assert (exercise.id, check.id) == ("lesson01-double", "lesson01-check_double")
+    wanted = {"schema_version": 3, "task": False, "cell_type": "code"}
+    solution = {"grade": False, "solution": True, "locked": False, "grade_id": "double"}
+    graded = {"grade": True, "solution": False, "locked": True, "grade_id": "check_double", "points": 1.0}
+    for cell, more in ((exercise, solution), (check, graded)):
+        metadata = dict(cell.metadata.nbgrader)
+        assert metadata.pop("checksum")
+        assert metadata == wanted | more
+    assert check.metadata.nao_course == {"role": "check"}
+    assert check.metadata.editable is False
+
+
+def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
+    with_a_written_question(course)
+    assert run("build").exit_code == 0
+    notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
+    ((_, cell),) = lesson_text.written_cells(notebook)
+    assert cell.source == ANSWER_HERE and "two times one" not in nbformat.writes(notebook)
+    assert dict(cell.metadata.nbgrader) | {"checksum": ""} == {
+        "schema_version": 3,
+        "task": False,
+        "cell_type": "markdown",
+        "checksum": "",
+        "grade": True,
+        "solution": True,
+        "locked": False,
+        "grade_id": "say_why",
+        "points": 2.0,
+    }
+    solved = nbformat.read("solutions/01_toy.ipynb", as_version=4)
+    assert lesson_text.written_cells(solved)[0][1].source == "Because two times one is two."
+    assert lesson_text.write_lesson(solved) == course.text("01_toy").read_text()
+    write(course.text("01_toy"), '"say_why"', '"say_how"')
+    assert "begin with +++" in run("build").output
+
+
+def test_points_of_the_course_file_count(course):
+    write(course.root / "course.toml", "[points]", "[points]\ndouble = 2.5")
+    assert run("build").exit_code == 0
+    assert '"points": 2.5' in Path("notebooks/01_toy.ipynb").read_text()
+    write(course.root / "course.toml", "double = 2.5", "treble = 1")
+    assert "points for treble, which no lesson declares" in run("build").output
+
+
+MARK = "### BEGIN SOLUTION"
+BROKEN = {
+    "a cell without options": (
+        TEXT,
+        ":role: display\n",
+        "",
+        r"01_toy.md, cell 7 \('print.*needs one of :exercise:",
+    ),
+    "an unknown role": (TEXT, ":role: display", ":role: dsplay", r"cell 7 .*no role 'dsplay'"),
+    "no Python": (TEXT, 'print("shown")', "print(", r"01_toy.md, cell 7 .*line 1 is not Python"),
+    "a solution without an end": (TEXT, "    ### END SOLUTION\n", "", r"cell 4 .*take turns"),
+    "no solution": (
+        TEXT,
+        f"    {MARK}\n    return 2.0 * value\n    ### END SOLUTION",
+        "    return 2.0 * value",
+        r"cell 4 .*needs its sol",
+    ),
+    "another function": (
+        TEXT,
+        "def double(",
+        "def twice(",
+        r"cell 4 .*defines no function or class of that name",
+    ),
+    "a check that is edited": (
+        TEXT,
+        'check("double", double)',
+        'check("double", print)',
+        r"cell 5 .*is exactly: check",
+    ),
+    "an undeclared check": (
+        TEXT,
+        ":check: double",
+        ":check: treble",
+        r"cell 5 .*check treble is not declared",
+    ),
+    "no cell for an exercise": (
+        TEXT,
+        ":exercise: double",
+        ":role: display",
+        r"exercise double is declared but no cell",
+    ),
+    "a name in two cells": (
+        TEXT,
+        'print("shown")\n```\n',
+        'print("shown")\n```\n\n```{code-cell} ipython3\n:check: double\n\ncheck("double", double)\n```\n',
+        "2 cells say :check: double",
+    ),
+    "another lesson's set-up": (TEXT, 'lesson("01_toy")', 'lesson("02_toy")', r"cell 2 .*the set-up says"),
+    "a header with more": (TEXT, "# A toy", "# A toy", "the header's 'author' would be lost"),
+    "a picture that is missing": (
+        TEXT,
+        "Words",
+        "![a](images/a.png) Words",
+        r"cell 3 .*images/a.png does not exist",
+    ),
+    "a wrong solution": (TEXT, "2.0 * value", "value**2.0", "alternative 'a sum' is not right"),
+    "no cases": (
+        PLAN,
+        "[Case((2.0,)), Case((0.0,)), Case((-1.5,))]",
+        "[]",
+        r"exercises/01_toy.py, 01_toy.md, cell 4 .*double: no public cases",
+    ),
+    "a mistake that no case tells": (
+        PLAN,
+        "Case((0.0,)), Case((-1.5,))",
+        "Case((0.0,))",
+        "mistake 'squared': no public case tells",
+    ),
+    "a name used twice": (PLAN, "[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
+    "a declaration that does not run": (PLAN, "points=1,", "points=1, colour=2,", "01_toy.py: TypeError"),
+}
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_what_is_broken_is_said_with_its_place_and_nothing_is_written(course, what):
+    source, old, new, said = BROKEN[what]
+    path = course.text("01_toy") if source is TEXT else course.solutions / "exercises" / "01_toy.py"
+    write(path, old, new)
+    if what == "a header with more":
+        write(path, "kernelspec:", "author: me\nkernelspec:")
+    before = contents(course.root)
+    result = run("build")
+    assert result.exit_code == 1
+    assert re.search(said, result.output), result.output
+    assert "Traceback" not in result.output
+    assert contents(course.root) == before
+
+
+def test_a_name_of_another_lesson_is_refused(course):
+    for suffix, folder in ((".md", course.solutions), (".py", course.solutions / "exercises")):
+        text = (folder / f"01_toy{suffix}").read_text()
+        (folder / f"02_toy{suffix}").write_text(text.replace("01_toy", "02_toy"))
+    result = run("build")
+    assert (
+        result.exit_code == 1
+        and "exercises/02_toy.py" in result.output
+        and "double: the name is used twice" in result.output
+    )
+
+
+def test_a_lesson_that_is_taken_out_takes_what_was_made_of_it_along(built):
+    built.text("01_toy").unlink()
+    assert "took away notebooks/01_toy.ipynb" in run("build").output
+    assert not list(built.root.glob("**/01_toy.ipynb")) + list(built.root.glob("**/01_toy.bin"))
+
+
+def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
+    (course.solutions / "images").mkdir()
+    (course.solutions / "images" / "a.png").write_bytes(b"png")
+    write(course.text("01_toy"), "Words", "![a post](images/a.png) Words")
+    assert run("build").exit_code == 0
+    assert Path("notebooks/images/a.png").read_bytes() == b"png"

@@ -1,0 +1,27 @@
+"""Which folder is a course, and which of its lessons a word means."""
+
+import pytest
+
+from nao_course.instructor.authoring.course import LessonError
+from tests.toy.course import run
+
+
+def test_outside_a_course_build_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run("build")
+    assert result.exit_code == 1 and "no course.toml in this folder or above" in result.output
+    (tmp_path / "course.toml").write_text('title = "x"\n')
+    assert "course.toml: KeyError: 'version'" in run("build").output
+    (tmp_path / "course.toml").write_text('title = "x"\nversion = "1"\ncolour = 3\n')
+    assert "['colour'] is not understood" in run("build").output
+
+
+@pytest.mark.parametrize("word", ["1", "01", "01_toy"])
+def test_a_number_or_a_name_means_a_lesson(course, word):
+    assert course.names([word]) == course.names() == ["01_toy"]
+
+
+@pytest.mark.parametrize("word", ["", "0", "001", "toy", "01_to", "x" * 300])
+def test_a_word_that_means_no_lesson_is_said(course, word):
+    with pytest.raises(LessonError, match="there is no lesson"):
+        course.names(["01", word])

@@ -1,0 +1,103 @@
+"""A solution notebook that was edited in JupyterLab comes back into the text, or it is said why not."""
+
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+
+from nao_course.instructor.authoring import lesson_text
+from tests.toy.course import contents, run, write
+
+
+def edit(change):
+    path = Path("solutions/01_toy.ipynb")
+    notebook = nbformat.read(path, as_version=4)
+    change(notebook.cells)
+    nbformat.write(notebook, path)
+
+
+def as_jupyterlab_does(cells):
+    """Edit words and code, move and add cells, run, fold: what happens in JupyterLab."""
+    cells[2].source = "Other **words**.\n\n- a\n- b\n\n```python\nnot_a_cell()\n```\n\n(eq-1)=\n$$ x = 1 $$"
+    cells[3].source = cells[3].source.replace("2.0 * value", "value + value  # clearer")
+    cells[6].execution_count, cells[6].outputs = 9, [nbformat.v4.new_output("stream", text="other")]
+    cells[6].metadata["collapsed"] = True
+    cells[6].metadata["execution"] = {"iopub.status.busy": "now"}
+    cells.append(nbformat.v4.new_code_cell("%matplotlib inline\nprint('new')", metadata={"tags": ["new"]}))
+    cells.append(nbformat.v4.new_markdown_cell("Also new.", metadata={"slideshow": {"slide_type": "notes"}}))
+    cells.append(nbformat.v4.new_raw_cell("<i>raw</i>"))
+    cells.append(nbformat.v4.new_code_cell(""))
+    cells.insert(2, cells.pop(6))
+
+
+def test_a_notebook_edited_in_jupyterlab_comes_back_into_the_text_with_nothing_lost(built):
+    edit(as_jupyterlab_does)
+    edited = nbformat.read("solutions/01_toy.ipynb", as_version=4).cells[:-1]  # an empty cell is nothing
+    result = run("build", "--from-notebook", "01")
+    assert result.exit_code == 0, result.output
+    assert "wrote solutions/01_toy.md" in result.output
+    again = lesson_text.read_lesson(built.text("01_toy"))
+    assert [(cell.cell_type, cell.source) for cell in again.cells] == [
+        (cell.cell_type, cell.source) for cell in edited
+    ]
+    text = built.text("01_toy").read_text()
+    assert ":role: display\n:tags: [new]" in text and ":exercise: double" in text and "collapsed" not in text
+    assert '+++ {"slideshow": {"slide_type": "notes"}}' in text and "```{raw-cell}\n:format: html" in text
+    assert "clearer" not in Path("notebooks/01_toy.ipynb").read_text()
+    assert "Nothing has changed." in run("build").output
+
+
+def test_only_what_was_edited_differs_in_the_text(built):
+    before = built.text("01_toy").read_text()
+    edit(lambda cells: cells[2].update(source="Changed."))
+    assert run("build", "--from-notebook", "01").exit_code == 0
+    assert built.text("01_toy").read_text() == before.replace("Words with $x^2$ and `code`.", "Changed.")
+
+
+def test_when_both_were_edited_nothing_is_written(built):
+    edit(as_jupyterlab_does)
+    write(built.text("01_toy"), "Words", "My words")
+    before = contents(built.root)
+    result = run("build", "--from-notebook", "01")
+    assert (
+        result.exit_code == 1 and "were both edited since the last build; nothing is written" in result.output
+    )
+    assert contents(built.root) == before
+
+
+def test_an_edited_notebook_is_not_built_over(built):
+    edit(as_jupyterlab_does)
+    before = contents(built.root)
+    result = run("build")
+    assert result.exit_code == 1 and "--from-notebook 01" in result.output
+    assert contents(built.root) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda cells: None, "there is nothing to bring back"),
+        (
+            lambda cells: cells[2].update(attachments={"a.png": {"image/png": ""}}),
+            r"cell 3.*a picture was pasted",
+        ),
+        (
+            lambda cells: cells[2].update(source="one\n\n+++\n\ntwo"),
+            r"cell 3.*MyST would read it as another cell",
+        ),
+        (
+            lambda cells: cells[2].metadata.update(nbgrader={"grade": True}),
+            r"cell 3.*a graded text cell is a written answer",
+        ),
+        (lambda cells: cells[3].update(source="def double(value):"), r"cell 4.*is not Python"),
+        (lambda cells: cells[4].metadata.nbgrader.update(points=7), "the points of double were changed"),
+    ],
+    ids=["nothing", "attachment", "a break", "a graded text", "broken code", "points"],
+)
+def test_what_text_cannot_hold_is_refused(built, change, said):
+    edit(change)
+    before = contents(built.root)
+    result = run("build", "--from-notebook", "01")
+    assert result.exit_code == 1 and re.search(said, result.output), result.output
+    assert contents(built.root) == before

@@ -1,0 +1,173 @@
+"""What lies in a folder or zip is never followed, trusted or unpacked without bounds; what is refused has a reason."""
+
+import os
+import random
+import stat
+import struct
+import zipfile
+import zlib
+
+import pytest
+
+from nao_course.instructor.collecting import archives
+from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.submissions import Submission, gather, read
+from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, posix, put, reasons, who
+
+
+@posix
+def test_what_is_no_plain_file_is_refused_with_its_reason(look, tmp_path):
+    root = tmp_path / "in"
+    (tmp_path / "secret").write_bytes(b"secret")
+    for student in ("link", "pipe", "folder", "empty"):
+        (root / student).mkdir(parents=True)
+    (root / "link" / HSL).symlink_to(tmp_path / "secret")
+    os.mkfifo(root / "pipe" / HSL)
+    (root / "folder" / HSL).mkdir()
+    (root / "empty" / HSL).touch()
+    (root / "linked").symlink_to(tmp_path)
+    found = look(root)
+    assert found.submissions == ()
+    assert {student: reason for (student, _), reason in reasons(found).items()} == {
+        "link": "it is a symbolic link, not a file",
+        "pipe": "it is a device or pipe, not a file",
+        "folder": "it is a folder, not a notebook",
+        "empty": "it is empty",
+    }
+
+
+@posix
+def test_a_file_that_becomes_a_link_or_a_pipe_meanwhile_is_not_followed(tmp_path):
+    (tmp_path / "secret").write_bytes(b"secret")
+    (tmp_path / "link").symlink_to(tmp_path / "secret")
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("link", "pipe", "gone"):
+        with pytest.raises(Refused):
+            read(Submission("ada", LESSONS[1], tmp_path / name))
+
+
+@posix
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="nothing is unreadable for root")
+def test_an_unreadable_file_is_refused(tmp_path):
+    put(tmp_path, "a.ipynb")
+    (tmp_path / "a.ipynb").chmod(0)
+    with pytest.raises(Refused, match="cannot be read"):
+        read(Submission("ada", LESSONS[1], tmp_path / "a.ipynb"))
+
+
+def test_a_huge_notebook_is_refused_without_being_read(tmp_path):
+    path = tmp_path / "in" / "ada" / HSL
+    path.parent.mkdir(parents=True)
+    with path.open("wb") as file:
+        file.truncate(200 * 2**20)
+    (found,) = gather(tmp_path / "in", tmp_path, LESSONS).submissions
+    with pytest.raises(Refused, match="200.0 MB or more; 50 MB are the most"):
+        read(found)
+
+
+@pytest.mark.parametrize(
+    "name", [f"../{HSL}", f"ada/../../{HSL}", f"/etc/{HSL}", f"C:\\ada\\{HSL}", f"ada\\..\\{HSL}"]
+)
+@pytest.mark.parametrize("inside", [True, False])
+def test_names_that_lead_out_of_a_zip_lead_nowhere(look, tmp_path, name, inside):
+    if inside:
+        packed(tmp_path / "in" / "ada" / "my.zip", {name: NOTEBOOK})
+        path = tmp_path / "in"
+    else:
+        path = packed(tmp_path / "in.zip", {name: NOTEBOOK})
+    found = look(path)
+    assert found.submissions == ()
+    told = [*(each.reason for each in found.refused), *found.unknown]
+    assert len(told) == 1
+    if inside:
+        assert reasons(found) == {("ada", "01_hsl_filtering"): "its name in the zip leads outside of it"}
+
+
+def test_a_link_in_a_zip_is_refused(look, tmp_path):
+    packed(tmp_path / "in" / "ada" / "my.zip", {HSL: b"/etc/passwd"}, mode=stat.S_IFLNK | 0o777)
+    assert reasons(look(tmp_path / "in")) == {
+        ("ada", "01_hsl_filtering"): "it is a symbolic link, not a file"
+    }
+
+
+def test_a_zip_bomb_is_refused_and_the_others_are_not(look, tmp_path):
+    packed(tmp_path / "in" / "ada" / "my.zip", {HSL: bytes(40 * 2**20)})
+    packed(tmp_path / "in" / "eve" / "my.zip", {HSL: bytes(60 * 2**20)})
+    put(tmp_path / "in", f"bob/{HSL}")
+    found = look(tmp_path / "in")
+    assert who(found) == [("bob", "01_hsl_filtering")]
+    assert all("zip bomb" in reason for reason in reasons(found).values())
+    assert len(found.refused) == 2
+
+
+def test_a_zip_that_lies_about_sizes_is_refused(look, tmp_path):
+    content = bytes(archives.SMALL * 8)
+    path = packed(tmp_path / "in" / "ada" / "my.zip", {HSL: content})
+    data = bytearray(path.read_bytes())
+    at = data.rfind(b"PK\1\2")
+    data[at + 24 : at + 28] = struct.pack("<I", 1000)  # 1000 bytes, it says
+    path.write_bytes(data)
+    found = look(tmp_path / "in")
+    assert found.submissions == ()
+    assert "broken" in reasons(found)["ada", "01_hsl_filtering"]
+
+
+def test_a_zip_within_a_zip_within_a_zip_is_not_opened(look, tmp_path):
+    inner = packed(tmp_path / "1.zip", {HSL: NOTEBOOK}).read_bytes()
+    outer = packed(tmp_path / "2.zip", {"1.zip": inner}).read_bytes()
+    found = look(packed(tmp_path / "3.zip", {"ada/2.zip": outer}))
+    assert found.submissions == ()
+    assert found.unknown == ("ada/2.zip/1.zip: a zip within a zip is not opened",)
+
+
+def test_a_zip_of_very_many_files_is_refused_before_its_contents_are_read(look, tmp_path, monkeypatch):
+    with zipfile.ZipFile(tmp_path / "many.zip", "w") as archive:
+        for number in range(archives.MOST_ENTRIES + 1):
+            archive.writestr(str(number), b"")
+    put(tmp_path / "in", "ada/01_hsl_filtering.zip", content=(tmp_path / "many.zip").read_bytes())
+    monkeypatch.setattr(zipfile, "ZipFile", None)
+    assert "more than 2000 files" in reasons(look(tmp_path / "in"))["ada", "01_hsl_filtering"]
+
+
+def test_a_table_of_contents_larger_than_it_says_is_refused(look, tmp_path):
+    path = packed(tmp_path / "in" / "ada" / "01_hsl_filtering.zip", {HSL: NOTEBOOK})
+    data = bytearray(path.read_bytes())
+    data[-10:-6] = struct.pack("<I", 2**31)
+    path.write_bytes(data)
+    assert who(look(tmp_path / "in")) == []
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_no_broken_zip_is_more_than_a_reason(look, tmp_path, seed):
+    chance = random.Random(seed)
+    data = bytearray(packed(tmp_path / "x.zip", {HSL: NOTEBOOK * 20, "receipt.json": b"{}"}).read_bytes())
+    for _ in range(chance.randint(1, 8)):
+        data[chance.randrange(len(data))] = chance.randrange(256)
+    put(tmp_path / "in", "ada/my.zip", content=bytes(data[: chance.randint(len(data) // 2, len(data))]))
+    look(tmp_path / "in")
+    look(tmp_path / "in", ["01_hsl_filtering"])
+
+
+def test_an_encrypted_or_oddly_packed_notebook_is_refused(look, tmp_path):
+    with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr(HSL, NOTEBOOK)
+    put(tmp_path / "in", "ada/x.zip", content=(tmp_path / "x.zip").read_bytes())
+    data = bytearray(packed(tmp_path / "y.zip", {HSL: NOTEBOOK}).read_bytes())
+    data[data.rfind(b"PK\1\2") + 8] |= 1
+    put(tmp_path / "in", "bob/y.zip", content=bytes(data))
+    told = reasons(look(tmp_path / "in"))
+    assert "packed in an unusual way" in told["ada", "01_hsl_filtering"]
+    assert "encrypted" in told["bob", "01_hsl_filtering"]
+
+
+def test_memory_stays_bounded_with_a_large_zip(look, tmp_path):
+    import tracemalloc
+
+    noise = zlib.compress(random.Random(1).randbytes(2**20), 0)
+    packed(tmp_path / "in.zip", {f"s{number}/{HSL}": noise for number in range(40)})
+    tracemalloc.start()
+    found = gather(tmp_path / "in.zip", tmp_path / "scratch", LESSONS)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found.submissions) == 40
+    assert peak < 12 * 2**20

@@ -1,0 +1,55 @@
+"""A table is opened by any spreadsheet without harm, and comes back as it was."""
+
+import csv
+import io
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from nao_course.instructor.reports import spreadsheets
+from nao_course.instructor.reports.marking_sheets import HEADER
+from nao_course.instructor.reports.spreadsheets import (
+    TableError,
+    escape_formula,
+    read_table,
+    table,
+    unescape_formula,
+)
+
+
+@settings(max_examples=300)
+@given(st.text())
+@example("'=x")
+@example(" =x")
+def test_escaping_a_formula_can_be_undone(text):
+    assert unescape_formula(escape_formula(text)) == text
+    assert escape_formula(text)[:1] not in tuple("=+-@\t\r")
+
+
+def test_an_answer_longer_than_a_cell_is_cut_with_a_word():
+    (row,) = csv.reader(io.StringIO(table([["y" * 40_000]]).decode("utf-8-sig")))
+    assert len(row[0]) < 32_767 and "cut here" in row[0]
+
+
+def test_a_table_that_is_far_too_large_is_not_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(spreadsheets, "LARGEST", 10)
+    (tmp_path / "x.csv").write_bytes(b"0" * 11)
+    with pytest.raises(TableError, match="larger than"):
+        read_table(tmp_path / "x.csv", HEADER)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_table_is_read_in_any_encoding_and_with_any_separator(tmp_path, encoding, separator):
+    text = separator.join(("name", "points")) + "\r\n" + separator.join(("Zoë", "1")) + "\r\n"
+    (tmp_path / "t.csv").write_bytes(text.encode(encoding))
+    (row,) = read_table(tmp_path / "t.csv", ("name", "points"))
+    assert (row["name"], row["points"], row.number) == ("Zoë", "1", 2)
+
+
+def test_what_was_written_is_read_again(tmp_path):
+    rows = [("name", "points"), ("=1+1", 1.5), ('a "b", c\nd', None)]
+    (tmp_path / "t.csv").write_bytes(table(rows))
+    read = read_table(tmp_path / "t.csv", ("name", "points"))
+    assert [(row["name"], row["points"]) for row in read] == [("=1+1", "1.5"), ('a "b", c\nd', "")]

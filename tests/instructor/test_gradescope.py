@@ -1,0 +1,175 @@
+"""The autograder for Gradescope: a zip of one lesson, and there the same grader as here."""
+
+import json
+import os
+import re
+import shutil
+import stat
+import subprocess
+import sys
+import zipfile
+from types import SimpleNamespace
+
+import pytest
+
+from nao_course.instructor import gradescope
+from nao_course.instructor.authoring.course import Course, LessonError, load_course
+from nao_course.instructor.sandbox import confinement as sandbox
+from tests.paths import PROJECT
+
+LESSON = "01_hsl_filtering"
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Gradescope's images are Linux: a shell script")
+
+
+@pytest.fixture(scope="module")
+def course():
+    return load_course(PROJECT)
+
+
+@pytest.fixture(scope="module")
+def archive(course, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("zip")
+    return gradescope.write_autograder(course, "00", b"0123456789abcdef", folder)
+
+
+def test_the_zip_has_its_two_files_at_its_root_and_one_lesson(archive):
+    packed = zipfile.ZipFile(archive)
+    names = packed.namelist()
+    assert {"setup.sh", "run_autograder", gradescope.LOCK, "course.toml", "secret"} <= set(names)
+    assert [name for name in names if re.match(r"(solutions|notebooks)/.*ipynb", name)] == [
+        "notebooks/00_meet_the_nao.ipynb",
+        "solutions/00_meet_the_nao.ipynb",
+    ]
+    assert "nao_course/instructor/autograding/grader.py" in names
+    assert not [
+        name for name in names if re.search(r"tests/|\.git|__pycache__|01_hsl_filtering\.(py|md|ipynb)", name)
+    ]
+    modes = {
+        name: packed.getinfo(name).external_attr >> 16 for name in ("setup.sh", "run_autograder", "secret")
+    }
+    assert [stat.S_IMODE(mode) for mode in modes.values()] == [0o755, 0o755, 0o600]
+    run = packed.read("run_autograder").decode()
+    assert run.startswith("#!") and "/autograder" in run and "00_meet_the_nao" in run
+
+
+def test_the_zip_does_not_hold_the_instructors_secret_and_is_the_same_each_time(course, archive, tmp_path):
+    assert b"0123456789abcdef" not in zipfile.ZipFile(archive).read("secret")
+    again = gradescope.write_autograder(course, "00", b"0123456789abcdef", tmp_path)
+    assert again.read_bytes() == archive.read_bytes()
+    other = gradescope.write_autograder(course, "00", b"another secret, long", tmp_path / "other")
+    assert other.read_bytes() != archive.read_bytes()
+
+
+def test_a_lesson_that_is_not_built_has_no_autograder(course, tmp_path):
+    shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
+    bare = Course(tmp_path, "t", "1")
+    with pytest.raises(LessonError, match="there is no course.toml.*run `nao-course build` first"):
+        gradescope.write_autograder(bare, "00", b"x" * 16, tmp_path)
+
+
+@posix
+@pytest.mark.parametrize("name", ["setup.sh", "run_autograder"])
+def test_its_scripts_are_bash(archive, name, tmp_path):
+    bash = shutil.which("bash") or pytest.skip("no bash")
+    script = tmp_path / name
+    script.write_bytes(zipfile.ZipFile(archive).read(name))
+    assert subprocess.run([bash, "-n", script], capture_output=True).returncode == 0
+
+
+def laid_out(archive, root, submission):
+    """A folder as Gradescope lays it out."""
+    zipfile.ZipFile(archive).extractall(root / "source")
+    shutil.copy(root / "source" / "run_autograder", root / "run_autograder")
+    (root / "submission").mkdir()
+    for name, content in submission.items():
+        (root / "submission" / name).write_bytes(content)
+    return root
+
+
+def run_there(root):
+    bash = shutil.which("bash") or pytest.skip("no bash")
+    environment = {
+        **os.environ,
+        "NAO_COURSE_AUTOGRADER": str(root),
+        "NAO_COURSE_PYTHON": sys.executable,
+        "PYTHONPATH": str(root / "source"),  # there it is installed; here another copy is
+    }
+    done = subprocess.run(
+        [bash, root / "run_autograder"], cwd=root, env=environment, capture_output=True, text=True
+    )
+    results = root / "results" / "results.json"
+    return done, json.loads(results.read_text(encoding="utf-8")) if results.exists() else None
+
+
+@posix
+@pytest.mark.slow
+def test_gradescope_gets_all_points_for_the_solution_and_none_for_a_blank_notebook(course, tmp_path):
+    archive = gradescope.write_autograder(course, "01", b"0123456789abcdef", tmp_path)
+    for folder, whole in (("solutions", True), ("notebooks", False)):
+        notebook = (PROJECT / folder / f"{LESSON}.ipynb").read_bytes()
+        root = laid_out(archive, tmp_path / folder, {f"{LESSON}.ipynb": notebook})
+        done, made = run_there(root)
+        assert done.returncode == 0, done.stderr
+        graded = [each for each in made["tests"] if ".W" not in each["number"]]
+        assert made["score"] == (sum(each["max_score"] for each in graded) if whole else 0)
+        assert graded and {each["status"] for each in graded} == {"passed" if whole else "failed"}
+        assert stat.S_IMODE((root / "source" / "solutions").stat().st_mode) & 0o077 == 0
+
+
+@posix
+@pytest.mark.slow
+def test_gradescope_is_told_what_is_missing_and_what_cannot_be_graded(archive, tmp_path):
+    done, made = run_there(laid_out(archive, tmp_path / "a", {"essay.txt": b"words"}))
+    assert done.returncode == 0, done.stderr
+    assert made["score"] == 0 and "There is no 00_meet_the_nao.ipynb" in made["output"]
+    assert "essay.txt" in made["output"]
+    done, made = run_there(laid_out(archive, tmp_path / "b", {"00_meet_the_nao.ipynb": b"{]"}))
+    assert done.returncode == 0, done.stderr
+    assert made["score"] == 0 and made["output"].startswith("Refused: ")
+
+
+@posix
+@pytest.mark.slow
+def test_a_submission_cannot_read_the_solution_that_lies_beside_it_there(archive, tmp_path):
+    if sandbox.probe().level == "process":
+        pytest.skip("the sandbox of this machine cannot close folders")
+    root = tmp_path / "autograder"
+    spy = f"""
+def to_radians(degrees):
+    texts = []
+    for name in ("source/secret", "source/solutions/exercises/00_meet_the_nao.py", "submission/00_meet_the_nao.ipynb"):
+        try:
+            texts.append(open({str(root)!r} + "/" + name).read()[:20])
+        except OSError as error:
+            texts.append(type(error).__name__)
+    raise ValueError("I read " + "; ".join(texts))
+"""
+    notebook = json.loads((PROJECT / "notebooks" / "00_meet_the_nao.ipynb").read_text(encoding="utf-8"))
+    cells = [cell for cell in notebook["cells"] if "def to_radians" in "".join(cell["source"])]
+    cells[0]["source"] = spy
+    laid_out(archive, root, {"00_meet_the_nao.ipynb": json.dumps(notebook).encode()})
+    done, made = run_there(root)
+    assert done.returncode == 0, done.stderr
+    said = next(each["output"] for each in made["tests"] if each["name"] == "to_radians")
+    assert re.search(r"I read (\w+Error; ){2}\w+Error", said), said
+
+
+def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monkeypatch):
+    (tmp_path / "submission").mkdir()
+    (tmp_path / "submission" / "00_meet_the_nao.ipynb").write_bytes(b"{}")
+    write = tmp_path / "results"
+    write.mkdir()
+    (write / "results.json").write_text("{}")
+    failed = SimpleNamespace(failed=["the grader failed"])
+    monkeypatch.setattr(gradescope.commands, "run", lambda *_: failed)
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("landlock", True),)))
+    with pytest.raises(RuntimeError, match="the grader failed"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert list(write.iterdir()) == []
+
+
+def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
+    with pytest.raises(RuntimeError, match="keeps a submission from reading the solution.*landlock"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert not (tmp_path / "results").exists()

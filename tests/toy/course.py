@@ -1,0 +1,129 @@
+"""A course of one small lesson in a folder of its own, as an author has it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from click.testing import Result
+from typer.testing import CliRunner
+
+from nao_course import cli
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import Course
+from tests.paths import PROJECT
+
+TEXT = """
+# A toy
+
+```{code-cell} ipython3
+:role: setup
+
+from nao_course.exercises import lesson
+
+check, hint = lesson("01_toy")
+```
+
++++ {"slideshow": {"slide_type": "slide"}}
+
+Words with $x^2$ and `code`.
+
+```{code-cell} ipython3
+:exercise: double
+
+def double(value: float) -> float:
+    \"\"\"Double a number. Example: double(2.0) is 4.0.\"\"\"
+    ### BEGIN SOLUTION
+    return 2.0 * value
+    ### END SOLUTION
+```
+
+```{code-cell} ipython3
+:check: double
+
+check("double", double)
+```
+
+```{raw-cell}
+:format: html
+
+<b>raw</b>
+```
+
+```{code-cell} ipython3
+:role: display
+:tags: [wide]
+
+print("shown")
+```
+"""
+PLAN = """from nao_course.exercises import Case, Exercise, LessonPlan, Mistake
+
+DOUBLE = Exercise(
+    name="double",
+    points=1,
+    public=lambda: [Case((2.0,)), Case((0.0,)), Case((-1.5,))],
+    hidden=lambda rng: [Case((float(value),)) for value in rng.uniform(-10, 10, 6)],
+    hints=("Look.", "Nearly."),
+    mistakes=[
+        Mistake("not doubled", lambda value: value, "It is what went in."),
+        Mistake("squared", lambda value: value**2, "Doubling is not squaring."),
+        Mistake("sign lost", lambda value: abs(2 * value), "A negative number stays negative."),
+    ],
+    alternatives={
+        "a sum": lambda value: value + value,
+        "sum": lambda value: sum([value, value]),
+        "a shift": lambda value: value - -value,
+    },
+)
+PLAN = LessonPlan(exercises=[DOUBLE])
+"""
+
+
+def lay_out(root: Path) -> Path:
+    """Write the course, with a library of its own; nothing of it is built."""
+    ignored = shutil.ignore_patterns("*.bin", "__pycache__")
+    shutil.copytree(PROJECT / "nao_course", root / "nao_course", ignore=ignored)
+    (root / "solutions" / "exercises").mkdir(parents=True)
+    (root / "solutions" / "01_toy.md").write_text(lesson_text.HEADER + TEXT)
+    (root / "solutions" / "exercises" / "01_toy.py").write_text(PLAN)
+    (root / "course.toml").write_text('title = "Toy"\nversion = "1"\n[points]\n')
+    return root
+
+
+def run(*words: str) -> Result:
+    """Run a command in the working folder."""
+    return CliRunner().invoke(cli.app, list(words))
+
+
+def contents(root: Path) -> dict[Path, bytes]:
+    """All files of a folder."""
+    return {
+        path: path.read_bytes()
+        for path in sorted(root.rglob("*"))
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+def write(path: Path, old: str, new: str) -> None:
+    """Put one text in another one's place, which has to be there."""
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def with_a_written_question(course: Course) -> None:
+    """Add a question that a person marks."""
+    write(
+        course.text("01_toy"),
+        "```{raw-cell}",
+        '+++ {"written": "say_why"}\n\nBecause two times one is two.\n\n```{raw-cell}',
+    )
+    plan = course.solutions / "exercises" / "01_toy.py"
+    text = plan.read_text().replace("import Case, Exercise,", "import Written, Case, Exercise,")
+    written = 'Written("say_why", 2, "Why is it two?", "one point for each two")'
+    plan.write_text(
+        text.replace(
+            "PLAN = LessonPlan(exercises=[DOUBLE])", f"PLAN = LessonPlan([DOUBLE], written=[{written}])"
+        )
+    )
