@@ -8,7 +8,7 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.sim import DIMENSIONS, NAO_V4, CameraView, Field, Reality, render
-from nao_course.sim.render import _COLOURS, GREEN, OTHER, WHITE, YELLOW
+from nao_course.sim.render import COLOURS, GREEN, OTHER, WHITE, YELLOW
 from nao_course.sim.shapes import cut_square
 
 CLEAN = Reality.clean()
@@ -22,7 +22,7 @@ def camera(size=(320, 240), **angles):
 def white_share(pixels):
     """How much of each pixel is line, from the light it sent."""
     light = (pixels.astype(float) / 255) ** 2
-    carpet, line = (_COLOURS[name].astype(float) for name in ("carpet", "line"))
+    carpet, line = (COLOURS[name].astype(float) for name in ("carpet", "line"))
     return ((light - carpet) @ (line - carpet)) / ((line - carpet) @ (line - carpet))
 
 

@@ -1,0 +1,135 @@
+"""How real a picture looks: the strength of each effect, and presets of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from nao_course.geometry import finite
+
+
+@dataclass(frozen=True)
+class Reality:
+    """How real a picture looks: each effect has a strength, and zero switches it off.
+
+    The defaults are the preset `lab`, fitted to the real pictures of 2013 (benchmarks/realism.py).
+
+    Parameters
+    ----------
+    grain : float
+        Carpet: standard deviation of its brightness from fibre to fibre, in levels of 255.
+    mottle : float
+        Carpet: the same from patch to patch, some decimetres wide.
+    seams : float
+        Carpet: how open the joints between its strips are, 0 to 1.
+    specks : float
+        Carpet: pale and dark specks a square metre.
+    crumbs : float
+        Carpet: clusters of crumbs a square metre.
+    tape : float
+        Carpet: dark patches of tape a metre along the outer lines.
+    pile : float
+        Carpet: how much darker and greener it is seen from above than from the side; 1 is a real one.
+    glare : float
+        How bright lamps and windows shine back from the ground, as a fraction of full light.
+    clutter : float
+        How crowded the room behind the field is; 1 is a laboratory.
+    litter : float
+        Things that lie on the carpet beyond the lines, a metre of the outer lines.
+    gradient : float
+        How much the light falls off across the field, as a fraction.
+    white_balance : float
+        Standard deviation of the colour channels' gains from room to room.
+    exposure : float
+        How far the camera corrects its exposure so that every picture is equally bright on average; 1 is fully.
+    overexposure : float
+        How far white lines lie beyond the brightest light the camera can show, as a fraction.
+    vignette : float
+        How much darker the picture's corners are than its middle, as a fraction of lightness.
+    blur : float
+        Of lens and sensor, in units of the real camera's.
+    noise : float
+        Standard deviation of the sensor's noise in levels of 255, mean over the channels.
+    motion : float
+        How much the camera shakes in pictures taken while walking, in units of a NAO's.
+    seed : int
+        Which room, carpet and lamps; not an effect.
+
+    Raises
+    ------
+    ValueError
+        If a strength is negative or no number.
+    """
+
+    grain: float = 8.2
+    mottle: float = 3.5
+    seams: float = 0.6
+    specks: float = 9.0
+    crumbs: float = 0.15
+    tape: float = 0.7
+    pile: float = 1.0
+    glare: float = 0.05
+    clutter: float = 1.0
+    litter: float = 0.35
+    gradient: float = 0.1
+    white_balance: float = 0.03
+    exposure: float = 1.0
+    overexposure: float = 0.17
+    vignette: float = 0.29
+    blur: float = 1.0
+    noise: float = 1.4
+    motion: float = 1.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no strength of an effect."""
+        for name in self.effects():
+            if finite(f"Reality: {name}", getattr(self, name)) < 0:
+                raise ValueError(f"Reality: {name} must be 0 (off) or more, got {getattr(self, name)}")
+        for name in ("seams", "gradient", "exposure", "vignette"):
+            if getattr(self, name) > 1:
+                raise ValueError(f"Reality: {name} is a fraction, at most 1; got {getattr(self, name)}")
+        if finite("Reality: seed", self.seed) < 0 or int(self.seed) != self.seed:
+            raise ValueError(f"Reality: seed must be a whole number from 0, got {self.seed!r}")
+
+    @classmethod
+    def effects(cls) -> tuple[str, ...]:
+        """Names of all effects."""
+        return tuple(each.name for each in fields(cls) if each.name != "seed")
+
+    @classmethod
+    def clean(cls, seed: int = 0) -> Reality:
+        """Every effect off."""
+        return cls(**dict.fromkeys(cls.effects(), 0.0), seed=seed)
+
+    @classmethod
+    def lab(cls, seed: int = 0) -> Reality:
+        """A laboratory like that of the real pictures: the default."""
+        return cls(seed=seed)
+
+    @classmethod
+    def dark(cls, seed: int = 0) -> Reality:
+        """An evening with few lamps: uneven light and a noisy sensor."""
+        return cls(
+            gradient=0.6,
+            exposure=0.5,
+            vignette=0.45,
+            noise=6.0,
+            white_balance=0.08,
+            overexposure=0,
+            blur=1.4,
+            seed=seed,
+        )
+
+    @classmethod
+    def harsh(cls, seed: int = 0) -> Reality:
+        """Sun through the windows of a crowded hall: glare, worn carpet, wrong colours."""
+        return cls(
+            glare=0.35,
+            gradient=0.35,
+            white_balance=0.1,
+            specks=15.0,
+            crumbs=1.5,
+            seams=0.8,
+            clutter=1.6,
+            seed=seed,
+        )
