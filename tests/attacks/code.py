@@ -452,7 +452,7 @@ PATCHES = (
         "patches",
         """
         import gc
-        from nao_course.exercises.exercise import Case
+        from nao_course.exercises.case import Case
         found = [each for each in gc.get_objects() if isinstance(each, Case) and each.expected is not None]
         return found[-1].expected if found else -1e6
         """,
@@ -792,7 +792,7 @@ ANSWERS = (
         "types_that_are_not_answers",
         """
         kinds = ['{"o":"nao_course.exercises.comparisons:Close","v":{"rtol":{"s":"x"}}}',
-                 '{"o":"nao_course.exercises.exercise:Case","v":{"args":null}}',
+                 '{"o":"nao_course.exercises.case:Case","v":{"args":null}}',
                  '{"o":"os:system","v":{"command":{"s":"true"}}}', '{"n":{"a":"<f8","shape":[2],"b":0}}',
                  '{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{}},"has_uint32":0,"uinteger":0}}}', '{}', '[]']
         loop.say(encode(number()) + outcome(kinds[number() % len(kinds)]))

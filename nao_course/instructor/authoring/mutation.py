@@ -25,8 +25,9 @@ from rich.progress import track
 from rich.syntax import Syntax
 from rich.table import Table
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
-from nao_course.exercises.exercise import Case, Exercise
+from nao_course.exercises.exercise import Exercise
 from nao_course.instructor.authoring.plans import (
     SEEDS,
     SOLUTIONS,

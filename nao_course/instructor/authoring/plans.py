@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import CodecError, decode, encode
 from nao_course.exercises.comparisons import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import (
-    Case,
     Exercise,
     LessonPlan,
     PublicExercise,

@@ -24,10 +24,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.checking import explain
 from nao_course.exercises.comparisons import Verdict
 from nao_course.exercises.definitions import NO_DEFINITION, load_definitions, read_cells
-from nao_course.exercises.exercise import ANSWER_HERE, Case, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, Exercise, PublicExercise, Written
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.authoring.plans import hidden_cases, publish
 from nao_course.instructor.autograding.secret import keyed

@@ -24,6 +24,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self, get_args
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, encode, frame_lengths
 from nao_course.exercises.definitions import (
     MOST_BYTES,
@@ -32,7 +33,6 @@ from nao_course.exercises.definitions import (
     Skipped,
     load_definitions,
 )
-from nao_course.exercises.exercise import Case
 from nao_course.exercises.running import Came, Outcome, call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, SandboxError, limit_resources
 
