@@ -18,7 +18,7 @@ import numpy as np
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 
-Came = Literal[
+Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
 _DRIVERS: dict[str, Callable[..., Any]] = {}
@@ -37,7 +37,7 @@ class Outcome:
 
     Parameters
     ----------
-    came : str
+    status : str
         "value", or what came instead of one.
     value : object
         The answer: plain arrays, numbers, lists, nothing of a student's own types.
@@ -51,7 +51,7 @@ class Outcome:
         The beginning of what it printed, where that is kept.
     """
 
-    came: Came
+    status: Status
     value: Any = None
     text: str = ""
     line: str = ""
@@ -94,7 +94,7 @@ def call_all(
         except _TimeIsUp:  # it rang while the answer was being copied
             outcome = Outcome("timed out")
         outcomes.append(outcome)
-        if outcomes[-1].came in ("not attempted", "interrupted", "timed out"):
+        if outcomes[-1].status in ("not attempted", "interrupted", "timed out"):
             break
     return outcomes
 

@@ -31,9 +31,9 @@ def frame(text, body=b''):
     header = text if isinstance(text, bytes) else text.encode()
     return struct.pack('<4sQQ', b'NAO1', len(header), len(body)) + header + body
 
-def outcome(value='null', text='""', line='""', came='value', more=''):
-    return frame('{"o":"nao_course.exercises.running:Outcome","v":{"came":{"s":"%s"},"value":%s,"text":{"s":%s},'
-                 '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (came, value, text, line, more))
+def outcome(value='null', text='""', line='""', status='value', more=''):
+    return frame('{"o":"nao_course.exercises.running:Outcome","v":{"status":{"s":"%s"},"value":%s,"text":{"s":%s},'
+                 '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (status, value, text, line, more))
 """
 
 
@@ -654,7 +654,7 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(came='right'))\ntime.sleep(9)"),
+    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"),
     _frames(
         "negative_length",
         "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
@@ -722,7 +722,7 @@ ANSWERS = (
         "half_a_character",
         r"""
         half = '"\\ud800 nao\\u0000 \\udfff"'
-        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], came='raised'))
+        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], status='raised'))
         time.sleep(9)
         """,
     ),

@@ -156,4 +156,4 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
         raise NotImplementedError
 
     assert grade_public(public, blank).state == "not attempted"
-    assert call(lambda: 3, Case((points(), BY)), "jacobian").came == "raised"
+    assert call(lambda: 3, Case((points(), BY)), "jacobian").status == "raised"

@@ -253,7 +253,7 @@ def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
     """Whether a case tells what the worker has from the solution."""
     for case in cases:
         outcome = worker.call(exercise.name, case, exercise.driver)
-        if outcome.came != "value" or not exercise.comparison.compare(case.expected, outcome.value):
+        if outcome.status != "value" or not exercise.comparison.compare(case.expected, outcome.value):
             return True
         if outcome.changed and exercise.in_place:
             return True
