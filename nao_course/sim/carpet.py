@@ -92,7 +92,7 @@ def cloud(shape: tuple[int, ...], scale: float, rng: np.random.Generator) -> Flo
     return np.asarray(field / max(float(field.std()), 1e-6), dtype=np.float32)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Brush:
     """Paints on a carpet (rows, columns, 3) in metres of the field frame."""
 

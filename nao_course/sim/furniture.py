@@ -17,7 +17,7 @@ from nao_course.sim.carpet import Bytes, Colour, Rectangle
 from nao_course.sim.shapes import Eye
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Furniture:
     """Flat polygons in space, back to front within each piece.
 

@@ -70,7 +70,7 @@ class VisibleLandmark:
     occluded: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PictureTruth:
     """What a picture really shows.
 

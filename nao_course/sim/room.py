@@ -18,7 +18,7 @@ from nao_course.sim.furniture import Furniture, Workshop, choose_piece, sides, w
 from nao_course.sim.shapes import Eye, Float32
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curtain:
     """A stage set: pieces painted on an upright plane along one side of the carpet.
 
