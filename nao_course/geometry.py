@@ -60,6 +60,8 @@ def finite(name: str, value: float) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number, got {value!r}") from None
+    except OverflowError:
+        raise ValueError(f"{name} must be a finite number, got a whole number beyond all others") from None
     if not np.isfinite(number):
         raise ValueError(f"{name} must be a finite number, got {number}")
     return number

@@ -47,7 +47,10 @@ class Lamps:
             fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * _FALL_OFF
             gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
         if reality.white_balance:
-            gain *= (1 + reality.white_balance * (cast - cast.mean())).astype(np.float32)
+            balance = np.maximum(
+                1 + reality.white_balance * (cast - cast.mean()), 0
+            )  # there is no negative light
+            gain *= balance.astype(np.float32)
         self._gain, self._rays = gain, rays
         self._steep = np.maximum(down - np.float32(0.16), 0)[..., None]  # beyond 3 m nothing changes any more
 

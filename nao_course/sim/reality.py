@@ -3,8 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
 
 from nao_course.geometry import finite
+
+# The strongest effects that can be rendered: beyond them a picture takes minutes, or shows no more than here.
+_MOST = {
+    **dict.fromkeys(("seams", "gradient", "white_balance", "exposure", "vignette"), 1.0),
+    **dict.fromkeys(("grain", "mottle", "noise"), 255.0),
+    **dict.fromkeys(("crumbs", "tape", "pile", "glare", "clutter", "litter", "overexposure", "blur"), 20.0),
+    "specks": 1000.0,
+    "motion": 5.0,  # the head may turn by 0.5 rad while a picture is read: far more than it ever sways
+}
+_LARGEST_SEED = 2**63 - 1
+
+
+def _strength(name: str, value: float, most: float) -> float:
+    """An effect's strength, as a float from 0 to `most`."""
+    if isinstance(value, bool | np.bool_ | str):
+        raise ValueError(f"Reality: {name} must be a number, got {value!r}")
+    strength = finite(f"Reality: {name}", value)
+    if not 0 <= strength <= most:
+        fraction = " (it is a fraction)" if most == 1 else ""
+        raise ValueError(f"Reality: {name} must be 0 (off) to {most:g}{fraction}, got {value}")
+    return strength
+
+
+def _seed(value: Any) -> int:
+    """A room's seed, as an int; 3.0 is one."""
+    whole = isinstance(value, int | np.integer) or (isinstance(value, float | np.floating) and value % 1 == 0)
+    if isinstance(value, bool) or not whole or not 0 <= value <= _LARGEST_SEED:
+        raise ValueError(f"Reality: seed must be a whole number from 0 to 2**63 - 1, got {value!r:.60}")
+    return int(value)
 
 
 @dataclass(frozen=True)
@@ -57,7 +89,9 @@ class Reality:
     Raises
     ------
     ValueError
-        If a strength is negative or no number.
+        If a strength is no number, negative, or more than 1 for a fraction (seams, gradient, white_balance, exposure,
+        vignette), 255 for levels (grain, mottle, noise), 5 for motion, 1000 for specks, and 20 for everything else; if
+        the seed is no whole number from 0 to 2**63 - 1.
     """
 
     grain: float = 8.2
@@ -81,15 +115,10 @@ class Reality:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse what is no strength of an effect."""
-        for name in self.effects():
-            if finite(f"Reality: {name}", getattr(self, name)) < 0:
-                raise ValueError(f"Reality: {name} must be 0 (off) or more, got {getattr(self, name)}")
-        for name in ("seams", "gradient", "exposure", "vignette"):
-            if getattr(self, name) > 1:
-                raise ValueError(f"Reality: {name} is a fraction, at most 1; got {getattr(self, name)}")
-        if finite("Reality: seed", self.seed) < 0 or int(self.seed) != self.seed:
-            raise ValueError(f"Reality: seed must be a whole number from 0, got {self.seed!r}")
+        """Refuse what is no strength of an effect, or a stronger one than can be rendered."""
+        for name, most in _MOST.items():
+            object.__setattr__(self, name, _strength(name, getattr(self, name), most))
+        object.__setattr__(self, "seed", _seed(self.seed))
 
     @classmethod
     def effects(cls) -> tuple[str, ...]:
