@@ -13,8 +13,9 @@ from nao_course.geometry import finite
 _MOST = {
     **dict.fromkeys(("seams", "gradient", "white_balance", "exposure", "vignette"), 1.0),
     **dict.fromkeys(("grain", "mottle", "noise"), 255.0),
-    **dict.fromkeys(("crumbs", "tape", "pile", "glare", "clutter", "litter", "overexposure", "blur"), 20.0),
-    "specks": 1000.0,
+    **dict.fromkeys(("crumbs", "tape", "pile", "glare", "litter", "overexposure", "blur"), 20.0),
+    "specks": 200.0,
+    "clutter": 5.0,
     "motion": 5.0,  # the head may turn by 0.5 rad while a picture is read: far more than it ever sways
 }
 _LARGEST_SEED = 2**63 - 1
@@ -90,8 +91,8 @@ class Reality:
     ------
     ValueError
         If a strength is no number, negative, or more than 1 for a fraction (seams, gradient, white_balance, exposure,
-        vignette), 255 for levels (grain, mottle, noise), 5 for motion, 1000 for specks, and 20 for everything else; if
-        the seed is no whole number from 0 to 2**63 - 1.
+        vignette), 255 for levels (grain, mottle, noise), 5 for clutter and motion, 200 for specks, and 20 for
+        everything else; if the seed is no whole number from 0 to 2**63 - 1.
     """
 
     grain: float = 8.2

@@ -10,7 +10,12 @@ from nao_course.sim import NAO_V4, Field, Reality, SimulatedNao, render
 
 LEVELS = dict.fromkeys(("grain", "mottle", "noise"), 255.0)
 FRACTIONS = dict.fromkeys(("seams", "gradient", "white_balance", "exposure", "vignette"), 1.0)
-MOST = dict.fromkeys(Reality.effects(), 20.0) | LEVELS | FRACTIONS | {"specks": 1000.0, "motion": 5.0}
+MOST = (
+    dict.fromkeys(Reality.effects(), 20.0)
+    | LEVELS
+    | FRACTIONS
+    | {"specks": 200.0, "clutter": 5.0, "motion": 5.0}
+)
 
 
 @pytest.mark.parametrize("name", Reality.effects())
