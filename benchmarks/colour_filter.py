@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks import ROOT, Result, Table
 from benchmarks.realism import Geometry, RealScene, compare_detector, real_scenes, simulated_twin
 from nao_course.exercises import load_definitions
-from nao_course.sim.render import Reality
+from nao_course.sim.reality import Reality
 
 FLOORS = (0.0, 0.08, 0.16, 0.24, 0.32)
 GREEN, YELLOW = (90.0, 160.0), (44.0, 66.0)  # degrees; carpets and goals of several venues

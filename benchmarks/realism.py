@@ -32,7 +32,8 @@ from nao_course.datasets import PictureSet, RealPicture, read_pictures
 from nao_course.geometry import FloatArray, Pose
 from nao_course.sim.camera import CameraView
 from nao_course.sim.field import Field, FieldDimensions
-from nao_course.sim.render import PictureTruth, Reality, render, visible_landmarks
+from nao_course.sim.reality import Reality
+from nao_course.sim.render import PictureTruth, render, visible_landmarks
 
 Pixels = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]

@@ -21,8 +21,9 @@ import numpy.typing as npt
 from benchmarks import Result, Table
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
-from nao_course.sim.render import _SHOWN, _develop
-from nao_course.sim.room import TEXEL, Wear, carpet_levels
+from nao_course.sim.carpet import TEXEL, Wear, carpet_levels
+from nao_course.sim.light import develop
+from nao_course.sim.render import SHOWN
 from nao_course.sim.shapes import Eye
 
 Pixels = npt.NDArray[np.uint8]
@@ -60,7 +61,7 @@ def ground_texture() -> Pixels:
     """The whole field seen from above, rows along y, 5 mm a pixel: the simulator's carpet, lines painted on it."""
     (x0, x1), (y0, y1) = FIELD.x_range, FIELD.y_range
     wear = Wear(7.5, 3.5, 0.6, 9.0, 0.15, 0.7)
-    texture = carpet_levels(FIELD.carpet, (x0, y0, x1, y1), _SHOWN["carpet"], wear, 0)[0][..., :3].copy()
+    texture = carpet_levels(FIELD.carpet, (x0, y0, x1, y1), SHOWN["carpet"], wear, 0)[0][..., :3].copy()
     wide = round(FIELD.dimensions.line_width / TEXEL)
 
     def pixel(x: float, y: float) -> tuple[int, int]:
@@ -101,7 +102,7 @@ def warped(taken: Taken, finer: int = 4) -> Pixels:
     )
     shown = cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA)
     light = (shown.astype(np.float32) / 255) ** 2
-    return _develop(light, eye, Reality(), np.random.default_rng(0))
+    return develop(light, eye, Reality(), np.random.default_rng(0))
 
 
 # --- measuring ---

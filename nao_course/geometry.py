@@ -21,7 +21,7 @@ def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
     Returns
     -------
     ndarray
-        The same directions in (-pi, pi], same shape.
+        The same directions in (-pi, pi], same shape; an angle that lies there already comes back bit for bit.
 
     Examples
     --------
@@ -30,7 +30,10 @@ def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
     >>> wrap_angle([0.0, -np.pi]).tolist()
     [0.0, 3.141592653589793]
     """
-    return np.pi - (np.pi - np.asarray(angle, dtype=float)) % (2 * np.pi)
+    given = np.asarray(angle, dtype=float)
+    wrapped = np.pi - (np.pi - given) % (2 * np.pi)
+    wrapped = np.where(wrapped <= -np.pi, np.pi, wrapped)  # a remainder may be rounded up to the whole turn
+    return np.where((given > -np.pi) & (given <= np.pi), given, wrapped)[()]
 
 
 def finite(name: str, value: float) -> float:
@@ -57,6 +60,8 @@ def finite(name: str, value: float) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number, got {value!r}") from None
+    except OverflowError:
+        raise ValueError(f"{name} must be a finite number, got a whole number beyond all others") from None
     if not np.isfinite(number):
         raise ValueError(f"{name} must be a finite number, got {number}")
     return number
@@ -152,8 +157,8 @@ class Pose:
         object.__setattr__(self, "theta", float(wrap_angle(finite("Pose: theta (rad)", self.theta))))
 
     def __repr__(self) -> str:
-        """Centimetres and milliradians are enough to read."""
-        return f"Pose(x={self.x:.2f}, y={self.y:.2f}, theta={self.theta:.3f})"
+        """Centimetres and milliradians are enough to read; there is no negative zero."""
+        return f"Pose(x={self.x:z.2f}, y={self.y:z.2f}, theta={self.theta:z.3f})"
 
     # --- values ---
 

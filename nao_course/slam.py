@@ -82,9 +82,9 @@ class Measurement:
             raise ValueError(f"Measurement: kind must be one of {KINDS}, got {self.kind!r}")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Estimate:
-    """What a SLAM algorithm believes.
+    """What a SLAM algorithm believes; two are equal where all their values are.
 
     Parameters
     ----------
@@ -125,6 +125,16 @@ class Estimate:
         if len(self.kinds) != n:
             raise ValueError(f"Estimate: {n} landmarks need {n} kinds, got {len(self.kinds)}")
         object.__setattr__(self, "kinds", tuple(self.kinds))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all values are equal."""
+        if not isinstance(other, Estimate):
+            return NotImplemented
+        arrays = ("covariance", "landmarks", "landmark_covariances")
+        same = (self.pose, self.kinds) == (other.pose, other.kinds)
+        return same and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in arrays)
+
+    __hash__ = None  # type: ignore[assignment]  # its arrays can be changed
 
 
 def measured_points(measurements: Iterable[Measurement], pose: Pose) -> FloatArray:

@@ -58,6 +58,6 @@ def attempt(worker: Worker, source: str, *args: object) -> Outcome:
 
 def denied(outcome: Outcome, *errors: str) -> bool:
     """Whether the kernel said no."""
-    return outcome.came == "raised" and outcome.text.startswith(
+    return outcome.status == "raised" and outcome.text.startswith(
         errors or ("PermissionError", "FileNotFoundError")
     )

@@ -16,15 +16,54 @@ def close(a: Pose, b: Pose) -> bool:
     return bool(np.allclose([a.x, a.y], [b.x, b.y]) and abs(wrap_angle(a.theta - b.theta)) < 1e-9)
 
 
-@given(angles)
+any_angle = st.floats(-1e6, 1e6) | st.sampled_from(
+    [-0.0, np.pi, -np.pi, 1e-300, *np.nextafter(np.pi, [0, 9])]
+)
+
+
+@given(any_angle | any_angle.map(lambda angle: -angle))
 def test_a_wrapped_angle_is_the_same_direction_in_the_half_open_range(angle):
     wrapped = float(wrap_angle(angle))
     assert -np.pi < wrapped <= np.pi
     assert np.isclose(np.exp(1j * wrapped), np.exp(1j * angle))
 
 
+@given(st.floats(-np.pi, np.pi, exclude_min=True))
+def test_an_angle_in_the_range_comes_back_bit_for_bit(angle):
+    assert np.float64(wrap_angle(angle)).tobytes() == np.float64(angle).tobytes()
+    assert Pose(0, 0, angle).theta == angle
+
+
+@given(any_angle)
+def test_wrapping_again_changes_nothing(angle):
+    assert wrap_angle(wrap_angle(angle)) == wrap_angle(angle)
+
+
+@given(st.lists(any_angle, max_size=6))
+def test_an_array_is_wrapped_angle_by_angle_and_keeps_its_shape(angles):
+    wrapped = wrap_angle([angles, angles])
+    assert wrapped.shape == (2, len(angles)) and wrapped.dtype == float
+    assert wrapped.tolist() == [[float(wrap_angle(angle)) for angle in angles]] * 2
+
+
+def test_one_angle_gives_one_number_and_none_none():
+    assert isinstance(wrap_angle(1), np.float64)
+    assert wrap_angle([]).shape == (0,)
+
+
 def test_pi_stays_and_minus_pi_becomes_pi():
     assert wrap_angle([np.pi, -np.pi]).tolist() == [np.pi, np.pi]
+
+
+def test_what_is_no_angle_stays_none():
+    assert np.isnan(wrap_angle(np.nan))
+    with np.errstate(invalid="ignore"):
+        assert np.isnan(wrap_angle([np.inf, -np.inf, np.nan])).all()
+
+
+def test_a_pose_shows_no_negative_zero():
+    assert repr(Pose(0.3, 0.0, 0.0).inverse()) == "Pose(x=-0.30, y=0.00, theta=0.000)"
+    assert repr(Pose(-0.001, 0.0, -0.0001)) == "Pose(x=0.00, y=0.00, theta=0.000)"
 
 
 @given(poses)

@@ -70,6 +70,48 @@ def test_bad_values_are_refused_with_what_was_expected(make, says):
         make()
 
 
+def estimate(**changes):
+    values = {
+        "pose": Pose(1, 2, 0.1),
+        "covariance": np.eye(3),
+        "landmarks": [[1.0, 2.0]],
+        "landmark_covariances": [np.eye(2)],
+        "kinds": ("post",),
+    }
+    return Estimate(**values | changes)
+
+
+def test_estimates_with_equal_values_are_equal():
+    assert estimate() == estimate()
+    assert Estimate(Pose(), np.eye(3), [], []) == Estimate(Pose(), np.eye(3), np.empty((0, 2)), [])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"pose": Pose()},
+        {"covariance": 2 * np.eye(3)},
+        {"landmarks": [[1.0, 2.5]]},
+        {"landmark_covariances": [2 * np.eye(2)]},
+        {"kinds": ("corner",)},
+        {
+            "landmarks": np.zeros((2, 2)),
+            "landmark_covariances": np.zeros((2, 2, 2)),
+            "kinds": ("post", "post"),
+        },
+    ],
+)
+def test_estimates_that_differ_in_one_value_differ(change):
+    assert (estimate() == estimate(**change)) is False
+    assert estimate() != estimate(**change)
+
+
+def test_an_estimate_is_no_other_thing_and_as_it_can_be_changed_no_key():
+    assert estimate() != "estimate"
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(estimate())
+
+
 def test_an_abstract_algorithm_cannot_be_made():
     with pytest.raises(TypeError, match="abstract"):
         SlamAlgorithm()

@@ -1,13 +1,15 @@
 """What an exercise is, how it is checked, and what a lesson does with a student's code."""
 
 from nao_course.exercises.asking import prediction
+from nao_course.exercises.case import Case
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
-from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Sampled, Verdict
+from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Verdict
 from nao_course.exercises.definitions import Definitions, load_definitions
-from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Mistake, Question, Written
-from nao_course.exercises.running import Outcome, call
-from nao_course.exercises.symbolic import Derivative
+from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises.jacobians import Derivative
+from nao_course.exercises.running import Outcome, call, register_driver
+from nao_course.exercises.sampling import Sampled
 from nao_course.exercises.trying import Message, try_out
 
 __all__ = [
@@ -40,5 +42,6 @@ __all__ = [
     "load_definitions",
     "prediction",
     "register",
+    "register_driver",
     "try_out",
 ]

@@ -15,9 +15,10 @@ import numpy as np
 
 from nao_course.exercises import running
 from nao_course.exercises.asking import ask, reply
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import Limits, decode, encode
 from nao_course.exercises.comparisons import Verdict
-from nao_course.exercises.exercise import Case, PublicExercise, PublicLesson
+from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
 
@@ -178,18 +179,18 @@ def explain(
     """
     title = f"{exercise.number} {exercise.name}"
     last = outcomes[-1]
-    if last.came == "not attempted":
+    if last.status == "not attempted":
         return Report(exercise.name, "not attempted", (f"{title}: not written yet.",))
-    if last.came == "not found":
+    if last.status == "not found":
         return Report(exercise.name, "not attempted", (f"{title}: your notebook does not define it.",))
-    if last.came == "died":
+    if last.status == "died":
         return Report(exercise.name, "raised", (f"{title}: it ends Python itself; {last.text}.",))
-    if last.came in ("interrupted", "timed out"):
-        how = "stopped by you" if last.came == "interrupted" else stopped
+    if last.status in ("interrupted", "timed out"):
+        how = "stopped by you" if last.status == "interrupted" else stopped
         text = f"{title}: {how}. Does it have a loop that never ends?"
         return Report(exercise.name, "interrupted", (text,))
     verdicts = [
-        exercise.comparison.compare(case.expected, outcome.value) if outcome.came == "value" else None
+        exercise.comparison.compare(case.expected, outcome.value) if outcome.status == "value" else None
         for case, outcome in zip(exercise.cases, outcomes, strict=True)
     ]
     wrong = [i for i, verdict in enumerate(verdicts) if not verdict]
@@ -224,7 +225,7 @@ def _explain(
     if verdict is not None:
         lines = [f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}."]
         lines += _input_at(exercise.cases[first], verdict)
-    elif outcome.came == "unsendable":
+    elif outcome.status == "unsendable":
         lines = [f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}."]
     else:
         state, lines = "raised", [f"{title}: {passed}; one raises {outcome.text}{about}."]
@@ -270,8 +271,8 @@ def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: li
 def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
     """Whether an outcome is a mistake's; where that raises or gives no answer, `answer` says {"raises": what}."""
     if isinstance(answer, dict) and set(answer) == {"raises"}:
-        return outcome.came != "value" and outcome.text.split(":")[0] == answer["raises"]
-    return outcome.came == "value" and exercise.comparison.alike(answer, outcome.value)
+        return outcome.status != "value" and outcome.text.split(":")[0] == answer["raises"]
+    return outcome.status == "value" and exercise.comparison.alike(answer, outcome.value)
 
 
 @dataclass

@@ -200,44 +200,6 @@ class Between(Comparison):
         return bool(Close(rtol=0.02).compare(answer, got))
 
 
-@register
-@dataclass(frozen=True)
-class Sampled(Comparison):
-    """What the driver `sampling_law` says of a function that draws random samples.
-
-    Parameters
-    ----------
-    rtol : float
-        Of the mean and the standard deviation of its answers: they are themselves sampled.
-    """
-
-    rtol: float = 0.25
-
-    def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare (mean, standard deviation, whether a seed decides the answer) with the expected ones."""
-        if got is None:
-            return Verdict("nothing", "your answer is None: a return may be missing")
-        if not isinstance(got, tuple | list) or len(got) != 3:
-            return Verdict("type", f"your answer is {_a(got)}, not one number")
-        mean, scatter, repeatable = got
-        if repeatable is not True:
-            return Verdict(
-                "value", "the same rng gave two different answers; rng.integers or rng.choice draw from it"
-            )
-        law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
-        verdict = law.compare(tuple(expected[:2]), (mean, scatter))
-        if not verdict and Close().compare(0.0, scatter):
-            text = f"whatever rng it gets, your answer is the same, {_number(mean)}: draw with the rng it is given"
-            return Verdict("value", text)
-        return verdict
-
-    def alike(self, answer: Any, got: Any) -> bool:
-        """Whether both depend on the generator in the same way, and mean and scatter agree."""
-        if answer is None or got is None:
-            return answer is got
-        return answer[2] is got[2] and bool(Close(rtol=self.rtol, atol=1e-6).compare(answer[:2], got[:2]))
-
-
 def _structure(
     expected: Any,
     got: Any,
@@ -250,7 +212,7 @@ def _structure(
         return Verdict("nothing", f"{where} is None: a return may be missing")
     of_a_kind = expected is None or isinstance(expected, str | dict) or is_dataclass(expected)
     if of_a_kind and type(got) is not type(expected):
-        return Verdict("type", f"{where} is {_a(got)}; {_a(expected)} is wanted")
+        return Verdict("type", f"{where} is {with_article(got)}; {with_article(expected)} is wanted")
     if expected is None:
         return RIGHT
     if isinstance(expected, str):
@@ -266,7 +228,7 @@ def _structure(
         wanted = "other keys" if isinstance(expected, dict) else f"{len(parts)} values"
         if names:
             wanted += f" ({', '.join(names)})"
-        return Verdict("type", f"{where} is {_a(got)}{size}; {wanted} are wanted")
+        return Verdict("type", f"{where} is {with_article(got)}{size}; {wanted} are wanted")
     called = dict(zip(parts, names, strict=False))
     for name in parts:
         part = called.get(name, f"{name} of {where}")
@@ -305,14 +267,15 @@ def _as_numbers(got: Any, where: str) -> Array | Verdict:
         return Verdict("nothing", f"{where} is None: a return may be missing")
     if isinstance(got, list | tuple) and (count := _how_many(got)) > _MOST_IN_LISTS:
         return Verdict(
-            "type", f"{where} is {_a(got)} of {count} values; return an array where there are so many"
+            "type",
+            f"{where} is {with_article(got)} of {count} values; return an array where there are so many",
         )
     try:
         if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in _KINDS:
             return array
     except (ValueError, OverflowError):  # rows of different lengths
-        return Verdict("type", f"{where} is {_a(got)} whose rows do not fit together")
-    return Verdict("type", f"{where} is {_a(got)}, not numbers")
+        return Verdict("type", f"{where} is {with_article(got)} whose rows do not fit together")
+    return Verdict("type", f"{where} is {with_article(got)}, not numbers")
 
 
 def _how_many(got: Any) -> int:
@@ -329,8 +292,8 @@ def _only_numbers(got: Any) -> bool:
     return isinstance(got, bool | int | float | np.number | np.bool_ | np.ndarray)
 
 
-def _a(value: Any) -> str:
-    """A value's type, with its article."""
+def with_article(value: Any) -> str:
+    """Name a value's type, with its article."""
     kind = type(value).__name__
     if value is None:
         return kind
@@ -343,15 +306,16 @@ def _differences(wrong: Any, got: Array, where: str, allowed: float) -> Verdict:
     if count <= allowed * wrong.size:
         return RIGHT
     if got.shape == ():
-        return Verdict("value", f"{where}, {_number(got[()])}, is off")
+        return Verdict("value", f"{where}, {as_text(got[()])}, is off")
     index = tuple(int(i) for i in np.argwhere(wrong)[0])
     share = f"{count} of {wrong.size} elements of {where} are off"
-    return Verdict("value", f"{share}, the first at {list(index)}: you have {_number(got[index])}", index)
+    return Verdict("value", f"{share}, the first at {list(index)}: you have {as_text(got[index])}", index)
 
 
 def _at(index: tuple[int, ...]) -> str:
     return f" at {list(index)}" if index else ""
 
 
-def _number(value: Any) -> str:
+def as_text(value: Any) -> str:
+    """Write a number as a student is told it."""
     return str(value) if isinstance(value, np.bool_) else f"{float(value):.6g}"

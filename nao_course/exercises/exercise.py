@@ -8,38 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.codec import decode, encode, register
+from nao_course.exercises.case import Case
+from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons import Close, Comparison
 
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
-
-
-@register
-@dataclass(frozen=True)
-class Case:
-    """One call of a student's function.
-
-    Parameters
-    ----------
-    args : tuple
-        Its arguments; each call gets copies of its own.
-    name : str
-        What the case is about, in a few words for the student: "a grey pixel".
-    kwargs : dict
-        Its keyword arguments.
-    expected : object
-        For `Between`, (low, high). Else left out: the reference's answer is expected.
-    """
-
-    args: tuple[Any, ...]
-    name: str = ""
-    kwargs: dict[str, Any] = field(default_factory=dict)
-    expected: Any = None
-
-    def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
-        """Copies of the arguments that the function may do with what it likes."""
-        args, kwargs = decode(encode((self.args, self.kwargs)))
-        return args, kwargs
 
 
 @dataclass(frozen=True)
@@ -88,8 +61,9 @@ class Exercise:
     uses : sequence of str
         Earlier exercises of this lesson that the function calls.
     driver : str
-        Where not empty: name of a library function that runs in the worker and turns what the student wrote, a class or
-        a SymPy expression, into arrays. It is called with the student's object before the case's arguments.
+        Where not empty: name of a function, registered with `register_driver`, that runs in the worker and turns what
+        the student wrote, a class or a SymPy expression, into arrays. It is called with the student's object before
+        the case's arguments.
     in_place : bool
         Whether a function that changes its input fails; else it is only told so.
     with_reference : float

@@ -15,13 +15,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
-from nao_course.exercises.exercise import Case
 
-Came = Literal[
+Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
-_DRIVERS = "nao_course.exercises.drivers"
+_DRIVERS: dict[str, Callable[..., Any]] = {}
 _NOT_THE_STUDENTS = (
     *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
     str(Path(__file__).parents[1]),
@@ -40,7 +40,7 @@ class Outcome:
 
     Parameters
     ----------
-    came : str
+    status : str
         "value", or what came instead of one.
     value : object
         The answer: plain arrays, numbers, lists, nothing of a student's own types.
@@ -54,7 +54,7 @@ class Outcome:
         The beginning of what it printed, where that is kept.
     """
 
-    came: Came
+    status: Status
     value: Any = None
     text: str = ""
     line: str = ""
@@ -72,7 +72,7 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     case : Case
         What to call it with; it gets copies.
     driver : str
-        Name of a library function that is called instead, with the student's as its first argument.
+        Name of a registered function that is called instead, with the student's as its first argument.
 
     Returns
     -------
@@ -97,9 +97,44 @@ def call_all(
         except _TimeIsUp:  # it rang while the answer was being copied
             outcome = Outcome("timed out")
         outcomes.append(outcome)
-        if outcomes[-1].came in ("not attempted", "interrupted", "timed out"):
+        if outcomes[-1].status in ("not attempted", "interrupted", "timed out"):
             break
     return outcomes
+
+
+def register_driver(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Let exercises name a function as their driver; use as a decorator.
+
+    Raises
+    ------
+    ValueError
+        If another driver has its name.
+    """
+    if _DRIVERS.setdefault(function.__name__, function) is not function:
+        raise ValueError(f"a driver named {function.__name__!r} is registered already")
+    return function
+
+
+def find_driver(name: str) -> Callable[..., Any]:
+    """Return a driver.
+
+    Parameters
+    ----------
+    name : str
+        "sampling_law"; or with the module of nao_course that registers it before a colon, where that is not one of
+        `nao_course.exercises`.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    module, _, function = name.rpartition(":")
+    if module.startswith("nao_course."):
+        importlib.import_module(module)
+    if function not in _DRIVERS:
+        raise ValueError(f"there is no driver {name!r}; there are {sorted(_DRIVERS)}")
+    return _DRIVERS[function]
 
 
 class _TimeIsUp(BaseException):
@@ -131,7 +166,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
     before = _state(args, kwargs)
     if driver:
         args = (function, *args)
-        function = getattr(importlib.import_module(_DRIVERS), driver)
+        function = find_driver(driver)
     try:
         value = function(*args, **kwargs)
     except NotImplementedError as error:

@@ -11,7 +11,8 @@ from nao_course.sim.nao import (
     Truth,
     repeat_drive,
 )
-from nao_course.sim.render import LABELS, PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
+from nao_course.sim.reality import Reality
+from nao_course.sim.render import LABELS, PictureTruth, VisibleLandmark, render, visible_landmarks
 from nao_course.sim.scenes import Scene, standard_scenes
 
 __all__ = [

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from nao_course.geometry import FloatArray, Pose, finite, rotation_2d
 from nao_course.sim.camera import NAO_V4, CameraView, NaoModel
 from nao_course.sim.field import Field
-from nao_course.sim.render import PictureTruth, Reality, VisibleLandmark, render, visible_landmarks
+from nao_course.sim.reality import Reality
+from nao_course.sim.render import PictureTruth, VisibleLandmark, render, visible_landmarks
 from nao_course.slam import LandmarkKind, Measurement, Motion
 
 # How a walking NAO's head turns about (ahead, left, up) while a picture is read, 1/30 s: standard deviations in rad,

@@ -12,7 +12,8 @@ from nao_course.geometry import Pose
 from nao_course.sim.camera import NAO_V4, CameraView
 from nao_course.sim.field import Field
 from nao_course.sim.nao import TorsoTilt
-from nao_course.sim.render import PictureTruth, Reality, render, visible_landmarks
+from nao_course.sim.reality import Reality
+from nao_course.sim.render import PictureTruth, render, visible_landmarks
 
 SceneSet = Literal["tune", "report"]
 

@@ -25,7 +25,7 @@ _EDGE_PIECES = 12  # pieces a straight edge is cut into, to follow the lens
 _INSIDE, _RIM = 1, 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Covered:
     """How much of which pixels a shape covers.
 
@@ -49,7 +49,7 @@ class Covered:
         uncovered[self.rim] *= 1 - self.area
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Grid:
     """Rays (1, -right, -down) of every pixel's middle, flat (H * W,), and how they change from pixel to pixel."""
 

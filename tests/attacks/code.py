@@ -31,9 +31,9 @@ def frame(text, body=b''):
     header = text if isinstance(text, bytes) else text.encode()
     return struct.pack('<4sQQ', b'NAO1', len(header), len(body)) + header + body
 
-def outcome(value='null', text='""', line='""', came='value', more=''):
-    return frame('{"o":"nao_course.exercises.running:Outcome","v":{"came":{"s":"%s"},"value":%s,"text":{"s":%s},'
-                 '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (came, value, text, line, more))
+def outcome(value='null', text='""', line='""', status='value', more=''):
+    return frame('{"o":"nao_course.exercises.running:Outcome","v":{"status":{"s":"%s"},"value":%s,"text":{"s":%s},'
+                 '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (status, value, text, line, more))
 """
 
 
@@ -452,7 +452,7 @@ PATCHES = (
         "patches",
         """
         import gc
-        from nao_course.exercises.exercise import Case
+        from nao_course.exercises.case import Case
         found = [each for each in gc.get_objects() if isinstance(each, Case) and each.expected is not None]
         return found[-1].expected if found else -1e6
         """,
@@ -654,7 +654,7 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(came='right'))\ntime.sleep(9)"),
+    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"),
     _frames(
         "negative_length",
         "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
@@ -722,7 +722,7 @@ ANSWERS = (
         "half_a_character",
         r"""
         half = '"\\ud800 nao\\u0000 \\udfff"'
-        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], came='raised'))
+        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], status='raised'))
         time.sleep(9)
         """,
     ),
@@ -792,7 +792,7 @@ ANSWERS = (
         "types_that_are_not_answers",
         """
         kinds = ['{"o":"nao_course.exercises.comparisons:Close","v":{"rtol":{"s":"x"}}}',
-                 '{"o":"nao_course.exercises.exercise:Case","v":{"args":null}}',
+                 '{"o":"nao_course.exercises.case:Case","v":{"args":null}}',
                  '{"o":"os:system","v":{"command":{"s":"true"}}}', '{"n":{"a":"<f8","shape":[2],"b":0}}',
                  '{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{}},"has_uint32":0,"uinteger":0}}}', '{}', '[]']
         loop.say(encode(number()) + outcome(kinds[number() % len(kinds)]))

@@ -367,7 +367,7 @@ def test_a_loop_that_never_ends_and_swallows_exceptions_is_stopped_and_the_clock
 
     before = signal.getsignal(signal.SIGALRM)
     outcomes = running.call_all(endless, [Case((1,)), Case((2,))], seconds=0.2)
-    assert [outcome.came for outcome in outcomes] == ["timed out"]
+    assert [outcome.status for outcome in outcomes] == ["timed out"]
     assert signal.getsignal(signal.SIGALRM) is before
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
 

@@ -284,7 +284,7 @@ def test_a_value_too_large_is_refused_before_it_is_made(value):
         frame('{"o":"os:system","v":{}}'),
         frame('{"o":"nao_course.cli:app","v":{}}'),
         frame('{"o":["x"],"v":{}}'),
-        frame('{"o":"nao_course.exercises.exercise:Case","v":{"nothing":1}}'),
+        frame('{"o":"nao_course.exercises.case:Case","v":{"nothing":1}}'),
         frame('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}'),
         frame('{"g":1}'),
         frame("[" * 100_000),
@@ -411,11 +411,11 @@ WORDS = st.sampled_from(
             "\ud800",
             "\udfff\ud800",
         ),
-        *("nao_course.exercises.exercise:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
+        *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
         *("nao_course.exercises.comparisons:Close", "builtins:object", "value", "refused", "first", "second"),
     ]
 )
-KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "came", "\ud800"])
+KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "status", "\ud800"])
 anything = st.recursive(
     st.none() | st.booleans() | NUMBERS | WORDS | st.floats(),
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(KEYS, inner, max_size=4),

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Between, Close, Exact, Points, Sampled
-from nao_course.exercises.drivers import sampling_law
+from nao_course.exercises.comparisons import Between, Close, Exact, Points
 
 nan, inf = np.nan, np.inf
 numbers = st.floats(-1e300, 1e300) | st.sampled_from([nan, inf, -inf])
@@ -235,53 +234,6 @@ def test_an_expected_value_is_never_said(comparison, expected):
         assert not verdict
         assert verdict.text
         assert "987" not in verdict.text
-
-
-def law(function, values=None, n_samples=40, repeats=300):
-    values = np.arange(100.0).reshape(10, 10) if values is None else values
-    return sampling_law(function, values, n_samples, repeats)
-
-
-def sample(values, n_samples, rng):
-    return values.ravel()[rng.integers(0, values.size, n_samples)].mean()
-
-
-@pytest.mark.parametrize(
-    ("function", "said"),
-    [
-        (
-            lambda v, n, rng: np.random.default_rng().choice(v.ravel(), n).mean(),
-            "the same rng gave two different",
-        ),
-        (lambda v, n, rng: v.mean(), "whatever rng it gets"),
-        (
-            lambda v, n, rng: v.ravel()[np.random.default_rng(7).integers(0, v.size, n)].mean(),
-            "whatever rng it gets",
-        ),
-        (lambda v, n, rng: rng.choice(v.ravel()), "the scatter of your answers"),
-        (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
-        (lambda v, n, rng: None, "a return may be missing"),
-    ],
-)
-def test_a_random_sample_is_judged_by_its_law(function, said):
-    assert said in Sampled().compare(law(sample), law(function)).text
-
-
-def test_another_way_to_draw_the_same_sample_is_right():
-    for right in (
-        lambda v, n, rng: rng.choice(v.ravel(), n, replace=False).mean(),
-        lambda v, n, rng: rng.permutation(v.ravel())[:n].mean(),
-    ):
-        assert Sampled().compare(law(sample), law(right))
-
-
-def test_a_sample_of_one_kind_is_like_another_of_its_kind():
-    def own(v, n, rng):
-        return np.random.default_rng().choice(v.ravel(), n).mean()
-
-    assert Sampled().alike(law(own), law(own))
-    assert not Sampled().alike(law(own), law(sample))
-    assert Sampled().alike(None, None) and not Sampled().alike(None, law(sample))
 
 
 def test_values_of_a_tuple_are_called_by_their_names():

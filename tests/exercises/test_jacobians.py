@@ -8,7 +8,7 @@ from sympy import Matrix, Mod, atan2, cos, pi, sin, sqrt
 from nao_course.exercises import Case, Derivative, Exercise, Mistake, call
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import decode, encode
-from nao_course.exercises.drivers import jacobian
+from nao_course.exercises.jacobians import jacobian
 from nao_course.instructor.authoring.plans import publish_exercise
 
 x, y, theta, d = sympy.symbols("x y theta d")
@@ -156,4 +156,4 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
         raise NotImplementedError
 
     assert grade_public(public, blank).state == "not attempted"
-    assert call(lambda: 3, Case((points(), BY)), "jacobian").came == "raised"
+    assert call(lambda: 3, Case((points(), BY)), "jacobian").status == "raised"

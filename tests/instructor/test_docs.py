@@ -188,5 +188,5 @@ def test_a_lower_level_holds_what_the_page_says_and_no_more(level, tmp_path):
         unix.bind(str(tmp_path / "s"))
         unix.listen()
         places = (str(tmp_path), os.getpid(), tcp.getsockname()[1], str(tmp_path / "s"))
-        works = {source: attempt(worker, source, *places).came == "value" for source in ANYWHERE}
+        works = {source: attempt(worker, source, *places).status == "value" for source in ANYWHERE}
     assert works == {source: level in levels for source, levels in ANYWHERE.items()}

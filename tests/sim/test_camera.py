@@ -73,6 +73,25 @@ def test_points_behind_the_camera_and_beyond_the_lens_have_no_pixel():
     assert not view().contains([[np.nan, np.nan]])[0]
 
 
+@pytest.mark.parametrize("size", [(320, 240), (1, 1), (7, 5)])
+def test_the_picture_reaches_half_a_pixel_beyond_the_middles_of_its_outer_pixels(size):
+    camera = view(size=size)
+    low, high = np.array([-0.5, -0.5]), np.array(size) - 0.5
+    assert camera.contains([low, high, (low[0], high[1]), (low + high) / 2]).all()
+    for axis in (0, 1):
+        for corner, away in ((low, -np.inf), (high, np.inf)):
+            beyond = corner.copy()
+            beyond[axis] = np.nextafter(beyond[axis], away)
+            assert not camera.contains([beyond]).any()
+
+
+@given(st.floats(-2, 9), st.floats(-2, 7))
+def test_a_point_is_in_the_picture_where_it_lies_in_one_of_its_pixels(u, v):
+    columns, rows = np.meshgrid(np.arange(7), np.arange(5))
+    in_a_pixel = (np.abs(columns - u) <= 0.5) & (np.abs(rows - v) <= 0.5)
+    assert view(size=(7, 5)).contains([u, v])[0] == in_a_pixel.any()
+
+
 def test_moving_the_robot_and_the_points_together_changes_no_pixel(rng):
     points = rng.uniform(-3, 3, (40, 2))
     robot, moved = Pose(0.3, -0.2, 0.4), Pose(5.0, -3.0, 2.0)

@@ -75,6 +75,33 @@ def test_the_covariance_of_a_motion_is_along_across_and_turn_and_grows_with_the_
     assert np.allclose(noise.covariance(Motion(0.0, -0.5)), np.diag([0, 0, 0.12**2]) * 0.5)
 
 
+@pytest.mark.parametrize("x", [0.5, 1.0, 2.0])
+def test_measurements_scatter_about_the_truth_as_their_covariance_says(x):
+    noise = SensorNoise(bearing=0.03, range_fraction=0.08)
+    robot = Pose(x, 0.6, 0.0)
+    exact = SimulatedNao(pose=robot, **EXACT).sense(max_range=10)
+    nearest, second = sorted(exact, key=lambda each: each.range)[:2]
+    only = (nearest.range + second.range) / 2
+    nao = SimulatedNao(pose=robot, rng=3, **(EXACT | {"sensor_noise": noise}))
+    seen = np.array([[(m.bearing, m.range) for m in nao.sense(max_range=only)] for _ in range(2000)])[:, 0]
+    wanted = noise.covariance(nearest)
+    assert np.allclose(np.diag(wanted), [0.03**2, (0.08 * nearest.range) ** 2])  # rad^2, m^2
+    assert np.diag(np.cov(seen.T)) == pytest.approx(np.diag(wanted), rel=0.12)
+    assert abs(np.corrcoef(seen.T)[0, 1]) < 0.1 and wanted[0, 1] == wanted[1, 0] == 0
+    errors = seen.mean(axis=0) - (nearest.bearing, nearest.range)
+    assert (np.abs(errors) < 4 * np.sqrt(np.diag(wanted) / len(seen))).all()
+
+
+@pytest.mark.parametrize(("distance", "turn"), [(1.0, 0.0), (-4.0, 0.0), (0.0, 1.0), (2.0, -0.5)])
+def test_a_walk_scatters_by_the_stated_metres_and_radians_after_one_metre_and_one_radian(distance, turn):
+    noise = OdometryNoise(along=0.06, across=0.04, turn=0.08, turn_per_turn=0.12)
+    ends = repeat_drive([Motion(distance, turn)], 4000, np.random.default_rng(8), noise)[:, 1]
+    way, turned = abs(distance), abs(turn)
+    wanted = [0.06 * way**0.5, 0.04 * way**0.5, (0.08**2 * way + 0.12**2 * turned) ** 0.5]  # m, m, rad
+    assert ends.std(axis=0) == pytest.approx(wanted, rel=0.05)
+    assert np.sqrt(np.diag(noise.covariance(Motion(distance, turn)))) == pytest.approx(wanted)
+
+
 def test_what_a_post_hides_is_not_measured():
     post, corner = np.array([3.0, 0.7]), np.array([3.0, 1.1])
     eye = post + (post - corner) / np.linalg.norm(post - corner)

@@ -1,10 +1,12 @@
 """Laws of the standard sets of scenes."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from nao_course.sim import Reality, standard_scenes
-from nao_course.sim.render import GREEN
+from nao_course.sim.render import GREEN, render
 
 SMALL = (80, 60)
 
@@ -26,6 +28,21 @@ def test_two_calls_give_the_same_bytes_and_the_sets_share_no_picture(sets):
     assert len(set(every)) == len(every) == 60
     poses = [tuple(s.truth.pose.as_array()) for scenes in sets.values() for s in scenes]
     assert len(set(poses)) == 60
+
+
+def test_no_set_shares_a_room_with_another_whatever_their_seeds(monkeypatch):
+    rooms = {}
+
+    def recorded(field, pose, view, reality, rng):
+        rooms.setdefault(key, []).append(reality.seed)
+        return render(field, pose, view, Reality.clean(), rng)
+
+    monkeypatch.setattr("nao_course.sim.scenes.render", recorded)
+    for key in product(("tune", "report"), range(3)):
+        standard_scenes(key[0], (8, 6), Reality(seed=key[1]))
+    assert all(len(seeds) == 30 and len(set(seeds)) == 5 for seeds in rooms.values())
+    every = [room for seeds in rooms.values() for room in set(seeds)]
+    assert len(every) == len(set(every)) == 30
 
 
 def test_a_set_shows_as_many_corners_as_the_real_pictures_do(sets):

@@ -25,8 +25,9 @@ from rich.progress import track
 from rich.syntax import Syntax
 from rich.table import Table
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
-from nao_course.exercises.exercise import Case, Exercise
+from nao_course.exercises.exercise import Exercise
 from nao_course.instructor.authoring.plans import (
     SEEDS,
     SOLUTIONS,
@@ -252,7 +253,7 @@ def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
     """Whether a case tells what the worker has from the solution."""
     for case in cases:
         outcome = worker.call(exercise.name, case, exercise.driver)
-        if outcome.came != "value" or not exercise.comparison.compare(case.expected, outcome.value):
+        if outcome.status != "value" or not exercise.comparison.compare(case.expected, outcome.value):
             return True
         if outcome.changed and exercise.in_place:
             return True

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import CodecError, encode
-from nao_course.exercises.exercise import Case, Exercise, LessonPlan, Question, Written
+from nao_course.exercises.exercise import Exercise, LessonPlan, Question, Written
 from nao_course.instructor.authoring.plans import (
     SEEDS,
     PlanError,

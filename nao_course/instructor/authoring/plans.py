@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from nao_course.exercises import lesson_names
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, decode, encode
 from nao_course.exercises.comparisons import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import (
-    Case,
     Exercise,
     LessonPlan,
     PublicExercise,
@@ -147,8 +147,10 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
     for number, case in enumerate(cases, start=1):
         where = f"{exercise.name}: the reference, case {number} {case.name!r},"
         outcome = call(function, case, exercise.driver)
-        if outcome.came != "value":
-            raise PlanError(f"{where} gives no answer: {outcome.came} {outcome.text} {outcome.line}".rstrip())
+        if outcome.status != "value":
+            raise PlanError(
+                f"{where} gives no answer: {outcome.status} {outcome.text} {outcome.line}".rstrip()
+            )
         try:
             answer = decode(encode(outcome.value))
         except CodecError as error:
@@ -259,7 +261,7 @@ def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., 
     answers: dict[str, Any] = {}
     for number, case in enumerate(cases):
         outcome = call(function, case, exercise.driver)
-        if outcome.came == "value":
+        if outcome.status == "value":
             if not exercise.comparison.compare(case.expected, outcome.value):
                 answers[str(number)] = outcome.value
         else:

@@ -24,10 +24,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.checking import explain
 from nao_course.exercises.comparisons import Verdict
 from nao_course.exercises.definitions import NO_DEFINITION, load_definitions, read_cells
-from nao_course.exercises.exercise import ANSWER_HERE, Case, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, Exercise, PublicExercise, Written
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.authoring.plans import hidden_cases, publish
 from nao_course.instructor.autograding.secret import keyed
@@ -417,7 +418,7 @@ def _why_unreadable(worker: Worker, found: Found) -> str:
     """Why there is nothing to grade; nothing where it is a notebook, only without definitions."""
     if found.skipped and found.skipped[0].cell == 0:
         outcome = worker.call("", Case(()))
-        return outcome.text if outcome.came == "not found" else ""
+        return outcome.text if outcome.status == "not found" else ""
     return ""
 
 
@@ -502,7 +503,7 @@ class _Sitting:
         """Grade one exercise; its public cases have been run."""
         lines = self.explained(task.public, outcomes)
         hint = next((line for line in lines if line in task.mistakes), "")
-        hopeless = outcomes[-1].came in ("not attempted", "not found", "timed out", "died")
+        hopeless = outcomes[-1].status in ("not attempted", "not found", "timed out", "died")
         hidden = self.fail(outcomes[-1], 0) if hopeless else self.hidden(task)
         right = hidden.state == "right"
         return ExerciseResult(
@@ -556,7 +557,7 @@ class _Sitting:
         found: list[Outcome] = []
         for case in cases:
             found.append(self.outcome(exercise, case))
-            if found[-1].came in ("not attempted", "not found", "timed out", "died"):
+            if found[-1].status in ("not attempted", "not found", "timed out", "died"):
                 break
         return found
 
@@ -567,11 +568,11 @@ class _Sitting:
                 raise Stopped
             with turn():
                 outcome = self.worker.call(exercise.name, case, exercise.driver)
-            if outcome.came != "timed out":
+            if outcome.status != "timed out":
                 break
         return (
-            replace(outcome, came="raised", text="KeyboardInterrupt")
-            if outcome.came == "interrupted"
+            replace(outcome, status="raised", text="KeyboardInterrupt")
+            if outcome.status == "interrupted"
             else outcome
         )
 
@@ -582,7 +583,7 @@ class _Sitting:
         outcomes = self.outcomes(task.public, task.hidden)
         for case, outcome in zip(task.hidden, outcomes, strict=False):
             changed |= outcome.changed
-            if outcome.came != "value":
+            if outcome.status != "value":
                 failed = failed or self.fail(outcome, 0)
             elif verdict := _compared(task.public, case, outcome.value):
                 passed += 1
@@ -600,7 +601,7 @@ class _Sitting:
 
     def fail(self, outcome: Outcome, passed: int) -> _Hidden:
         """Say how a case failed, in our words only."""
-        match outcome.came:
+        match outcome.status:
             case "raised":
                 kind = outcome.text.split(":")[0]
                 kind = kind if kind in _KNOWN_ERRORS else "an exception of its own"

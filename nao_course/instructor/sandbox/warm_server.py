@@ -45,7 +45,7 @@ _WARM = (
     "scipy.stats",
     "sympy",
     "nao_course.datasets",
-    "nao_course.exercises.drivers",
+    "nao_course.exercises",
     "nao_course.plotting",
     "nao_course.sim",
     "nao_course.slam",

@@ -24,6 +24,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self, get_args
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, encode, frame_lengths
 from nao_course.exercises.definitions import (
     MOST_BYTES,
@@ -32,8 +33,7 @@ from nao_course.exercises.definitions import (
     Skipped,
     load_definitions,
 )
-from nao_course.exercises.exercise import Case
-from nao_course.exercises.running import Came, Outcome, call_as_it_is, encoded
+from nao_course.exercises.running import Outcome, Status, call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, SandboxError, limit_resources
 
 if TYPE_CHECKING:
@@ -83,15 +83,15 @@ class Ended(Exception):  # noqa: N818 - no error: students' processes end
 
     Parameters
     ----------
-    came : str
+    status : str
         "timed out", "died", or "not found" where there is no notebook to load.
     text : str
         How it ended.
     """
 
-    def __init__(self, came: Came, text: str) -> None:
+    def __init__(self, status: Status, text: str) -> None:
         super().__init__(text)
-        self.outcome = Outcome(came, text=text)
+        self.outcome = Outcome(status, text=text)
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ class Worker:
             raise
 
     def _count(self, ended: Ended) -> None:
-        self._deaths += ended.outcome.came == "died"
+        self._deaths += ended.outcome.status == "died"
 
     @contextlib.contextmanager
     def _clock(self) -> Iterator[None]:
@@ -419,8 +419,8 @@ def _answers(written: dict[str, Any]) -> dict[str, str]:
 def _well_formed(outcome: Any) -> bool:
     """Whether an outcome that a stranger wrote has fields of the right types."""
     match outcome:
-        case Outcome(came=str(came), text=str(), line=str(), changed=bool(), output=str()):
-            return came in get_args(Came)
+        case Outcome(status=str(status), text=str(), line=str(), changed=bool(), output=str()):
+            return status in get_args(Status)
     return False
 
 
@@ -675,8 +675,8 @@ class _Loop:
             with self.lock:
                 self.say(encode(("ask", name, args, kwargs), REPLY))
                 _, outcome = decode(self.read(), trusted=True)
-            if outcome.came != "value":
-                raise RuntimeError(f"{name} gives no answer to this: {outcome.came} {outcome.text}".rstrip())
+            if outcome.status != "value":
+                raise RuntimeError(f"{name} gives no answer to this: {outcome.status} {outcome.text}".rstrip())
             return outcome.value
 
         lent.__name__ = lent.__qualname__ = name

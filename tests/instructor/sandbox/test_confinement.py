@@ -364,7 +364,7 @@ def test_nothing_can_be_reached(confined, listeners, layers, way):
     reached = arrived(sockets)
     if way in REACHED[layers]:
         return
-    assert outcome.came == "raised", outcome
+    assert outcome.status == "raised", outcome
     assert outcome.text.startswith(
         ("PermissionError", "OSError", "gaierror", "ConnectionRefused", "FileNotFound")
     )

@@ -190,7 +190,7 @@ HOGS = {
 @pytest.mark.parametrize("hog", HOGS)
 def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     outcome = attempt(worker, HOGS[hog])
-    assert outcome.came == "raised"
+    assert outcome.status == "raised"
     assert outcome.text.startswith(("MemoryError", "_ArrayMemoryError"))
     assert attempt(worker, "1").value == "1"
 
@@ -208,7 +208,7 @@ time.sleep(100)
 """
     began = time.monotonic()
     outcome = attempt(worker, source + "1")
-    assert outcome.came == "died"
+    assert outcome.status == "died"
     assert outcome.text == "the process and its children used more than 512 MB of memory"
     assert time.monotonic() - began < 10
 
@@ -227,7 +227,7 @@ def test_files_are_bounded_and_go_with_the_worker(notebook, server, kind):
     free = os.statvfs(tempfile.gettempdir()).f_bavail
     with Worker(notebook, seconds=20.0, server=server) as worker:
         outcome = attempt(worker, FILES[kind])
-        assert outcome.came == "raised"
+        assert outcome.status == "raised"
         assert outcome.text.startswith("OSError"), outcome
         used = attempt(worker, "os.statvfs('/scratch').f_blocks * os.statvfs('/scratch').f_frsize").value
         assert int(used) == BOUNDS.scratch
@@ -475,7 +475,7 @@ def test_where_nothing_can_be_forked_a_worker_is_a_process_with_limits(notebook,
     before = state()
     with WarmServer(probe()) as server, Worker(notebook, server=server) as worker:
         assert attempt(worker, "os.listdir()").value == "['attacker.ipynb']"
-        assert attempt(worker, "open('large', 'wb').truncate(10 * 2**30)").came == "raised"
+        assert attempt(worker, "open('large', 'wb').truncate(10 * 2**30)").status == "raised"
         assert attempt(worker, "1").value == "1"
         assert server.process is None
     assert state() == before
@@ -493,7 +493,7 @@ def test_a_fork_and_a_call_are_quick_and_a_worker_is_small(server, tmp_path):
             assert worker.definitions.names == ("f",)
             forks.append(time.perf_counter() - began)
             began = time.perf_counter()
-            assert worker.call("f", Case((np.zeros(3),))).came == "value"
+            assert worker.call("f", Case((np.zeros(3),))).status == "value"
             calls.append(time.perf_counter() - began)
     assert sorted(forks)[2] < 0.3
     assert sorted(calls)[2] < 0.05

@@ -174,7 +174,7 @@ def hurried(notebook, server):
 
 
 @pytest.mark.parametrize(
-    ("name", "came", "text"),
+    ("name", "status", "text"),
     [
         ("double", "value", ""),
         ("unwritten", "not attempted", ""),
@@ -189,15 +189,15 @@ def hurried(notebook, server):
         ("gives_many", "unsendable", "more than 200000 values"),
     ],
 )
-def test_an_outcome_says_what_came_of_a_call(running, name, came, text):
+def test_an_outcome_says_what_came_of_a_call(running, name, status, text):
     outcome = running.call(name, ONE)
-    assert outcome.came == came
+    assert outcome.status == status
     assert text in outcome.text
 
 
 @posix
 @pytest.mark.parametrize(
-    ("name", "came", "text"),
+    ("name", "status", "text"),
     [
         ("loops", "timed out", "no answer within 0.5 s"),
         ("sleeps", "timed out", ""),
@@ -214,10 +214,10 @@ def test_an_outcome_says_what_came_of_a_call(running, name, came, text):
         ("crashes", "died", "ended by signal 11"),
     ],
 )
-def test_whatever_kills_the_process_costs_that_call_alone(hurried, name, came, text):
+def test_whatever_kills_the_process_costs_that_call_alone(hurried, name, status, text):
     began = time.monotonic()
     outcome = hurried.call(name, ONE)
-    assert outcome.came == came
+    assert outcome.status == status
     assert text in outcome.text
     assert time.monotonic() - began < 5
 
@@ -234,7 +234,7 @@ def test_what_a_call_leaves_behind_does_not_disturb_the_next(hurried, name):
 def test_a_worker_that_does_not_read_costs_its_time_alone(hurried):
     hurried.call("stops_later", ONE)
     time.sleep(0.3)
-    assert hurried.call("double", Case((np.zeros(10**6),))).came == "timed out"
+    assert hurried.call("double", Case((np.zeros(10**6),))).status == "timed out"
 
 
 def test_an_answer_is_plain_when_it_arrives(running):
@@ -340,9 +340,9 @@ def test_statements_that_never_end_or_end_the_process_cost_themselves_alone(tmp_
 def test_a_notebook_that_only_ends_is_given_up(tmp_path, server):
     path = toy.write(tmp_path / "own.ipynb", *["import os\nx = os._exit(5)"] * 10, "def f(x): return x")
     with Worker(path, seconds=5.0, server=server) as worker:
-        assert worker.call("f", ONE).came == "died"
+        assert worker.call("f", ONE).status == "died"
         began = time.monotonic()
-        assert worker.call("f", ONE).came == "died"
+        assert worker.call("f", ONE).status == "died"
         assert time.monotonic() - began < 0.05  # it is not tried again
         assert worker.definitions.names == ()
         assert "status 5" in worker.definitions.skipped[0].reason
@@ -353,7 +353,7 @@ def test_what_is_no_notebook_has_a_reason(tmp_path, server):
     for name, reason in (("bad.ipynb", "not a notebook"), ("missing.ipynb", "no such file")):
         with Worker(tmp_path / name, server=server) as worker:
             outcome = worker.call("f", ONE)
-            assert outcome.came == "not found"
+            assert outcome.status == "not found"
             assert reason in outcome.text
             assert reason in worker.definitions.skipped[0].reason
 
@@ -365,11 +365,11 @@ def test_a_function_may_be_overridden_and_the_others_use_it(tmp_path, server):
         worker.overrides = {"g": "def g(x):\n    return -f(x)"}
         assert worker.call("g", ONE).value == -3.0
         worker.overrides = {"f": "def f(x, y=1 / 0): return x"}
-        assert worker.call("f", ONE).came == "not found"
+        assert worker.call("f", ONE).status == "not found"
         worker.overrides = {"f": "def f(:"}
-        assert worker.call("f", ONE).came == "not found"
+        assert worker.call("f", ONE).status == "not found"
         worker.overrides = {"f": "import os; os._exit(3)"}
-        assert worker.call("f", ONE).came == "died"
+        assert worker.call("f", ONE).status == "died"
         worker.overrides = {}
         assert worker.call("g", ONE).value == 4.0
 
@@ -470,7 +470,7 @@ def test_a_function_that_is_lent_answers_from_the_grader_until_it_is_taken_back(
 def test_a_lent_function_that_fails_raises_in_the_students_code(lending):
     lending.lend({"base": lambda args, kwargs: Outcome("raised", text="ValueError: too small")})
     outcome = lending.call("user", ONE)
-    assert outcome.came == "raised"
+    assert outcome.status == "raised"
     assert outcome.text == "RuntimeError: base gives no answer to this: raised ValueError: too small"
     assert outcome.line.endswith("return [base(x), base(x=x), base(2 * x)]")
     assert lending.call("asks_oddly", ONE).text.startswith("CodecError")
@@ -492,10 +492,10 @@ def test_asking_for_ever_and_for_what_is_not_lent_gains_nothing(lending, monkeyp
     lending.definitions  # noqa: B018 - it loads
     monkeypatch.setattr(module, "MOST_ASKED", 500)
     assert "too often" in lending.call("asks_for_ever", ONE).text
-    assert lending.call("asks_for_another", ONE).came == "died"
+    assert lending.call("asks_for_another", ONE).status == "died"
     lending.lend({})
     lending.seconds = 0.5
-    assert lending.call("asks_for_ever", ONE).came == "timed out"
+    assert lending.call("asks_for_ever", ONE).status == "timed out"
 
 
 def test_a_submission_has_a_total_of_time(notebook, server):
@@ -564,7 +564,7 @@ def g(x):
     with Worker(path, seconds=2.0, server=server) as worker:
         for _ in range(2):
             outcome = worker.call("g", ONE)
-            assert outcome.came in ("value", "raised", "died", "timed out", "unsendable"), outcome
+            assert outcome.status in ("value", "raised", "died", "timed out", "unsendable"), outcome
             assert type(outcome.value) in (float, type(None), list, dict, np.ndarray, int)
         worker.close()
         assert worker.call("f", ONE).value == 6.0

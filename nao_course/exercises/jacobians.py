@@ -1,8 +1,8 @@
-"""Derivatives that a student worked out, held against the slopes of the student's own model."""
+"""Jacobians that a student derived with SymPy, held against the slopes of the student's own model."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +11,77 @@ import numpy.typing as npt
 
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons import RIGHT, Close, Comparison, Verdict
+from nao_course.exercises.running import register_driver
 
 Floats = npt.NDArray[np.float64]
+
+STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-10 from rounding
+
+
+@register_driver
+def jacobian(
+    function: Callable[[], tuple[Any, Any]], points: dict[str, Floats], by: list[str]
+) -> dict[str, Any]:
+    """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
+
+    Parameters
+    ----------
+    function : callable
+        ``function() -> (model, jacobian)``, SymPy matrices of shape (R, 1) and (R, C).
+    points : dict of str to ndarray, shape (N,)
+        Values of every symbol, by its name.
+    by : list of str
+        Names of the C symbols that the columns of the Jacobian are derivatives by, in their order.
+
+    Returns
+    -------
+    dict
+        For `Derivative`. "jacobian" and "differences": ndarrays of shape (N, R, C), the second by central
+        differences of the model. "terms": for each entry, row by row, an ndarray (K, N) of the terms of its derivative.
+
+    Raises
+    ------
+    ValueError
+        If the model or the Jacobian has a symbol that is not among the points.
+    """
+    import sympy
+
+    model, derived = (_by_name(sympy.Matrix(each)) for each in function())
+    unknown = sorted(
+        str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
+    )
+    if unknown:
+        raise ValueError(f"the symbols here are called {list(points)}; yours has {unknown}, too")
+    symbols = {name: sympy.Symbol(name) for name in points}
+    numbers = np.stack([points[name] for name in points])  # (symbols, N)
+
+    def evaluate(matrix: Any, at: Floats) -> Floats:
+        compiled = sympy.lambdify(list(symbols.values()), matrix, "numpy")
+        with np.errstate(all="ignore"):  # what is no number is told as such
+            return np.array([compiled(*each) for each in at.T], dtype=float)
+
+    differences = []
+    for name in by:
+        step = np.zeros_like(numbers)
+        step[list(points).index(name)] = STEP
+        change = (evaluate(model, numbers + step) - evaluate(model, numbers - step))[:, :, 0]
+        jumped = np.abs(change) > np.pi  # an angle that went once round
+        differences.append(np.where(jumped, change - 2 * np.pi * np.sign(change), change) / (2 * STEP))
+    unwrapped = model.replace(sympy.Mod, lambda angle, period: angle)  # SymPy knows no slope of a remainder
+    slopes = [sympy.expand(sympy.diff(row, symbols[name])) for row in unwrapped for name in by]
+    terms = [evaluate(sympy.Matrix(sympy.Add.make_args(slope)), numbers)[:, :, 0].T for slope in slopes]
+    return {
+        "jacobian": evaluate(derived, numbers),
+        "differences": np.stack(differences, axis=2),
+        "terms": terms,
+    }
+
+
+def _by_name(matrix: Any) -> Any:
+    """A SymPy matrix with plain symbols: x is x, also where one was declared real and another was not."""
+    import sympy
+
+    return matrix.xreplace({each: sympy.Symbol(str(each)) for each in matrix.free_symbols})
 
 
 @register

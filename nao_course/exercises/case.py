@@ -1,0 +1,36 @@
+"""A case: one call of a student's function, with what is expected of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from nao_course.exercises.codec import decode, encode, register
+
+
+@register
+@dataclass(frozen=True)
+class Case:
+    """One call of a student's function.
+
+    Parameters
+    ----------
+    args : tuple
+        Its arguments; each call gets copies of its own.
+    name : str
+        What the case is about, in a few words for the student: "a grey pixel".
+    kwargs : dict
+        Its keyword arguments.
+    expected : object
+        For `Between`, (low, high). Else left out: the reference's answer is expected.
+    """
+
+    args: tuple[Any, ...]
+    name: str = ""
+    kwargs: dict[str, Any] = field(default_factory=dict)
+    expected: Any = None
+
+    def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
+        """Copies of the arguments that the function may do with what it likes."""
+        args, kwargs = decode(encode((self.args, self.kwargs)))
+        return args, kwargs
