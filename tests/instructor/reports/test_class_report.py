@@ -119,7 +119,7 @@ def test_the_bars_of_the_histogram_hold_every_submission():
 
 
 @settings(
-    max_examples=10, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate]
+    max_examples=4, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate]
 )  # figures are slow
 @given(st.lists(results(), max_size=3))
 def test_any_class_has_a_page_without_secrets(some):

@@ -126,7 +126,7 @@ def test_words_in_backticks_are_code_and_everything_else_stays_text():
 # --- what it never says, and does ---
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(results())
 def test_no_page_holds_a_rubric_a_mistakes_name_or_what_is_for_assistants(any_result):
     text = feedback_page(score(any_result))

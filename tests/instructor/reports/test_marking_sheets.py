@@ -304,7 +304,7 @@ def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path, content, said):
 # --- tables ---
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(words(), words(), st.integers(0, 8).map(lambda n: n / 4))
 def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, text, points):
     folder = tmp_path_factory.mktemp("round")
