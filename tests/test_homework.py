@@ -1,172 +1,188 @@
-"""What a student works in: no work is lost to a newer release, and a receipt says what was handed in."""
+"""What a student hands in, and what a newer release does to their notebooks: nothing of theirs is ever lost."""
+
+from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 import zipfile
+from pathlib import Path
 
-import nbformat
 import pytest
 
 from nao_course import homework
-from nao_course.instructor.authoring import release
-from nao_course.instructor.authoring.course import load_course
-from tests.paths import PROJECT
+from tests.toy import toy
 
-COURSE = load_course(PROJECT)
-NOTEBOOK = "release/notebooks/01_hsl_filtering.ipynb"
+NAME = "90_toy.ipynb"
 
 
-@pytest.fixture(scope="module")
-def files():
-    return release.contents(COURSE, COURSE.names())
+def cell(name, source, exercise=False, kind="code"):
+    """One cell; an exercise's is known by its nbgrader name, any other by its id."""
+    metadata = {"nbgrader": {"grade_id": name, "solution": True}} if exercise else {}
+    more = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    return {"id": name, "cell_type": kind, "metadata": metadata, "source": source} | more
+
+
+GIVEN = [
+    cell("words", "Read this.", kind="markdown"),
+    cell("clamp", "def clamp(x):\n    raise NotImplementedError", exercise=True),
+    cell("demo", "clamp(3)"),
+    cell("why", "*Your answer*", exercise=True, kind="markdown"),
+]
+NEWER = [cell("words", "Read this, it is new.", kind="markdown"), *GIVEN[1:], cell("more", "clamp(4)")]
+
+
+def save(path: Path, cells, version="1") -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    stamp = {"nao_course": {"lesson": path.stem, "version": version}}
+    path.write_text(json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}))
+    return path
+
+
+def changed(cells, **sources):
+    return [each | {"source": sources.get(each["id"], each["source"])} for each in cells]
+
+
+def sources(path: Path) -> dict[str, str]:
+    return {each["id"]: each["source"] for each in json.loads(path.read_text())["cells"]}
 
 
 @pytest.fixture
-def unpacked(files, tmp_path):
-    """A student's folder, in which the release was unpacked and the lessons were laid out once."""
-    unpack(files, tmp_path)
-    assert [str(each) for each in homework.renew(tmp_path)] == [
-        f"{name}.ipynb: as released" for name in COURSE.names()
-    ]
+def root(tmp_path):
+    """A course's folder in which the first release was laid out."""
+    save(tmp_path / "release" / "notebooks" / NAME, GIVEN)
+    assert [str(each) for each in homework.renew(tmp_path)] == [f"{NAME}: as released"]
     return tmp_path
 
 
-def unpack(files, folder):
-    for name, content in files.items():
-        if name.startswith("release/"):
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(content)
+@pytest.fixture
+def mine(root):
+    return root / "notebooks" / NAME
 
 
-def edit(path, change):
-    notebook = nbformat.read(path, as_version=4)
-    change(notebook.cells)
-    nbformat.write(notebook, path)
+def release(root, cells):
+    save(root / "release" / "notebooks" / NAME, cells, version="2")
+    return homework.renew(root)
 
 
-def cell_with(cells, text):
-    return next(cell for cell in cells if text in cell.source)
+# --- a newer release ---
 
 
-def newer(files):
-    """A release in which lesson 01 has another first line, one more cell, and another text before exercise 1.2."""
-    notebook = nbformat.reads(files[NOTEBOOK].decode(), as_version=4)
-    notebook.cells[0].source += "\n\nNew in this release."
-    notebook.cells.insert(2, nbformat.v4.new_markdown_cell("A new cell.", id="lesson01-999"))
-    cell_with(notebook.cells, "def hue_mask").source += "\n    # a better stub"
-    return {**files, NOTEBOOK: nbformat.writes(notebook).encode()}
-
-
-def test_laying_out_again_changes_nothing(unpacked):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-    edit(mine, lambda cells: cells.pop(-1))
+def test_the_same_release_again_touches_nothing(root, mine):
+    save(mine, changed(GIVEN, clamp="def clamp(x):\n    return x"))
     before = mine.read_bytes()
-    assert homework.renew(unpacked) == []
+    assert homework.renew(root) == []
     assert mine.read_bytes() == before
 
 
-def test_an_untouched_notebook_is_replaced_even_when_it_was_run(unpacked, files):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-
-    def ran(cells):
-        cell = cell_with(cells, "def hue_mask")
-        cell.execution_count, cell.outputs = 7, [nbformat.v4.new_output("stream", text="x")]
-
-    edit(mine, ran)
-    unpack(newer(files), unpacked)
-    assert [str(each) for each in homework.renew(unpacked)] == ["01_hsl_filtering.ipynb: as released"]
-    assert mine.read_bytes() == newer(files)[NOTEBOOK]
-    assert not (unpacked / "notebooks" / "kept").exists()
+def test_an_answer_stays_where_a_newer_release_changes_the_text_around_it(root, mine):
+    answers = {"clamp": "def clamp(x):\n    return x", "why": "Because."}
+    as_it_was = save(mine, changed(GIVEN, **answers)).read_bytes()
+    (renewal,) = release(root, NEWER)
+    assert (
+        sources(mine) == {"words": "Read this, it is new.", "demo": "clamp(3)", "more": "clamp(4)"} | answers
+    )
+    assert (renewal.carried, renewal.lost) == (2, ())
+    assert (root / renewal.kept).read_bytes() == as_it_was
+    assert str(renewal) == f"{NAME}: renewed, 2 of your cells carried over; it was kept as {renewal.kept}"
 
 
-def test_a_newer_release_keeps_a_students_work(unpacked, files):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-
-    def work(cells):
-        cell_with(cells, "def hue_mask").source = "def hue_mask(hue, low, high):\n    return hue > low"
-        cell_with(cells, "**Predict:**").source += "\n\nI say 7 %."
-        cells[0].source += "\n\nmy note"  # where the release has a new text, too
-        place = cells.index(cell_with(cells, 'check("hue_mask"'))
-        cells.insert(place + 1, nbformat.v4.new_code_cell('hint("hue_mask")'))
-        cells.remove(cell_with(cells, "## References"))
-        cell_with(cells, 'check("rgb_to_hsl"').source = "passed = True"
-
-    edit(mine, work)
-    as_it_was = mine.read_bytes()
-    unpack(newer(files), unpacked)
-    (renewal,) = homework.renew(unpacked)
-    assert renewal.carried == 3
-    assert renewal.lost == ("# HSL filtering",)
-    assert (unpacked / renewal.kept).read_bytes() == as_it_was
-    notebook = nbformat.read(mine, as_version=4)
-    nbformat.validate(notebook)
-    sources = [cell.source for cell in notebook.cells]
-    assert "def hue_mask(hue, low, high):\n    return hue > low" in sources
-    assert any(source.endswith("I say 7 %.") for source in sources)
-    assert sources[sources.index('check("hue_mask", hue_mask)') + 1] == 'hint("hue_mask")'
-    assert sources[0].endswith("New in this release.") and "A new cell." in sources
-    assert 'check("rgb_to_hsl", rgb_to_hsl)' in sources and "passed = True" not in sources
-    assert homework.renew(unpacked) == []
+def test_an_untouched_notebook_that_was_run_is_replaced_and_not_kept(root, mine):
+    run = [
+        each | {"outputs": [{"output_type": "stream"}]} if each["id"] == "demo" else each for each in GIVEN
+    ]
+    save(mine, run)
+    (renewal,) = release(root, NEWER)
+    assert renewal.kept is None and not (mine.parent / "kept").exists()
+    assert mine.read_bytes() == (root / "release" / "notebooks" / NAME).read_bytes()
 
 
-def test_work_survives_a_second_renewal_and_a_missing_memory_of_what_was_given(unpacked, files):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-    answer = "def hue_mask(hue, low, high):\n    return hue > low"
-
-    def work(cells):
-        cell_with(cells, "def hue_mask").source = answer
-
-    edit(mine, work)
-    for release_files in (newer(files), files):
-        unpack(release_files, unpacked)
-        (renewal,) = homework.renew(unpacked)
-        assert renewal.carried == 1
-    shutil.rmtree(unpacked / "notebooks" / ".given")
-    (renewal,) = [each for each in homework.renew(unpacked) if each.kept]
-    assert answer in [cell.source for cell in nbformat.read(mine, as_version=4).cells]
-    assert len(list((unpacked / "notebooks" / "kept").iterdir())) == 3
+def test_a_cell_of_the_students_own_stands_behind_the_one_it_stood_behind(root, mine):
+    save(mine, [*GIVEN[:2], cell("mine", "print('mine')"), *GIVEN[2:]])
+    (renewal,) = release(root, NEWER)
+    assert list(sources(mine)) == ["words", "clamp", "mine", "demo", "why", "more"]
+    assert renewal.carried == 1
 
 
-def test_a_broken_notebook_is_kept_and_a_new_one_stands_in_its_place(unpacked, files):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-    mine.write_text("{ half of it")
-    unpack(newer(files), unpacked)
-    (renewal,) = homework.renew(unpacked)
-    assert (unpacked / renewal.kept).read_text() == "{ half of it"
-    nbformat.validate(nbformat.read(mine, as_version=4))
+def test_an_answer_without_a_place_is_named_and_stands_in_the_kept_notebook(root, mine):
+    save(mine, changed(GIVEN, clamp="def clamp(x):\n    return x"))
+    (renewal,) = release(root, [each for each in NEWER if each["id"] != "clamp"])
+    assert renewal.lost == ("def clamp(x):",)
+    assert str(renewal).endswith("The new lesson has no place for: 'def clamp(x):'")
+    assert sources(root / renewal.kept)["clamp"] == "def clamp(x):\n    return x"
+
+
+def test_each_renewal_keeps_what_was_there_under_a_name_of_its_own(root, mine):
+    kept = []
+    for number in range(3):
+        save(mine, changed(GIVEN, why=f"answer {number}"))
+        (renewal,) = release(root, changed(NEWER, words=f"text {number}"))
+        kept.append(renewal.kept)
+    assert len(set(kept)) == 3
+    assert [sources(root / each)["why"] for each in kept] == ["answer 0", "answer 1", "answer 2"]
+
+
+@pytest.mark.parametrize("content", [b"{ half of it", b"", b"\xff\xfe", b'{"cells": [1]}', b'{"cells": {}}'])
+def test_a_notebook_that_cannot_be_read_is_kept_as_it_is(root, mine, content):
+    mine.write_bytes(content)
+    (renewal,) = release(root, NEWER)
+    assert (root / renewal.kept).read_bytes() == content
+    assert sources(mine) == {each["id"]: each["source"] for each in NEWER}
+
+
+def test_a_broken_release_touches_no_work_and_says_which_file_it_is(root, mine):
+    before = save(mine, changed(GIVEN, why="Because.")).read_bytes()
+    (root / "release" / "notebooks" / NAME).write_text("{ half of it")
+    with pytest.raises(ValueError, match=f"{NAME} is not a notebook"):
+        homework.renew(root)
+    assert mine.read_bytes() == before
 
 
 # --- handing in ---
 
 
-def test_a_submission_holds_the_notebooks_helpers_and_a_receipt(unpacked, tmp_path):
-    folder = unpacked / "notebooks"
-    (folder / "my_helpers.py").write_text("x = 1\n")
-    (folder / "notes.ipynb").write_text("not of the course")
-    receipt = homework.submit(folder, tmp_path / "out")
-    with zipfile.ZipFile(receipt.path) as archive:
-        names = set(archive.namelist())
-        kept = json.loads(archive.read("receipt.json"))
-        content = archive.read("my_helpers.py")
-    assert names == {"00_meet_the_nao.ipynb", "01_hsl_filtering.ipynb", "my_helpers.py", "receipt.json"} | {
-        f"{name}.ipynb" for name in COURSE.names()
-    }
-    assert kept["files"]["my_helpers.py"] == hashlib.sha256(content).hexdigest()
-    assert kept["versions"]["release"] == COURSE.version
-    told = {key: kept[key] for key in ("time", "files", "versions")}
-    assert (
-        kept["code"] == receipt.code == hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
-    )
+def test_a_submission_holds_notebooks_helpers_and_a_receipt_of_their_bytes(tmp_path):
+    work = tmp_path / "work"
+    work.mkdir()
+    toy.write(work / NAME, *toy.SOLUTION)
+    (work / "helper.py").write_text("x = 1\n")
+    for other in ("notes.ipynb", "data.csv", "kept.txt"):
+        (work / other).write_text("{}")
+    (work / "link.py").symlink_to(work / "helper.py")
+    receipt = homework.submit(work, tmp_path / "out")
+    with zipfile.ZipFile(receipt.path) as packed:
+        files = {name: packed.read(name) for name in packed.namelist()}
+    told = json.loads(files.pop("receipt.json"))
+    assert files == {name: (work / name).read_bytes() for name in (NAME, "helper.py")}
+    digests = {name: hashlib.sha256(content).hexdigest() for name, content in files.items()}
+    assert receipt.files == told["files"] == digests
+    assert told["code"] == receipt.code and told["time"] == receipt.time
 
 
-def test_what_cannot_be_handed_in_is_said(tmp_path, monkeypatch):
-    with pytest.raises(ValueError, match=r"no lesson's notebook \(such as 01_hsl_filtering.ipynb\)"):
-        homework.submit(tmp_path, tmp_path)
-    (tmp_path / "01_hsl_filtering.ipynb").write_text("{}")
-    with pytest.raises(ValueError, match="01_hsl_filtering.ipynb is not a notebook"):
-        homework.submit(tmp_path, tmp_path)
-    shutil.copy(PROJECT / "notebooks" / "01_hsl_filtering.ipynb", tmp_path)
-    monkeypatch.setattr(homework, "MOST_BYTES", 1000)
-    with pytest.raises(ValueError, match="Clear Outputs of All Cells"):
-        homework.submit(tmp_path, tmp_path)
+def test_the_receipts_version_is_that_of_the_release_a_notebook_came_from(tmp_path):
+    save(tmp_path / NAME, GIVEN, version="2.1")
+    assert homework.submit(tmp_path, tmp_path / "out").versions["release"] == "2.1"
+
+
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        ({}, r"no lesson's notebook \(such as 01_hsl_filtering.ipynb\)"),
+        ({"mine.ipynb": "{}", "helper.py": ""}, "no lesson's notebook"),
+        ({NAME: "{ half of it"}, f"{NAME} is not a notebook"),
+        ({NAME: '{"cells": 3}'}, f"{NAME} is not a notebook"),
+        ({NAME: '{"cells": []}', "91_b.ipynb": ""}, "91_b.ipynb is not a notebook"),
+    ],
+)
+def test_what_cannot_be_handed_in_is_said_and_no_zip_is_written(tmp_path, files, said):
+    work = tmp_path / "work"
+    work.mkdir()
+    for name, content in files.items():
+        (work / name).write_text(content)
+    with pytest.raises(ValueError, match=said):
+        homework.submit(work, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_none_is_said(tmp_path):
+    with pytest.raises(ValueError, match="is no folder: submit packs a folder of notebooks"):
+        homework.submit(tmp_path / "nowhere", tmp_path)
