@@ -7,7 +7,7 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.sandbox.confinement import Layer, Sandbox, probe
+from nao_course.instructor.sandbox.layers import Layer, Sandbox, probe
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
 

@@ -19,16 +19,16 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor import commands
-from nao_course.instructor.autograding import batch as runs
+from nao_course.instructor.autograding import batch, session
 from nao_course.instructor.autograding import secret as secrets_module
+from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.batch import grade_all
-from nao_course.instructor.autograding.grader import GraderError, prepare
+from nao_course.instructor.autograding.grader import GraderError
 from nao_course.instructor.autograding.secret import SecretError, keyed, load_secret
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal, JournalError
 from nao_course.instructor.gradebook.records import as_json
-from nao_course.instructor.sandbox.confinement import SandboxError, probe
+from nao_course.instructor.sandbox.layers import SandboxError, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from tests.paths import PROJECT
 from tests.toy import chain
@@ -69,7 +69,7 @@ def warm(server, monkeypatch):
         def __exit__(self, *_):
             pass
 
-    monkeypatch.setattr(commands, "WarmServer", Lent)
+    monkeypatch.setattr(session, "WarmServer", Lent)
 
 
 @pytest.fixture
@@ -156,10 +156,10 @@ def test_a_lesson_can_be_chosen_and_one_that_is_not_there_is_said(course, warm, 
 
 def test_a_sandbox_that_is_too_weak_is_refused_before_anything_runs(course, handed_in, tmp_path, monkeypatch):
     weak = type(probe())(tuple(each for each in probe().layers if each.name != "landlock"))
-    from nao_course.instructor.sandbox.confinement import Layer
+    from nao_course.instructor.sandbox.layers import Layer
 
     weak = type(weak)((*weak.layers, Layer("landlock", False, "not today")))
-    monkeypatch.setattr(commands, "probe", lambda: weak)
+    monkeypatch.setattr(session, "probe", lambda: weak)
     refused = run("grade", handed_in, "--out", tmp_path / "grades", "--require-sandbox", "full")
     assert refused.exit_code == 1 and "not today" in refused.output
     assert kept(tmp_path / "grades") == {}
@@ -187,14 +187,14 @@ def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed
 def test_an_error_of_the_graders_own_is_said_and_the_status_is_not_0(
     course, warm, handed_in, tmp_path, monkeypatch
 ):
-    real = runs.grade
+    real = batch.grade
 
     def fails_at_bob(submission, assignment, **more):
         if submission.student == "bob":
             raise GraderError("bob: the grader failed")
         return real(submission, assignment, **more)
 
-    monkeypatch.setattr(runs, "grade", fails_at_bob)
+    monkeypatch.setattr(batch, "grade", fails_at_bob)
     said = run("grade", handed_in, "--out", tmp_path / "grades")
     assert said.exit_code == 1 and "NOT GRADED" in said.output and "bob: the grader failed" in said.output
     assert "bob" not in {student for student, _ in kept(tmp_path / "grades")}
@@ -210,7 +210,7 @@ def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_p
         random.Random(jobs).shuffle(found)
         grades = tmp_path / f"grades{jobs}"
         with Journal(grades) as journal:
-            publish = runs.feedback_writer(journal, grades / "feedback")
+            publish = batch.feedback_writer(journal, grades / "feedback")
             summary = grade_all(
                 found, lambda lesson: assignment, journal, jobs=jobs, server=server, publish=publish
             )
@@ -230,13 +230,13 @@ def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, mo
     def many():
         for number in range(500):
             taken.append(number)
-            yield runs.Submission(f"s{number}", chain.LESSON, path)
+            yield batch.Submission(f"s{number}", chain.LESSON, path)
 
     def done(submission):
         most.append(len(taken) - len(most))
 
     assignment = prepare(course, "90", chain.SECRET)
-    monkeypatch.setattr(runs, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
+    monkeypatch.setattr(batch, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
     with Journal(tmp_path / "grades") as journal:
         grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
     assert len(most) == 500 and max(most) <= 5
@@ -367,7 +367,7 @@ import pickle, sys
 from pathlib import Path
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.autograding.batch import grade_all
-from nao_course.instructor.sandbox.confinement import Sandbox, Layer
+from nao_course.instructor.sandbox.layers import Layer, Sandbox
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 assignment = pickle.loads(Path(sys.argv[1]).read_bytes())

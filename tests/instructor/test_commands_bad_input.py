@@ -14,7 +14,8 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor.autograding.grader import prepare, refuse
+from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding.grader import refuse
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook import journal as journals
 from nao_course.instructor.gradebook.journal import NAME, Journal

@@ -13,14 +13,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nao_course.instructor.autograding.grader import (
-    Assignment,
-    GraderError,
-    Stopped,
-    Turns,
-    grade,
-    submission_hash,
-)
+from nao_course.instructor.autograding.assignment import Assignment
+from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, submission_hash
+from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal, Mark, Override
 from nao_course.instructor.gradebook.records import SubmissionResult
@@ -30,7 +25,7 @@ if TYPE_CHECKING:
     from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Grade = Callable[[Submission, Assignment], SubmissionResult]
-Outcome = SubmissionResult | GraderError
+ResultOrError = SubmissionResult | GraderError
 _VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
 
 
@@ -105,7 +100,7 @@ def grade_all(
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set, turns=Turns())
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, lock=ReadWriteLock())
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     try:
         for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
@@ -130,7 +125,7 @@ def grade_all(
 
 def as_they_come(
     work: Iterable[tuple[Submission, Assignment]], task: Grade, executor: Executor, most: int
-) -> Iterator[tuple[Submission, Outcome]]:
+) -> Iterator[tuple[Submission, ResultOrError]]:
     """Have an executor grade submissions, at most some at a time, and yield each as soon as it is done.
 
     Parameters
@@ -148,7 +143,7 @@ def as_they_come(
     ------
     submission : Submission
         Which one.
-    outcome : SubmissionResult or GraderError
+    result : SubmissionResult or GraderError
         What came of it.
     """
     waiting: dict[Future[SubmissionResult], Submission] = {}
@@ -164,10 +159,10 @@ def as_they_come(
         if waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)
             for future in done:
-                yield waiting.pop(future), _outcome(future)
+                yield waiting.pop(future), _result_or_error(future)
 
 
-def _outcome(future: Future[SubmissionResult]) -> Outcome:
+def _result_or_error(future: Future[SubmissionResult]) -> ResultOrError:
     error = future.exception()
     if isinstance(error, GraderError):
         return error

@@ -13,12 +13,14 @@ import pytest
 from nao_course.exercises.comparisons import Close
 from nao_course.instructor.authoring.build import load_course
 from nao_course.instructor.autograding import grader as module
-from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, prepare
+from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
+from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
-from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.layers import probe
+from nao_course.instructor.sandbox.protocol import ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
-from nao_course.instructor.sandbox.worker import ServerEnded
 from tests.paths import PROJECT
 from tests.toy import chain
 
@@ -278,7 +280,7 @@ def test_what_a_student_sees_in_full_was_said_before_any_hidden_input_came(marke
 
 def test_a_forged_outcome_is_not_believed(marked, assignment):
     forge = """
-from nao_course.instructor.sandbox import worker
+from nao_course.instructor.sandbox import worker_process
 from nao_course.exercises import running
 from nao_course.exercises.running import Outcome
 def call(function, case, driver=""):
@@ -286,7 +288,7 @@ def call(function, case, driver=""):
     if x.shape == (4, 3):
         return Outcome("died", text=f"signal {x[0, 0]:.3f}", line=f"line 1: {x[0, 0]:.3f}")
     return Outcome("value", x)
-worker.call_as_it_is = running.call_as_it_is = call
+worker_process.call_as_it_is = running.call_as_it_is = call
 """
     result = marked(chain.RIGHT, extra=forge)
     told = told_to_the_student(result)
@@ -339,11 +341,11 @@ def test_the_second_try_has_the_machine_to_itself(server, assignment, tmp_path, 
     monkeypatch.setattr(module.Worker, "call", call)
     slow = {"double": "import time\ndef double(x):\n    time.sleep(30)"}
     quick = replace(assignment, seconds=0.5)
-    turns = module.Turns()
+    lock = ReadWriteLock()
 
     def graded(number):
         path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
-        return grade(Submission(f"s{number}", chain.LESSON, path), quick, server, turns=turns)
+        return grade(Submission(f"s{number}", chain.LESSON, path), quick, server, lock=lock)
 
     with ThreadPoolExecutor(3) as pool:
         results = list(pool.map(graded, range(6)))

@@ -32,7 +32,7 @@ from nao_course.instructor.reports.exports import (
     write_csv,
     write_gradescope,
 )
-from nao_course.instructor.sandbox import confinement as sandbox
+from nao_course.instructor.sandbox import layers as sandbox
 from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, answer, exercise, result, results
 from tests.paths import PROJECT
 

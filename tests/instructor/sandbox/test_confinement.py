@@ -3,7 +3,6 @@
 import contextlib
 import os
 import socket
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,11 +10,12 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.instructor.sandbox import confinement as module
-from nao_course.instructor.sandbox.confinement import LEVELS, Bounds, Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.confinement import Bounds
+from nao_course.instructor.sandbox.protocol import SINGLE_THREADED
 from nao_course.instructor.sandbox.warm_server import WarmServer
-from nao_course.instructor.sandbox.worker import SINGLE_THREADED, Worker
+from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
-from tests.sandboxed import attacker, attempt, denied, need, only
+from tests.sandboxed import attacker, attempt, denied, only
 from tests.toy import toy
 
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
@@ -66,68 +66,6 @@ def secret(tmp_path):
     return path
 
 
-# --- levels ---
-
-
-def made(*on):
-    return Sandbox(tuple(Layer(name, name in on, "" if name in on else f"{name} is off") for name in ALL))
-
-
-@pytest.mark.parametrize(
-    ("on", "level"),
-    [
-        ((), "process"),
-        (("landlock",), "landlock"),
-        (NAMESPACES, "namespaces"),
-        ((*NAMESPACES, "landlock"), "namespaces"),
-        ((*NAMESPACES[1:], "landlock", "seccomp"), "landlock"),
-        (ALL, "full"),
-    ],
-)
-def test_the_level_is_the_highest_all_of_whose_layers_work(on, level):
-    sandbox = made(*on)
-    assert sandbox.level == level
-    assert f"level {level!r}" in str(sandbox)
-    assert "\n" not in str(sandbox)
-    for each in LEVELS[: LEVELS.index(level) + 1]:
-        if each == level or set(module._NEEDS[each]) <= set(on):
-            sandbox.require(each)
-
-
-def test_what_is_required_and_missing_is_named_with_its_reason():
-    with pytest.raises(SandboxError, match="'full' is required.*'namespaces'.*no seccomp: seccomp is off"):
-        made(*ALL[:5], "landlock", "unprivileged user").require("full")
-    with pytest.raises(ValueError, match="one of process, landlock, namespaces, full; got 'strong'"):
-        made().require("strong")
-    assert "STUDENTS' CODE CAN READ" in str(made())
-
-
-def test_the_machine_is_tried_once_and_says_all_its_layers():
-    sandbox = probe()
-    assert {layer.name for layer in sandbox.layers} >= set(ALL)
-    assert all(layer.detail for layer in sandbox.layers if not layer.on)
-    assert probe() is sandbox
-
-
-def test_off_linux_there_are_processes_with_limits_and_no_more(monkeypatch):
-    monkeypatch.setattr(sys, "platform", "darwin")
-    sandbox = probe.__wrapped__()
-    assert sandbox.level == "process"
-    assert "not on darwin" in str(sandbox)
-
-
-def test_the_module_can_be_imported_where_there_is_no_linux():
-    module = "nao_course.instructor.sandbox.warm_server"
-    code = f"import sys, nao_course.exercises; sys.platform = 'darwin'; import {module}; print(1)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT)
-    assert done.stdout == "1\n", done.stderr
-
-
-@linux
-def test_ci_has_the_highest_level():
-    assert need(*ALL).level == "full"
-
-
 # --- files ---
 
 READ = {
@@ -159,7 +97,7 @@ def test_no_file_of_the_host_can_be_read(confined, secret, notebook, layers, way
 @pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
 def test_no_folder_of_the_host_can_be_listed(confined, secret, layers):
     worker = confined(*layers)
-    for path in (PROJECT / "solutions", PROJECT / ".git", Path.home() / ".cache", secret.parent, "/var"):
+    for path in (PROJECT / "solutions", PROJECT / "tests", Path.home() / ".cache", secret.parent, "/var"):
         assert denied(attempt(worker, "os.listdir(args[0])", str(path))), path
 
 

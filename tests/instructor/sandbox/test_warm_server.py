@@ -19,9 +19,11 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.instructor.sandbox import warm_server as module
-from nao_course.instructor.sandbox.confinement import Bounds, Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.confinement import Bounds
+from nao_course.instructor.sandbox.layers import Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.protocol import ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
-from nao_course.instructor.sandbox.worker import ServerEnded, Worker
+from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only
 from tests.toy import toy
@@ -372,7 +374,7 @@ def test_the_server_ends_with_its_grader_however_that_ends(notebook):
 import os, signal, sys
 from pathlib import Path
 from nao_course.exercises import Case
-from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.layers import probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 server = WarmServer(probe()).__enter__()
@@ -451,7 +453,7 @@ def test_without_namespaces_nothing_is_left_either(notebook, layers):
 def test_a_machine_that_refuses_some_layers_still_grades_behind_the_others(notebook, missing):
     code = f"""
 import json
-from nao_course.instructor.sandbox import confinement as sandbox
+from nao_course.instructor.sandbox import layers as sandbox
 def refused(*_): raise OSError("refused here")
 sandbox.{missing} = refused
 print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._trial()]))

@@ -14,7 +14,7 @@ from nao_course.exercises import Case
 from nao_course.exercises.codec import encode
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox import worker as module
-from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.layers import probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
@@ -126,7 +126,7 @@ def early_answer(x):
 def odd_outcome(x):
     from nao_course.exercises import Outcome, running
     import __main__
-    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker")):
+    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker_process")):
         if each: each.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
 def environment():
     return sorted(os.environ)
@@ -263,9 +263,9 @@ def test_the_beginning_of_what_is_printed_is_kept(running):
 
 def test_what_is_expected_is_never_sent(running, monkeypatch):
     sent = []
-    ask = module._Channel.ask
+    ask = module.Channel.ask
     monkeypatch.setattr(
-        module._Channel, "ask", lambda self, frame, s: sent.append(frame) or ask(self, frame, s)
+        module.Channel, "ask", lambda self, frame, s: sent.append(frame) or ask(self, frame, s)
     )
     case = replace(ONE, name="a telling name", expected=np.full(3, 987.125))
     assert running.call("double", case).value == 6.0
@@ -511,7 +511,7 @@ import sys, __main__
 from nao_course.exercises import Outcome, running
 long = "x" * 10**6
 def lies(x):
-    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker")):
+    for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker_process")):
         if each: each.encoded = lambda *_: running.encoded(Outcome("raised", None, long, long, False, long))
 """
     path = toy.write(tmp_path / "own.ipynb", source, *["print(1)"] * 1500)
