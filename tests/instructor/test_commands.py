@@ -7,11 +7,11 @@ import random
 import shutil
 import signal
 import sqlite3
-import stat
 import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
 
 import psutil
@@ -20,11 +20,9 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.instructor.autograding import batch, session
-from nao_course.instructor.autograding import secret as secrets_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.batch import grade_all
 from nao_course.instructor.autograding.grader import GraderError
-from nao_course.instructor.autograding.secret import SecretError, keyed, load_secret
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal, JournalError
 from nao_course.instructor.gradebook.records import as_json
@@ -50,14 +48,21 @@ def course(tmp_path, monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def server():
-    with WarmServer(probe()) as each:
-        yield each
+def server(warm_server):
+    return warm_server
+
+
+def prepared_here(course, lessons, secret):
+    """What `prepare_in_background` promises, at once: starting a process takes long."""
+    done = {lesson: Future() for lesson in lessons}
+    for lesson, future in done.items():
+        future.set_result(prepare(course, lesson, secret))
+    return done
 
 
 @pytest.fixture
 def warm(server, monkeypatch):
-    """Let the commands use one server: starting it takes long."""
+    """Let the commands use one server, and prepare in this process: starting others takes long."""
 
     class Lent:
         def __init__(self, sandbox):
@@ -70,12 +75,16 @@ def warm(server, monkeypatch):
             pass
 
     monkeypatch.setattr(session, "WarmServer", Lent)
+    monkeypatch.setattr(session, "prepare_in_background", prepared_here)
 
 
 @pytest.fixture
 def handed_in(tmp_path):
+    return hand_in(tmp_path / "in")
+
+
+def hand_in(root):
     """A class: right, blank, wrong, ending, no notebook, and one that only two exercises are right of."""
-    root = tmp_path / "in"
     chain.hand_in(root, "ada", chain.notebook(answer="Because."))
     chain.hand_in(root, "bob", chain.notebook(chain.BLANK))
     chain.hand_in(root, "cleo", chain.notebook(chain.MISTAKES))
@@ -206,7 +215,7 @@ def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_p
     assignment = prepare(course, "90", chain.SECRET)
     found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
     results = []
-    for jobs in (1, 2, 4):
+    for jobs in (1, 4):
         random.Random(jobs).shuffle(found)
         grades = tmp_path / f"grades{jobs}"
         with Journal(grades) as journal:
@@ -220,7 +229,7 @@ def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_p
             for path in sorted((grades / "feedback").rglob("*.html"))
         }
         results.append((json.dumps(list(kept(grades).values())), pages))
-    assert results[0] == results[1] == results[2] and len(results[0][1]) == 6
+    assert results[0] == results[1] and len(results[0][1]) == 6
 
 
 def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, monkeypatch):
@@ -268,9 +277,16 @@ def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in
 
 
 @posix
+@pytest.mark.slow
 def test_control_c_on_the_command_is_no_traceback(course, tmp_path):
-    for number in range(40):
-        chain.hand_in(tmp_path / "in", f"s{number}", chain.notebook(extra=f"n = {number}"))
+    for name in ("a1", "a2"):
+        chain.hand_in(tmp_path / "in", name, chain.notebook())
+    for number in range(40):  # so slow that the run cannot end before it is interrupted
+        chain.hand_in(
+            tmp_path / "in",
+            f"s{number}",
+            chain.notebook(extra=f"import time\ntime.sleep(5 + {number} / 100)"),
+        )
     words = [
         sys.executable,
         "-m",
@@ -293,7 +309,7 @@ def test_control_c_on_the_command_is_no_traceback(course, tmp_path):
     while len(list(pages.rglob("*.html"))) < 2 and process.poll() is None:  # then the first result is kept
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)
-    said, error = process.communicate(timeout=60)
+    said, error = process.communicate(timeout=600)
     assert (process.returncode, error) == (130, "")
     assert "Stopped. What is graded is kept" in said
     assert 0 < len(kept(tmp_path / "grades")) < 40
@@ -443,7 +459,7 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
             assert all(wanted[key] == result for key, result in kept(grades).items())
         assert kept(grades) == wanted
         assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 300
     while of_this_run(marker.encode()) and time.monotonic() < deadline:
         time.sleep(0.2)
     assert of_this_run(marker.encode()) == []
@@ -501,10 +517,26 @@ def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_p
 # --- regrade ---
 
 
+@pytest.fixture(scope="module")
+def graded_once(server, tmp_path_factory):
+    """The grades of the class, to be copied."""
+    place = tmp_path_factory.mktemp("graded")
+    assignment = prepare(chain.make_course(place / "course"), "90", chain.SECRET)
+    found = of_lessons(gather(hand_in(place / "in"), place, [chain.LESSON]), [chain.LESSON])
+    with Journal(place / "grades") as journal:
+        publish = batch.feedback_writer(journal, place / "grades" / "feedback")
+        grade_all(
+            found, lambda _: assignment, journal, jobs=2, server=server, level=probe().level, publish=publish
+        )
+    return place / "grades"
+
+
 @pytest.fixture
-def graded(course, warm, handed_in, tmp_path):
+def graded(course, warm, handed_in, graded_once, tmp_path):
     grades = tmp_path / "grades"
-    assert run("grade", handed_in, "--out", grades).exit_code == 0
+    shutil.copytree(graded_once, grades)
+    with Journal(grades) as journal:
+        journal.began(handed_in)
     return grades
 
 
@@ -598,47 +630,3 @@ def test_a_folder_without_a_journal_is_said_and_none_is_made(tmp_path):
     said = run("regrade", tmp_path, "--student", "cleo")
     assert said.exit_code == 1 and "there is no journal" in said.output
     assert list(tmp_path.iterdir()) == []
-
-
-# --- the secret ---
-
-
-@pytest.fixture
-def no_secret(tmp_path, monkeypatch):
-    monkeypatch.delenv("NAO_COURSE_SECRET", raising=False)
-    monkeypatch.setattr(secrets_module.typer, "get_app_dir", lambda name: str(tmp_path / "config" / name))
-    return tmp_path / "config" / "nao-course" / "secret"
-
-
-@posix
-def test_a_secret_is_made_once_for_this_users_eyes_only(no_secret):
-    first = load_secret()
-    assert len(first) >= 32
-    assert load_secret() == first
-    assert stat.S_IMODE(no_secret.stat().st_mode) == 0o600
-    assert [each.name for each in no_secret.parent.iterdir()] == ["secret"]
-
-
-@posix
-@pytest.mark.parametrize(
-    ("content", "mode", "reason"),
-    [(b"x" * 40, 0o644, "chmod 600"), (b"short", 0o600, "5 bytes"), (b"", 0o600, "0 bytes")],
-)
-def test_a_secret_that_is_none_is_refused(no_secret, content, mode, reason):
-    no_secret.parent.mkdir(parents=True)
-    no_secret.write_bytes(content)
-    no_secret.chmod(mode)
-    with pytest.raises(SecretError, match=reason):
-        load_secret()
-
-
-def test_a_secret_that_is_named_is_not_made(no_secret, tmp_path, monkeypatch):
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "mine"))
-    with pytest.raises(SecretError, match="mine"):
-        load_secret()
-    assert not (tmp_path / "mine").exists() and not no_secret.exists()
-
-
-def test_words_under_a_secret_are_told_apart():
-    assert keyed(b"s", "a", "b") != keyed(b"s", "ab") != keyed(b"t", "ab")
-    assert keyed(b"s", "a") == keyed(b"s", "a")

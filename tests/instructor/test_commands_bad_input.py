@@ -203,7 +203,10 @@ def test_a_journal_that_is_a_pipe_or_folder_is_said_at_once(place, command):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a read-only mount in a namespace")
-@pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
+@pytest.mark.parametrize(
+    "command",
+    ["grade", *(pytest.param(name, marks=pytest.mark.slow) for name in ("regrade", "regrade again"))],
+)
 def test_grades_that_may_only_be_read_are_said(place, command):
     mount = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
     if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode:
@@ -285,6 +288,7 @@ def test_no_course_here_is_said(place, monkeypatch):
     refused(place, words(place, "export gradescope"))
 
 
+@pytest.mark.slow
 def test_a_course_that_was_not_built_is_said(place):
     shutil.rmtree(place / "course" / "notebooks")
     done = CliRunner().invoke(cli.app, ["grade", str(place / "in"), "--out", str(place / "new grades")])

@@ -19,7 +19,7 @@ import socket
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -372,11 +372,12 @@ def students_modules() -> Iterator[str]:
                 yield from (each.name for each in pkgutil.walk_packages(path, f"{found.name}."))
 
 
-def _warm_up() -> None:
-    """Import what the lessons use, with one thread."""
-    for name in (*_LIBRARIES, *students_modules()):
+def _warm_up(names: Iterable[str]) -> None:
+    """Import modules, with one thread."""
+    for name in names:
         importlib.import_module(name)
-    importlib.import_module("cv2").setNumThreads(1)
+    if "cv2" in sys.modules:
+        sys.modules["cv2"].setNumThreads(1)
     if len(os.listdir("/proc/self/task")) > 1:
         raise OSError("a library has started threads: no process may be forked")
     gc.collect()
@@ -392,7 +393,7 @@ def _serve(control: socket.socket, told: Mapping[str, Any], users: list[int]) ->
         program = seccomp_program(on) if "seccomp" in on else b""
         confinement = Confinement(on, paths, program, Bounds(**told["bounds"]))
         factory = NamespaceFactory(confinement, users) if "pid namespace" in on else None
-        _warm_up()
+        _warm_up((*_LIBRARIES, *students_modules()) if told["warm"] else ())
         if "mount namespace" in on:
             narrow_view(paths)
         server = ForkServer(control, confinement, users, told["folder"], factory)

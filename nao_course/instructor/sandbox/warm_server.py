@@ -52,6 +52,9 @@ class WarmServer:
         Whose layers close around each worker; a worker that lacks one does not start.
     bounds : Bounds
         How much each worker may use.
+    warm : bool
+        Whether the server imports what lessons use before it forks: workers start as fast without, but import it
+        themselves. Trying the sandbox needs none of it.
 
     Examples
     --------
@@ -63,6 +66,7 @@ class WarmServer:
 
     sandbox: Sandbox
     bounds: Bounds = field(default_factory=Bounds)
+    warm: bool = True
     generation: int = field(default=0, init=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
     _process: subprocess.Popen[bytes] | None = field(default=None, init=False, repr=False)
@@ -143,7 +147,12 @@ class WarmServer:
         self._control = control
         if "mount namespace" not in self.sandbox.on:
             self._folder = tempfile.mkdtemp(prefix="nao-course-")
-        told = {"on": sorted(self.sandbox.on), "bounds": asdict(self.bounds), "folder": self._folder}
+        told = {
+            "on": sorted(self.sandbox.on),
+            "bounds": asdict(self.bounds),
+            "folder": self._folder,
+            "warm": self.warm,
+        }
         environment = scrubbed_environment(*_KEPT)
         environment["MALLOC_ARENA_MAX"] = "2"  # else each thread takes 64 MB of its address space
         with theirs:

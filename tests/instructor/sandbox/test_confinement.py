@@ -15,7 +15,7 @@ from nao_course.instructor.sandbox.protocol import SINGLE_THREADED
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
-from tests.sandboxed import attacker, attempt, denied, only
+from tests.sandboxed import attacker, attempt, denied, need, only
 from tests.toy import toy
 
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
@@ -35,7 +35,7 @@ def servers():
 
     def server(*layers):
         if layers not in running:
-            running[layers] = WarmServer(only(*layers)).__enter__()
+            running[layers] = WarmServer(only(*layers), warm=False).__enter__()
         return running[layers]
 
     yield server
@@ -49,7 +49,7 @@ def confined(notebook, servers):
     workers = []
 
     def worker(*layers):
-        workers.append(Worker(notebook, seconds=20.0, server=servers(*(layers or ALL))))
+        workers.append(Worker(notebook, seconds=120.0, server=servers(*(layers or ALL))))
         return workers[-1]
 
     yield worker
@@ -343,7 +343,8 @@ def test_nothing_of_the_graders_environment_is_left(confined):
 
 
 @linux
-def test_honest_work_notices_nothing(servers, tmp_path):
+def test_honest_work_notices_nothing(warm_server, tmp_path):
+    need(*ALL)
     path = toy.write(
         tmp_path / "own.ipynb",
         "import asyncio, threading, tempfile, ctypes, numpy as np, cv2, sympy, scipy.signal, scipy.interpolate",
@@ -381,7 +382,7 @@ def everything(picture):
     ]
 """,
     )
-    with Worker(path, server=servers(*ALL), seconds=60.0) as worker:
+    with Worker(path, server=warm_server, seconds=120.0) as worker:
         assert worker.definitions.skipped == ()
         outcome = worker.call("everything", Case((np_picture(),)))
         assert outcome.value == [True] * 9, outcome
