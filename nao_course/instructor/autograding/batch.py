@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, submission_hash
@@ -20,9 +19,7 @@ from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal, Mark, Override
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import each_score
-
-if TYPE_CHECKING:
-    from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Grade = Callable[[Submission, Assignment], SubmissionResult]
 ResultOrError = SubmissionResult | GraderError

@@ -24,7 +24,7 @@ from nao_course.instructor.sandbox.protocol import ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
-from tests.sandboxed import attacker, attempt, need, only
+from tests.sandboxed import attacker, attempt, need, only, quickly
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="the warm server forks on Linux alone"
@@ -42,11 +42,6 @@ def cold(sandbox):
 def patient(notebook, server):
     """A worker whose calls have all the time that they need."""
     return Worker(notebook, seconds=AMPLE, server=server)
-
-
-def quickly(names, *some):
-    """Parameters of which all but some are for the slow tests."""
-    return [name if name in some else pytest.param(name, marks=pytest.mark.slow) for name in names]
 
 
 @pytest.fixture(scope="module")
@@ -214,10 +209,10 @@ def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     assert attempt(worker, "1").value == "1"
 
 
-@pytest.mark.parametrize(
-    "kind",
-    quickly(["bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"], "bytearray(300 * 2**20)"),
-)
+PRIVATE, SHARED = "bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"
+
+
+@pytest.mark.parametrize("kind", quickly((PRIVATE, SHARED), SHARED))
 def test_processes_that_want_too_much_memory_together_are_ended(worker, kind):
     source = f"""
 import mmap
