@@ -10,6 +10,7 @@ import stat
 import subprocess
 import sys
 import zipfile
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -354,8 +355,8 @@ def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monke
     write = tmp_path / "results"
     write.mkdir()
     (write / "results.json").write_text("{}")
-    failed = SimpleNamespace(failed=["the grader failed"])
-    monkeypatch.setattr(gradescope.commands, "run", lambda *_: failed)
+    failed = SimpleNamespace(grade=lambda *_: SimpleNamespace(failed=["the grader failed"]))
+    monkeypatch.setattr(gradescope, "open_session", lambda *_, **__: nullcontext(failed))
     monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("landlock", True),)))
     with pytest.raises(RuntimeError, match="the grader failed"):
         gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
