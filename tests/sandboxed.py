@@ -1,13 +1,14 @@
 """What the sandbox's tests share: a layer that is missing, and a notebook that runs what it is told."""
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
 from nao_course.exercises import Case
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.sandbox.confinement import Layer, Sandbox, probe
+from nao_course.instructor.sandbox.layers import Layer, Sandbox, probe
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
 
@@ -61,3 +62,18 @@ def denied(outcome: Outcome, *errors: str) -> bool:
     return outcome.status == "raised" and outcome.text.startswith(
         errors or ("PermissionError", "FileNotFoundError")
     )
+
+
+def quickly(values: Iterable[object], *some: object) -> list[object]:
+    """Values to parametrize with, of which all but some are for the slow tests."""
+    return [value if value in some else pytest.param(value, marks=pytest.mark.slow) for value in values]
+
+
+def crossed(first: Iterable[object], second: Iterable[object]) -> list[object]:
+    """Pairs to parametrize with: each value comes once in the quick tests, the rest of the table in the slow ones."""
+    first, second = list(first), list(second)
+    return [
+        pytest.param(one, other, marks=[] if one == first[0] or other == second[0] else pytest.mark.slow)
+        for one in first
+        for other in second
+    ]

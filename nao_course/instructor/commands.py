@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import difflib
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context
 from pathlib import Path
 
 import typer
@@ -17,18 +14,16 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from nao_course.exercises import lesson_names
-from nao_course.instructor.authoring.course import Course, load_course
-from nao_course.instructor.autograding.batch import Summary, feedback_writer, grade_all, mean_score
-from nao_course.instructor.autograding.grader import Assignment, prepare
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret
+from nao_course.instructor.autograding.session import open_session
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.reports import exports, marking_sheets
 from nao_course.instructor.reports.html import counted
-from nao_course.instructor.sandbox.confinement import SandboxError, probe
-from nao_course.instructor.sandbox.warm_server import WarmServer
 
 FEEDBACK = "feedback"
 _SHOWN = 20  # reasons of each kind, and names of those who wait
@@ -73,44 +68,20 @@ def run(
     require_sandbox: str,
 ) -> Summary:
     """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
-    assignments = preparing(load_course(), sorted({each.lesson for each in waiting}), load_secret())
-    with _sandboxed(console, require_sandbox) as server, _progress(console, len(waiting)) as done:
+    lessons = sorted({each.lesson for each in waiting})
+
+    def say(line: str) -> None:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    with (
+        open_session(load_course(), lessons, load_secret(), require_sandbox, say) as session,
+        _progress(console, len(waiting)) as done,
+    ):
         try:
-            return grade_all(
-                waiting,
-                lambda lesson: assignments[lesson].result(),
-                journal,
-                jobs=jobs,
-                server=server,
-                level=server.sandbox.level,
-                publish=feedback_writer(journal, out / FEEDBACK),
-                tell=done,
-            )
+            return session.grade(waiting, journal, out / FEEDBACK, jobs, done)
         except KeyboardInterrupt:
             console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
             raise typer.Exit(130) from None
-
-
-def preparing(course: Course, lessons: Sequence[str], secret: bytes) -> dict[str, Future[Assignment]]:
-    """Begin to prepare assignments in a process that ends: what solutions import is not held while grading."""
-    pool = ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
-    begun = {lesson: pool.submit(prepare, course, lesson, secret) for lesson in lessons}
-    pool.shutdown(wait=False)
-    return begun
-
-
-@contextmanager
-def _sandboxed(console: Console, level: str) -> Iterator[WarmServer]:
-    """Try the sandbox, say how strong it is, and start the server of its workers."""
-    sandbox = probe()
-    console.print(str(sandbox), markup=False, highlight=False, soft_wrap=True)
-    try:
-        if level:
-            sandbox.require(level)
-        with WarmServer(sandbox) as server:
-            yield server
-    except SandboxError as error:
-        raise ValueError(str(error)) from None
 
 
 @contextmanager

@@ -16,15 +16,15 @@ from typing import Any
 from rich.console import Console
 
 from nao_course.homework import zipped
-from nao_course.instructor import commands
 from nao_course.instructor.authoring.course import Course, LessonError
-from nao_course.instructor.autograding.secret import keyed
+from nao_course.instructor.autograding.secret import keyed, load_secret
+from nao_course.instructor.autograding.session import open_session
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.scores import score
 from nao_course.instructor.reports.exports import as_text, gradescope_results
 from nao_course.instructor.reports.html import visible, write_whole
-from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.layers import probe
 
 ROOT = Path("/autograder")
 ROOT_VARIABLE = "NAO_COURSE_AUTOGRADER"  # another root, for trying it out elsewhere
@@ -177,8 +177,13 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
             "output": visible(f"There is no {lesson}.ipynb among the files that were handed in.{others}"),
             "output_format": "text",
         }
-    with Journal(scratch / "grades") as journal:
-        summary = commands.run(Console(), journal, scratch / "grades", waiting, 1, "")
+    with (
+        Journal(scratch / "grades") as journal,
+        open_session(
+            course, [lesson], load_secret(), say=Console(markup=False, highlight=False, soft_wrap=True).print
+        ) as session,
+    ):
+        summary = session.grade(waiting, journal, scratch / "feedback", 1)
         if summary.failed:
             raise RuntimeError("\n".join(summary.failed))
         (result,) = journal.results()

@@ -44,11 +44,11 @@ from typing import Any
 import numpy as np
 
 from nao_course.instructor.authoring.course import Course, load_course
-from nao_course.instructor.autograding.grader import Assignment, prepare
+from nao_course.instructor.autograding.assignment import Assignment, prepare
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
-from nao_course.instructor.sandbox.confinement import LEVELS
+from nao_course.instructor.sandbox.layers import LEVELS
 from tests.paths import PROJECT
 
 LESSON, REAL = "91_range", "01_hsl_filtering"
@@ -267,13 +267,13 @@ _COMMAND = """
 import resource, sys
 from dataclasses import replace
 from nao_course import cli
-from nao_course.instructor import commands
-from nao_course.instructor.sandbox.confinement import Layer, Sandbox
-grade_all, probe = commands.grade_all, commands.probe
+from nao_course.instructor.autograding import session
+from nao_course.instructor.sandbox.layers import Layer, Sandbox
+grade_all, probe = session.grade_all, session.probe
 off, seconds = sys.argv.pop(1).split(","), float(sys.argv.pop(1))
-commands.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
+session.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
     waiting, lambda lesson: replace(assignment_of(lesson), seconds=seconds), *rest, **more)
-commands.probe = lambda: Sandbox(tuple(
+session.probe = lambda: Sandbox(tuple(
     Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
 if __name__ == "__main__":
     try:

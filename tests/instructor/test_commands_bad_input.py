@@ -14,10 +14,12 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor.autograding.grader import prepare, refuse
+from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding.grader import refuse
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from tests.paths import PROJECT
+from tests.sandboxed import crossed, quickly
 from tests.toy import chain
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="pipes and modes of POSIX")
@@ -93,8 +95,13 @@ def fill(path, content):
 # --- GRADES that is none ---
 
 
-@pytest.mark.parametrize("command", [name for name in READERS if name != "export gradescope"])
-@pytest.mark.parametrize("what", ["nothing", "empty", "file", "link to nothing"])
+@pytest.mark.parametrize(
+    ("command", "what"),
+    crossed(
+        [name for name in READERS if name != "export gradescope"],
+        ["nothing", "empty", "file", "link to nothing"],
+    ),
+)
 def test_what_is_no_folder_of_grades_is_said_and_none_is_made(place, command, what):
     grades = place / "elsewhere"
     if what == "empty":
@@ -162,8 +169,7 @@ JOURNALS = {
 }
 
 
-@pytest.mark.parametrize("command", ALL)
-@pytest.mark.parametrize("kind", JOURNALS)
+@pytest.mark.parametrize(("command", "kind"), crossed(ALL, JOURNALS))
 def test_a_journal_that_cannot_be_used_is_said_and_left_as_it_is(place, command, kind):
     damage, reason = JOURNALS[kind]
     damage(place / "grades" / NAME)
@@ -173,8 +179,7 @@ def test_a_journal_that_cannot_be_used_is_said_and_left_as_it_is(place, command,
 ODD_RESULTS = ["", "{", "[]", "7", "null", '"text"', "{}", '{"student": 1}', "[" * 60000, '{"exercises": 5}']
 
 
-@pytest.mark.parametrize("command", READERS)
-@pytest.mark.parametrize("text", ODD_RESULTS)
+@pytest.mark.parametrize(("command", "text"), crossed(READERS, ODD_RESULTS))
 def test_a_result_in_the_journal_that_makes_no_sense_is_said(place, command, text):
     with closing(sqlite3.connect(place / "grades" / NAME)) as database, database:
         database.execute("UPDATE results SET result = ?", (text,))
@@ -201,7 +206,7 @@ def test_a_journal_that_is_a_pipe_or_folder_is_said_at_once(place, command):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a read-only mount in a namespace")
-@pytest.mark.parametrize("command", ["grade", "regrade", "regrade again"])
+@pytest.mark.parametrize("command", quickly(("grade", "regrade", "regrade again"), "grade"))
 def test_grades_that_may_only_be_read_are_said(place, command):
     mount = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
     if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode:
@@ -283,6 +288,7 @@ def test_no_course_here_is_said(place, monkeypatch):
     refused(place, words(place, "export gradescope"))
 
 
+@pytest.mark.slow
 def test_a_course_that_was_not_built_is_said(place):
     shutil.rmtree(place / "course" / "notebooks")
     done = CliRunner().invoke(cli.app, ["grade", str(place / "in"), "--out", str(place / "new grades")])

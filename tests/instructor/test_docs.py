@@ -11,7 +11,7 @@ import zipfile
 
 import pytest
 
-from nao_course.instructor.sandbox.confinement import LEVELS, probe
+from nao_course.instructor.sandbox.layers import LEVELS, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.attacks.code import ATTACKS

@@ -8,13 +8,14 @@ import stat
 import subprocess
 import sys
 import zipfile
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
 
 from nao_course.instructor import gradescope
 from nao_course.instructor.authoring.course import Course, LessonError, load_course
-from nao_course.instructor.sandbox import confinement as sandbox
+from nao_course.instructor.sandbox import layers as sandbox
 from tests.paths import PROJECT
 
 LESSON = "01_hsl_filtering"
@@ -160,8 +161,8 @@ def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monke
     write = tmp_path / "results"
     write.mkdir()
     (write / "results.json").write_text("{}")
-    failed = SimpleNamespace(failed=["the grader failed"])
-    monkeypatch.setattr(gradescope.commands, "run", lambda *_: failed)
+    failed = SimpleNamespace(grade=lambda *_: SimpleNamespace(failed=["the grader failed"]))
+    monkeypatch.setattr(gradescope, "open_session", lambda *_, **__: nullcontext(failed))
     monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("landlock", True),)))
     with pytest.raises(RuntimeError, match="the grader failed"):
         gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")

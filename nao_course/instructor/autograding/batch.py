@@ -9,27 +9,19 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nao_course.homework import installed_versions
-from nao_course.instructor.autograding.grader import (
-    Assignment,
-    GraderError,
-    Stopped,
-    Turns,
-    grade,
-    submission_hash,
-)
+from nao_course.instructor.autograding.assignment import Assignment
+from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, submission_hash
+from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import each_score
-
-if TYPE_CHECKING:
-    from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Grade = Callable[[Submission, Assignment], SubmissionResult]
-Outcome = SubmissionResult | GraderError
+ResultOrError = SubmissionResult | GraderError
 
 
 @dataclass
@@ -103,7 +95,7 @@ def grade_all(
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set, turns=Turns())
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, lock=ReadWriteLock())
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     try:
         for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
@@ -128,7 +120,7 @@ def grade_all(
 
 def as_they_come(
     work: Iterable[tuple[Submission, Assignment]], task: Grade, executor: Executor, most: int
-) -> Iterator[tuple[Submission, Outcome]]:
+) -> Iterator[tuple[Submission, ResultOrError]]:
     """Have an executor grade submissions, at most some at a time, and yield each as soon as it is done.
 
     Parameters
@@ -146,7 +138,7 @@ def as_they_come(
     ------
     submission : Submission
         Which one.
-    outcome : SubmissionResult or GraderError
+    result : SubmissionResult or GraderError
         What came of it.
     """
     waiting: dict[Future[SubmissionResult], Submission] = {}
@@ -162,10 +154,10 @@ def as_they_come(
         if waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)
             for future in done:
-                yield waiting.pop(future), _outcome(future)
+                yield waiting.pop(future), _result_or_error(future)
 
 
-def _outcome(future: Future[SubmissionResult]) -> Outcome:
+def _result_or_error(future: Future[SubmissionResult]) -> ResultOrError:
     error = future.exception()
     if isinstance(error, GraderError):
         return error

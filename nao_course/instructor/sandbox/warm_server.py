@@ -1,64 +1,26 @@
-"""A process that has imported everything a lesson needs, and forks a sandboxed worker when it is asked to.
-
-It listens on one inherited socket and nothing else, holds nothing of any submission, and each worker gets a socket of
-its own, whose other end the grader keeps: no worker can speak to the server.
-"""
+"""The grader's end of the warm server: starts it, asks it for sandboxed workers, and starts it again when it dies."""
 
 from __future__ import annotations
 
-import contextlib
-import gc
-import importlib
 import json
-import os
-import select
 import shutil
-import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import threading
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, NoReturn, Self
 
-from nao_course.exercises.codec import encode
-from nao_course.instructor.sandbox import confinement as walls_module
-from nao_course.instructor.sandbox.confinement import SCRATCH, Bounds, Sandbox, SandboxError, Walls
-from nao_course.instructor.sandbox.worker import SINGLE_THREADED, ServerEnded, answer_calls, describe_end
+from nao_course.instructor.sandbox.confinement import Bounds
+from nao_course.instructor.sandbox.layers import Sandbox, SandboxError
+from nao_course.instructor.sandbox.protocol import MOST_REQUEST, ServerEnded, scrubbed_environment
 
-if sys.platform == "linux":
-    from nao_course.instructor.sandbox import linux as syscalls
-
-_WARM = (
-    "cv2",
-    "matplotlib.pyplot",
-    "matplotlib.backends.backend_agg",
-    "numpy.random",
-    "scipy.linalg",
-    "scipy.ndimage",
-    "scipy.optimize",
-    "scipy.sparse.linalg",
-    "scipy.spatial",
-    "scipy.stats",
-    "sympy",
-    "nao_course.datasets",
-    "nao_course.exercises",
-    "nao_course.plotting",
-    "nao_course.sim",
-    "nao_course.slam",
-    "nao_course.student",
-    "nao_course.widgets",
-)
-_KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")
+_KEPT = ("HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")  # of the environment
 _SECONDS_TO_START = 90.0  # all those imports, on a machine that is busy
 _SECONDS_TO_REPLY = 20.0
 _SECONDS_TO_END = 2.0
-_WATCH = 0.05  # seconds between two looks at how much memory the workers hold
-_MOST_BYTES = 2**16  # of a message
-TOO_MUCH_MEMORY = "the process and its children used more than {0} MB of memory"
 
 
 @dataclass(frozen=True)
@@ -90,6 +52,9 @@ class WarmServer:
         Whose layers close around each worker; a worker that lacks one does not start.
     bounds : Bounds
         How much each worker may use.
+    warm : bool
+        Whether the server imports what lessons use before it forks: workers start as fast without, but import it
+        themselves. Trying the sandbox needs none of it.
 
     Examples
     --------
@@ -101,6 +66,7 @@ class WarmServer:
 
     sandbox: Sandbox
     bounds: Bounds = field(default_factory=Bounds)
+    warm: bool = True
     generation: int = field(default=0, init=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
     _process: subprocess.Popen[bytes] | None = field(default=None, init=False, repr=False)
@@ -181,12 +147,24 @@ class WarmServer:
         self._control = control
         if "mount namespace" not in self.sandbox.on:
             self._folder = tempfile.mkdtemp(prefix="nao-course-")
-        told = {"on": sorted(self.sandbox.on), "bounds": asdict(self.bounds), "folder": self._folder}
-        environment = {name: os.environ[name] for name in _KEPT if name in os.environ} | SINGLE_THREADED
+        told = {
+            "on": sorted(self.sandbox.on),
+            "bounds": asdict(self.bounds),
+            "folder": self._folder,
+            "warm": self.warm,
+        }
+        environment = scrubbed_environment(*_KEPT)
         environment["MALLOC_ARENA_MAX"] = "2"  # else each thread takes 64 MB of its address space
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), json.dumps(told)],
+                [
+                    sys.executable,
+                    "-P",
+                    "-m",
+                    "nao_course.instructor.sandbox.fork_server",
+                    str(theirs.fileno()),
+                    json.dumps(told),
+                ],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -216,7 +194,7 @@ class WarmServer:
         assert self._control  # the server runs
         self._control.settimeout(seconds)
         try:
-            message = self._control.recv(_MOST_BYTES)
+            message = self._control.recv(MOST_REQUEST)
         except OSError:  # a time-out, too
             message = b""
         if not message:
@@ -241,341 +219,3 @@ class WarmServer:
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder = ""
-
-
-# --- the server's side ---
-
-
-@dataclass(frozen=True)
-class _Keeper:
-    """The first process of a PID namespace, with a descriptor of its own and one of the namespace."""
-
-    process: int
-    itself: int
-    namespace: int
-
-    def kill(self) -> None:
-        with contextlib.suppress(ProcessLookupError):
-            signal.pidfd_send_signal(self.itself, signal.SIGKILL)
-
-    def wait(self) -> None:
-        """Wait until it, and with it the namespace, is gone."""
-        poll = select.poll()
-        poll.register(self.itself, select.POLLIN)
-        poll.poll()
-        os.close(self.itself)
-
-
-class _Nursery:
-    """A small process that forks keepers: forking the whole server for each would double what a worker costs."""
-
-    def __init__(self, walls: Walls, users: list[int]) -> None:
-        self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        if os.fork() == 0:
-            try:
-                _close_all_but([theirs.fileno()])
-                _make_keepers(theirs, walls, users[-1] if users else None)
-            finally:
-                os._exit(1)
-        theirs.close()
-
-    def keeper(self) -> _Keeper:
-        """Return a new keeper; OSError where there can be none."""
-        self.channel.send(b"next")
-        message, descriptors, _, _ = socket.recv_fds(self.channel, 100, 1)
-        if not descriptors:
-            raise OSError(message.decode() or "the process that makes PID namespaces has ended")
-        process = int(message)
-        return _Keeper(process, os.pidfd_open(process), descriptors[0])
-
-
-def _make_keepers(channel: socket.socket, walls: Walls, user: int | None) -> NoReturn:
-    """Answer each message with a new PID namespace, until nobody asks any more."""
-    syscalls.die_with_parent(signal.SIGKILL)
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # ended keepers are cleared away by the kernel
-    own = os.open("/proc/self/ns/pid", os.O_RDONLY)
-    while channel.recv(100):
-        try:
-            syscalls.unshare(syscalls.CLONE_NEWPID)
-            keeper = os.fork()
-            if keeper == 0:
-                _keep(walls, user)
-            made = os.open("/proc/self/ns/pid_for_children", os.O_RDONLY)
-            syscalls.setns(own, syscalls.CLONE_NEWPID)
-            socket.send_fds(channel, [str(keeper).encode()], [made])
-            os.close(made)
-        except OSError as error:
-            channel.send(str(error).encode()[:100])
-    os._exit(0)
-
-
-def _keep(walls: Walls, user: int | None) -> NoReturn:
-    """Only be there: all other processes of the namespace end with this one."""
-    try:
-        _close_all_but([])
-        walls.idle(user)
-        while True:
-            signal.pause()
-    finally:
-        os._exit(1)
-
-
-@dataclass
-class _Forked:
-    """A worker as the server knows it."""
-
-    process: int
-    keeper: _Keeper | None
-    slot: int
-    folder: str
-    over: bool = False
-
-
-class _Server:
-    def __init__(
-        self, control: socket.socket, walls: Walls, users: list[int], folder: str, nursery: _Nursery | None
-    ) -> None:
-        self.control, self.walls, self.users, self.folder = control, walls, users, folder
-        self.nursery = nursery
-        self.watched = 0.0
-        self.workers: dict[int, _Forked] = {}
-        self.mounts = "mount namespace" in walls.on
-        self.ours = os.open("/proc/self/ns/pid", os.O_RDONLY) if "pid namespace" in walls.on else None
-
-    def serve(self) -> NoReturn:
-        """Fork and end workers until nobody can ask any more."""
-        poll = select.poll()
-        poll.register(self.control, select.POLLIN)
-        while True:
-            if poll.poll(_WATCH * 1000 if self.workers else None):
-                message, descriptors, _, _ = socket.recv_fds(self.control, _MOST_BYTES, 1)
-                if not message:
-                    self.leave()
-                self.say(self.answer(json.loads(message), descriptors))
-            if time.monotonic() - self.watched > _WATCH:
-                self.watch()
-
-    def say(self, reply: Mapping[str, Any]) -> None:
-        try:
-            self.control.send(json.dumps(reply).encode())
-        except OSError:
-            self.leave()
-
-    def leave(self) -> NoReturn:
-        """End, with all workers; where there is a PID namespace, they do so by themselves."""
-        if self.ours is None:
-            for number in list(self.workers):
-                self.end(number)
-        os._exit(0)
-
-    def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
-        if "end" in request:
-            return {"ended": self.end(request["end"])}
-        try:
-            self.fork(request["fork"], descriptors[0])
-        except OSError as error:
-            return {"failed": str(error)}
-        finally:
-            for each in descriptors:
-                os.close(each)
-        return {"forked": request["fork"]}
-
-    def fork(self, number: int, channel: int) -> None:
-        taken = {worker.slot for worker in self.workers.values()}
-        slot = next(slot for slot in range(len(taken) + 1) if slot not in taken)
-        user = self.users[slot % len(self.users)] if self.users else None
-        folder = SCRATCH if self.mounts else self.make_folder(number, user)
-        keeper = None
-        try:
-            if self.nursery:
-                keeper = self.nursery.keeper()
-                syscalls.setns(keeper.namespace, syscalls.CLONE_NEWPID)
-            process = self.child(lambda: self.work(user, folder, channel), [channel])
-        except OSError:
-            if keeper:
-                keeper.kill()
-                keeper.wait()
-            raise
-        finally:
-            if keeper and self.ours is not None:
-                os.close(keeper.namespace)
-                syscalls.setns(self.ours, syscalls.CLONE_NEWPID)
-        self.workers[number] = _Forked(process, keeper, slot, folder)
-
-    def make_folder(self, number: int, user: int | None) -> str:
-        path = f"{self.folder}/{number}"
-        os.mkdir(path, 0o700)
-        if user is not None:
-            os.chown(path, user, user)
-        return path
-
-    def child(self, work: Any, descriptors: list[int]) -> int:
-        """Fork a process that does something, with no descriptor but some, and never returns."""
-        process = os.fork()
-        if process:
-            return process
-        try:
-            with contextlib.suppress(OSError):
-                os.setsid()
-            _close_all_but(descriptors)
-            work()
-        finally:
-            os._exit(70)
-
-    def work(self, user: int | None, folder: str, channel: int) -> NoReturn:
-        try:
-            self.walls.close_around(user, folder)
-        except OSError as error:
-            os.write(channel, encode(("unsafe", str(error))))
-            os._exit(70)
-        _new_environment(folder)
-        answer_calls(channel, channel, self.walls.paths)
-
-    def end(self, number: int) -> str:
-        worker = self.workers.pop(number)
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(worker.process, signal.SIGKILL)
-        if worker.keeper:
-            worker.keeper.kill()
-        else:
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(worker.process, signal.SIGKILL)
-        _, status = os.waitpid(worker.process, 0)
-        if worker.keeper:
-            worker.keeper.wait()
-        self.sweep()
-        if not self.mounts:
-            shutil.rmtree(worker.folder, ignore_errors=True)
-        if worker.over:
-            return TOO_MUCH_MEMORY.format(self.walls.bounds.memory // 2**20)
-        return describe_end(os.waitstatus_to_exitcode(status))
-
-    def sweep(self) -> None:
-        """End what workers left behind; where there is no PID namespace, it becomes the server's child."""
-        if self.ours is not None:
-            return
-        known = {worker.process for worker in self.workers.values()}
-        while strays := [child for child in _children(os.getpid()) if child not in known]:
-            for stray in strays:
-                os.kill(stray, signal.SIGKILL)
-                os.waitpid(stray, 0)
-
-    def watch(self) -> None:
-        """End workers whose processes together hold too much memory."""
-        self.watched = time.monotonic()
-        if self.ours is None:
-            return
-        parents, own = dict(_processes()), _held("self")
-        for worker in self.workers.values():
-            roots = {worker.process, worker.keeper.process if worker.keeper else None}
-            held = sum(max(_held(str(each)) - own, 0) for each in parents if _descends(each, roots, parents))
-            if worker.keeper and not worker.over and held > self.walls.bounds.memory:
-                worker.over = True
-                worker.keeper.kill()
-
-
-def _close_all_but(descriptors: list[int]) -> None:
-    start = 3
-    for each in sorted(descriptors):
-        os.closerange(start, each)
-        start = each + 1
-    os.closerange(start, 2**16)
-
-
-def _new_environment(folder: str) -> None:
-    os.environ.clear()
-    os.environ.update(SINGLE_THREADED)
-    os.environ.update(
-        dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR"), folder), PATH=os.defpath, LANG="C.UTF-8"
-    )
-    tempfile.tempdir = None
-
-
-def _children(process: int) -> list[int]:
-    return [child for child, parent in _processes() if parent == process]
-
-
-def _processes() -> Iterator[tuple[int, int]]:
-    """Every process that is in sight, with its parent."""
-    for name in os.listdir("/proc"):
-        if name.isdigit():
-            with contextlib.suppress(OSError), open(f"/proc/{name}/stat", "rb") as file:
-                yield int(name), int(file.read().rpartition(b")")[2].split()[1])
-
-
-def _descends(process: int, roots: set[int | None], parents: Mapping[int, int]) -> bool:
-    """Whether a process is one of some, or comes from one."""
-    while process in parents:
-        if process in roots:
-            return True
-        process = parents[process]
-    return False
-
-
-def _held(process: str) -> int:
-    """Bytes of memory that a process holds, but for files; 0 for one that has just ended."""
-    held = 0
-    with contextlib.suppress(OSError), open(f"/proc/{process}/status", "rb") as file:
-        for line in file:
-            if line.startswith((b"RssAnon:", b"RssShmem:", b"VmSwap:")):
-                held += int(line.split()[1]) * 1024
-    return held
-
-
-def _warm_up() -> None:
-    """Import what the lessons use, with one thread."""
-    for name in _WARM:
-        importlib.import_module(name)
-    importlib.import_module("cv2").setNumThreads(1)
-    if len(os.listdir("/proc/self/task")) > 1:
-        raise OSError("a library has started threads: no process may be forked")
-    gc.collect()
-    gc.freeze()
-
-
-def _serve(control: socket.socket, told: Mapping[str, Any], users: list[int]) -> NoReturn:
-    try:
-        syscalls.die_with_parent(signal.SIGKILL)
-        syscalls.adopt_orphans()
-        on = frozenset(told["on"])
-        paths = tuple(walls_module.readable())
-        program = walls_module.seccomp_program(on) if "seccomp" in on else b""
-        walls = Walls(on, paths, program, Bounds(**told["bounds"]))
-        nursery = _Nursery(walls, users) if "pid namespace" in on else None
-        _warm_up()
-        if "mount namespace" in on:
-            walls_module.narrow_view(paths)
-        server = _Server(control, walls, users, told["folder"], nursery)
-    except BaseException as error:  # noqa: BLE001 - the grader says what it was
-        control.send(json.dumps({"failed": f"{type(error).__name__}: {error}"[:1000]}).encode())
-        os._exit(1)
-    server.say({"ready": True})
-    server.serve()
-
-
-def main() -> NoReturn:
-    """Serve the grader that holds the other end of an inherited socket."""
-    control = socket.socket(fileno=int(sys.argv[1]))
-    control.set_inheritable(False)
-    told, grader = json.loads(sys.argv[2]), os.getppid()
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
-    try:
-        users = walls_module.enter_namespaces(told["on"])
-        child = os.fork()  # the first process of the new PID namespace
-    except OSError as error:
-        control.send(json.dumps({"failed": str(error)}).encode())
-        os._exit(1)
-    if child == 0:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
-        try:
-            _serve(control, told, users)
-        finally:
-            os._exit(1)
-    control.close()
-    while os.waitpid(child, os.WNOHANG) == (0, 0) and os.getppid() == grader:
-        signal.sigtimedwait({signal.SIGCHLD}, 1.0)
-    os._exit(0)
-
-
-if __name__ == "__main__":
-    main()

@@ -14,23 +14,34 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from nao_course.exercises import Case
 from nao_course.instructor.sandbox import warm_server as module
-from nao_course.instructor.sandbox.confinement import Bounds, Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.confinement import Bounds
+from nao_course.instructor.sandbox.layers import Layer, Sandbox, SandboxError, probe
+from nao_course.instructor.sandbox.protocol import ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
-from nao_course.instructor.sandbox.worker import ServerEnded, Worker
+from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
-from tests.sandboxed import attacker, attempt, need, only
-from tests.toy import toy
+from tests.sandboxed import attacker, attempt, need, only, quickly
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="the warm server forks on Linux alone"
 )
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
 BOUNDS = Bounds(memory=512 * 2**20, processes=40, scratch=64 * 2**20)
+AMPLE = 120.0  # seconds for a call that has to succeed, however busy the machine
+
+
+def cold(sandbox):
+    """A server that has imported nothing: it starts at once."""
+    return WarmServer(sandbox, BOUNDS, warm=False)
+
+
+def patient(notebook, server):
+    """A worker whose calls have all the time that they need."""
+    return Worker(notebook, seconds=AMPLE, server=server)
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +52,13 @@ def notebook(tmp_path_factory):
 @pytest.fixture(scope="module")
 def server():
     need(*NAMESPACES)
-    with WarmServer(probe(), BOUNDS) as server:
+    with cold(probe()) as server:
         yield server
 
 
 @pytest.fixture
 def worker(notebook, server):
-    with Worker(notebook, seconds=20.0, server=server) as worker:
+    with patient(notebook, server) as worker:
         yield worker
 
 
@@ -99,7 +110,7 @@ def ended(process: int) -> bool:
     return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] in "ZX"
 
 
-def eventually(true, seconds=5.0):
+def eventually(true, seconds=AMPLE):
     end = time.monotonic() + seconds
     while not true():
         if time.monotonic() > end:
@@ -154,7 +165,7 @@ for _ in range(5):
 }
 
 
-@pytest.mark.parametrize("bomb", BOMBS)
+@pytest.mark.parametrize("bomb", quickly(BOMBS, "children in sessions of their own"))
 def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, server, bomb):
     before, known = state(), servers_family(server)
     most = 0
@@ -170,12 +181,15 @@ def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, ser
         )  # the kernel counts without a lock: forks at once overshoot
     assert servers_family(server) == known
     assert state() == before
-    with Worker(notebook, seconds=10.0, server=server) as worker:
+    with patient(notebook, server) as worker:
         assert attempt(worker, "2").value == "2"
 
 
 def test_one_workers_processes_are_not_counted_against_another(notebook, server):
-    with Worker(notebook, seconds=20.0, server=server) as greedy, Worker(notebook, server=server) as honest:
+    with (
+        patient(notebook, server) as greedy,
+        patient(notebook, server) as honest,
+    ):
         assert int(attempt(greedy, BOMBS["threads without end"]).value) > 20
         assert attempt(honest, "t = threading.Thread(target=print)\nt.start()").value == "None"
 
@@ -187,7 +201,7 @@ HOGS = {
 }
 
 
-@pytest.mark.parametrize("hog", HOGS)
+@pytest.mark.parametrize("hog", quickly(HOGS, "one process"))
 def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     outcome = attempt(worker, HOGS[hog])
     assert outcome.status == "raised"
@@ -195,7 +209,10 @@ def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     assert attempt(worker, "1").value == "1"
 
 
-@pytest.mark.parametrize("kind", ["bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"])
+PRIVATE, SHARED = "bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"
+
+
+@pytest.mark.parametrize("kind", quickly((PRIVATE, SHARED), SHARED))
 def test_processes_that_want_too_much_memory_together_are_ended(worker, kind):
     source = f"""
 import mmap
@@ -203,14 +220,12 @@ for _ in range(8):
     if os.fork() == 0:
         block = {kind}
         for at in range(0, len(block), 4096): block[at] = 1
-        time.sleep(100)
-time.sleep(100)
+        time.sleep(1000)
+time.sleep(1000)
 """
-    began = time.monotonic()
     outcome = attempt(worker, source + "1")
     assert outcome.status == "died"
     assert outcome.text == "the process and its children used more than 512 MB of memory"
-    assert time.monotonic() - began < 10
 
 
 FILES = {
@@ -225,7 +240,7 @@ FILES = {
 @pytest.mark.parametrize("kind", FILES)
 def test_files_are_bounded_and_go_with_the_worker(notebook, server, kind):
     free = os.statvfs(tempfile.gettempdir()).f_bavail
-    with Worker(notebook, seconds=20.0, server=server) as worker:
+    with patient(notebook, server) as worker:
         outcome = attempt(worker, FILES[kind])
         assert outcome.status == "raised"
         assert outcome.text.startswith("OSError"), outcome
@@ -234,10 +249,9 @@ def test_files_are_bounded_and_go_with_the_worker(notebook, server, kind):
     assert os.statvfs(tempfile.gettempdir()).f_bavail > free - 50_000  # blocks; other processes write, too
 
 
-def test_a_hundred_megabytes_of_output_are_quick_and_bounded(worker):
-    began = time.monotonic()
+@pytest.mark.slow
+def test_a_hundred_megabytes_of_output_are_dropped_but_for_the_first(worker):
     outcome = attempt(worker, "print('x' * 10**8)\nos.write(1, b'y' * 10**7), libc.puts(b'z' * 1000) > 0")
-    assert time.monotonic() - began < 5
     assert outcome.value == "(10000000, True)"
     assert outcome.output == "x" * 8192
     outcome = attempt(worker, "for _ in range(10**6): print('chat')\n1")
@@ -259,7 +273,10 @@ def test_a_notebook_that_is_too_large_is_refused_before_it_is_read(tmp_path, ser
 
 
 def test_workers_see_nothing_of_each_other(notebook, server):
-    with Worker(notebook, server=server) as first, Worker(notebook, server=server) as second:
+    with (
+        patient(notebook, server) as first,
+        patient(notebook, server) as second,
+    ):
         assert attempt(first, "open('mine', 'w').write('x')").value == "1"
         assert attempt(first, "sys.modules['numpy'].pi = 3\nsys.modules['numpy'].pi").value == "3"
         assert attempt(second, "os.listdir()").value == "['attacker.ipynb']"
@@ -296,7 +313,7 @@ def test_many_workers_at_once_and_one_after_the_other_leave_nothing(notebook, se
     before, known = state(), descendants(server.process)
 
     def grade(number):
-        with Worker(notebook, seconds=30.0, server=server) as worker:
+        with patient(notebook, server) as worker:
             return [attempt(worker, f"{number} + {k}").value for k in range(3)]
 
     with ThreadPoolExecutor(4) as threads:
@@ -324,7 +341,7 @@ def test_a_worker_that_is_killed_costs_its_call_alone(worker, server):
 
 def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(notebook):
     need(*NAMESPACES)
-    with WarmServer(probe(), BOUNDS) as server, Worker(notebook, server=server) as worker:
+    with cold(probe()) as server, patient(notebook, server) as worker:
         for process in (lambda: server.process, lambda: min(descendants(server.process))):
             assert attempt(worker, "1").value == "1"
             below = descendants(server.process)
@@ -332,7 +349,7 @@ def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(n
             assert eventually(lambda below=below: all(map(ended, below)))
             with pytest.raises(ServerEnded, match="died"):
                 attempt(worker, "2")
-            with Worker(notebook, server=server) as another:
+            with patient(notebook, server) as another:
                 assert attempt(another, "3").value == "3"
             assert attempt(worker, "4").value == "4"
         assert server.generation == 3
@@ -340,8 +357,11 @@ def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(n
 
 def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
     need(*NAMESPACES)
-    with WarmServer(probe(), BOUNDS) as server:
-        with Worker(notebook, server=server) as first, Worker(notebook, server=server) as second:
+    with cold(probe()) as server:
+        with (
+            patient(notebook, server) as first,
+            patient(notebook, server) as second,
+        ):
             assert (attempt(first, "1").value, attempt(second, "1").value) == ("1", "1")
             below = descendants(server.process)
             os.kill(server.process, signal.SIGKILL)
@@ -359,7 +379,7 @@ def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
 def test_a_server_that_stops_answering_is_replaced(notebook, monkeypatch):
     need(*NAMESPACES)
     monkeypatch.setattr(module, "_SECONDS_TO_REPLY", 1.0)
-    with WarmServer(probe(), BOUNDS) as server, Worker(notebook, server=server) as worker:
+    with cold(probe()) as server, patient(notebook, server) as worker:
         os.kill(min(descendants(server.process)), signal.SIGSTOP)
         with pytest.raises(ServerEnded):
             attempt(worker, "1")
@@ -372,10 +392,10 @@ def test_the_server_ends_with_its_grader_however_that_ends(notebook):
 import os, signal, sys
 from pathlib import Path
 from nao_course.exercises import Case
-from nao_course.instructor.sandbox.confinement import probe
+from nao_course.instructor.sandbox.layers import probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
-server = WarmServer(probe()).__enter__()
+server = WarmServer(probe(), warm=False).__enter__()
 worker = Worker(Path({str(notebook)!r}), server=server)
 worker.call("attempt", Case(("1",)))
 print(server.process, flush=True)
@@ -395,8 +415,8 @@ os.kill(os.getpid(), signal.SIGKILL)
 
 def test_closing_the_server_leaves_nothing(notebook):
     before = state()
-    server = WarmServer(probe(), BOUNDS)
-    with server, Worker(notebook, server=server) as worker:
+    server = cold(probe())
+    with server, patient(notebook, server) as worker:
         assert attempt(worker, "1").value == "1"
         below = descendants(server.process) | {server.process}
     assert not any(os.path.exists(f"/proc/{each}") for each in below)
@@ -406,7 +426,7 @@ def test_closing_the_server_leaves_nothing(notebook):
 def test_a_server_that_cannot_be_confined_does_not_start(monkeypatch):
     need(*NAMESPACES)
     monkeypatch.setattr(module, "asdict", lambda bounds: {"no such": 1})
-    server = WarmServer(probe())
+    server = cold(probe())
     with pytest.raises(SandboxError, match=r"could not start: TypeError.*no such"):
         server.__enter__()
     assert server.process is None
@@ -421,8 +441,8 @@ def test_a_worker_that_cannot_be_confined_does_not_start(notebook, monkeypatch):
     need(*NAMESPACES)
     monkeypatch.setattr(module, "asdict", without_room)
     with (
-        WarmServer(probe()) as server,
-        Worker(notebook, server=server) as worker,
+        cold(probe()) as server,
+        patient(notebook, server) as worker,
         pytest.raises(SandboxError, match="could not be confined"),
     ):
         attempt(worker, "1")
@@ -434,10 +454,10 @@ def test_a_worker_that_cannot_be_confined_does_not_start(notebook, monkeypatch):
 @pytest.mark.parametrize("layers", [("landlock",), ()], ids=["landlock", "process"])
 def test_without_namespaces_nothing_is_left_either(notebook, layers):
     before = state()
-    with WarmServer(only(*layers), BOUNDS) as server:
+    with cold(only(*layers)) as server:
         known = servers_family(server)
         for bomb in ("children in sessions of their own", "a child that wakes up later"):
-            with Worker(notebook, seconds=20.0, server=server) as worker:
+            with patient(notebook, server) as worker:
                 source = BOMBS[bomb].replace("os.kill(-1, 9)", "1")
                 assert int(attempt(worker, source).value) >= 1
                 assert attempt(worker, "open('mine', 'w').write('x')").value == "1"
@@ -451,7 +471,7 @@ def test_without_namespaces_nothing_is_left_either(notebook, layers):
 def test_a_machine_that_refuses_some_layers_still_grades_behind_the_others(notebook, missing):
     code = f"""
 import json
-from nao_course.instructor.sandbox import confinement as sandbox
+from nao_course.instructor.sandbox import layers as sandbox
 def refused(*_): raise OSError("refused here")
 sandbox.{missing} = refused
 print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._trial()]))
@@ -462,7 +482,7 @@ print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._tri
     sandbox = Sandbox(tuple(Layer(*each) for each in json.loads(done.stdout)))
     assert any("refused here" in layer.detail for layer in sandbox.layers if not layer.on)
     assert sandbox.level != "full"
-    with WarmServer(sandbox, BOUNDS) as server, Worker(notebook, server=server) as worker:
+    with cold(sandbox) as server, patient(notebook, server) as worker:
         assert (
             attempt(worker, "__import__('colorsys').rgb_to_hls(1, 0, 0)[0], len(os.listdir())").value
             == "(0.0, 1)"
@@ -473,7 +493,7 @@ print(json.dumps([[layer.name, layer.on, layer.detail] for layer in sandbox._tri
 def test_where_nothing_can_be_forked_a_worker_is_a_process_with_limits(notebook, monkeypatch):
     monkeypatch.setattr(WarmServer, "forks", False)
     before = state()
-    with WarmServer(probe()) as server, Worker(notebook, server=server) as worker:
+    with cold(probe()) as server, patient(notebook, server) as worker:
         assert attempt(worker, "os.listdir()").value == "['attacker.ipynb']"
         assert attempt(worker, "open('large', 'wb').truncate(10 * 2**30)").status == "raised"
         assert attempt(worker, "1").value == "1"
@@ -481,19 +501,19 @@ def test_where_nothing_can_be_forked_a_worker_is_a_process_with_limits(notebook,
     assert state() == before
 
 
-# --- speed and memory, with room for a busy machine ---
+# --- warmth ---
 
 
-def test_a_fork_and_a_call_are_quick_and_a_worker_is_small(server, tmp_path):
-    path = toy.write(tmp_path / "own.ipynb", "import numpy as np", "def f(x): return np.sin(x)")
-    forks, calls = [], []
-    for _ in range(10):
-        began = time.perf_counter()
-        with Worker(path, server=server) as worker:
-            assert worker.definitions.names == ("f",)
-            forks.append(time.perf_counter() - began)
-            began = time.perf_counter()
-            assert worker.call("f", Case((np.zeros(3),))).status == "value"
-            calls.append(time.perf_counter() - began)
-    assert sorted(forks)[2] < 0.3
-    assert sorted(calls)[2] < 0.05
+def test_a_worker_of_a_warm_server_has_what_lessons_use_before_its_first_statement(notebook, warm_server):
+    wanted = [
+        "numpy",
+        "cv2",
+        "scipy.optimize",
+        "matplotlib.pyplot",
+        "sympy",
+        "nao_course.sim",
+        "nao_course.plotting",
+    ]
+    with Worker(notebook, seconds=AMPLE, server=warm_server) as worker:
+        assert attempt(worker, "[name for name in args[0] if name not in sys.modules]", wanted).value == "[]"
+        assert attempt(worker, "[name for name in sys.modules if 'authoring' in name]").value == "[]"

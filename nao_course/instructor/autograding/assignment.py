@@ -1,0 +1,148 @@
+"""A lesson as it is graded: its exercises with hidden cases, and what is expected of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.definitions import load_definitions, read_cells
+from nao_course.exercises.exercise import ANSWER_HERE, Exercise, PublicExercise, Written
+from nao_course.instructor.authoring.course import Course
+from nao_course.instructor.authoring.plans import hidden_cases, publish
+from nao_course.instructor.autograding.secret import keyed
+
+RULES = "1"  # how it is graded; another number has everything graded again
+SECONDS = 10.0  # wall clock of a call
+
+
+@dataclass(frozen=True)
+class Task:
+    """An exercise as it is graded; no code, so that it can be sent to another process.
+
+    Parameters
+    ----------
+    public : PublicExercise
+        What a student's check knows.
+    hidden : tuple of Case
+        With what is expected.
+    uses : tuple of str
+        Earlier exercises that it calls.
+    with_reference : float
+        Fraction of the points where it is right with the reference's `uses` only.
+    mistakes : mapping of str to str
+        Names of the mistakes by their messages.
+    """
+
+    public: PublicExercise
+    hidden: tuple[Case, ...]
+    uses: tuple[str, ...] = ()
+    with_reference: float = 1.0
+    mistakes: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """A lesson as it is graded.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "01_hsl_filtering".
+    tasks : tuple of Task
+        Its exercises, in the lesson's order.
+    written : tuple of Written
+        Its written questions.
+    reference : Path
+        The solution notebook.
+    setup : str
+        The released set-up cell.
+    blank : str
+        What stands where no written answer was given.
+    hash : str
+        Of all that a score depends on beside the submission.
+    seconds : float
+        Wall clock of a call.
+    version : str
+        The course's: what a notebook of this release is stamped with.
+    """
+
+    lesson: str
+    tasks: tuple[Task, ...]
+    written: tuple[Written, ...] = ()
+    reference: Path = Path()
+    setup: str = ""
+    blank: str = ""
+    hash: str = ""
+    seconds: float = SECONDS
+    version: str = ""
+
+
+def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
+    """Draw a lesson's hidden cases and work out what is expected of them.
+
+    Parameters
+    ----------
+    course : Course
+        From `course.load_course`.
+    lesson : str
+        Number or name.
+    secret : bytes
+        The instructor's: the same secret draws the same cases.
+
+    Returns
+    -------
+    Assignment
+        To grade with.
+
+    Raises
+    ------
+    LessonError, PlanError, FileNotFoundError
+        If there is no such lesson, its declaration does not fit its solution, or it has not been built.
+    """
+    (name,) = course.names([lesson])
+    plan, notebook = course.plan(name), course.solutions / f"{name}.ipynb"
+    released = course.root / "notebooks" / f"{name}.ipynb"
+    for path in (notebook, released):
+        if not path.is_file():
+            raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
+    reference = load_definitions(notebook)
+    public = publish(name, plan, reference)
+    tasks = tuple(
+        _task(each, known, reference[each.name], int(keyed(secret, "hidden cases", name, each.name), 16))
+        for each, known in zip(plan.exercises, public.exercises, strict=True)
+    )
+    setup = "\n\n".join(source for role, source in read_cells(released) if role == "setup")
+    declaration = course.solutions / "exercises" / f"{name}.py"
+    told = [
+        (RULES, metadata.version("nao-course"), name, keyed(secret, "assignment"), setup),
+        read_cells(notebook),
+        declaration.read_text(encoding="utf-8") if declaration.exists() else "",
+        plan.points,
+    ]
+    digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()
+    return Assignment(
+        name,
+        tasks,
+        tuple(plan.written),
+        notebook,
+        setup,
+        ANSWER_HERE,
+        digest,
+        version=course.version,
+    )
+
+
+def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:
+    return Task(
+        public,
+        tuple(hidden_cases(exercise, function, seed)),
+        tuple(exercise.uses),
+        exercise.with_reference,
+        {mistake.message: mistake.name for mistake in exercise.mistakes},
+    )

@@ -1,0 +1,134 @@
+"""What a student is told of a hidden case that fails: its kind in words of ours, and nothing that its input decides."""
+
+from __future__ import annotations
+
+import builtins
+import json
+import re
+import signal
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.sandbox.protocol import UNREADABLE
+
+CHANGES_INPUT = "Your function changes its input. Return a new array instead."
+_ERRORS = {
+    name for name, kind in vars(builtins).items() if isinstance(kind, type) and issubclass(kind, Exception)
+}
+_KNOWN_ERRORS = _ERRORS | {
+    "LinAlgError",
+    "AxisError",
+    "error",
+    "SympifyError",
+    "SystemExit",
+    "KeyboardInterrupt",
+}
+_LINE = re.compile(r"line (\d{1,5}): (.+)")
+_WHOLE = rb'(?<!\\)(?:"|\\n)(?: |\\t)*%b(?: |\\t|\\r)*(?:\\n|")'  # a line in a notebook: no part of one, of any choice
+
+
+@dataclass(frozen=True)
+class HiddenResult:
+    """What came of an exercise's hidden cases."""
+
+    state: State
+    passed: int
+    text: str = ""
+    line: str = ""
+    changed: bool = False
+
+
+def describe_failure(outcome: Outcome, files: Files, seconds: float) -> HiddenResult:
+    """Say how a case failed, in our words only."""
+    match outcome.status:
+        case "raised":
+            kind = outcome.text.split(":")[0]
+            kind = kind if kind in _KNOWN_ERRORS else "an exception of its own"
+            return HiddenResult("raised", 0, f"It raises {kind}.", own_line(outcome.line, files))
+        case "timed out":
+            return HiddenResult("timed out", 0, f"It took longer than {seconds:g} seconds.")
+        case "not attempted":
+            return HiddenResult("not attempted", 0)
+        case "not found":
+            return HiddenResult("not found", 0)
+        case "died" if outcome.text != UNREADABLE:
+            return HiddenResult("died", 0, _how_it_died(outcome.text))
+    return HiddenResult("no usable answer", 0, "Its answer is of a kind that cannot be sent.")
+
+
+def own_line(line: str, files: Files) -> str:
+    """A student's line that raised, if it stands in the submission: anything else might be an input."""
+    found = _LINE.fullmatch(line)
+    most = max(files.notebook.count(rb"\n"), *(each.count(b"\n") for each in files.helpers.values()), 0)
+    if not found or int(found[1]) > most + 1:
+        return ""
+    for ascii_only in (True, False):
+        text = json.dumps(found[2], ensure_ascii=ascii_only)[1:-1].encode()
+        if text in files.notebook and re.search(_WHOLE % re.escape(text), files.notebook):
+            return line
+    text = found[2].encode()
+    helpers = (line.strip() for content in files.helpers.values() for line in content.splitlines())
+    return line if text in helpers else ""
+
+
+def describe_difference(exercise: PublicExercise, case: Case, answer: Any) -> HiddenResult | None:
+    """Say how an answer differs from what is expected; None where it is right."""
+    verdict = _compared(exercise, case, answer)
+    if verdict:
+        return None
+    state: State = "no usable answer" if verdict.text == UNREADABLE else "wrong"
+    return HiddenResult(state, 0, _told(verdict, case.expected, answer))
+
+
+def _compared(exercise: PublicExercise, case: Case, answer: Any) -> Verdict:
+    """Compare an answer; one that the comparison cannot even look at is none."""
+    try:
+        with np.errstate(all="ignore"):
+            return exercise.comparison.compare(case.expected, answer)
+    except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
+        return Verdict("type", UNREADABLE)
+
+
+def _told(verdict: Verdict, expected: Any, got: Any) -> str:
+    """Say in which way an answer differs, and nothing that depends on the values of a hidden input."""
+    match verdict.kind:
+        case "nothing":
+            return "It returns None, or None in a place where a value is wanted. Is a return missing?"
+        case "shape":
+            return f"Its answer has the wrong shape: {_shapes(expected, got) or 'another one is wanted'}."
+        case "nan":
+            return "Its answer is NaN where it should not be, or is not where it should be."
+        case "type":
+            return "Its answer is of the wrong kind."
+    return "Its answer has the right kind and shape, but not the right values."
+
+
+def _shapes(expected: Any, got: Any) -> str:
+    """In which dimension two answers differ; sizes are not said, for a function can make any size of its input."""
+    if isinstance(expected, tuple | list) and isinstance(got, tuple | list):
+        pairs = zip(expected, got, strict=False)
+        return next((text for one, other in pairs if (text := _shapes(one, other))), "")
+    if isinstance(expected, dict) and isinstance(got, dict):
+        return _shapes(list(expected.values()), [got.get(name) for name in expected])
+    try:
+        wanted, have = np.shape(expected), np.shape(got)
+    except ValueError:
+        return ""
+    if len(wanted) != len(have):
+        return f"{len(have)} dimensions where {len(wanted)} are wanted"
+    wrong = [str(axis) for axis, (one, other) in enumerate(zip(wanted, have, strict=True)) if one != other]
+    return f"another size along axis {', '.join(wrong)}" if wrong else ""
+
+
+def _how_it_died(text: str) -> str:
+    found = re.match(r"the process was ended by signal (\d{1,2})\b", text)
+    name = signal.strsignal(int(found[1])) if found and int(found[1]) in signal.valid_signals() else ""
+    return f"It ends Python itself{f' ({name})' if name else ''}."

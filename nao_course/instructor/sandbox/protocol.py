@@ -1,0 +1,157 @@
+"""What the grader and a student's process both speak: frames of the codec over pipes or a socket, read with a deadline.
+
+The worker is told the notebook and the inputs of calls, and never what is expected. What it answers is read as a
+stranger's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import sys
+import time
+from typing import Any, NoReturn
+
+from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, frame_lengths
+from nao_course.exercises.running import Outcome, Status
+
+REPLY = Limits(size=32 * 2**20, header=4 * 2**20)  # a picture of 1280 x 960 in float64 has 28 MB
+MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
+MOST_NOTES = 20  # of attempts that a worker tells of
+MOST_REQUEST = 2**16  # bytes of a message to or from the warm server
+UNREADABLE = "its answer could not be read"
+LIMITED = "--limited"  # argument of a worker's process that sets limits for itself
+SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
+SINGLE_THREADED = {
+    "MPLBACKEND": "Agg",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OPENCV_FOR_THREADS_NUM": "1",
+}
+_KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
+
+
+def scrubbed_environment(*names: str) -> dict[str, str]:
+    """Return what a new process is told of this one's environment: no more than it needs, and some names."""
+    kept = {name: os.environ[name] for name in (*_KEPT, *names) if name in os.environ}
+    return kept | SINGLE_THREADED
+
+
+class ServerEnded(RuntimeError):  # noqa: N818 - no error of the submission: it has to be graded again
+    """The warm server died while a submission was being graded; nothing was found out about the submission."""
+
+
+class Ended(Exception):  # noqa: N818 - no error: students' processes end
+    """A worker gave no answer that can be used.
+
+    Parameters
+    ----------
+    status : str
+        "timed out", "died", or "not found" where there is no notebook to load.
+    text : str
+        How it ended.
+    """
+
+    def __init__(self, status: Status, text: str) -> None:
+        super().__init__(text)
+        self.outcome = Outcome(status, text=text)
+
+
+class Channel:
+    """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end."""
+
+    def __init__(self, requests: int, replies: int) -> None:
+        self.requests, self.replies = requests, replies
+        self.seconds, self.size = SECONDS_TO_START, 0
+        self.deadline = time.monotonic() + self.seconds
+        if sys.platform != "win32":
+            os.set_blocking(self.requests, False)
+
+    def ask(self, frame: bytes, seconds: float) -> None:
+        """Send a request whose answers must be here within some seconds."""
+        self.seconds, self.deadline = seconds, time.monotonic() + seconds
+        self.send(frame)
+
+    def send(self, frame: bytes) -> None:
+        """Send a frame within the time that is left."""
+        rest = memoryview(frame)
+        while rest:
+            self.wait(self.requests, "write")
+            try:
+                rest = rest[os.write(self.requests, rest) :]
+            except BlockingIOError:
+                continue
+            except OSError:  # it reads no more
+                raise Ended("died", self.how_it_ended()) from None
+
+    def receive(self) -> Any:
+        """Return what the worker says next."""
+        try:
+            frame = bytearray()
+            self.read(frame, PREFIX_SIZE)
+            length = sum(frame_lengths(frame, REPLY))
+            self.size += length
+            self.read(frame, PREFIX_SIZE + length)
+            return decode(frame, REPLY)
+        except CodecError:
+            self.give_up()
+
+    def read(self, data: bytearray, length: int) -> None:
+        """Read until there are that many bytes; they take up memory as they come, not as they are announced."""
+        while len(data) < length:
+            self.wait(self.replies, "read")
+            try:
+                part = os.read(self.replies, min(length - len(data), 2**20))
+            except BlockingIOError:
+                continue
+            except OSError:  # a socket whose other end was closed with something unread
+                part = b""
+            if not part:
+                raise Ended("died", self.how_it_ended())
+            data += part
+
+    def wait(self, pipe: int, what: str) -> None:
+        """Wait until a pipe can be read or written."""
+        if not _ready(pipe, what, max(self.deadline - time.monotonic(), 0.0)):
+            raise Ended("timed out", f"no answer within {self.seconds:g} s")
+
+    def give_up(self) -> NoReturn:
+        """Say that an answer makes no sense."""
+        raise Ended("died", UNREADABLE)
+
+    def how_it_ended(self) -> str:
+        """End what is left of a process that closed its channel, and say what became of it."""
+        raise NotImplementedError
+
+    def kill(self) -> None:
+        """End the process and all that it started."""
+        raise NotImplementedError
+
+
+def describe_end(code: int) -> str:
+    """Say what became of a process, from the status it ended with."""
+    if code < 0:
+        return f"the process was ended by signal {-code} ({signal.strsignal(-code)})"
+    return f"the process ended itself with status {code}"
+
+
+def _ready(pipe: int, what: str, seconds: float) -> bool:
+    """Whether a pipe can be read or written within some seconds."""
+    if sys.platform == "win32":
+        import _winapi
+        import msvcrt
+
+        end = time.monotonic() + seconds
+        with contextlib.suppress(OSError):  # closed: reading it says so
+            while what == "read" and not _winapi.PeekNamedPipe(msvcrt.get_osfhandle(pipe), 0)[0]:
+                if time.monotonic() > end:
+                    return False
+                time.sleep(0.001)
+        return True
+    else:
+        poll = select.poll()
+        poll.register(pipe, select.POLLIN if what == "read" else select.POLLOUT)
+        return bool(poll.poll(seconds * 1000))

@@ -1,0 +1,256 @@
+"""The student's end of a worker: a process that loads a notebook and answers calls until nobody asks any more."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.codec import PREFIX_SIZE, decode, encode, frame_lengths
+from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.running import call_as_it_is, encoded
+from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
+from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUTPUT, REPLY
+
+
+class TruncatedOutput(io.RawIOBase):
+    """A file that keeps the first of what is written to it and drops the rest."""
+
+    def __init__(self) -> None:
+        self.kept = bytearray()
+
+    def writable(self) -> bool:
+        """Say that it can be written to."""
+        return True
+
+    def write(self, data: Any, /) -> int:
+        """Take all, keep the first."""
+        view = memoryview(data).cast("B")
+        self.kept += view[: max(MOST_OUTPUT - len(self.kept), 0)]
+        return view.nbytes
+
+
+class RequestLoop:
+    """The worker: it answers until nobody asks any more."""
+
+    def __init__(self, requests: int, replies: int) -> None:
+        self.requests, self.replies = requests, replies
+        self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
+        self.process = self.getpid()
+        self.lock = threading.RLock()
+        self.functions: dict[str, Any] = {}
+        self.definitions = Definitions({})
+
+    def serve(self) -> NoReturn:
+        """Answer."""
+        self.say(encode("ready"))
+        while True:
+            match decode(self.read(), trusted=True):
+                case ("load", name, content, setup, left_out):
+                    self.load(Path(name), content, setup, {(cell, line) for cell, line in left_out})
+                case ("define", sources, lent):
+                    self.define(sources, lent)
+                case ("call", number, name, args, kwargs, driver):
+                    self.call(number, name, Case(args, kwargs=kwargs), driver)
+
+    def load(self, notebook: Path, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
+        """Load a notebook; each statement is told before it runs, for it may be the last."""
+
+        def before(cell: int, line: int) -> bool:
+            self.say(encode(("at", cell, line)))
+            return (cell, line) not in left_out
+
+        try:
+            if content:
+                notebook.write_bytes(content[0])
+                for name, text in content[1].items():
+                    Path(name).write_bytes(text)
+            with _captured():
+                self.definitions = load_definitions(notebook, before, setup)
+        except (OSError, ValueError) as error:
+            self.say(encode(("refused", str(error))))
+            return
+        self.functions = dict(self.definitions)
+        text = self.definitions.text
+        skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
+        found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version)
+        self.say(encode(("found", *found)))
+
+    def define(self, sources: dict[str, str], lent: list[str]) -> None:
+        """Let functions take the place of the notebook's; one that cannot be defined is not found."""
+        namespace = self.definitions.namespace
+        namespace.update(self.definitions)
+        self.functions = dict(self.definitions)
+        for name, source in sources.items():
+            self.functions.pop(name, None)
+            with contextlib.suppress(Exception), _captured():
+                exec(compile(source, f"<{name}>", "exec", dont_inherit=True), namespace)
+                self.functions[name] = namespace[name]
+        for name in lent:
+            self.functions[name] = namespace[name] = self.stub(name)
+        self.say(encode(list(self.functions)))
+
+    def stub(self, name: str) -> Callable[..., Any]:
+        """Return a function that has its answer from the grader."""
+
+        def lent(*args: Any, **kwargs: Any) -> Any:
+            with self.lock:
+                self.say(encode(("ask", name, args, kwargs), REPLY))
+                _, outcome = decode(self.read(), trusted=True)
+            if outcome.status != "value":
+                raise RuntimeError(f"{name} gives no answer to this: {outcome.status} {outcome.text}".rstrip())
+            return outcome.value
+
+        lent.__name__ = lent.__qualname__ = name
+        return lent
+
+    def call(self, number: int, name: str, case: Case, driver: str) -> None:
+        """Call a function and tell what came of it."""
+        with _captured() as output:
+            outcome = call_as_it_is(self.functions[name], case, driver)
+        outcome = replace(outcome, output=output.kept.decode("utf-8", "replace"))
+        self.say(encode(number) + encoded(outcome, REPLY))
+
+    def say(self, frame: bytes) -> None:
+        """Send a frame, whole."""
+        if self.getpid() != self.process:
+            self.leave(0)  # a child that the student's code forked has come back here
+        rest = memoryview(frame)
+        with self.lock:
+            while rest:
+                rest = rest[os.write(self.replies, rest) :]
+
+    def read(self) -> bytes:
+        """Return the next frame."""
+        prefix = self.read_exactly(PREFIX_SIZE)
+        return prefix + self.read_exactly(sum(frame_lengths(prefix)))
+
+    def read_exactly(self, length: int) -> bytes:
+        """Read some bytes; end where nobody asks any more."""
+        data = bytearray()
+        while len(data) < length:
+            part = os.read(self.requests, min(length - len(data), 2**20))
+            if not part or self.getpid() != self.process:
+                self.leave(0)
+            data += part
+        return bytes(data)
+
+
+@contextlib.contextmanager
+def _captured() -> Iterator[TruncatedOutput]:
+    output = TruncatedOutput()
+    text = io.TextIOWrapper(output, "utf-8", "replace", write_through=True)  # type: ignore[type-var]
+    with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+        yield output
+
+
+_FILE_EVENTS = {
+    "open",
+    "os.listdir",
+    "os.scandir",
+    "os.remove",
+    "os.rename",
+    "os.chmod",
+    "os.chown",
+    "os.mkdir",
+}
+_FILE_EVENTS |= {"os.rmdir", "os.link", "os.symlink", "os.truncate", "shutil.rmtree"}
+_PROGRAM_EVENTS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn"}
+_NETWORK_EVENTS = {
+    "socket.connect",
+    "socket.bind",
+    "socket.sendto",
+    "socket.getaddrinfo",
+    "socket.gethostbyname",
+}
+_SIGNAL_EVENTS = {"os.kill", "os.killpg"}
+_SYSTEM_CALLS = {
+    "ptrace",
+    "process_vm_readv",
+    "process_vm_writev",
+    "mount",
+    "unshare",
+    "setns",
+    "socket",
+    "keyctl",
+}
+
+
+class AuditHook:
+    """Tells the grader what a student's code tries that no exercise needs; a layer of the sandbox denies it."""
+
+    def __init__(self, loop: RequestLoop, paths: tuple[str, ...]) -> None:
+        self.loop, self.told = loop, set[str]()
+        self.fine = (*paths, os.getcwd(), "/dev/null", "/dev/urandom", "<", *filter(None, sys.path))
+        self.abspath = os.path.abspath
+
+    def __call__(self, event: str, args: tuple[Any, ...]) -> None:
+        """See an event of `sys.audit`."""
+        text = ""
+        if event in _FILE_EVENTS:
+            text = self.looks(event, args[0])
+        elif event in _PROGRAM_EVENTS:
+            text = f"starts a program: {args[0]!r}"
+        elif event in _NETWORK_EVENTS:
+            text = f"{event}: {args[-1] if event == 'socket.sendto' else args[0 if 'get' in event else 1]!r}"
+        elif event in _SIGNAL_EVENTS and args[0] != self.loop.process:
+            text = f"sends a signal to process {args[0]}"
+        elif event == "ctypes.dlsym" and args[1] in _SYSTEM_CALLS:
+            text = f"looks up the system call {args[1]}"
+        elif event == "socket.__new__" and args[1] in (2, 10, 16, 17):
+            text = f"opens a socket of family {args[1]}"
+        if text and text not in self.told and len(self.told) < MOST_NOTES:
+            self.told.add(text)
+            if self.loop.getpid() == self.loop.process:
+                self.loop.say(encode(("attempt", text[:200].encode("utf-8", "replace").decode())))
+
+    def looks(self, event: str, path: Any) -> str:
+        """What to say of a file; nothing of those that are in sight."""
+        if not isinstance(path, str | bytes | os.PathLike):
+            return ""
+        whole = self.abspath(os.fsdecode(path))
+        return "" if whole.startswith(self.fine) else f"{event} {whole}"
+
+
+def answer_calls(requests: int, replies: int, paths: tuple[str, ...] | None = None) -> NoReturn:
+    """Be a worker.
+
+    Parameters
+    ----------
+    requests, replies : int
+        Descriptors to read from and write to.
+    paths : tuple of str, optional
+        What its code may read; it is told where the code tries to look elsewhere.
+    """
+    sys.path.append(os.getcwd())  # files of the student's own, behind the library's
+    loop = RequestLoop(requests, replies)
+    if paths is not None:
+        sys.addaudithook(AuditHook(loop, paths))
+    loop.serve()
+
+
+def main() -> NoReturn:
+    """Serve over what were standard input and output; to the student's code both lead nowhere."""
+    requests, replies = os.dup(0), os.dup(1)
+    if sys.platform == "win32":
+        import msvcrt
+
+        for pipe in (requests, replies):
+            msvcrt.setmode(pipe, os.O_BINARY)
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(nowhere, standard)
+    if LIMITED in sys.argv:
+        limit_resources(Bounds())
+    answer_calls(requests, replies)
+
+
+if __name__ == "__main__":
+    main()

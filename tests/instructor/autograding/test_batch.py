@@ -1,0 +1,257 @@
+"""Each submission of a batch gets one result, whatever the order, the jobs, and whoever is killed on the way."""
+
+import contextlib
+import json
+import os
+import pickle
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from nao_course.instructor.autograding import batch
+from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding.batch import grade_all
+from nao_course.instructor.autograding.grader import refuse
+from nao_course.instructor.collecting.submissions import gather, of_lessons
+from nao_course.instructor.gradebook.journal import Journal, JournalError
+from nao_course.instructor.sandbox.layers import SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from tests.paths import PROJECT
+from tests.toy import chain
+from tests.toy.graded import hand_in, kept, rows
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of POSIX")
+
+
+@pytest.fixture
+def course(tmp_path):
+    return chain.make_course(tmp_path / "course")
+
+
+@pytest.fixture(scope="module")
+def server(warm_server):
+    return warm_server
+
+
+@pytest.fixture
+def handed_in(tmp_path):
+    return hand_in(tmp_path / "in")
+
+
+def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_path):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    results = []
+    for jobs in (1, 4):
+        random.Random(jobs).shuffle(found)
+        grades = tmp_path / f"grades{jobs}"
+        with Journal(grades) as journal:
+            publish = batch.feedback_writer(journal, grades / "feedback")
+            summary = grade_all(
+                found, lambda lesson: assignment, journal, jobs=jobs, server=server, publish=publish
+            )
+        assert (summary.graded, len(summary.refused), summary.failed) == (5, 1, [])
+        pages = {
+            path.relative_to(grades): path.read_bytes()
+            for path in sorted((grades / "feedback").rglob("*.html"))
+        }
+        results.append((json.dumps(list(kept(grades).values())), pages))
+    assert results[0] == results[1] and len(results[0][1]) == 6
+
+
+def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, monkeypatch):
+    path = chain.hand_in(tmp_path, "x", b"{}")
+    taken, most = [], []
+
+    def many():
+        for number in range(500):
+            taken.append(number)
+            yield batch.Submission(f"s{number}", chain.LESSON, path)
+
+    def done(submission):
+        most.append(len(taken) - len(most))
+
+    assignment = prepare(course, "90", chain.SECRET)
+    monkeypatch.setattr(batch, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
+    with Journal(tmp_path / "grades") as journal:
+        grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
+    assert len(most) == 500 and max(most) <= 5
+
+
+def refusal(submission, assignment):
+    return refuse(submission, assignment, "no")
+
+
+def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in, tmp_path):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    done = []
+
+    def tell(submission):
+        done.append(submission)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    grades = tmp_path / "grades"
+    with Journal(grades) as journal:
+        with pytest.raises(KeyboardInterrupt):
+            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server, tell=tell)
+        assert len(journal.results()) == 2
+        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == 2
+    assert len(kept(grades)) == 6 and rows(grades, "history") == 0
+
+
+@posix
+def test_a_full_disk_ends_the_run_with_a_clear_error(course, server, handed_in, tmp_path, monkeypatch):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+    with Journal(tmp_path / "grades") as journal:
+        pages = journal._database.execute("PRAGMA page_count").fetchone()[0]
+        journal._database.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own full disk
+        with pytest.raises(JournalError, match="full.*Make room on the disk"):
+            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server)
+    with Journal(tmp_path / "grades") as journal:
+        whole = len(journal.results())
+        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == whole
+    assert len(kept(tmp_path / "grades")) == 6
+
+
+KILLED = """
+import pickle, sys
+from pathlib import Path
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.autograding.batch import grade_all
+from nao_course.instructor.sandbox.layers import Layer, Sandbox
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.collecting.submissions import gather, of_lessons
+assignment = pickle.loads(Path(sys.argv[1]).read_bytes())
+found = gather(Path(sys.argv[2]), Path(sys.argv[3]), [assignment.lesson]).submissions
+sandbox = pickle.loads(Path(sys.argv[5]).read_bytes())
+with Journal(Path(sys.argv[4])) as journal, WarmServer(sandbox) as server:
+    print("ready", flush=True)
+    done = grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
+print(done.graded, flush=True)
+"""
+
+
+def of_this_run(marker):
+    """Processes with a marker in their environment or command."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            if marker in (path / "environ").read_bytes() + (path / "cmdline").read_bytes():
+                found.append(path.name)
+        except OSError:
+            continue
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server, tmp_path):
+    """Thirty times kill -9 and the same again: each submission has the result of an undisturbed run, once."""
+    root, students = tmp_path / "in", 100
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(students):
+        chain.hand_in(root, f"s{number:02}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
+    assignment = prepare(course, "90", chain.SECRET)
+    (tmp_path / "assignment").write_bytes(pickle.dumps(assignment))
+    (tmp_path / "sandbox").write_bytes(pickle.dumps(probe()))
+    with Journal(tmp_path / "undisturbed") as journal:
+        found = gather(root, tmp_path, course.names()).submissions
+        grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
+    wanted = kept(tmp_path / "undisturbed")
+    chance, kills, rounds = random.Random(3), 0, 0
+    marker = f"PATH_OF_RUN={tmp_path}"
+    environment = os.environ | {
+        "PYTHONPATH": str(PROJECT),
+        "TMPDIR": str(tmp_path),
+        "PATH_OF_RUN": str(tmp_path),
+    }
+    while kills < 30:
+        grades = tmp_path / f"grades{rounds}"
+        rounds += 1
+        while True:
+            words = [
+                str(tmp_path / "assignment"),
+                str(root),
+                str(tmp_path),
+                str(grades),
+                str(tmp_path / "sandbox"),
+            ]
+            process = subprocess.Popen(
+                [sys.executable, "-c", KILLED, *words], stdout=subprocess.PIPE, env=environment
+            )
+            process.stdout.readline()
+            try:
+                process.wait(chance.uniform(0.0, 1.5))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                kills += 1
+            process.communicate()
+            if process.returncode == 0:
+                break
+            assert process.returncode == -signal.SIGKILL
+            assert all(wanted[key] == result for key, result in kept(grades).items())
+        assert kept(grades) == wanted
+        assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+    deadline = time.monotonic() + 300
+    while of_this_run(marker.encode()) and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert of_this_run(marker.encode()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_path):
+    """Thirty times kill -9 of a worker's process, or of the warm server: nobody's result is another."""
+    root, students = tmp_path / "in", 100
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(students):
+        chain.hand_in(root, f"s{number:03}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
+    assignment = prepare(course, "90", chain.SECRET)
+    found = gather(root, tmp_path, course.names()).submissions
+    chance, kills = random.Random(4), 0
+    servers = []
+
+    def one_run(grades):
+        """What the command does, until the server cannot be started."""
+        with contextlib.suppress(SandboxError), WarmServer(probe()) as server, Journal(grades) as journal:
+            servers.append(server)
+            return not grade_all(found, lambda _: assignment, journal, jobs=2, server=server).failed
+        return False
+
+    assert one_run(tmp_path / "undisturbed")
+    wanted, over = kept(tmp_path / "undisturbed"), threading.Event()
+
+    def kill():
+        nonlocal kills
+        while not over.wait(chance.uniform(0.2, 4.0)):
+            process = servers[-1].process
+            if not process:  # it is just not there
+                continue
+            with contextlib.suppress(psutil.NoSuchProcess):
+                server = psutil.Process(process)
+                family = server.children(recursive=True)
+                (chance.choice(family) if family and kills % 6 else server).kill()
+                kills += 1
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        rounds = 0
+        while kills < 30:
+            grades, rounds = tmp_path / f"grades{rounds}", rounds + 1
+            assert any(one_run(grades) for _ in range(50))  # the same command again goes on where it was
+            assert kept(grades) == wanted
+            assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+    finally:
+        over.set()
+        killer.join()

@@ -1,0 +1,78 @@
+"""What is told of a hidden case is its kind, a shape and a line of the student's own: never what its input decides."""
+
+import json
+
+import numpy as np
+import pytest
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.comparisons import Close
+from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.autograding.failures import describe_difference, describe_failure, own_line
+from nao_course.instructor.collecting.submissions import Files
+
+EXERCISE = PublicExercise("f", "90.1", 1.0, 1, Close(), [], [], [], "", True)
+SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1'
+
+
+@pytest.fixture
+def files():
+    cells = [{"cell_type": "code", "source": SOURCE.splitlines(keepends=True)}]
+    return Files(
+        json.dumps({"cells": cells}, indent=1).encode(), {"mine.py": b"def g(x):\n    return x.gone\n"}
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "own"),
+    [
+        ("line 2: return x / 0", True),
+        ("line 2: return x.gone", True),
+        ('line 3: y = "é"  # return x / 1', True),
+        ("line 2: return x / 1", False),
+        ("line 2: x / 0", False),
+        ("line 2: return x / 0.123", False),
+        ("line 99999: return x / 0", False),
+        ("line 2", False),
+        ("", False),
+    ],
+)
+def test_a_line_is_told_where_it_stands_in_the_submission_as_a_whole(files, line, own):
+    assert own_line(line, files) == (line if own else "")
+
+
+@pytest.mark.parametrize(
+    ("expected", "got", "said"),
+    [
+        (np.zeros((2, 3)), np.zeros((2, 4)), "another size along axis 1"),
+        (np.zeros((2, 3)), np.zeros(7), "1 dimensions where 2 are wanted"),
+        (np.zeros(3), None, "It returns None"),
+        (np.zeros(3), np.full(3, np.nan), "NaN"),
+        (np.zeros(3), "text", "wrong kind"),
+        (np.zeros(3), np.full(3, 987.0), "not the right values"),
+    ],
+)
+def test_a_difference_is_told_by_its_kind_and_without_a_value(expected, got, said):
+    told = describe_difference(EXERCISE, Case((), expected=expected), got)
+    assert told is not None and told.state == "wrong"
+    assert said in told.text and "987" not in told.text
+    assert describe_difference(EXERCISE, Case((), expected=expected), expected) is None
+
+
+def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(files):
+    assert describe_failure(Outcome("raised", text="KeyError: 5"), files, 1.0).text == "It raises KeyError."
+    told = describe_failure(Outcome("raised", text="E3_14: 5", line="line 1: 5"), files, 1.0)
+    assert (told.text, told.line) == ("It raises an exception of its own.", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("the process was ended by signal 9 (Killed)", "It ends Python itself (Killed)."),
+        ("the process ended itself with status 77", "It ends Python itself."),
+        ("signal 3.14", "It ends Python itself."),
+    ],
+)
+def test_how_a_process_died_is_told_without_a_number_of_the_students(files, text, said):
+    assert describe_failure(Outcome("died", text=text), files, 1.0).text == said
