@@ -256,7 +256,7 @@ def test_rubric_9_two_hints(name, exercise):
 def asserted_equations():
     """Numbers of equations that some test says it asserts."""
     found = set()
-    for path in (PROJECT / "tests").glob("test_*.py"):
+    for path in (PROJECT / "tests").rglob("test_*.py"):
         found |= set(re.findall(r"pytest\.mark\.asserts\(([^)]*)\)", path.read_text(encoding="utf-8")))
     return {label for each in found for label in re.findall(r"eq-[\w-]+", each)}
 
