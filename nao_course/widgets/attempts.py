@@ -101,14 +101,18 @@ def attempt(
         error = caught
     took = time.perf_counter() - began
     unwritten = unfinished is not None and isinstance(error, NotImplementedError)
-    if isinstance(error, TooSlow):
-        message = (
-            f"Time is up: {what} was not done after {limit:g} s and was stopped in line {_line_of(error)}. "
-            "Does a loop end?"
-        )
+    if unfinished is not None and unwritten:
+        message = unfinished
     elif error is not None:
-        message = unfinished if unfinished and unwritten else complaint(what, error)
+        message = complaint(what, error) if not isinstance(error, TooSlow) else _too_slow(what, error, limit)
     return Attempt(value, message, error, unwritten, printed.text, took)
+
+
+def _too_slow(what: str, error: TooSlow, limit: float) -> str:
+    line = _line_of(error)
+    return (
+        f"Time is up: {what} was not done after {limit:g} s and was stopped in line {line}. Does a loop end?"
+    )
 
 
 class PrintedCopy(io.TextIOBase):
