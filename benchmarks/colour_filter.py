@@ -1,7 +1,7 @@
 """What the saturation floor of lesson 01 brings, on the real pictures and on the simulator's twins of them.
 
 The functions are the lesson's own solution. Where carpet, posts and the background are in a picture is known
-from the pictures' fitted geometry (benchmarks/realism.py).
+from the pictures' fitted geometry (benchmarks/realism).
 """
 
 from __future__ import annotations

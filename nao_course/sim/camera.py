@@ -365,6 +365,6 @@ class NaoModel:
 
 
 # The maker's documentation, NAO V4 (MT9M114) and V6 (OV5640). The lens term is not the maker's: it is what
-# the real V4 pictures show (benchmarks/reality.py); for V6 it is assumed to be the same.
+# the real V4 pictures show (benchmarks/reality); for V6 it is assumed to be the same.
 NAO_V4 = NaoModel("NAO V4", hfov=float(np.radians(60.97)), vfov=float(np.radians(47.64)), k1=-0.08)
 NAO_V6 = NaoModel("NAO V6", hfov=float(np.radians(56.3)), vfov=float(np.radians(43.7)), k1=-0.08)

@@ -44,7 +44,7 @@ def _seed(value: Any) -> int:
 class Reality:
     """How real a picture looks: each effect has a strength, and zero switches it off.
 
-    The defaults are the preset `lab`, fitted to the real pictures of 2013 (benchmarks/realism.py).
+    The defaults are the preset `lab`, fitted to the real pictures of 2013 (benchmarks/realism).
 
     Parameters
     ----------
