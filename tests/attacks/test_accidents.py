@@ -9,15 +9,17 @@ from tests.attacks import laws
 from tests.attacks.accidents import ATTACKS, FILE, NAMES, TEXT, UNKNOWN
 from tests.attacks.range import LESSON, POINTS, ROWS, Attack, honest, points
 
+AMPLE = 20.0  # seconds of a call: what is honest here has the time that it needs, however busy the machine
+
 
 @pytest.fixture(scope="module")
 def alone(field):
-    return laws.alone(field(), ATTACKS)
+    return laws.alone(field(seconds=AMPLE), ATTACKS)
 
 
 @pytest.fixture(scope="module")
 def graded(field):
-    return field().run(ATTACKS)
+    return field(seconds=AMPLE).run(ATTACKS)
 
 
 def test_the_catalogue_covers_every_row_about_accidents():
@@ -54,7 +56,7 @@ def _graded(range_):
 
 @pytest.mark.slow
 def test_what_is_no_notebook_of_a_lesson_is_named_with_its_reason_and_has_no_row(field):
-    range_ = field()
+    range_ = field(seconds=AMPLE)
     for number, (name, (content, _)) in enumerate(UNKNOWN.items()):
         folder = range_.submissions / f"s{number:02}"
         folder.mkdir(parents=True)
@@ -72,7 +74,7 @@ def test_what_is_no_notebook_of_a_lesson_is_named_with_its_reason_and_has_no_row
     "form", ["{name}/" + FILE, "{name}_" + FILE, "{name}_12_assignsubmission_file_/" + FILE]
 )
 def test_students_of_any_name_have_their_own_row_page_and_points(field, form):
-    range_ = field()
+    range_ = field(seconds=AMPLE)
     range_.submissions = range_.root / "in.zip"
     with zipfile.ZipFile(range_.submissions, "w") as archive:
         for name in NAMES:

@@ -180,8 +180,8 @@ def test_a_lower_level_holds_what_the_page_says_and_no_more(level, tmp_path):
     notebook = attacker(tmp_path)
     tmp_path.chmod(0o777)
     with (
-        WarmServer(only(*({level} - {"process"}))) as server,
-        Worker(notebook, seconds=20.0, server=server) as worker,
+        WarmServer(only(*({level} - {"process"})), warm=False) as server,
+        Worker(notebook, seconds=60.0, server=server) as worker,
         socket.create_server(("127.0.0.1", 0)) as tcp,
         socket.socket(socket.AF_UNIX) as unix,
     ):

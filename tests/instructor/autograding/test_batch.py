@@ -134,7 +134,7 @@ from nao_course.instructor.collecting.submissions import gather, of_lessons
 assignment = pickle.loads(Path(sys.argv[1]).read_bytes())
 found = gather(Path(sys.argv[2]), Path(sys.argv[3]), [assignment.lesson]).submissions
 sandbox = pickle.loads(Path(sys.argv[5]).read_bytes())
-with Journal(Path(sys.argv[4])) as journal, WarmServer(sandbox) as server:
+with Journal(Path(sys.argv[4])) as journal, WarmServer(sandbox, warm=False) as server:
     print("ready", flush=True)
     done = grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
 print(done.graded, flush=True)
@@ -223,7 +223,11 @@ def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_p
 
     def one_run(grades):
         """What the command does, until the server cannot be started."""
-        with contextlib.suppress(SandboxError), WarmServer(probe()) as server, Journal(grades) as journal:
+        with (
+            contextlib.suppress(SandboxError),
+            WarmServer(probe(), warm=False) as server,
+            Journal(grades) as journal,
+        ):
             servers.append(server)
             return not grade_all(found, lambda _: assignment, journal, jobs=2, server=server).failed
         return False
