@@ -88,6 +88,12 @@ BROKEN = {
         "    return 2.0 * value",
         r"cell 4 .*needs its sol",
     ),
+    "a solution outside an exercise": (
+        TEXT,
+        'print("shown")',
+        f"{MARK}\nprint(1)\n### END SOLUTION",
+        r"cell 7 .*stands outside an exercise",
+    ),
     "another function": (
         TEXT,
         "def double(",

@@ -23,11 +23,13 @@ def lesson(*sources):
     return notebook
 
 
-def test_all_that_would_be_red_or_differ_next_time_is_said_at_once(stage, kernel):
+def test_all_that_would_be_red_or_too_large_or_differ_next_time_is_said_at_once(stage, kernel, monkeypatch):
+    monkeypatch.setattr(execute, "LARGEST", 10)
     sources = ("'fine'", "import warnings\nwarnings.warn('old')", "object()", "import sys\nsys.prefix")
     with pytest.raises(LessonError) as refusal:
         execute.execute(lesson(*sources), stage)
-    said = str(refusal.value).splitlines()
+    *said, large = str(refusal.value).splitlines()
+    assert "MB when it has run" in large
     assert [line.split(": ")[0].split(" (")[0] for line in said] == [
         f"01_toy.md, cell {i}" for i in (2, 3, 4)
     ]
