@@ -1,1 +1,14 @@
 """A robotics lab course in a box: a NAO on half a football field, and the SLAM that its students build."""
+
+__all__ = [
+    "datasets",
+    "exercises",
+    "geometry",
+    "homework",
+    "lessons",
+    "plotting",
+    "sim",
+    "slam",
+    "student",
+    "widgets",
+]

@@ -19,6 +19,16 @@ import numpy.typing as npt
 from nao_course.geometry import Pose
 from nao_course.sim.camera import LARGEST_SIZE
 
+__all__ = [
+    "DATA_VARIABLE",
+    "AnnotatedPoint",
+    "PictureSet",
+    "PointKind",
+    "RealPicture",
+    "data_folder",
+    "read_pictures",
+]
+
 Pixels = npt.NDArray[np.uint8]
 PointKind = Literal["X", "L", "T", "post_foot", "post_top"]
 PictureSet = Literal["scenes", "straightwalk"]
@@ -305,3 +315,8 @@ def _read_png(path: Path) -> Pixels:
     if picture is None:
         raise ValueError(f"{path}: the PNG picture is damaged")
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), dtype=np.uint8)
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not what this module imports."""
+    return __all__

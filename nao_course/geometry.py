@@ -7,6 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "FloatArray",
+    "Pose",
+    "as_points",
+    "finite",
+    "rotation_2d",
+    "rotation_3d",
+    "wrap_angle",
+    "yaw_pitch_roll",
+]
+
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -193,3 +204,8 @@ class Pose:
     def to_local(self, points: npt.ArrayLike) -> FloatArray:
         """Points (N, 2) of the frame the pose is given in, in this pose's own frame."""
         return (as_points(points) - (self.x, self.y)) @ rotation_2d(self.theta)
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not what this module imports."""
+    return __all__

@@ -19,6 +19,8 @@ from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.definitions import MOST_BYTES
 
+__all__ = ["NOTEBOOKS", "RELEASE", "Receipt", "Renewal", "installed_versions", "renew", "submit", "zipped"]
+
 RELEASE = Path("release")  # where an unpacked release lies; nobody works in it
 NOTEBOOKS = Path("notebooks")  # where a student works; no release brings a file for it
 _GIVEN = ".given"  # in NOTEBOOKS: each lesson as it was given, to see what the student did
@@ -286,3 +288,8 @@ def _parsed(name: str, content: bytes) -> Notebook:
 
 def _json(value: object) -> bytes:
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not what this module imports."""
+    return __all__

@@ -16,6 +16,8 @@ from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_de
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.trying import Message
 
+__all__ = ["StudentFunctions", "functions"]
+
 
 @dataclass(frozen=True)
 class StudentFunctions(Mapping[str, Callable[..., Any]]):
@@ -139,3 +141,8 @@ def _definitions(path: Path, changed: int) -> Definitions:
     """Definitions of a notebook as it was saved at a time; what it prints is not wanted in another one."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         return load_definitions(path)
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not what this module imports."""
+    return __all__

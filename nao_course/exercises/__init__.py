@@ -4,12 +4,19 @@ from nao_course.exercises.asking import prediction
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
-from nao_course.exercises.comparisons import Between, Close, Comparison, Exact, Points, Verdict
+from nao_course.exercises.comparisons import (
+    Between,
+    Close,
+    Comparison,
+    Derivative,
+    Exact,
+    Points,
+    Sampled,
+    Verdict,
+)
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
-from nao_course.exercises.jacobians import Derivative
 from nao_course.exercises.running import Outcome, call, register_driver
-from nao_course.exercises.sampling import Sampled
 from nao_course.exercises.trying import Message, try_out
 
 __all__ = [
@@ -45,3 +52,8 @@ __all__ = [
     "register_driver",
     "try_out",
 ]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

@@ -17,7 +17,7 @@ from nao_course.exercises import running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import Limits, decode, encode
-from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.comparisons.values import Verdict
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message

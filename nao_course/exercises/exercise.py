@@ -10,7 +10,7 @@ import numpy as np
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Close, Comparison
+from nao_course.exercises.comparisons.values import Close, Comparison
 
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
 

@@ -1,1 +1,12 @@
-"""What an instructor uses: plans of lessons, release, worker, grader and reports. No student code imports it."""
+"""What an instructor uses: writing lessons, running students' code, grading and reports. No student code imports it."""
+
+__all__ = [
+    "authoring",
+    "autograding",
+    "collecting",
+    "commands",
+    "gradebook",
+    "gradescope",
+    "reports",
+    "sandbox",
+]

@@ -39,3 +39,8 @@ __all__ = [
     "standard_scenes",
     "visible_landmarks",
 ]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

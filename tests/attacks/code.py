@@ -404,7 +404,7 @@ PATCHES = (
         """
         import sys
         from nao_course.exercises import codec, running
-        from nao_course.exercises.comparisons import Verdict
+        from nao_course.exercises.comparisons.values import Verdict
         real = codec.encode
         for module in [each for each in list(sys.modules.values()) if getattr(each, 'encode', None) is real]:
             module.encode = lambda value, limits=None: real(Verdict('right') if value == -1e6 else value, limits)
@@ -650,7 +650,7 @@ ANSWERS = (
     _frames(
         "answers_of_a_verdict",
         """
-        verdict = '{"o":"nao_course.exercises.comparisons:Verdict","v":{"kind":{"s":"right"}}}'
+        verdict = '{"o":"nao_course.exercises.comparisons.values:Verdict","v":{"kind":{"s":"right"}}}'
         loop.say(encode(number()) + frame(verdict))
         time.sleep(9)
         """,
@@ -792,7 +792,7 @@ ANSWERS = (
     _frames(
         "types_that_are_not_answers",
         """
-        kinds = ['{"o":"nao_course.exercises.comparisons:Close","v":{"rtol":{"s":"x"}}}',
+        kinds = ['{"o":"nao_course.exercises.comparisons.values:Close","v":{"rtol":{"s":"x"}}}',
                  '{"o":"nao_course.exercises.case:Case","v":{"args":null}}',
                  '{"o":"os:system","v":{"command":{"s":"true"}}}', '{"n":{"a":"<f8","shape":[2],"b":0}}',
                  '{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{}},"has_uint32":0,"uinteger":0}}}', '{}', '[]']

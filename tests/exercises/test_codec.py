@@ -412,7 +412,7 @@ WORDS = st.sampled_from(
             "\udfff\ud800",
         ),
         *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
-        *("nao_course.exercises.comparisons:Close", "builtins:object", "value", "refused", "first", "second"),
+        *("nao_course.exercises.comparisons.values:Close", "builtins:object", "value", "refused", "first", "second"),
     ]
 )
 KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "status", "\ud800"])

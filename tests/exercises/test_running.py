@@ -6,9 +6,9 @@ from types import ModuleType
 import pytest
 
 from nao_course.exercises import Case, call, register_driver
-from nao_course.exercises.jacobians import jacobian
+from nao_course.exercises.comparisons.jacobians import jacobian
+from nao_course.exercises.comparisons.sampling import sampling_law
 from nao_course.exercises.running import find_driver
-from nao_course.exercises.sampling import sampling_law
 
 
 def test_the_librarys_drivers_are_found_by_their_bare_names():

@@ -14,7 +14,7 @@ import numpy as np
 from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, decode, encode
-from nao_course.exercises.comparisons import Between
+from nao_course.exercises.comparisons.values import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import (
     Exercise,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.exercises.case import Case
-from nao_course.exercises.comparisons import Verdict
+from nao_course.exercises.comparisons.values import Verdict
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.collecting.submissions import Files

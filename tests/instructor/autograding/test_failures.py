@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises.case import Case
-from nao_course.exercises.comparisons import Close
+from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.failures import describe_difference, describe_failure, own_line

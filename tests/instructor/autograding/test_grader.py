@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from nao_course.exercises.comparisons import Close
+from nao_course.exercises.comparisons.values import Close
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding.assignment import prepare

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Between, Close, Exact, Points
+from nao_course.exercises.comparisons.values import Between, Close, Exact, Points
 
 nan, inf = np.nan, np.inf
 numbers = st.floats(-1e300, 1e300) | st.sampled_from([nan, inf, -inf])

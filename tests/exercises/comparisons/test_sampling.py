@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.exercises.sampling import Sampled, sampling_law
+from nao_course.exercises.comparisons.sampling import Sampled, sampling_law
 
 
 def law(function, values=None, n_samples=40, repeats=300):

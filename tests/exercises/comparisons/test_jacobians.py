@@ -8,7 +8,7 @@ from sympy import Matrix, Mod, atan2, cos, pi, sin, sqrt
 from nao_course.exercises import Case, Derivative, Exercise, Mistake, call
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import decode, encode
-from nao_course.exercises.jacobians import jacobian
+from nao_course.exercises.comparisons.jacobians import jacobian
 from nao_course.instructor.authoring.plans import publish_exercise
 
 x, y, theta, d = sympy.symbols("x y theta d")

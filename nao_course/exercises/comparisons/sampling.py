@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import Close, Comparison, Verdict, as_text, with_article
+from nao_course.exercises.comparisons.values import Close, Comparison, Verdict, as_text, with_article
 from nao_course.exercises.running import register_driver
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons import RIGHT, Close, Comparison, Verdict
+from nao_course.exercises.comparisons.values import RIGHT, Close, Comparison, Verdict
 from nao_course.exercises.running import register_driver
 
 Floats = npt.NDArray[np.float64]

@@ -1,0 +1,419 @@
+"""The laws of the house: who may import whom, no circles, rooms of a size that one can live in.
+
+Each law is a function that lists its offences, so that it can be tried on a broken example too.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from collections.abc import Iterable, Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from tests.paths import PROJECT
+
+PACKAGE = "nao_course"
+
+LAYERS = (
+    {"geometry"},
+    {"slam"},
+    {"sim"},
+    {"datasets", "metrics"},
+    {"plotting"},
+    {"widgets"},
+    {"lessons"},
+)
+LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
+WORLD = {"sim", "datasets", "metrics", "plotting", "widgets", "lessons"}  # sim and all that stands on it
+
+MOST_MODULES = 11  # of a folder, its __init__ and the folders in it not counted
+MOST_LINES = 500  # of a module
+
+
+# What the source says
+
+
+def module_files() -> dict[str, Path]:
+    """Dotted name under nao_course ("sim.field", "" for the package itself) -> file."""
+    package = PROJECT / PACKAGE
+    names = {}
+    for path in sorted(package.rglob("*.py")):
+        parts = path.relative_to(package).with_suffix("").parts
+        names[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return names
+
+
+def sources() -> dict[str, str]:
+    return {name: path.read_text(encoding="utf-8") for name, path in module_files().items()}
+
+
+def packages() -> set[str]:
+    return {name for name, path in module_files().items() if path.name == "__init__.py"}
+
+
+def part_of(module: str) -> str:
+    return module.split(".")[0]
+
+
+def imported_names(module: str, source: str, *, is_package: bool = False) -> set[str]:
+    """What a module imports of nao_course, anywhere in it, as dotted names under it ("sim.field.Field")."""
+    here = [PACKAGE, *filter(None, module.split("."))]
+    package = here if is_package else here[:-1]
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            start = ".".join([*base, *filter(None, [node.module])])
+            names |= {f"{start}.{alias.name}" for alias in node.names}
+    return {name.removeprefix(f"{PACKAGE}.") for name in names if name.startswith(f"{PACKAGE}.")}
+
+
+def imported_parts(module: str, source: str, *, is_package: bool = False) -> set[str]:
+    """The parts of nao_course (sim, plotting, ...) that a module imports, its own left out."""
+    names = imported_names(module, source, is_package=is_package)
+    return {part_of(name) for name in names} - {part_of(module)}
+
+
+def import_graph(texts: Mapping[str, str], package_names: Iterable[str]) -> dict[str, set[str]]:
+    """Module -> the modules it imports; a name of a package that is no module is the package's own."""
+    known, inside = set(texts), set(package_names)
+
+    def module_of(name: str) -> str:
+        while name not in known:
+            name = name.rpartition(".")[0]
+        return name
+
+    return {
+        module: {module_of(name) for name in imported_names(module, text, is_package=module in inside)}
+        - {module}
+        for module, text in texts.items()
+    }
+
+
+# Who may import whom
+
+
+def layer_offences(module: str, imports: Iterable[str]) -> list[str]:
+    part, offences = part_of(module), []
+    for other in imports:
+        upwards = part in LAYER and other in LAYER and LAYER[other] >= LAYER[part]
+        into_instructor = other == "instructor" and part != "cli"
+        into_cli = other == "cli" and part != "__main__"
+        exercises_see_the_world = part == "exercises" and other in WORLD
+        if upwards or into_instructor or into_cli or exercises_see_the_world:
+            offences.append(f"nao_course.{module} imports {other}")
+    return offences
+
+
+def lesson_offences(module: str, names: Iterable[str]) -> list[str]:
+    """No lesson's folder imports another's."""
+    own = module.split(".")[:2]
+    if own[0] != "lessons" or len(own) < 2:
+        return []
+    others = {".".join(name.split(".")[:2]) for name in names if name.startswith("lessons.")}
+    return [f"nao_course.{module} imports {other}" for other in sorted(others - {".".join(own)})]
+
+
+def test_modules_import_only_what_stands_below_them():
+    inside = packages()
+    offences = []
+    for module, text in sources().items():
+        names = imported_names(module, text, is_package=module in inside)
+        offences += layer_offences(module, {part_of(name) for name in names} - {part_of(module)})
+        offences += lesson_offences(module, names)
+    assert offences == []
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("geometry", "from nao_course.slam import Motion"),
+        ("slam", "import nao_course.sim.field"),
+        ("sim.nao", "from ..plotting import field_map"),
+        ("sim.nao", "from nao_course import datasets"),
+        ("metrics", "def f():\n    from nao_course.datasets import read_g2o"),
+        ("plotting.maps", "from ..widgets import panel"),
+        ("widgets.panel", "from nao_course.lessons.distance import figures"),
+        ("exercises.check", "from nao_course.sim import Field"),
+        ("exercises.check", "from nao_course.lessons.distance import drivers"),
+        ("student", "from nao_course.instructor.sandbox import level"),
+        ("lessons.distance.panel", "from nao_course import instructor"),
+        ("widgets.panel", "from nao_course import cli"),
+    ],
+)
+def test_an_import_upwards_is_found_out(module, line):
+    assert layer_offences(module, imported_parts(module, line))
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        (
+            "sim.nao",
+            "from .field import Field\nfrom ..geometry import Pose\nfrom nao_course.slam import Motion",
+        ),
+        ("sim.field", "from nao_course.exercises.codec import register"),
+        ("widgets.panel", "from nao_course import plotting, metrics"),
+        ("lessons.distance.panel", "from nao_course import plotting, widgets"),
+        ("exercises.check", "from nao_course.geometry import wrap_angle\nimport numpy"),
+        ("cli", "from nao_course import instructor"),
+        ("instructor.sandbox.worker", "from nao_course.instructor import sandbox"),
+    ],
+)
+def test_an_import_downwards_is_fine(module, line):
+    assert layer_offences(module, imported_parts(module, line)) == []
+
+
+def test_a_lesson_that_imports_another_is_found_out():
+    module = "lessons.distance.figures"
+    assert lesson_offences(module, ["lessons.distance.drivers", "plotting.maps"]) == []
+    assert lesson_offences(module, ["lessons.goalposts.figures.draw"]) == [
+        f"nao_course.{module} imports lessons.goalposts"
+    ]
+    assert lesson_offences("instructor.build", ["lessons.goalposts"]) == []
+
+
+# No circle
+
+
+def circle_in(graph: Mapping[str, Iterable[str]]) -> list[str]:
+    """The modules of a circle, or nothing."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def children_of(package: str, graph: Mapping[str, Iterable[str]]) -> dict[str, set[str]]:
+    """What stands directly in a package, folders as one, and what of it each imports."""
+
+    def child(module: str) -> str:
+        rest = module.removeprefix(f"{package}.") if package else module
+        return rest.split(".")[0] if (rest and rest != module) or not package else ""
+
+    inside: dict[str, set[str]] = {}
+    for module, others in graph.items():
+        if name := child(module):
+            mine = inside.setdefault(name, set())
+            mine |= {other for each in others if (other := child(each)) and other != name}
+    return inside
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    assert circle_in(import_graph(sources(), packages())) == []
+
+
+def test_no_folder_holds_a_circle_of_rooms():
+    graph = import_graph(sources(), packages())
+    circles = {package: circle_in(children_of(package, graph)) for package in packages()}
+    assert {package: circle for package, circle in circles.items() if circle} == {}
+
+
+def test_a_circle_is_found_out():
+    texts = {
+        "": "",
+        "a": "",
+        "a.one": "def f():\n    from nao_course.a.two import g",
+        "a.two": "from nao_course.b import three",
+        "b": "",
+        "b.three": "from nao_course.a import one",
+        "b.four": "",
+    }
+    graph = import_graph(texts, {"", "a", "b"})
+    assert set(circle_in(graph)) == {"a.one", "a.two", "b.three"}
+    assert set(circle_in(children_of("", graph))) == {"a", "b"}
+    assert circle_in(children_of("a", graph)) == []
+    assert children_of("a", graph) == {"one": {"two"}, "two": set()}
+    graph["b.three"] = set()
+    assert circle_in(graph) == []
+
+
+# Rooms of a size that one can live in
+
+
+def size_offences(lines: Mapping[str, int]) -> list[str]:
+    return [f"{name} has {count} lines" for name, count in lines.items() if count > MOST_LINES]
+
+
+def crowd_offences(modules: Iterable[str]) -> list[str]:
+    folders: dict[str, int] = {}
+    for module in modules:
+        folder = module.rpartition(".")[0]
+        folders[folder] = folders.get(folder, 0) + 1
+    return [f"{name or PACKAGE} holds {count}" for name, count in folders.items() if count > MOST_MODULES]
+
+
+def test_a_module_is_at_most_500_lines_long():
+    # solutions/exercises/ and the catalogues of tests/attacks are lists, one entry after another.
+    texts = dict(sources())
+    for path in (PROJECT / "benchmarks").rglob("*.py"):
+        texts[path.relative_to(PROJECT).as_posix()] = path.read_text(encoding="utf-8")
+    assert size_offences({name: len(text.splitlines()) for name, text in texts.items()}) == []
+
+
+def test_a_folder_holds_at_most_eleven_modules():
+    assert crowd_offences(set(module_files()) - packages()) == []
+
+
+def test_a_long_module_and_a_crowded_folder_are_found_out():
+    assert size_offences({"a": 500, "b": 501}) == ["b has 501 lines"]
+    assert crowd_offences([f"a.m{number}" for number in range(MOST_MODULES)]) == []
+    assert crowd_offences([f"a.m{number}" for number in range(MOST_MODULES + 1)])
+
+
+# What tab completion shows
+
+FACING = ("geometry", "slam", "datasets", "student", "homework", "sim", "plotting", "widgets", "exercises")
+
+
+def test_every_package_says_what_is_public():
+    missing = [
+        name or PACKAGE
+        for name in sorted(packages())
+        if not isinstance(
+            getattr(importlib.import_module(f"{PACKAGE}.{name}".rstrip(".")), "__all__", None), list
+        )
+    ]
+    assert missing == []
+
+
+@pytest.mark.parametrize("name", FACING)
+def test_tab_completion_shows_the_courses_names_and_nothing_else(name):
+    module = importlib.import_module(f"{PACKAGE}.{name}")
+    assert sorted(dir(module)) == sorted(module.__all__)
+    assert [each for each in module.__all__ if not hasattr(module, each)] == []
+    own = {
+        each
+        for each, value in vars(module).items()
+        if not each.startswith("_") and getattr(value, "__module__", "") == module.__name__
+    }
+    assert own - set(module.__all__) == set()
+
+
+def private_imports(names: Iterable[str]) -> list[str]:
+    return sorted(name for name in names if any(part.startswith("_") for part in name.split(".")))
+
+
+def test_no_module_imports_what_is_private_to_another():
+    inside = packages()
+    found = {
+        module: private_imports(imported_names(module, text, is_package=module in inside))
+        for module, text in sources().items()
+    }
+    assert {module: names for module, names in found.items() if names} == {}
+    assert private_imports(["sim.nao._World", "sim.nao.Truth"]) == ["sim.nao._World"]
+
+
+# Tests mirror the tree
+
+
+def test_a_test_module_stands_where_its_module_stands():
+    folders = {name.replace(".", "/") for name in packages()} | {"attacks", "browser", "toy", "benchmarks"}
+    astray = [
+        path.relative_to(PROJECT).as_posix()
+        for path in sorted((PROJECT / "tests").rglob("test_*.py"))
+        if (folder := path.parent.relative_to(PROJECT / "tests").as_posix()) != "." and folder not in folders
+    ]
+    assert astray == []
+
+
+# The library holds the world, not the answers
+
+EXERCISES = {
+    *(
+        "rgb_to_hsl",
+        "average_lightness",
+        "white_threshold",
+        "calibrate_hue",
+        "hue_mask",
+        "color_labels",
+    ),  # 01
+    *("post_candidates", "cluster_points", "find_goalposts"),  # 02
+    *("erase_background", "line_picture", "hough_segments", "segment_intersection", "remove_doubles"),  # 03
+    *("find_corners", "find_corners_better"),
+    *("paper_distance", "paper_bearing", "pixel_to_ground", "ground_to_measurement", "range_sigma"),  # 04
+    *("measurement_covariance", "estimate_pitch"),
+    *("predict_pose", "expected_measurement", "motion_jacobians", "predict_covariance"),  # 05
+    *("landmark_position", "landmark_jacobians"),
+    *("measurement_jacobian_pose", "measurement_jacobian_landmark"),
+    *("fuse", "covariance_ellipse", "innovation", "kalman_update", "localize", "nees", "nis"),  # 06
+    *("warp2pi", "init_landmarks", "predict", "update_landmarks", "update", "add_landmark"),  # 07
+    "evaluate_landmarks",
+    *("add_initial_position", "add_relative_motion", "add_relative_measurement", "solve"),  # 08
+    *("marginalize", "solve_sparse"),
+    *("pose_residual", "pose_residual_jacobians", "landmark_residual", "landmark_residual_jacobians"),  # 09
+    *("linearize", "gauss_newton", "marginal_covariances"),
+    *("detection_cost", "grid_search", "bootstrap_interval"),  # 10
+    *("measurements_from_pixels", "measure", "associate", "EkfSlam", "GraphSlam"),  # 11
+}
+# What the world and the judging need, the library may hold: wrapping, composing, range and bearing, scoring.
+NEEDED_BY_THE_WORLD = {
+    *("warp2pi", "predict_pose", "expected_measurement", "ground_to_measurement"),
+    *("nees", "nis", "evaluate_landmarks", "detection_cost"),
+}
+
+
+Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+
+
+def public_definitions(inside: ast.AST) -> Iterator[Definition]:
+    """Functions and classes of a module or class that have no underscore first, under `if` and `try` too."""
+    waiting = [inside]
+    while waiting:
+        for node in ast.iter_child_nodes(waiting.pop()):
+            if isinstance(node, Definition):
+                if not node.name.startswith("_"):
+                    yield node
+            else:
+                waiting.append(node)
+
+
+def answers_in(source: str) -> list[str]:
+    defined = {node.name for node in public_definitions(ast.parse(source))}
+    return sorted(defined & (EXERCISES - NEEDED_BY_THE_WORLD))
+
+
+def without_docstring(source: str) -> list[str]:
+    public = [(node.name, node) for node in public_definitions(ast.parse(source))]
+    for name, node in public:
+        if isinstance(node, ast.ClassDef):
+            public += [(f"{name}.{inner.name}", inner) for inner in public_definitions(node)]
+    return sorted(
+        name for name, node in public if not ast.get_docstring(node) and not is_told_elsewhere(node)
+    )
+
+
+def is_told_elsewhere(node: Definition) -> bool:
+    """Whether it is a property's setter or an overload, whose docstring stands at the first definition."""
+    names = {ast.unparse(decorator).split(".")[-1] for decorator in node.decorator_list}
+    return bool(names & {"setter", "deleter", "overload"})
+
+
+def test_the_library_defines_nothing_that_is_an_exercise():
+    found = {name: answers_in(source) for name, source in sources().items()}
+    assert {name: answers for name, answers in found.items() if answers} == {}
+
+
+def test_an_answer_in_the_library_is_found_out():
+    broken = "if True:\n    def kalman_update(x): ...\nclass EkfSlam: ..."
+    fine = "class Panel:\n    def update(self): ...\ndef _fuse(): ...\ndef nees(): ..."
+    assert answers_in(broken) == ["EkfSlam", "kalman_update"]
+    assert answers_in(fine) == []
+
+
+def test_every_public_function_class_and_method_says_what_it_is_for():
+    found = {name: without_docstring(source) for name, source in sources().items()}
+    assert {name: missing for name, missing in found.items() if missing} == {}
+
+
+def test_a_missing_docstring_is_found_out():
+    methods = "    def b(self): ...\n    def _c(self): ...\n"
+    source = f'class A:\n    """Yes."""\n{methods}async def d(): ...\n'
+    assert without_docstring(source) == ["A.b", "d"]
+    assert without_docstring('class A:\n    """Yes."""\n    @b.setter\n    def b(self, b): ...') == []
