@@ -115,7 +115,9 @@ def test_correlated_noise_shows_its_correlation_and_independent_channels_none() 
 # --- edges and widths ---
 
 
-@pytest.mark.parametrize(("sigma", "width"), [(0.6, 320), (0.8, 320), (1.1, 320), (1.2, 1280)])
+@pytest.mark.parametrize(
+    ("sigma", "width"), [(0.6, 320), (0.8, 320), (1.1, 320), pytest.param(1.2, 1280, marks=pytest.mark.slow)]
+)
 def test_a_gaussian_edge_rises_as_the_formula_says(sigma: float, width: int) -> None:
     size = (width, width * 3 // 4)
     pixels, geometry = painted(AT_CENTRE_LINE, sigma, size=size)
@@ -273,6 +275,7 @@ def test_real_pictures_are_aligned_with_their_lines_and_give_the_known_numbers()
     assert found["above threshold %, 2-3 m"].middle > 97
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("data_dir")
 def test_the_papers_detector_gets_little_from_real_scenes() -> None:
     scenes = [paper.Scene(s.picture.pixels, s.corners) for s in realism.real_scenes()[:64]]

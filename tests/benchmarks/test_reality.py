@@ -30,7 +30,7 @@ def walk(data_dir: Path) -> Case:
 # --- real pictures ---
 
 
-@pytest.mark.parametrize("name", ["scenes", "walk"])
+@pytest.mark.parametrize("name", [pytest.param("scenes", marks=pytest.mark.slow), "walk"])
 def test_every_point_is_predicted_from_the_others_within_the_required_pixels(
     name: str, request: pytest.FixtureRequest
 ) -> None:
@@ -40,6 +40,7 @@ def test_every_point_is_predicted_from_the_others_within_the_required_pixels(
     assert found["95%"] <= LARGEST_95
 
 
+@pytest.mark.slow
 def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_height(scenes: Case) -> None:
     height, hfov, vfov, k1, offset = scenes.fit.values
     assert height == pytest.approx(0.479, abs=0.015)
@@ -50,6 +51,7 @@ def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_
     assert np.degrees(np.abs(scenes.fit.corrections[:, :2]).max()) < 3
 
 
+@pytest.mark.slow
 def test_no_marked_point_is_left_out(scenes: Case, walk: Case, data_dir: Path) -> None:
     for case, name in ((scenes, "scenes"), (walk, "straightwalk")):
         enough = [p for p in read_pictures(name, data_dir) if len(p.points) >= 4]  # type: ignore[arg-type]
@@ -59,12 +61,14 @@ def test_no_marked_point_is_left_out(scenes: Case, walk: Case, data_dir: Path) -
     assert (len(scenes.fit.matched), len(walk.fit.matched)) == (29, 19)
 
 
+@pytest.mark.slow
 def test_no_kind_of_point_is_marked_a_pixel_too_high_or_low(scenes: Case, walk: Case) -> None:
     for case in (scenes, walk):
         for kind, residuals in fit_residuals(case.fit).items():
             assert abs(np.median(residuals[:, 1])) < 1.0, kind
 
 
+@pytest.mark.slow
 def test_both_sets_agree_on_one_robot_when_its_pixels_are_square(data_dir: Path) -> None:
     sets = (
         read_pictures("scenes", data_dir),
@@ -76,6 +80,7 @@ def test_both_sets_agree_on_one_robot_when_its_pixels_are_square(data_dir: Path)
     assert np.ptp(hfovs) < np.radians(1.0)
 
 
+@pytest.mark.slow
 def test_the_walks_first_seven_poses_are_one_stop_ahead_of_their_pictures(walk: Case, data_dir: Path) -> None:
     """Where positions may move, the pictures themselves say so: by a stop at the eighth, by little after."""
     given = fit_set(read_pictures("straightwalk", data_dir), Freedom(position_sd=0.5))

@@ -21,9 +21,9 @@ def corners(scene):
 
 
 def test_two_calls_give_the_same_bytes_and_the_sets_share_no_picture(sets):
-    again = standard_scenes("tune")
-    assert [s.pixels.tobytes() for s in again] == [s.pixels.tobytes() for s in sets["tune"]]
-    assert [s.view for s in again] == [s.view for s in sets["tune"]]
+    once, again = (standard_scenes("tune", SMALL) for _ in range(2))
+    assert [s.pixels.tobytes() for s in again] == [s.pixels.tobytes() for s in once]
+    assert [s.view for s in again] == [s.view for s in once]
     every = [s.pixels.tobytes() for scenes in sets.values() for s in scenes]
     assert len(set(every)) == len(every) == 60
     poses = [tuple(s.truth.pose.as_array()) for scenes in sets.values() for s in scenes]
@@ -38,11 +38,11 @@ def test_no_set_shares_a_room_with_another_whatever_their_seeds(monkeypatch):
         return render(field, pose, view, Reality.clean(), rng)
 
     monkeypatch.setattr("nao_course.sim.scenes.render", recorded)
-    for key in product(("tune", "report"), range(3)):
+    for key in product(("tune", "report"), range(2)):
         standard_scenes(key[0], (8, 6), Reality(seed=key[1]))
     assert all(len(seeds) == 30 and len(set(seeds)) == 5 for seeds in rooms.values())
     every = [room for seeds in rooms.values() for room in set(seeds)]
-    assert len(every) == len(set(every)) == 30
+    assert len(every) == len(set(every)) == 20
 
 
 def test_a_set_shows_as_many_corners_as_the_real_pictures_do(sets):

@@ -516,8 +516,10 @@ def test_a_submission_has_a_total_of_time(notebook, server):
     with Worker(notebook, seconds=AMPLE, server=server) as worker:
         worker.definitions  # noqa: B018 - it loads
         worker.seconds, worker.total = 0.4, worker._spent + 1.0
-        said = [worker.call("sleeps", ONE).text for _ in range(5)]
-        assert said[0] == "no answer within 0.4 s"
+        said = [worker.call("sleeps", ONE).text]
+        assert said == ["no answer within 0.4 s"]
+        while said[-1].startswith("no answer within"):  # each takes some of it: there is an end
+            said.append(worker.call("sleeps", ONE).text)
         assert said[-1] == f"all {worker.total:g} s that a submission has are used up"
 
 
