@@ -29,7 +29,7 @@ def test_what_is_said_of_another_student_or_lesson_does_not_count():
 def test_an_answer_waits_for_its_mark_and_an_empty_one_for_nobody():
     written, empty = (result("ada", answer(text=text)) for text in ("Because.", " "))
     assert [len(score(each).waiting) for each in (written, empty)] == [1, 0]
-    marked = score(written, (), [mark(0.5), mark(1.5, "2026-01-02"), mark(2.0, student="bob")])
+    marked = score(written, (), [mark(1.5, "2026-01-02"), mark(0.5), mark(2.0, student="bob")])
     assert marked.earned == 1.5 and marked.waiting == () and marked.points == 2.0
 
 
