@@ -202,12 +202,12 @@ def renew(root: Path) -> list[Renewal]:
 
 
 def _bring(source: Path, target: Path, base: Path) -> Renewal:
+    new = _parsed(source.name, source.read_bytes())  # a broken release replaces nothing
     before = _cells_or_none(base)
     own = _cells_or_none(target)
     if not target.is_file() or (own is not None and own in (before, _cells_or_none(source))):
         shutil.copyfile(source, target)
         return Renewal(target.name)
-    new = _parsed(source.name, source.read_bytes())
     kept = _keep(target)
     carried, lost = _carry_over(before, own or [], new["cells"])
     target.write_bytes(_json(new))

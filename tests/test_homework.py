@@ -129,8 +129,9 @@ def test_a_notebook_that_cannot_be_read_is_kept_as_it_is(root, mine, content):
     assert sources(mine) == {each["id"]: each["source"] for each in NEWER}
 
 
-def test_a_broken_release_touches_no_work_and_says_which_file_it_is(root, mine):
-    before = save(mine, changed(GIVEN, why="Because.")).read_bytes()
+@pytest.mark.parametrize("why", ["", "Because."])
+def test_a_broken_release_touches_no_notebook_and_says_which_file_it_is(root, mine, why):
+    before = save(mine, changed(GIVEN, why=why)).read_bytes() if why else mine.read_bytes()
     (root / "release" / "notebooks" / NAME).write_text("{ half of it")
     with pytest.raises(ValueError, match=f"{NAME} is not a notebook"):
         homework.renew(root)
