@@ -30,14 +30,8 @@ CHROMIUM_OPTIONS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-QUIET = {  # settings of a JupyterLab that asks nothing of the network
-    "apputils-extension/notification": {
-        "fetchNews": "false",
-        "checkForUpdates": False,
-        "doNotDisturbMode": True,
-    },
-    "extensionmanager-extension/plugin": {"enabled": False},
-}
+# The package's own settings (jupyter/overrides.json) already keep JupyterLab from asking for news.
+QUIET = {"extensionmanager-extension/plugin": {"enabled": False}}
 
 
 @dataclass

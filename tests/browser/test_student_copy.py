@@ -50,6 +50,32 @@ def check_state(page, name):
     return shown.get_attribute("data-state") if shown.count() else None
 
 
+def in_sight(found):
+    box = found.first.bounding_box() if found.count() else None
+    return box is not None and 0 < box["y"] < 700
+
+
+def test_the_page_that_a_student_opens_has_the_lesson_its_contents_and_nothing_that_distracts(
+    tmp_path, chromium
+):
+    folder = tmp_path / "notebooks"
+    shutil.copytree(PROJECT / "notebooks", folder)
+    with jupyter_lab(folder, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
+        lab.open(page, f"{NAME}.ipynb")
+        page.locator('.jp-SideBar [data-id="table-of-contents"]').click()
+        entries = page.locator(".jp-TableOfContents-content .jp-tocItem-content")
+        wait_for(lambda: entries.count() > 8, "table of contents", 20)
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=SCREENSHOTS / "student_page.png")
+        sides = page.locator(".jp-SideBar [data-id]").evaluate_all("tabs => tabs.map(tab => tab.dataset.id)")
+        assert "filebrowser" in sides and not [each for each in sides if "nbgrader" in each]
+        assert page.locator(".Toastify__toast, .jp-Dialog").count() == 0
+        top = page.locator("h1", has_text="HSL filtering")
+        assert in_sight(top)
+        entries.last.click()
+        wait_for(lambda: not in_sight(top), "last section, to which the click scrolls", 20)
+
+
 def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_green(tmp_path, chromium):
     folder = tmp_path / "notebooks"
     shutil.copytree(PROJECT / "notebooks", folder)

@@ -18,7 +18,10 @@ from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
 FOLDER = (
     "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
 )
-_AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
+_AS_THEY_ARE = (
+    *("LICENSE", "Makefile", "pyproject.toml", "requirements.lock"),
+    *("jupyter/overrides.json", "jupyter/page_config.json"),
+)
 _README = "docs/for_students.md"
 _KINDS = {".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
 
