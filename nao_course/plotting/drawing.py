@@ -161,7 +161,7 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
 
 def say_angle(angle: float) -> str:
     """An angle (rad) in whole degrees."""
-    return f"{np.degrees(angle):.0f} deg"
+    return f"{np.degrees(angle):z.0f} deg"
 
 
 def say_count(number: int, noun: str) -> str:
@@ -172,4 +172,4 @@ def say_count(number: int, noun: str) -> str:
 def say_place(pose: FloatArray) -> str:
     """A pose (x, y, theta) in metres and degrees; no heading where theta is NaN."""
     heading = "" if np.isnan(pose[2]) else f", heading {say_angle(pose[2])}"
-    return f"({pose[0]:.2f}, {pose[1]:.2f}) m{heading}"
+    return f"({pose[0]:z.2f}, {pose[1]:z.2f}) m{heading}"

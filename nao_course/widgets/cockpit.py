@@ -154,7 +154,7 @@ class Cockpit:
         reached = [float(np.clip(angle, *limit)) for angle, limit in zip(wanted, limits, strict=True)]
         self.nao.look(*reached)
         self.seen = NOTHING
-        words = f"yaw {np.degrees(reached[0]):.0f}°, pitch {np.degrees(reached[1]):.0f}°"
+        words = f"yaw {np.degrees(reached[0]):z.0f}°, pitch {np.degrees(reached[1]):z.0f}°"
         stuck = not np.allclose(wanted, reached, atol=1e-6)
         self.say(f"Head at {words}: a joint is at its limit." if stuck else f"Head at {words}.")
 
@@ -217,7 +217,7 @@ class Cockpit:
             facts.append(f"truth {_place(self.truth.pose)}")
         if self.slam is not None:
             facts.append(f"{type(self.slam).__name__} {_knows(self.estimate)}")
-        facts.append(f"head yaw {yaw:.0f}°, pitch {pitch:.0f}°")
+        facts.append(f"head yaw {yaw:z.0f}°, pitch {pitch:z.0f}°")
         facts.append(f"{self.frames} pictures, {len(self.album)} kept")
         return facts
 
@@ -277,7 +277,7 @@ def _checked(found: object) -> tuple[Measurement, ...]:
 
 
 def _place(pose: Pose) -> str:
-    return f"({pose.x:.2f}, {pose.y:.2f}) m, heading {np.degrees(pose.theta):.0f}°"
+    return f"({pose.x:z.2f}, {pose.y:z.2f}) m, heading {np.degrees(pose.theta):z.0f}°"
 
 
 def _knows(estimate: Estimate | None) -> str:

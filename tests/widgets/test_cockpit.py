@@ -25,3 +25,11 @@ def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
     cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
     cockpit.move(Motion(0.05))
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
+
+
+def test_turning_left_and_back_shows_no_negative_zero():
+    cockpit = Cockpit(clean_nao())
+    for turn in (0.3, -0.1, -0.2):
+        for piece in pieces(Motion(0.0, turn)):
+            cockpit.move(piece)
+    assert "-0" not in " ".join(cockpit.facts())
