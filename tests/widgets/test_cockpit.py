@@ -27,9 +27,7 @@ def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
 
 
-def test_turning_left_and_back_shows_no_negative_zero():
+def test_a_heading_that_is_nearly_zero_is_shown_as_zero():
     cockpit = Cockpit(clean_nao())
-    for turn in (0.3, -0.1, -0.2):
-        for piece in pieces(Motion(0.0, turn)):
-            cockpit.move(piece)
+    cockpit.move(Motion(-1e-6, -1e-6))
     assert "-0" not in " ".join(cockpit.facts())
