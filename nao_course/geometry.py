@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.exercises.codec import register
+
 __all__ = [
     "FloatArray",
     "Pose",
@@ -135,6 +137,7 @@ def yaw_pitch_roll(rotation: npt.ArrayLike) -> tuple[float, float, float]:
     return float(np.arctan2(r[1, 0], r[0, 0])), pitch, float(np.arctan2(r[2, 1], r[2, 2]))
 
 
+@register
 @dataclass(frozen=True)
 class Pose:
     """A position and heading in the plane, or the rigid motion that leads there.

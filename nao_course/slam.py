@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, wrap_angle
 
 __all__ = [
@@ -28,6 +29,7 @@ LandmarkKind = Literal["corner", "post"]
 KINDS: tuple[LandmarkKind, ...] = ("corner", "post")
 
 
+@register
 @dataclass(frozen=True)
 class Motion:
     """A command to the robot: drive along the present heading, then turn on the spot.
@@ -53,6 +55,7 @@ class Motion:
         return Pose(self.distance, 0.0, self.turn)
 
 
+@register
 @dataclass(frozen=True)
 class Measurement:
     """One landmark as the robot sees it.
@@ -82,6 +85,7 @@ class Measurement:
             raise ValueError(f"Measurement: kind must be one of {KINDS}, got {self.kind!r}")
 
 
+@register
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """What a SLAM algorithm believes; two are equal where all their values are.
@@ -102,7 +106,7 @@ class Estimate:
     Raises
     ------
     ValueError
-        If the shapes do not fit each other.
+        If the shapes do not fit each other, or it is no pose.
     """
 
     pose: Pose
@@ -113,6 +117,8 @@ class Estimate:
 
     def __post_init__(self) -> None:
         """Check the shapes."""
+        if not isinstance(self.pose, Pose):
+            raise ValueError(f"Estimate: pose must be a Pose, got {type(self.pose).__name__}")
         n = len(self.landmarks)
         wanted = {"covariance": (3, 3), "landmarks": (n, 2), "landmark_covariances": (n, 2, 2)}
         for name, shape in wanted.items():

@@ -3,15 +3,19 @@
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
-from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
+from nao_course.exercises.codec import CodecError, Limits, decode, encode, register, register_function
 from nao_course.exercises.comparisons import (
+    All,
     Between,
     Close,
     Comparison,
     Derivative,
+    Each,
     Exact,
     Points,
+    Property,
     Sampled,
+    Unordered,
     Verdict,
 )
 from nao_course.exercises.definitions import Definitions, load_definitions
@@ -20,6 +24,7 @@ from nao_course.exercises.running import Outcome, call, register_driver
 from nao_course.exercises.trying import Message, try_out
 
 __all__ = [
+    "All",
     "Between",
     "Case",
     "CheckFailed",
@@ -29,6 +34,7 @@ __all__ = [
     "Comparison",
     "Definitions",
     "Derivative",
+    "Each",
     "Exact",
     "Exercise",
     "LessonPlan",
@@ -37,9 +43,11 @@ __all__ = [
     "Mistake",
     "Outcome",
     "Points",
+    "Property",
     "Question",
     "Report",
     "Sampled",
+    "Unordered",
     "Verdict",
     "Written",
     "call",
@@ -50,6 +58,7 @@ __all__ = [
     "prediction",
     "register",
     "register_driver",
+    "register_function",
     "try_out",
 ]
 

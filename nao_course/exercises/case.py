@@ -23,12 +23,15 @@ class Case:
         Its keyword arguments.
     expected : object
         For `Between`, (low, high). Else left out: the reference's answer is expected.
+    raises : str
+        Name of the exception that the call must raise, or of a class of it: "ValueError". Then no answer is right.
     """
 
     args: tuple[Any, ...]
     name: str = ""
     kwargs: dict[str, Any] = field(default_factory=dict)
     expected: Any = None
+    raises: str = ""
 
     def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
         """Copies of the arguments that the function may do with what it likes."""

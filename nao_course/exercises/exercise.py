@@ -10,7 +10,8 @@ import numpy as np
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons.values import Close, Comparison
+from nao_course.exercises.comparisons.comparison import Comparison
+from nao_course.exercises.comparisons.values import Close
 
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
 
@@ -49,7 +50,7 @@ class Exercise:
     hidden : callable
         Makes hidden cases from a random generator: list of Case.
     comparison : Comparison
-        How answers are compared: Close, Exact, Points or Between.
+        How answers are compared; see `nao_course.exercises.comparisons`.
     hints : (str, str)
         Given one after the other on demand.
     mistakes : sequence of Mistake

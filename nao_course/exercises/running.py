@@ -21,6 +21,7 @@ from nao_course.exercises.codec import CodecError, Limits, decode, encode, regis
 Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
+_MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
 _NOT_THE_STUDENTS = (
     *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
@@ -52,6 +53,8 @@ class Outcome:
         Whether the function changed its arguments.
     output : str
         The beginning of what it printed, where that is kept.
+    errors : tuple of str
+        Of an exception: the names of its class and of all that is derived from.
     """
 
     status: Status
@@ -60,6 +63,7 @@ class Outcome:
     line: str = ""
     changed: bool = False
     output: str = ""
+    errors: tuple[str, ...] = ()
 
 
 def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
@@ -83,17 +87,22 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
 
 
 def call_all(
-    function: Callable[..., Any], cases: Sequence[Case], driver: str = "", seconds: float = SECONDS
+    function: Callable[..., Any],
+    cases: Sequence[Case],
+    driver: str = "",
+    seconds: float = SECONDS,
+    answer: Callable[[Callable[[Case], Outcome], Case], Outcome] = lambda once, case: once(case),
 ) -> list[Outcome]:
     """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
 
-    Where there is no alarm clock (Windows, or another thread than the main one), `seconds` is no limit.
+    `answer` makes the calls of a case and says what came of them; see `judging.answer`. Where there is no alarm clock
+    (Windows, or another thread than the main one), `seconds` is no limit.
     """
     outcomes: list[Outcome] = []
     for case in cases:
         try:
             with _alarm(seconds):
-                outcome = call(function, case, driver)
+                outcome = answer(lambda each: call(function, each, driver), case)
         except _TimeIsUp:  # it rang while the answer was being copied
             outcome = Outcome("timed out")
         outcomes.append(outcome)
@@ -194,7 +203,7 @@ def describe(error: BaseException) -> str:
         text = f"{type(error).__name__}: {error}"
     except Exception:  # noqa: BLE001 - a message that raises is no message
         text = str(type(error).__name__)
-    return text[:500].encode("utf-8", "replace").decode()
+    return _printable(text[:500])
 
 
 def _not_written(error: NotImplementedError, function: Any) -> Outcome:
@@ -216,7 +225,21 @@ def _raised(error: BaseException) -> Outcome:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if _is_own(frame)]
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
-    return Outcome("raised", text=describe(error), line=line[:500].encode("utf-8", "replace").decode())
+    return Outcome(
+        "raised", text=describe(error), line=_printable(line[:500]), errors=_names_of_classes(type(error))
+    )
+
+
+def _names_of_classes(kind: type) -> tuple[str, ...]:
+    """Names of an exception's class and of those it is derived from; of a stranger's own, any of them may be odd."""
+    try:
+        return tuple(_printable(each.__name__[:100]) for each in kind.__mro__[:_MOST_CLASSES])
+    except Exception:  # noqa: BLE001 - a class of a class may raise what it likes
+        return ()
+
+
+def _printable(text: str) -> str:
+    return text.encode("utf-8", "replace").decode()
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:

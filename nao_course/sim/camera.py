@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, rotation_3d, yaw_pitch_roll
 
 Stance = Literal["standing", "walking"]
@@ -35,6 +36,7 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
+@register
 @dataclass(frozen=True)
 class CameraView:
     """What is known, or believed, of the camera that took a picture.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from nao_course.geometry import FloatArray, Pose
+from nao_course.exercises.codec import register
+from nao_course.geometry import FloatArray, Pose, finite
 
 Shape = Literal["L", "T", "X", "post"]
 MarkKind = Literal["corner", "post", "cross"]
@@ -64,6 +65,7 @@ DIMENSIONS: dict[int, FieldDimensions] = {
 }
 
 
+@register
 @dataclass(frozen=True)
 class Landmark:
     """A point of the field that a robot can recognise.
@@ -77,6 +79,11 @@ class Landmark:
         look for (marks, and where the circle meets the halfway line).
     shape : "L", "T", "X" or "post"
         What it looks like.
+
+    Raises
+    ------
+    ValueError
+        If a position is not finite, or kind or shape is another.
     """
 
     x: float
@@ -84,7 +91,16 @@ class Landmark:
     kind: MarkKind
     shape: Shape
 
+    def __post_init__(self) -> None:
+        """Check the values."""
+        for name in ("x", "y"):
+            object.__setattr__(self, name, finite(f"Landmark: {name} (m)", getattr(self, name)))
+        for name, known in (("kind", get_args(MarkKind)), ("shape", get_args(Shape))):
+            if getattr(self, name) not in known:
+                raise ValueError(f"Landmark: {name} must be one of {known}, got {getattr(self, name)!r}")
 
+
+@register
 @dataclass(frozen=True)
 class Field:
     """A field: its lines, arcs, marks, goals and landmarks in the field frame.
@@ -116,9 +132,12 @@ class Field:
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
-        """Check the year."""
+        """Check year and pose."""
         if self.year not in DIMENSIONS:
             raise ValueError(f"year must be one of {sorted(DIMENSIONS)} (rule books), got {self.year!r}")
+        if not isinstance(self.pose, Pose):
+            raise ValueError(f"Field: pose must be a Pose, got {self.pose!r}")
+        object.__setattr__(self, "half", bool(self.half))
 
     @property
     def dimensions(self) -> FieldDimensions:

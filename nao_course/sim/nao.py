@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, finite, rotation_2d
 from nao_course.sim.camera import NAO_V4, CameraView, NaoModel
 from nao_course.sim.field import Field
@@ -23,8 +24,10 @@ def _not_negative(values: object) -> None:
     """Refuse a dataclass of standard deviations with one that is none."""
     for each in fields(values):  # type: ignore[arg-type]
         name = f"{type(values).__name__}: {each.name}"
-        if finite(name, getattr(values, each.name)) < 0:
-            raise ValueError(f"{name} must be 0 (none) or more, got {getattr(values, each.name)}")
+        value = finite(name, getattr(values, each.name))
+        if value < 0:
+            raise ValueError(f"{name} must be 0 (none) or more, got {value}")
+        object.__setattr__(values, each.name, value)
 
 
 def _generator(rng: np.random.Generator | int | None) -> np.random.Generator:
@@ -36,6 +39,7 @@ def _generator(rng: np.random.Generator | int | None) -> np.random.Generator:
     return np.random.default_rng(0 if rng is None else int(rng))
 
 
+@register
 @dataclass(frozen=True)
 class OdometryNoise:
     """How a walk differs from its command: errors along, across and about the robot, as in the homework's 1.2.
@@ -83,6 +87,7 @@ class TorsoTilt:
         _not_negative(self)
 
 
+@register
 @dataclass(frozen=True)
 class SensorNoise:
     """Noise of the ideal detector `SimulatedNao.sense`.
@@ -107,6 +112,7 @@ class SensorNoise:
         return np.diag([self.bearing**2, (self.range_fraction * measurement.range) ** 2])
 
 
+@register
 @dataclass(frozen=True, eq=False)
 class Picture:
     """What `SimulatedNao.take_picture` gives.
@@ -124,6 +130,11 @@ class Picture:
     pixels: npt.NDArray[np.uint8]
     view: CameraView
     camera: str
+
+    def __post_init__(self) -> None:
+        """Refuse what is no picture."""
+        if self.pixels.dtype != np.uint8 or self.pixels.ndim != 3 or not isinstance(self.view, CameraView):
+            raise ValueError("Picture: pixels must be uint8 of shape (H, W, 3), view a CameraView")
 
     def __repr__(self) -> str:
         """Name the picture, not its pixels."""

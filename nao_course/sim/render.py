@@ -14,7 +14,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.geometry import FloatArray, Pose
+from nao_course.exercises.codec import register
+from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.carpet import TEXEL, Wear, carpet_levels
 from nao_course.sim.field import Field, Landmark
@@ -45,6 +46,7 @@ COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in SHOWN.items()}
 _FLOOR = ((1.5, 1.0), (1.1, 0.75), (0.8, 0.87), (0.55, 0.95), (0.3, 1.03))
 
 
+@register
 @dataclass(frozen=True)
 class VisibleLandmark:
     """A landmark in a picture.
@@ -68,6 +70,16 @@ class VisibleLandmark:
     distance: float
     bearing: float
     occluded: bool
+
+    def __post_init__(self) -> None:
+        """Refuse what is no landmark in a picture."""
+        if not isinstance(self.landmark, Landmark):
+            raise ValueError(f"VisibleLandmark: landmark must be a Landmark, got {self.landmark!r}")
+        object.__setattr__(self, "occluded", bool(self.occluded))
+        for name in ("distance", "bearing"):
+            finite(f"VisibleLandmark: {name}", getattr(self, name))
+        u, v = self.pixel
+        object.__setattr__(self, "pixel", (finite("pixel u", u), finite("pixel v", v)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -307,7 +307,7 @@ _CALLS = count()
 
 
 def _sample_of_its_own(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    """As np.random would: other pixels at each call. The driver calls 320 times, or 640: each case sees the same ones."""
+    """As np.random would: other pixels at each call. Sampled calls 320 times, or 640: each case sees the same ones."""
     return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 320))
 
 
@@ -334,7 +334,6 @@ AVERAGE_LIGHTNESS = Exercise(
     name="average_lightness",
     points=1,
     stars=1,
-    driver="sampling_law",
     public=lambda: [
         Case((_patchy(np.random.default_rng(12), 40, 32).T.copy(), 40, 300), "300 samples of 40 pixels"),
         Case((np.array([[250.0, 0.0]]), 1, 620), "a picture of two pixels"),

@@ -125,10 +125,6 @@ def test_a_view_comes_back_in_its_own_order():
         np.testing.assert_array_equal(decode(encode(view)), view)
 
 
-class Text(str):
-    pass
-
-
 class Pretends:
     """Says that it is an array, and raises when it is asked for one."""
 
@@ -171,10 +167,11 @@ def test_no_code_of_an_arrays_own_class_runs():
         lambda: 1,
         object(),
         {1, 2},
-        {1: 2},
+        {b"x": 2},
+        {np.nan: 2},
+        {(1, (2.0, None, frozenset())): 2},
         range(3),
         iter([]),
-        Text("x"),
         np.array([object()]),
         np.array(["text"]),
         np.array(["2020"], dtype="datetime64"),
@@ -354,8 +351,9 @@ def test_two_classes_of_one_name_cannot_be_registered():
     other = dataclass(type("Pair", (), {"__module__": Pair.__module__, "__qualname__": "Pair"}))
     with pytest.raises(TypeError, match="already"):
         register(other)
-    with pytest.raises(TypeError, match="dataclasses"):
-        register(int)
+    for thing in (int, 5, lambda: 1, "Pair", tuple):
+        with pytest.raises(TypeError, match="can be registered"):
+            register(thing)
     assert register(Pair) is Pair
 
 
@@ -364,11 +362,11 @@ def test_only_a_trusted_frame_has_modules_imported():
         "import sys; from nao_course.exercises.codec import decode, CodecError\n"
         "data = sys.stdin.buffer.read()\n"
         "try: decode(data)\nexcept CodecError as e: print('refused')\n"
-        "print('nao_course.slam' in sys.modules)\n"
+        "print('nao_course.sim.light' in sys.modules)\n"
         "try: decode(data, trusted=True)\nexcept CodecError as e: print('refused')\n"
-        "print('nao_course.slam' in sys.modules)\n"
+        "print('nao_course.sim.light' in sys.modules)\n"
     )
-    data = frame('{"o":"nao_course.slam:Nothing","v":{}}')
+    data = frame('{"o":"nao_course.sim.light:Nothing","v":{}}')
     run = subprocess.run([sys.executable, "-c", code], input=data, capture_output=True, check=True)
     assert run.stdout.split() == [b"refused", b"False", b"refused", b"True"]
 
@@ -411,7 +409,14 @@ WORDS = st.sampled_from(
             "\udfff\ud800",
         ),
         *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
-        *("nao_course.exercises.comparisons.values:Close", "builtins:object", "value", "refused", "first", "second"),
+        *(
+            "nao_course.exercises.comparisons.values:Close",
+            "builtins:object",
+            "value",
+            "refused",
+            "first",
+            "second",
+        ),
     ]
 )
 KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "status", "\ud800"])

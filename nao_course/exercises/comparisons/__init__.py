@@ -1,7 +1,22 @@
 """How answers are compared with what is expected; a comparison that needs a driver has it beside it."""
 
+from nao_course.exercises.comparisons.combined import All, Each, Property, Unordered
+from nao_course.exercises.comparisons.comparison import Comparison, Verdict
 from nao_course.exercises.comparisons.jacobians import Derivative
 from nao_course.exercises.comparisons.sampling import Sampled
-from nao_course.exercises.comparisons.values import Between, Close, Comparison, Exact, Points, Verdict
+from nao_course.exercises.comparisons.values import Between, Close, Exact, Points
 
-__all__ = ["Between", "Close", "Comparison", "Derivative", "Exact", "Points", "Sampled", "Verdict"]
+__all__ = [
+    "All",
+    "Between",
+    "Close",
+    "Comparison",
+    "Derivative",
+    "Each",
+    "Exact",
+    "Points",
+    "Property",
+    "Sampled",
+    "Unordered",
+    "Verdict",
+]

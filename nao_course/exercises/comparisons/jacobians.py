@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons.values import RIGHT, Close, Comparison, Verdict
+from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict
+from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.running import register_driver
 
 Floats = npt.NDArray[np.float64]

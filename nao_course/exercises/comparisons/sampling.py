@@ -1,57 +1,29 @@
-"""Functions that draw random samples: many calls are made of one, and their mean and scatter compared."""
+"""Functions that draw random samples: many calls are made of one, and the mean and scatter of its answers compared."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
-from nao_course.exercises.comparisons.values import Close, Comparison, Verdict, as_text, with_article
-from nao_course.exercises.running import register_driver
+from nao_course.exercises.comparisons.comparison import Comparison, Verdict, as_text, with_article
+from nao_course.exercises.comparisons.structure import as_numbers
+from nao_course.exercises.comparisons.values import Close
 
-
-@register_driver
-def sampling_law(
-    function: Callable[..., float], values: npt.NDArray[Any], n_samples: int, repeats: int
-) -> tuple[float, float, bool] | None:
-    """Call a function that draws a random sample, many times.
-
-    Parameters
-    ----------
-    function : callable
-        ``function(values, n_samples, rng) -> float``.
-    values : ndarray
-        What it draws from.
-    n_samples : int
-        How many it draws.
-    repeats : int
-        How many generators it is called with, seeds 0 to repeats - 1.
-
-    Returns
-    -------
-    tuple of (float, float, bool), or None
-        Mean and standard deviation of its answers, and whether the same seeds give the same answers again. None where
-        an answer is None.
-    """
-
-    def answers(seeds: range) -> list[float]:
-        return [function(values.copy(), n_samples, np.random.default_rng(seed)) for seed in seeds]
-
-    first, again = answers(range(repeats)), answers(range(min(repeats, 20)))
-    if any(answer is None for answer in (*first, *again)):
-        return None
-    drawn, same = np.array(first, dtype=float), np.array(again, dtype=float)
-    return float(drawn.mean()), float(drawn.std()), bool((drawn[: len(same)] == same).all())
+_REPEATED = 20  # seeds that are drawn with twice: the same generator has to give the same answer
 
 
 @register
 @dataclass(frozen=True)
 class Sampled(Comparison):
-    """What the driver `sampling_law` says of a function that draws random samples.
+    """A function ``function(..., rng) -> float`` that draws random samples, judged by the law of its answers.
+
+    The last argument of a case says how many calls are made of it; a generator takes its place, with seeds from 0. The
+    calls are made one by one, so that all that decides happens here, not where the function runs.
 
     Parameters
     ----------
@@ -61,19 +33,44 @@ class Sampled(Comparison):
 
     rtol: float = 0.25
 
+    def calls(self, case: Case) -> Sequence[Case]:
+        """One call with each seed, and the first ones again."""
+        *args, repeats = case.args
+        seeds = (*range(repeats), *range(min(repeats, _REPEATED)))
+        return [Case((*args, np.random.default_rng(seed)), case.name, case.kwargs) for seed in seeds]
+
+    def gather(self, answers: Sequence[Any]) -> dict[str, Any]:
+        """Return the law of the answers.
+
+        Returns
+        -------
+        dict
+            "law": mean, standard deviation, and whether the same seeds gave the same answers again. Where an answer is
+            no number, "other" instead: what it is. No answer can look like this by itself.
+        """
+        other = next((each for each in answers if not _is_number(each)), 0.0)
+        if not _is_number(other):
+            return {"other": "" if other is None else with_article(other)}
+        numbers = np.array([float(each) for each in answers])
+        again = min(len(numbers) // 2, _REPEATED)
+        drawn = numbers[: len(numbers) - again]
+        same = bool((drawn[:again] == numbers[len(drawn) :]).all())
+        with np.errstate(all="ignore"):
+            return {"law": (float(drawn.mean()), float(drawn.std()), same)}
+
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare (mean, standard deviation, whether a seed decides the answer) with the expected ones."""
-        if got is None:
-            return Verdict("nothing", "your answer is None: a return may be missing")
-        if not isinstance(got, tuple | list) or len(got) != 3:
-            return Verdict("type", f"your answer is {with_article(got)}, not one number")
-        mean, scatter, repeatable = got
-        if repeatable is not True:
+        """Compare the law of the answers with the expected one."""
+        if "law" not in got:
+            if not got["other"]:
+                return Verdict("nothing", "your answer is None: a return may be missing")
+            return Verdict("type", f"your answer is {got['other']}, not one number")
+        mean, scatter, repeatable = got["law"]
+        if not repeatable:
             return Verdict(
                 "value", "the same rng gave two different answers; rng.integers or rng.choice draw from it"
             )
         law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
-        verdict = law.compare(tuple(expected[:2]), (mean, scatter))
+        verdict = law.compare(expected["law"][:2], (mean, scatter))
         if verdict.kind == "value" and Close().compare(0.0, scatter):
             text = f"whatever rng it gets, your answer is the same, {as_text(mean)}: draw with the rng it is given"
             return Verdict("value", text)
@@ -81,6 +78,12 @@ class Sampled(Comparison):
 
     def alike(self, answer: Any, got: Any) -> bool:
         """Whether both depend on the generator in the same way, and mean and scatter agree."""
-        if answer is None or got is None:
-            return answer is got
-        return answer[2] is got[2] and bool(Close(rtol=self.rtol, atol=1e-6).compare(answer[:2], got[:2]))
+        if "law" not in answer or "law" not in got:
+            return bool(answer == got)
+        one, other = answer["law"], got["law"]
+        return one[2] is other[2] and bool(Close(rtol=self.rtol, atol=1e-6).compare(one[:2], other[:2]))
+
+
+def _is_number(answer: Any) -> bool:
+    number = as_numbers(answer, "your answer")
+    return not isinstance(number, Verdict) and number.shape == () and number.dtype.kind != "b"

@@ -25,6 +25,7 @@ from rich.progress import track
 from rich.syntax import Syntax
 from rich.table import Table
 
+from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.exercise import Exercise
@@ -252,8 +253,10 @@ def _tests(
 def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
     """Whether a case tells what the worker has from the solution."""
     for case in cases:
-        outcome = worker.call(exercise.name, case, exercise.driver)
-        if outcome.status != "value" or not exercise.comparison.compare(case.expected, outcome.value):
+        outcome = judging.answer(
+            exercise.comparison, lambda each: worker.call(exercise.name, each, exercise.driver), case
+        )
+        if not judging.judge(exercise.comparison, case, outcome):
             return True
         if outcome.changed and exercise.in_place:
             return True

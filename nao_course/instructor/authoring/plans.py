@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises import lesson_names
+from nao_course.exercises import judging, lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, decode, encode
-from nao_course.exercises.comparisons.values import Between
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import (
     Exercise,
@@ -25,7 +24,7 @@ from nao_course.exercises.exercise import (
     PublicQuestion,
     PublicWritten,
 )
-from nao_course.exercises.running import call
+from nao_course.exercises.running import Outcome, call
 
 SOLUTIONS = Path("solutions")
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others
@@ -146,8 +145,8 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
     solved = []
     for number, case in enumerate(cases, start=1):
         where = f"{exercise.name}: the reference, case {number} {case.name!r},"
-        outcome = call(function, case, exercise.driver)
-        if outcome.status != "value":
+        outcome = _outcome(exercise, function, case)
+        if outcome.status != ("raised" if case.raises else "value"):
             raise PlanError(
                 f"{where} gives no answer: {outcome.status} {outcome.text} {outcome.line}".rstrip()
             )
@@ -155,13 +154,17 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
             answer = decode(encode(outcome.value))
         except CodecError as error:
             raise PlanError(f"{where} gives an answer that cannot be sent: {error}") from None
-        expected = case.expected if isinstance(exercise.comparison, Between) else answer
-        verdict = exercise.comparison.compare(expected, answer)
+        known = replace(case, expected=exercise.comparison.expects(case, answer))
+        try:
+            verdict = judging.judge(exercise.comparison, known, outcome)
+        except ValueError as error:
+            raise PlanError(f"{where} gives an answer that cannot be compared: {error}") from None
         if not verdict:
-            raise PlanError(f"{where} is not right by its own comparison: {verdict.text}")
+            said = verdict.text if verdict is not None else f"it raises {outcome.text}, not {case.raises}"
+            raise PlanError(f"{where} is not right by its own comparison: {said}")
         if outcome.changed:
             raise PlanError(f"{where} changes its input")
-        solved.append(replace(case, expected=expected))
+        solved.append(known)
     return solved
 
 
@@ -260,10 +263,14 @@ def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., 
     """A mistake's answers where they are not right, by the number of the case."""
     answers: dict[str, Any] = {}
     for number, case in enumerate(cases):
-        outcome = call(function, case, exercise.driver)
-        if outcome.status == "value":
-            if not exercise.comparison.compare(case.expected, outcome.value):
-                answers[str(number)] = outcome.value
-        else:
-            answers[str(number)] = {"raises": outcome.text.split(":")[0]}
+        outcome = _outcome(exercise, function, case)
+        if judging.judge(exercise.comparison, case, outcome):
+            continue
+        raised = {"raises": outcome.text.split(":")[0]}
+        answers[str(number)] = outcome.value if outcome.status == "value" else raised
     return answers
+
+
+def _outcome(exercise: Exercise, function: Callable[..., Any], case: Case) -> Outcome:
+    """What comes of a case's calls."""
+    return judging.answer(exercise.comparison, lambda each: call(function, each, exercise.driver), case)

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises import judging
 from nao_course.exercises.case import Case
-from nao_course.exercises.comparisons.values import Verdict
+from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.collecting.submissions import Files
@@ -79,20 +80,24 @@ def own_line(line: str, files: Files) -> str:
     return line if text in helpers else ""
 
 
-def describe_difference(exercise: PublicExercise, case: Case, answer: Any) -> HiddenResult | None:
-    """Say how an answer differs from what is expected; None where it is right."""
-    verdict = _compared(exercise, case, answer)
+def describe_outcome(
+    exercise: PublicExercise, case: Case, outcome: Outcome, files: Files, seconds: float
+) -> HiddenResult | None:
+    """Say in which way what came of a hidden case is wrong; None where it is right."""
+    verdict = _judged(exercise, case, outcome)
+    if verdict is None:
+        return describe_failure(outcome, files, seconds)
     if verdict:
         return None
     state: State = "no usable answer" if verdict.text == UNREADABLE else "wrong"
-    return HiddenResult(state, 0, _told(verdict, case.expected, answer))
+    return HiddenResult(state, 0, _told(verdict, case.expected, outcome.value))
 
 
-def _compared(exercise: PublicExercise, case: Case, answer: Any) -> Verdict:
-    """Compare an answer; one that the comparison cannot even look at is none."""
+def _judged(exercise: PublicExercise, case: Case, outcome: Outcome) -> Verdict | None:
+    """Judge what came of a case; an answer that the comparison cannot even look at is none."""
     try:
         with np.errstate(all="ignore"):
-            return exercise.comparison.compare(case.expected, answer)
+            return judging.judge(exercise.comparison, case, outcome)
     except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
         return Verdict("type", UNREADABLE)
 
@@ -108,6 +113,10 @@ def _told(verdict: Verdict, expected: Any, got: Any) -> str:
             return "Its answer is NaN where it should not be, or is not where it should be."
         case "type":
             return "Its answer is of the wrong kind."
+        case "law":
+            return "Its answer is not as it has to be: it does not have a property that is asked for."
+        case "no error":
+            return "It returns an answer where it has to raise an exception."
     return "Its answer has the right kind and shape, but not the right values."
 
 

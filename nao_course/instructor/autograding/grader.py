@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import explain
 from nao_course.exercises.definitions import NO_DEFINITION
@@ -27,8 +28,8 @@ from nao_course.instructor.autograding.assignment import Assignment, Task
 from nao_course.instructor.autograding.failures import (
     CHANGES_INPUT,
     HiddenResult,
-    describe_difference,
     describe_failure,
+    describe_outcome,
 )
 from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.archives import Refused
@@ -363,7 +364,7 @@ class SubmissionGrader:
             if self.stopped():
                 raise Stopped
             with held():
-                outcome = self.worker.call(exercise.name, case, exercise.driver)
+                outcome = self.answer(exercise, case)
             if outcome.status != "timed out":
                 break
         return (
@@ -372,6 +373,17 @@ class SubmissionGrader:
             else outcome
         )
 
+    def answer(self, exercise: PublicExercise, case: Case) -> Outcome:
+        """Make the calls of a case; all of them together have the time of one."""
+        end = time.monotonic() + self.assignment.seconds
+
+        def call(each: Case) -> Outcome:
+            if time.monotonic() > end:
+                return Outcome("timed out")
+            return self.worker.call(exercise.name, each, exercise.driver)
+
+        return judging.answer(exercise.comparison, call, case)
+
     def hidden(self, task: Task) -> HiddenResult:
         """Run the hidden cases: the first one that fails is what is told."""
         failed: HiddenResult | None = None
@@ -379,9 +391,7 @@ class SubmissionGrader:
         outcomes = self.outcomes(task.public, task.hidden)
         for case, outcome in zip(task.hidden, outcomes, strict=False):
             changed |= outcome.changed
-            if outcome.status != "value":
-                failed = failed or self.failure(outcome)
-            elif wrong := describe_difference(task.public, case, outcome.value):
+            if wrong := describe_outcome(task.public, case, outcome, self.files, self.assignment.seconds):
                 failed = failed or wrong
             else:
                 passed += 1

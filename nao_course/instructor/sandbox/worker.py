@@ -373,8 +373,10 @@ def _answers(written: dict[str, Any]) -> dict[str, str]:
 def _well_formed(outcome: Any) -> bool:
     """Whether an outcome that a stranger wrote has fields of the right types."""
     match outcome:
-        case Outcome(status=str(status), text=str(), line=str(), changed=bool(), output=str()):
-            return status in get_args(Status)
+        case Outcome(
+            status=str(status), text=str(), line=str(), changed=bool(), output=str(), errors=tuple(errors)
+        ):
+            return status in get_args(Status) and all(isinstance(each, str) for each in errors)
     return False
 
 

@@ -1,14 +1,20 @@
-"""A function that draws random samples is judged by the law of its answers."""
+"""A function that draws random samples is judged by the law of its answers, which come one by one."""
 
 import numpy as np
 import pytest
 
-from nao_course.exercises.comparisons.sampling import Sampled, sampling_law
+from nao_course.exercises import judging
+from nao_course.exercises.case import Case
+from nao_course.exercises.comparisons.sampling import Sampled
+from nao_course.exercises.running import Outcome, call
+
+VALUES = np.arange(100.0).reshape(10, 10)
+LAW = Sampled()
 
 
-def law(function, values=None, n_samples=40, repeats=300):
-    values = np.arange(100.0).reshape(10, 10) if values is None else values
-    return sampling_law(function, values, n_samples, repeats)
+def law(function, n_samples=40, repeats=300):
+    case = Case((VALUES, n_samples, repeats))
+    return judging.answer(LAW, lambda each: call(function, each), case).value
 
 
 def sample(values, n_samples, rng):
@@ -30,10 +36,12 @@ def sample(values, n_samples, rng):
         (lambda v, n, rng: rng.choice(v.ravel()), "the scatter of your answers"),
         (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
         (lambda v, n, rng: None, "a return may be missing"),
+        (lambda v, n, rng: [sample(v, n, rng)], "a list, not one number"),
+        (lambda v, n, rng: "text", "a str, not one number"),
     ],
 )
 def test_a_random_sample_is_judged_by_its_law(function, said):
-    assert said in Sampled().compare(law(sample), law(function)).text
+    assert said in LAW.compare(law(sample), law(function)).text
 
 
 def test_another_way_to_draw_the_same_sample_is_right():
@@ -41,20 +49,46 @@ def test_another_way_to_draw_the_same_sample_is_right():
         lambda v, n, rng: rng.choice(v.ravel(), n, replace=False).mean(),
         lambda v, n, rng: rng.permutation(v.ravel())[:n].mean(),
     ):
-        assert Sampled().compare(law(sample), law(right))
+        assert LAW.compare(law(sample), law(right))
 
 
 def test_a_sample_of_one_kind_is_like_another_of_its_kind():
     def own(v, n, rng):
         return np.random.default_rng().choice(v.ravel(), n).mean()
 
-    assert Sampled().alike(law(own), law(own))
-    assert not Sampled().alike(law(own), law(sample))
-    assert Sampled().alike(None, None) and not Sampled().alike(None, law(sample))
+    assert LAW.alike(law(own), law(own))
+    assert not LAW.alike(law(own), law(sample))
+    nothing = law(lambda *_: None)
+    assert LAW.alike(nothing, nothing) and not LAW.alike(nothing, law(sample))
+
+
+def test_each_call_has_a_generator_of_its_own_and_the_first_come_again():
+    calls = LAW.calls(Case((VALUES, 40, 30)))
+    drawn = [each.args[-1].random() for each in calls]
+    assert len(calls) == 50 and drawn[30:] == drawn[:20]
+    assert len(set(drawn)) == 30
+    assert len(LAW.calls(Case((VALUES, 1, 3)))) == 6
+
+
+FORGED = {"law": law(sample)["law"]}
 
 
 @pytest.mark.parametrize(
-    "hostile", [("evil", 0.0, True), (None, 0.0, True), ([1.0], 0.0, True), (1.0, "x", True)]
+    "hostile",
+    [FORGED, FORGED["law"], {"other": ""}, (49.5, 4.5, True), [1.0], "x", None, 1j, True, 10**400, np.nan],
+    ids=lambda value: type(value).__name__,
 )
-def test_an_answer_that_no_driver_gave_is_wrong_and_raises_nothing(hostile):
-    assert not Sampled().compare(law(sample), hostile)
+def test_no_answer_takes_the_place_of_the_law(hostile):
+    assert not LAW.compare(law(sample), LAW.gather([hostile] * 320))
+    assert not LAW.compare(law(sample), LAW.gather([1.0, hostile] * 160))
+
+
+def test_the_first_call_without_a_value_is_what_came_of_the_case():
+    def fails(values, n, rng):
+        raise KeyError
+
+    outcome = judging.answer(LAW, lambda each: call(fails, each), Case((VALUES, 1, 300)))
+    assert outcome.status == "raised"
+    calls = []
+    judging.answer(LAW, lambda each: calls.append(each) or Outcome("timed out"), Case((VALUES, 1, 300)))
+    assert len(calls) == 1

@@ -1,6 +1,7 @@
 """What is told of a hidden case is its kind, a shape and a line of the student's own: never what its input decides."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +10,18 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.autograding.failures import describe_difference, describe_failure, own_line
+from nao_course.instructor.autograding.failures import describe_failure, describe_outcome, own_line
 from nao_course.instructor.collecting.submissions import Files
 
 EXERCISE = PublicExercise("f", "90.1", 1.0, 1, Close(), [], [], [], "", True)
 SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1'
+
+
+def described(expected, got, comparison=None, case=None):
+    """What is told of an answer to a hidden case."""
+    exercise = replace(EXERCISE, comparison=comparison or Close())
+    case = case or Case((), expected=expected)
+    return describe_outcome(exercise, case, Outcome("value", got), Files(b"{}", {}), 10.0)
 
 
 @pytest.fixture
@@ -54,10 +62,10 @@ def test_a_line_is_told_where_it_stands_in_the_submission_as_a_whole(files, line
     ],
 )
 def test_a_difference_is_told_by_its_kind_and_without_a_value(expected, got, said):
-    told = describe_difference(EXERCISE, Case((), expected=expected), got)
+    told = described(expected, got)
     assert told is not None and told.state == "wrong"
     assert said in told.text and "987" not in told.text
-    assert describe_difference(EXERCISE, Case((), expected=expected), expected) is None
+    assert described(expected, expected) is None
 
 
 def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(files):

@@ -1,0 +1,144 @@
+"""Sparse matrices taken apart and put together again; scipy is not imported before there is one.
+
+Three formats travel: csr, csc and coo, arrays and matrices; the others become csr. Entries at one place are summed, and
+those of a row or column stand in order, so that a solver that sorts them changes nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.exercises.codec.format import CodecError
+
+MOST_SIDE = 10**6  # rows, or columns
+_COMPRESSED = ("csr", "csc")
+_KINDS = tuple(f"{form}_{kind}" for form in (*_COMPRESSED, "coo") for kind in ("array", "matrix"))
+
+Array = npt.NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a sparse matrix is made of.
+
+    Parameters
+    ----------
+    kind : str
+        "csr_array", "coo_matrix", ...
+    shape : (int, int)
+        Rows and columns.
+    arrays : tuple of ndarray
+        data, indices and indptr of csr and csc; data, rows and columns of coo.
+    """
+
+    kind: str
+    shape: tuple[int, int]
+    arrays: tuple[Array, Array, Array]
+
+
+def is_sparse(kind: type) -> bool:
+    """Whether a class is one of scipy's sparse matrices, or a subclass; it is none where scipy was never imported."""
+    scipy_sparse = sys.modules.get("scipy.sparse")
+    return scipy_sparse is not None and issubclass(kind, scipy_sparse.spmatrix | scipy_sparse.sparray)
+
+
+def taken_apart(item: Any, most: int) -> Parts:
+    """Take a sparse matrix apart.
+
+    Parameters
+    ----------
+    item : sparse matrix or array
+        Of two dimensions.
+    most : int
+        Bytes that may be spent on copies of it.
+
+    Raises
+    ------
+    CodecError
+        If it is too large, or broken.
+    """
+    base: Any = next(each for each in type(item).__mro__ if each.__module__.startswith("scipy.sparse"))
+    _refuse_shape(item.shape)
+    _refuse_size(item, most)
+    if base.__name__ not in _KINDS:
+        item = base.tocsr(item)
+        base = type(item)
+        _refuse_size(item, most)
+    arrays = (
+        item.data,
+        *((item.row, item.col) if base.__name__.startswith("coo") else (item.indices, item.indptr)),
+    )
+    plain = tuple(np.asarray(each) for each in arrays)
+    if sum(each.nbytes for each in plain) > most:
+        raise CodecError("a sparse matrix that is too large")
+    return _apart(put_together(base.__name__, list(item.shape), plain), base.__name__)
+
+
+def put_together(kind: str, shape: Sequence[object], arrays: Sequence[Array]) -> Any:
+    """Make a sparse matrix of its parts, which may be a stranger's.
+
+    Raises
+    ------
+    CodecError
+        If they are no sparse matrix: an index out of range, another number of indices than of values, ...
+    """
+    _refuse_shape(shape)
+    if kind not in _KINDS or len(arrays) != 3 or any(each.ndim != 1 for each in arrays):
+        raise CodecError("not a sparse matrix")
+    data, one, other = arrays
+    if data.dtype.kind not in "biufc" or any(each.dtype.kind not in "iu" for each in (one, other)):
+        raise CodecError("not a sparse matrix")
+    rows, columns = (int(size) for size in shape)  # type: ignore[call-overload]
+    if data.dtype == np.float16:  # scipy has no such matrices
+        data = data.astype(np.float32)
+    if kind.startswith("coo"):
+        _refuse_indices(one, rows, len(data))
+        _refuse_indices(other, columns, len(data))
+        content: Any = (data, (one, other))
+    else:
+        across, along = (columns, rows) if kind.startswith("csr") else (rows, columns)
+        _refuse_indices(one, across, len(data))
+        _refuse_pointers(other, along, len(data))
+        content = (data, one, other)
+    from scipy import sparse  # takes long to import: who meets no sparse matrix does without
+
+    matrix = getattr(sparse, kind)(content, shape=(rows, columns), copy=True)
+    matrix.sum_duplicates()
+    return matrix
+
+
+def _apart(matrix: Any, kind: str) -> Parts:
+    """Parts of a plain matrix, with whole numbers of one size on every machine."""
+    places = (matrix.row, matrix.col) if kind.startswith("coo") else (matrix.indices, matrix.indptr)
+    first, second = (np.asarray(each, dtype=np.int32) for each in places)
+    return Parts(kind, matrix.shape, (matrix.data, first, second))
+
+
+def _refuse_shape(shape: Sequence[object]) -> None:
+    if len(shape) != 2 or not all(
+        isinstance(size, int | np.integer) and 0 <= size <= MOST_SIDE for size in shape
+    ):
+        raise CodecError(f"a sparse matrix has two dimensions, of {MOST_SIDE} at most")
+
+
+def _refuse_size(item: Any, most: int) -> None:
+    if 16 * int(item.nnz) > most:
+        raise CodecError("a sparse matrix that is too large")
+
+
+def _refuse_indices(indices: Array, size: int, count: int) -> None:
+    if len(indices) != count or (count and not 0 <= int(indices.min()) <= int(indices.max()) < size):
+        raise CodecError("a sparse matrix with an index out of range")
+
+
+def _refuse_pointers(pointers: Array, size: int, count: int) -> None:
+    pointers = pointers.astype(np.int64)
+    ends = len(pointers) == size + 1 and pointers[0] == 0 and pointers[-1] == count
+    if not ends or (np.diff(pointers) < 0).any():
+        raise CodecError("a sparse matrix whose rows do not fit together")

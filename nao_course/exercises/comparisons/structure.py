@@ -1,0 +1,294 @@
+"""The way through tuples, dicts and dataclasses down to the numbers that a comparison compares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.exercises.codec.sparse import is_sparse
+from nao_course.exercises.comparisons.comparison import RIGHT, Verdict, as_text, with_article
+
+Array = np.ndarray[Any, Any]
+Mask = Literal["", "upper", "lower", "diagonal"] | tuple[Any, ...]
+Numbers = float | tuple[float, ...]
+MOST_IN_LISTS = 2_000_000  # values of lists in lists, arrays in them included
+KINDS = {
+    "b": "True and False",
+    "i": "whole numbers",
+    "u": "whole numbers",
+    "f": "numbers with a point",
+    "c": "complex numbers",
+}
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Elements of two arrays side by side; of sparse matrices, those that are stored in either.
+
+    Parameters
+    ----------
+    wanted, have : ndarray
+        Of one shape.
+    where : str
+        What the answer, or this part of it, is called to the student.
+    shape : tuple of int
+        Of the whole array.
+    row, column : ndarray or None
+        Of each element in the last two axes, to be broadcast; None where there is no such axis.
+    width : int
+        How many columns there are. A number in a tuple, or in a dataclass, is a column among its numbers.
+    names : tuple of str
+        What columns are called.
+    """
+
+    wanted: Array
+    have: Array
+    where: str
+    shape: tuple[int, ...]
+    row: Array | None = None
+    column: Array | None = None
+    width: int = 1
+    names: tuple[str, ...] = ()
+
+    def of_column(self, values: Numbers, name: str) -> Any:
+        """One value for all elements, or for each that of its column; a tuple is repeated along the last axis.
+
+        Raises
+        ------
+        ValueError
+            If there are more columns than values, and not a multiple.
+        """
+        if not isinstance(values, tuple):
+            return values
+        if self.column is None or not values or self.width % len(values):
+            raise ValueError(
+                f"{name} has {len(values)} values; the last axis of {self.where} has {self.width}"
+            )
+        return np.asarray(values)[self.column % len(values)]
+
+    def counted(self, mask: Mask) -> npt.NDArray[np.bool_]:
+        """Which elements count.
+
+        Raises
+        ------
+        ValueError
+            If the mask is of another shape.
+        """
+        everywhere = np.ones(self.wanted.shape, dtype=bool)
+        if isinstance(mask, tuple):
+            given = np.broadcast_to(np.asarray(mask, dtype=bool), self.shape)
+            return given[self.row, self.column] if self.wanted.shape != self.shape else given
+        if not mask or self.row is None or self.column is None:
+            return everywhere
+        sides = {
+            "upper": self.row <= self.column,
+            "lower": self.row >= self.column,
+            "diagonal": self.row == self.column,
+        }
+        if mask not in sides:
+            raise ValueError(f"mask must be one of {list(sides)} or a tuple of True and False, got {mask!r}")
+        return everywhere & sides[mask]
+
+    def place(self, index: npt.NDArray[np.intp]) -> tuple[int, ...]:
+        """Where an element stands in the whole array."""
+        if self.wanted.shape == self.shape:
+            return tuple(int(i) for i in index)
+        assert self.row is not None and self.column is not None  # of a sparse matrix
+        return int(self.row[index[0]]), int(self.column[index[0]])
+
+    def first(self, wrong: npt.NDArray[np.bool_]) -> tuple[tuple[int, ...], Any, str]:
+        """Place, value and name of the first of some elements, as the student has them."""
+        index = np.argwhere(wrong)[0]
+        at = self.place(index)
+        named = self.names and at and self.width % len(self.names) == 0
+        name = f" ({self.names[at[-1] % len(self.names)]})" if named else ""
+        return at, self.have[tuple(index)], name
+
+    def differences(self, wrong: Any, allowed: float = 0.0, size: int | None = None) -> Verdict:
+        """Say how many elements are wrong, and show the first of them as the student has it.
+
+        Parameters
+        ----------
+        wrong : ndarray of bool
+            Which they are.
+        allowed : float
+            Fraction that may be.
+        size : int, optional
+            How many there are in all, where not all count.
+        """
+        count = int(np.count_nonzero(wrong))
+        size = int(np.prod(self.shape, dtype=np.int64)) if size is None else size
+        if count <= allowed * size:
+            return RIGHT
+        at, value, name = self.first(np.asarray(wrong))
+        if self.shape == ():
+            return Verdict("value", f"{self.where}, {as_text(value)}, is off")
+        share = f"{count} of {size} elements of {self.where} are off"
+        return Verdict("value", f"{share}, the first at {list(at)}{name}: you have {as_text(value)}", at)
+
+
+Compare = Callable[[Elements], Verdict]
+
+
+def compare_structure(
+    expected: Any, got: Any, compare: Compare, where: str = "your answer", names: tuple[str, ...] = ()
+) -> Verdict:
+    """Walk through tuples, lists, dicts and dataclasses down to numbers and arrays.
+
+    Parameters
+    ----------
+    expected, got : object
+        As they come out of the codec.
+    compare : callable
+        Compares the elements of arrays of one shape and kind; numbers are arrays of no dimension.
+    where : str
+        What the answer is called.
+    names : tuple of str
+        What the values of a tuple, or the columns of an array, are called.
+    """
+    if got is None and expected is not None:
+        return Verdict("nothing", f"{where} is None: a return may be missing")
+    of_a_kind = expected is None or isinstance(expected, str | bytes | dict) or is_dataclass(expected)
+    if of_a_kind and type(got) is not type(expected):
+        return Verdict("type", f"{where} is {with_article(got)}; {with_article(expected)} is wanted")
+    if expected is None:
+        return RIGHT
+    if isinstance(expected, str | bytes):
+        return RIGHT if got == expected else Verdict("value", f"{where}, {got[:40]!r}, is another text")
+    if callable(expected):
+        return RIGHT if got is expected else Verdict("value", f"{where} is another function")
+    parts = parts_of(expected)
+    if parts is None:
+        elements = _elements(expected, got, where, names)
+        return elements if isinstance(elements, Verdict) else compare(elements)
+    return _compare_parts(expected, parts, got, compare, where, names)
+
+
+def _compare_parts(
+    expected: Any, parts: dict[str, Any], got: Any, compare: Compare, where: str, names: tuple[str, ...]
+) -> Verdict:
+    if isinstance(got, np.ndarray) and got.shape[:1] == (len(parts),):
+        got = tuple(got)
+    have = parts_of(got)
+    if have is None or set(parts) != set(have):
+        size = "" if have is None else f" of {len(have)}"
+        wanted = "other keys" if isinstance(expected, dict) else f"{len(parts)} values"
+        if names:
+            wanted += f" ({', '.join(names)})"
+        return Verdict("type", f"{where} is {with_article(got)}{size}; {wanted} are wanted")
+    called = dict(zip(parts, names, strict=False))
+    numbers = [name for name, part in parts.items() if _is_number(part)]
+    for name in parts:
+        part = called.get(name, f"{name} of {where}")
+        one = _as_column(compare, numbers.index(name), len(numbers)) if name in numbers else compare
+        verdict = compare_structure(parts[name], have[name], one, part)
+        if not verdict:
+            return verdict
+    return RIGHT
+
+
+def parts_of(value: Any) -> dict[str, Any] | None:
+    """The values that a value is made of, by what they are called; None for numbers and arrays of them."""
+    if isinstance(value, dict):
+        return {f"[{key!r}]": each for key, each in value.items()}
+    if is_dataclass(value):
+        return {f".{each.name}": getattr(value, each.name) for each in fields(value)}
+    if isinstance(value, tuple | list):
+        return {f"value {i}": each for i, each in enumerate(value, start=1)}
+    return None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, bool | int | float | complex | np.number | np.bool_)
+
+
+def _as_column(compare: Compare, column: int, width: int) -> Compare:
+    """Compare a number as one of a row of them."""
+
+    def one(elements: Elements) -> Verdict:
+        return compare(
+            Elements(elements.wanted, elements.have, elements.where, (), column=np.array(column), width=width)
+        )
+
+    return one
+
+
+def _elements(expected: Any, got: Any, where: str, names: tuple[str, ...]) -> Elements | Verdict:
+    """Numbers, arrays or sparse matrices side by side, if they are of one kind and shape."""
+    sparse = is_sparse(type(expected))
+    if sparse and not is_sparse(type(got)):
+        return Verdict("type", f"{where} is {with_article(got)}; a sparse matrix is wanted")
+    wanted, have = (expected, got) if sparse else (np.asarray(expected), as_numbers(got, where, "c"))
+    if isinstance(have, Verdict):
+        return have
+    kinds = wanted.dtype.kind, have.dtype.kind
+    if (kinds[0] == "b") != (kinds[1] == "b") or (kinds[1] == "c" and kinds[0] != "c"):
+        return Verdict("type", f"{where} holds {KINDS[kinds[1]]}, not {KINDS[kinds[0]]}")
+    if wanted.shape != have.shape:
+        return Verdict("shape", f"{where} has shape {have.shape}; shape {wanted.shape} is wanted")
+    return _stored(wanted, have, where, names) if sparse else _dense(wanted, have, where, names)
+
+
+def _dense(wanted: Array, have: Array, where: str, names: tuple[str, ...]) -> Elements:
+    shape = wanted.shape
+    row = np.arange(shape[-2])[:, None] if len(shape) > 1 else None
+    column = np.arange(shape[-1]) if shape else None
+    return Elements(wanted, have, where, shape, row, column, shape[-1] if shape else 1, names)
+
+
+def _stored(wanted: Any, have: Any, where: str, names: tuple[str, ...]) -> Elements:
+    """Elements that are stored in one of two sparse matrices; the others are zero in both."""
+    one, other = wanted.tocoo(), have.tocoo()
+    width = int(one.shape[1])
+    keys = np.concatenate([each.row.astype(np.int64) * width + each.col for each in (one, other)])
+    places, at = np.unique(keys, return_inverse=True)
+    values, others = np.zeros(len(places), one.dtype), np.zeros(len(places), other.dtype)
+    np.add.at(values, at[: one.nnz], one.data)
+    np.add.at(others, at[one.nnz :], other.data)
+    row, column = places // max(width, 1), places % max(width, 1)
+    return Elements(values, others, where, tuple(one.shape), row, column, width, names)
+
+
+def as_numbers(got: Any, where: str, also: str = "") -> Array | Verdict:
+    """Turn an answer into an array of numbers, or say why it is none.
+
+    Parameters
+    ----------
+    got : object
+        As it came out of the codec.
+    where : str
+        What it is called.
+    also : str
+        "c" where complex numbers are numbers, too.
+    """
+    if got is None:
+        return Verdict("nothing", f"{where} is None: a return may be missing")
+    if isinstance(got, list | tuple) and (count := _how_many(got)) > MOST_IN_LISTS:
+        return Verdict(
+            "type",
+            f"{where} is {with_article(got)} of {count} values; return an array where there are so many",
+        )
+    try:
+        if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in "biuf" + also:
+            return array
+    except (ValueError, OverflowError):  # rows of different lengths
+        return Verdict("type", f"{where} is {with_article(got)} whose rows do not fit together")
+    return Verdict("type", f"{where} is {with_article(got)}, not numbers")
+
+
+def _how_many(got: Any) -> int:
+    """Count values: a row of one type among rows of a smaller one makes numpy widen them all."""
+    if isinstance(got, list | tuple):
+        return sum(map(_how_many, got))
+    return got.size if isinstance(got, np.ndarray) else 1
+
+
+def _only_numbers(got: Any) -> bool:
+    """Whether there are numbers only: numpy would make room for the longest text of a list in each element."""
+    if isinstance(got, list | tuple):
+        return all(map(_only_numbers, got))
+    return _is_number(got) or isinstance(got, np.ndarray)

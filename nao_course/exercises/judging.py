@@ -1,0 +1,53 @@
+"""The judging of a case: the calls that it takes, and whether what came of them is right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
+from nao_course.exercises.running import Outcome
+
+
+def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) -> Outcome:
+    """Make the calls of a case, one by one, and gather what they answer.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        That says which calls.
+    call : callable
+        Makes one.
+    case : Case
+        Any.
+
+    Returns
+    -------
+    Outcome
+        Of the first call that gave no value; else with what is compared as its value.
+    """
+    outcomes: list[Outcome] = []
+    for each in comparison.calls(case):
+        outcomes.append(call(each))
+        if outcomes[-1].status != "value":
+            return outcomes[-1]
+    changed = any(outcome.changed for outcome in outcomes)
+    return replace(outcomes[0], value=comparison.gather([each.value for each in outcomes]), changed=changed)
+
+
+def judge(comparison: Comparison, case: Case, outcome: Outcome) -> Verdict | None:
+    """Judge what came of a case.
+
+    Returns
+    -------
+    Verdict or None
+        None where there is no answer, but an exception that the case does not ask for, or worse.
+    """
+    if case.raises:
+        if outcome.status == "value":
+            return Verdict(
+                "no error", f"it returns {with_article(outcome.value)} and has to raise {case.raises}"
+            )
+        return RIGHT if outcome.status == "raised" and case.raises in outcome.errors else None
+    return comparison.judge(case, outcome.value) if outcome.status == "value" else None
