@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import os
+import re
 import signal
 import sysconfig
 import threading
@@ -22,13 +24,15 @@ Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
 _DRIVERS: dict[str, Callable[..., Any]] = {}
-_NOT_THE_STUDENTS = (
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-    str(Path(__file__).parents[1]),
-    "<frozen",
-    "<__array_function__",
+_NOT_THE_STUDENTS = tuple(
+    f"{folder}{os.sep}"
+    for folder in (
+        *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+        str(Path(__file__).parents[1]),
+    )
 )
-
+# What has no file: a cell of IPython or of `load_definitions`; all else is code that a library made as text.
+_CELL = re.compile(r"<(?:ipython-input-.*|stdin|.*, cell \d+)>")
 
 SECONDS = 20.0  # that all public cases of an exercise may take, wall clock
 
@@ -208,15 +212,25 @@ def _not_written(error: NotImplementedError, function: Any) -> Outcome:
 
 
 def _is_own(frame: traceback.FrameSummary) -> bool:
+    if frame.filename.startswith("<"):
+        return bool(_CELL.fullmatch(frame.filename))
     return not frame.filename.startswith(_NOT_THE_STUDENTS) and not frame.filename.endswith(".pyx")
 
 
-def _raised(error: BaseException) -> Outcome:
-    """Name an exception and the student's own line: the last one that is in no library."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if _is_own(frame)]
+def own_line(error: BaseException) -> str:
+    """Say where an exception came from: the last line, with its number, that is in no library; nothing if all are.
+
+    Code that was made as text (by sympy.lambdify, exec, a dataclass) has no line that anybody wrote: the line that
+    called it is said.
+    """
+    own = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_own(frame)]
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
-    return Outcome("raised", text=describe(error), line=line[:500].encode("utf-8", "replace").decode())
+    return line[:500].encode("utf-8", "replace").decode()
+
+
+def _raised(error: BaseException) -> Outcome:
+    """Name an exception and the student's own line."""
+    return Outcome("raised", text=describe(error), line=own_line(error))
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
