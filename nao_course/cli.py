@@ -283,8 +283,8 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
+        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_exercise(load_course(), lesson, name):
             _say(f"wrote {os.path.relpath(path)}")
@@ -294,8 +294,8 @@ def new_exercise(lesson: str, name: str) -> None:
 def new_lesson(number: str, name: str) -> None:
     """Begin a lesson: a text and a declaration, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
+        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")

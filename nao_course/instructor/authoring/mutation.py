@@ -34,6 +34,7 @@ from nao_course.instructor.authoring.plans import (
     hidden_cases,
     lesson_name,
     load_plan,
+    made_cases,
     reference,
     solution_notebook,
     with_answers,
@@ -246,7 +247,7 @@ def _tests(
 ) -> tuple[list[Case], list[Case]]:
     """Hidden cases of several seeds, and public ones."""
     hidden = [case for seed in seeds for case in hidden_cases(exercise, function, seed)]
-    return hidden, with_answers(exercise, exercise.public(), function)
+    return hidden, with_answers(exercise, made_cases(exercise), function)
 
 
 def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
