@@ -153,14 +153,12 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
             f"{title}: a function is wanted, got a {kind}. Hand over the function itself, without brackets."
         )
         return Report(exercise.name, "wrong", (text,))
-    return explain(exercise, running.call_all(function, exercise.cases, exercise.driver))
+    seconds = max(running.SECONDS, 2 * exercise.seconds)
+    outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds)
+    return explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
 
 
-def explain(
-    exercise: PublicExercise,
-    outcomes: Sequence[Outcome],
-    stopped: str = f"stopped after {running.SECONDS:g} seconds",
-) -> Report:
+def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
     """Say what an exercise's public cases came to.
 
     Parameters

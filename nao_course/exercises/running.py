@@ -34,7 +34,7 @@ _NOT_THE_STUDENTS = tuple(
 # What has no file: a cell of IPython or of `load_definitions`; all else is code that a library made as text.
 _CELL = re.compile(r"<(?:ipython-input-.*|stdin|.*, cell \d+)>")
 
-SECONDS = 20.0  # that all public cases of an exercise may take, wall clock
+SECONDS = 20.0  # wall clock of a public case in a lesson; more where the grader gives more than half of it
 
 
 @register
@@ -91,7 +91,8 @@ def call_all(
 ) -> list[Outcome]:
     """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
 
-    Where there is no alarm clock (Windows, or another thread than the main one), `seconds` is no limit.
+    Each call has `seconds` of wall clock; where there is no alarm clock (Windows, or another thread than the main one),
+    that is no limit.
     """
     outcomes: list[Outcome] = []
     for case in cases:

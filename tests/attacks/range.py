@@ -272,7 +272,7 @@ from nao_course.instructor.sandbox.layers import Layer, Sandbox
 grade_all, probe = session.grade_all, session.probe
 off, seconds = sys.argv.pop(1).split(","), float(sys.argv.pop(1))
 session.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
-    waiting, lambda lesson: replace(assignment_of(lesson), seconds=seconds), *rest, **more)
+    waiting, lambda lesson: assignment_of(lesson).within(seconds), *rest, **more)
 session.probe = lambda: Sandbox(tuple(
     Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
 if __name__ == "__main__":

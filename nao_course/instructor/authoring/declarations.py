@@ -66,10 +66,7 @@ _EXERCISE: _Rules = {
         "a comparison with its brackets, such as Close()",
     ),
     "stars": (lambda value: type(value) is int and 1 <= value <= 3, "1, 2 or 3"),
-    "uses": (
-        lambda value: isinstance(value, tuple | list) and all(map(_is_name, value)),
-        "a list of names of earlier exercises",
-    ),
+    "uses": (_are_texts, "a list of names of earlier exercises"),
     "driver": (lambda value: isinstance(value, str), "the name of a driver"),
     "in_place": (lambda value: isinstance(value, bool), "True or False"),
     "with_reference": (

@@ -42,7 +42,7 @@ from nao_course.instructor.authoring.plans import (
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
-SECONDS = 3.0  # that a mutant may take for one case; after that it counts as caught
+SHARE = 0.4  # of its exercise's seconds that a mutant may take for one case: more than any solution that is built
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
     *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
@@ -185,7 +185,7 @@ def mutate(
     with ExitStack() as stack:
         free: SimpleQueue[Worker] = SimpleQueue()
         for _ in range(jobs):
-            free.put(stack.enter_context(Worker(notebook, seconds=SECONDS)))
+            free.put(stack.enter_context(Worker(notebook)))
 
         def trial(mutant: Mutant) -> Trial:
             worker = free.get()
@@ -251,7 +251,8 @@ def _tests(
 
 
 def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
-    """Whether a case tells what the worker has from the solution."""
+    """Whether a case tells what the worker has from the solution; what takes too long is told from it."""
+    worker.seconds = SHARE * exercise.seconds
     for case in cases:
         outcome = worker.call(exercise.name, case, exercise.driver)
         if outcome.status != "value" or not exercise.comparison.compare(case.expected, outcome.value):

@@ -5,20 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import load_definitions, read_cells
-from nao_course.exercises.exercise import ANSWER_HERE, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, PublicExercise, Written
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import hidden_cases, publish
 from nao_course.instructor.autograding.secret import keyed
 
 RULES = "1"  # how it is graded; another number has everything graded again
-SECONDS = 10.0  # wall clock of a call
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class Assignment:
     hash : str
         Of all that a score depends on beside the submission.
     seconds : float
-        Wall clock of a call.
+        Wall clock of loading a notebook; that of a call is its exercise's.
     version : str
         The course's: what a notebook of this release is stamped with.
     """
@@ -81,6 +80,11 @@ class Assignment:
     hash: str = ""
     seconds: float = SECONDS
     version: str = ""
+
+    def within(self, seconds: float) -> Assignment:
+        """The same assignment with another wall clock for everything."""
+        tasks = [replace(each, public=replace(each.public, seconds=seconds)) for each in self.tasks]
+        return replace(self, tasks=tuple(tasks), seconds=seconds)
 
 
 def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:

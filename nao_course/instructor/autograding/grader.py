@@ -300,7 +300,7 @@ class SubmissionGrader:
         lines = self.explained(task.public, outcomes)
         hint = next((line for line in lines if line in task.mistakes), "")
         hopeless = outcomes[-1].status in ("not attempted", "not found", "timed out", "died")
-        hidden = self.failure(outcomes[-1]) if hopeless else self.hidden(task)
+        hidden = self.failure(task, outcomes[-1]) if hopeless else self.hidden(task)
         right = hidden.state == "right"
         return ExerciseResult(
             task.public.name,
@@ -322,7 +322,7 @@ class SubmissionGrader:
         """What the public check says; of answers that it cannot even look at, that."""
         try:
             with np.errstate(all="ignore"):
-                report = explain(exercise, outcomes, f"stopped after {self.assignment.seconds:g} seconds")
+                report = explain(exercise, outcomes, f"stopped after {exercise.seconds:g} seconds")
         except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
             return [f"{exercise.number} {exercise.name}: {UNREADABLE}."]
         return [line[:LONGEST_TEXT] for line in report.lines]
@@ -330,6 +330,7 @@ class SubmissionGrader:
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
         with _worker(self.assignment.reference, self.assignment, self.server) as reference:
+            reference.seconds = max(self.assignment.seconds, task.public.seconds)
             self.worker.lend({name: _lent(reference, name) for name in task.uses})
             hidden = self.hidden(task)
             self.deaths += reference.deaths
@@ -362,6 +363,7 @@ class SubmissionGrader:
         for held in (self.lock.shared, self.lock.exclusive):
             if self.stopped():
                 raise Stopped
+            self.worker.seconds = exercise.seconds
             with held():
                 outcome = self.worker.call(exercise.name, case, exercise.driver)
             if outcome.status != "timed out":
@@ -380,7 +382,7 @@ class SubmissionGrader:
         for case, outcome in zip(task.hidden, outcomes, strict=False):
             changed |= outcome.changed
             if outcome.status != "value":
-                failed = failed or self.failure(outcome)
+                failed = failed or self.failure(task, outcome)
             elif wrong := describe_difference(task.public, case, outcome.value):
                 failed = failed or wrong
             else:
@@ -393,9 +395,9 @@ class SubmissionGrader:
             else HiddenResult("right", passed, changed=changed)
         )
 
-    def failure(self, outcome: Outcome) -> HiddenResult:
+    def failure(self, task: Task, outcome: Outcome) -> HiddenResult:
         """Say how a case failed that has no answer."""
-        return describe_failure(outcome, self.files, self.assignment.seconds)
+        return describe_failure(outcome, self.files, task.public.seconds)
 
 
 def _is_right(result: ExerciseResult) -> bool:

@@ -21,7 +21,7 @@ OF_AN_EXERCISE = {
     "alternatives": [[abs], {"a": 3}, {"": abs}, None],
     "comparison": [Close, None, "Close()"],
     "stars": [0, 7, 1.0, "1", True],
-    "uses": ["clamp", 3, ["two words"]],
+    "uses": ["clamp", 3, [3]],
     "driver": [None, 3],
     "in_place": ["yes", 1],
     "with_reference": [-0.1, 1.5, "1"],
