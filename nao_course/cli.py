@@ -148,6 +148,9 @@ def build(
     from_notebook: str = typer.Option(
         "", metavar="NN", help="First bring what was edited in solutions/NN_name.ipynb back into the text."
     ),
+    execute: bool = typer.Option(
+        True, "--execute/--no-execute", help="Whether solutions are run; without, while you write, it is quick."
+    ),
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
@@ -167,7 +170,7 @@ def build(
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = build.build(course, wanted, texts=texts, tell=tell).write()
+        changes = build.build(course, wanted, texts=texts, execute=execute, tell=tell).write()
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
     if not changes:

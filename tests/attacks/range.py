@@ -50,6 +50,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
 from nao_course.instructor.sandbox.layers import LEVELS
 from tests.paths import PROJECT
+from tests.toy.chain import stamp
 
 LESSON, REAL = "91_range", "01_hsl_filtering"
 SECONDS = 2.0  # of a call
@@ -505,7 +506,9 @@ def make_course(root: Path) -> Course:
         shutil.copy(PROJECT / name, root / name)
     released = PROJECT / "notebooks" / f"{REAL}.ipynb"
     shutil.copy(released if released.exists() else root / "solutions" / released.name, root / "notebooks")
-    return load_course(root)
+    course = load_course(root)
+    stamp(course, LESSON)
+    return course
 
 
 def honest(attack: Attack, kind: str) -> Attack:

@@ -79,6 +79,7 @@ def build(
     *,
     texts: Mapping[str, str] | None = None,
     execute: bool = True,
+    solutions: bool = True,
     tell: Tell = lambda lesson, step: None,
 ) -> Built:
     """Build lessons in memory and a temporary folder; nothing of the course changes until the result is written.
@@ -92,7 +93,9 @@ def build(
     texts : mapping of str to str, optional
         Texts that are not those of the files, by the lesson's name; they become part of the result.
     execute : bool
-        Whether the solutions are run and part of the result.
+        Whether the solution notebooks are run; else they have no outputs.
+    solutions : bool
+        Whether the solution notebooks are part of the result.
     tell : callable
         Called with a lesson's name and what is done to it.
 
@@ -124,11 +127,12 @@ def build(
             tell(name, "student copy")
             files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(student_copy(notebook))
             files |= _images(course, name, notebook)
-        if execute:
-            stamps = {name: stamp(sources[name], solved[name]) for name in names}
-            for name, notebook in execute_all(solved, stage, tell):
-                notebook.metadata.nao_course.update(stamps[name])
-                files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
+        ran = execute_all(solved, stage, tell) if execute and solutions else solved.items()
+        for name, notebook in ran if solutions else ():
+            kept = stamp(course, name, sources[name], solved[name], executed=execute)
+            notebook.metadata.nao_course.update(kept)
+            files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
+            tell(name, "done")
     return Built(course, files, () if wanted else _stale(course))
 
 

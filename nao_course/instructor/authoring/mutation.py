@@ -28,6 +28,7 @@ from rich.table import Table
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.exercise import Exercise
+from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import (
     SEEDS,
     SOLUTIONS,
@@ -39,10 +40,13 @@ from nao_course.instructor.authoring.plans import (
     solution_notebook,
     with_answers,
 )
+from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
-SHARE = 0.4  # of its exercise's seconds that a mutant may take for one case: more than any solution that is built
+SHARE = (
+    0.4  # of its exercise's seconds that a mutant may take for one case: more than any solution that is built
+)
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
     *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
@@ -233,7 +237,15 @@ def show(report: MutationReport, console: Console | None = None) -> None:
 
 
 def main(lesson: str, jobs: int = 2) -> int:
-    """Run `nao-course mutate`; return its exit status."""
+    """Run `nao-course mutate`; return its exit status.
+
+    Raises
+    ------
+    LessonError
+        If there is no such lesson, or it is not what was built.
+    """
+    course = load_course()
+    refuse_what_is_not_built(course, course.names([lesson]))
     show(mutate(lesson, jobs))
     return 0
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import hidden_cases, publish
 from nao_course.instructor.autograding.secret import keyed
 
+LIBRARY = Path(__file__).parents[2]
+_NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py", "student.py")
 RULES = "1"  # how it is graded; another number has everything graded again
 
 
@@ -124,6 +127,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     setup = "\n\n".join(source for role, source in read_cells(released) if role == "setup")
     declaration = course.solutions / "exercises" / f"{name}.py"
     told = [
+        library_digest(name),
         (RULES, metadata.version("nao-course"), name, keyed(secret, "assignment"), setup),
         read_cells(notebook),
         declaration.read_text(encoding="utf-8") if declaration.exists() else "",
@@ -140,6 +144,33 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         digest,
         version=course.version,
     )
+
+
+@cache
+def library_digest(lesson: str) -> str:
+    """Hash what of the library a lesson's scores may depend on: all that students import but what only shows something.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "01_hsl_filtering": of the lessons' folders only its own counts.
+
+    Returns
+    -------
+    str
+        Of names and sources; the same in any folder and on any system.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(LIBRARY.rglob("*.py")):
+        inside = path.relative_to(LIBRARY)
+        room = inside.parts[0]
+        elsewhere = (
+            room == "lessons" and len(inside.parts) > 2 and inside.parts[1] != lesson.partition("_")[2]
+        )
+        if room not in _NOT_SCORING and not elsewhere:
+            digest.update(f"{inside.as_posix()}\0".encode())
+            digest.update(path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    return digest.hexdigest()
 
 
 def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:
