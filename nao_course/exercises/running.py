@@ -171,6 +171,8 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         value = function(*args, **kwargs)
     except NotImplementedError as error:
         return _not_written(error, args[0] if driver else function)
+    except CodecError as error:  # a driver has looked at what came back
+        return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")
     except _TimeIsUp:
@@ -216,7 +218,16 @@ def _raised(error: BaseException) -> Outcome:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if _is_own(frame)]
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
-    return Outcome("raised", text=describe(error), line=line[:500].encode("utf-8", "replace").decode())
+    text = " ".join([describe(error), *_notes(error)])
+    return Outcome("raised", text=text, line=line[:500].encode("utf-8", "replace").decode())
+
+
+def _notes(error: BaseException) -> list[str]:
+    """What a driver says of where it happened."""
+    notes = getattr(error, "__notes__", ())
+    if type(notes) is not list:
+        return []
+    return [note[:100].encode("utf-8", "replace").decode() for note in notes if type(note) is str]
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
