@@ -176,6 +176,8 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         value = function(*args, **kwargs)
     except NotImplementedError as error:
         return _not_written(error, args[0] if driver else function)
+    except CodecError as error:  # a driver has looked at what came back
+        return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")
     except _TimeIsUp:
@@ -231,7 +233,16 @@ def own_line(error: BaseException) -> str:
 
 def _raised(error: BaseException) -> Outcome:
     """Name an exception and the student's own line."""
-    return Outcome("raised", text=describe(error), line=own_line(error))
+    text = " ".join([describe(error), *_notes(error)])
+    return Outcome("raised", text=text, line=own_line(error))
+
+
+def _notes(error: BaseException) -> list[str]:
+    """What a driver says of where it happened."""
+    notes = getattr(error, "__notes__", ())
+    if type(notes) is not list:
+        return []
+    return [note[:100].encode("utf-8", "replace").decode() for note in notes if type(note) is str]
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:

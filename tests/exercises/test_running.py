@@ -33,7 +33,7 @@ def test_a_lessons_driver_is_found_in_its_module_and_runs_with_the_students_func
 
 @pytest.mark.parametrize("name", ["no_driver", "os:system", "nao_course.exercises.running:call"])
 def test_what_is_registered_nowhere_is_no_driver(name):
-    with pytest.raises(ValueError, match=r"there is no driver .*'jacobian', 'sampling_law'"):
+    with pytest.raises(ValueError, match=r"there is no driver .*'jacobian', .*'sampling_law'"):
         find_driver(name)
 
 
