@@ -15,6 +15,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from nao_course import homework, student
+from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
 from nao_course.exercises.definitions import load_definitions
 
@@ -63,12 +64,13 @@ def _say(text: str) -> None:
 
 
 @app.command()
-def check(notebook: Path) -> None:
+def check(
+    lesson_or_file: str = typer.Argument(..., metavar="LESSON", help="A number, or a notebook."),
+) -> None:
     """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
     with _plainly():
+        notebook = _notebook(lesson_or_file)
         lesson = notebook.stem
-        if not notebook.is_file():
-            raise ValueError(f"there is no file {notebook}")
         public = read_public(lesson)
         skipped = load_definitions(notebook).skipped
         found = student.functions(lesson, notebook.parent)
@@ -92,6 +94,17 @@ def check(notebook: Path) -> None:
         if each.reason != "not a definition":
             _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
     raise typer.Exit(0 if found.complete else 1)
+
+
+def _notebook(meant: str) -> Path:
+    """The notebook that a number, a lesson's name or a path means."""
+    there = {path.stem: path for path in sorted(_notebooks().glob(f"{lesson_names.PATTERN}.ipynb"))}
+    found = [] if Path(meant).is_file() else lesson_names.meant(meant, there)
+    if found:
+        return there[found[0]]
+    if not Path(meant).is_file():
+        raise ValueError(f"there is no file {meant}; lessons here: {', '.join(there) or 'none'}")
+    return Path(meant)
 
 
 @app.command()
@@ -148,6 +161,11 @@ def build(
     from_notebook: str = typer.Option(
         "", metavar="NN", help="First bring what was edited in solutions/NN_name.ipynb back into the text."
     ),
+    execute: bool = typer.Option(
+        True,
+        "--execute/--no-execute",
+        help="Whether solutions are run; without, while you write, it is quick.",
+    ),
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
@@ -167,7 +185,7 @@ def build(
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = build.build(course, wanted, texts=texts, tell=tell).write()
+        changes = build.build(course, wanted, texts=texts, execute=execute, tell=tell).write()
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
     if not changes:
@@ -283,8 +301,8 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def new_exercise(lesson: str, name: str) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
+        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_exercise(load_course(), lesson, name):
             _say(f"wrote {os.path.relpath(path)}")
@@ -294,8 +312,8 @@ def new_exercise(lesson: str, name: str) -> None:
 def new_lesson(number: str, name: str) -> None:
     """Begin a lesson: a text and a declaration, with TODO where work is needed."""
     with _plainly():
-        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
+        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")

@@ -54,6 +54,20 @@ def test_check_names_what_went_wrong(tmp_path):
     assert "is no folder" in run("submit", str(path), "--out", str(tmp_path)).output
 
 
+@pytest.mark.parametrize("word", ["0", "00", "00_meet_the_nao"])
+def test_check_takes_the_number_of_a_lesson(word, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("notebooks").mkdir()
+    shutil.copy(PROJECT / "solutions" / "00_meet_the_nao.ipynb", "notebooks")
+    result = run("check", word)
+    assert result.exit_code == 0 and "✔ passes" in result.output
+    shutil.move("notebooks/00_meet_the_nao.ipynb", ".")
+    Path("notebooks").rmdir()
+    assert run("check", word).exit_code == 0
+    result = run("check", "07")
+    assert result.exit_code == 1 and "there is no file 07; lessons here: 00_meet_the_nao" in result.output
+
+
 def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
     result = run("submit", str(PROJECT / "notebooks"), "--out", str(tmp_path))
     (made,) = tmp_path.iterdir()

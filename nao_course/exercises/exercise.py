@@ -13,6 +13,7 @@ from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Close
 
+SECONDS = 10.0  # wall clock of a call in the grader, where an exercise says nothing else
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
 
 
@@ -73,6 +74,8 @@ class Exercise:
     equivalents : mapping of str to str
         Lines of the solution's mutants that are right, just written in another way, each with the reason. `nao-course
         mutate` counts these mutants apart, and runs them on more hidden cases than the others.
+    seconds : float
+        Wall clock that the grader gives one call. The solution must stay below a third of it.
     """
 
     name: str
@@ -89,6 +92,7 @@ class Exercise:
     in_place: bool = False
     with_reference: float = 1.0
     equivalents: Mapping[str, str] = field(default_factory=dict)
+    seconds: float = SECONDS
 
 
 @dataclass(frozen=True)
@@ -212,6 +216,8 @@ class PublicExercise:
         As in Exercise.
     in_place : bool
         As in Exercise.
+    seconds : float
+        As in Exercise.
     """
 
     name: str
@@ -224,6 +230,7 @@ class PublicExercise:
     hints: list[str]
     driver: str
     in_place: bool
+    seconds: float = SECONDS
 
 
 @register

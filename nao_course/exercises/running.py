@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import os
+import re
 import signal
 import sysconfig
 import threading
@@ -23,15 +25,17 @@ Status = Literal[
 ]
 _MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
-_NOT_THE_STUDENTS = (
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-    str(Path(__file__).parents[1]),
-    "<frozen",
-    "<__array_function__",
+_NOT_THE_STUDENTS = tuple(
+    f"{folder}{os.sep}"
+    for folder in (
+        *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+        str(Path(__file__).parents[1]),
+    )
 )
+# What has no file: a cell of IPython or of `load_definitions`; all else is code that a library made as text.
+_CELL = re.compile(r"<(?:ipython-input-.*|stdin|.*, cell \d+)>")
 
-
-SECONDS = 20.0  # that all public cases of an exercise may take, wall clock
+SECONDS = 20.0  # wall clock of a public case in a lesson; more where the grader gives more than half of it
 
 
 @register
@@ -95,8 +99,8 @@ def call_all(
 ) -> list[Outcome]:
     """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
 
-    `answer` makes the calls of a case and says what came of them; see `judging.answer`. Where there is no alarm clock
-    (Windows, or another thread than the main one), `seconds` is no limit.
+    Each case has `seconds` of wall clock; where there is no alarm clock (Windows, or another thread than the main one),
+    that is no limit. `answer` makes the calls of a case and says what came of them; see `judging.answer`.
     """
     outcomes: list[Outcome] = []
     for case in cases:
@@ -180,6 +184,8 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         value = function(*args, **kwargs)
     except NotImplementedError as error:
         return _not_written(error, args[0] if driver else function)
+    except CodecError as error:  # a driver has looked at what came back
+        return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")
     except _TimeIsUp:
@@ -217,17 +223,34 @@ def _not_written(error: NotImplementedError, function: Any) -> Outcome:
 
 
 def _is_own(frame: traceback.FrameSummary) -> bool:
+    if frame.filename.startswith("<"):
+        return bool(_CELL.fullmatch(frame.filename))
     return not frame.filename.startswith(_NOT_THE_STUDENTS) and not frame.filename.endswith(".pyx")
 
 
-def _raised(error: BaseException) -> Outcome:
-    """Name an exception and the student's own line: the last one that is in no library."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if _is_own(frame)]
+def own_line(error: BaseException) -> str:
+    """Say where an exception came from: the last line, with its number, that is in no library; nothing if all are.
+
+    Code that was made as text (by sympy.lambdify, exec, a dataclass) has no line that anybody wrote: the line that
+    called it is said.
+    """
+    own = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_own(frame)]
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
-    return Outcome(
-        "raised", text=describe(error), line=_printable(line[:500]), errors=_names_of_classes(type(error))
-    )
+    return _printable(line[:500])
+
+
+def _raised(error: BaseException) -> Outcome:
+    """Name an exception, its classes and the student's own line."""
+    text = " ".join([describe(error), *_notes(error)])
+    return Outcome("raised", text=text, line=own_line(error), errors=_names_of_classes(type(error)))
+
+
+def _notes(error: BaseException) -> list[str]:
+    """What a driver says of where it happened."""
+    notes = getattr(error, "__notes__", ())
+    if type(notes) is not list:
+        return []
+    return [_printable(note[:100]) for note in notes if type(note) is str]
 
 
 def _names_of_classes(kind: type) -> tuple[str, ...]:

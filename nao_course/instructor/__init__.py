@@ -9,4 +9,5 @@ __all__ = [
     "gradescope",
     "reports",
     "sandbox",
+    "scaffolding",
 ]

@@ -15,6 +15,7 @@ from rich.table import Table
 
 from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret
@@ -51,6 +52,7 @@ def grade_folder(
             raise ValueError(
                 f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
             )
+        refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
         with Journal(out) as journal:
             journal.began(path)
             summary = run(console, journal, out, waiting, jobs, require_sandbox)
@@ -145,6 +147,7 @@ def regrade_student(
                 f"{escape(str(page))} says so."
             )
             return
+        refuse_what_is_not_built(course := load_course(), course.names([result.lesson]))
         journal.want_again(student, result.lesson)
         places = [each for each in journal.places() if each.exists()]
         if not places:
@@ -244,7 +247,9 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
     folder = grades / exports.FOLDER / "gradescope"
     with Journal(grades) as journal:  # an autograder is wanted before anything was graded
         graded = sorted({each.lesson for each in journal.each_result()})
-        for name in wanted or course.names(graded):
+        names = wanted or course.names(graded)
+        refuse_what_is_not_built(course, names)
+        for name in names:
             written = exports.write_gradescope(journal, folder, name)
             yield f"wrote {counted(len(written), 'result')} into {folder / name}"
             yield f"wrote {write_autograder(course, name, secret, folder)}"

@@ -50,6 +50,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
 from nao_course.instructor.sandbox.layers import LEVELS
 from tests.paths import PROJECT
+from tests.toy.chain import stamp
 
 LESSON, REAL = "91_range", "01_hsl_filtering"
 SECONDS = 2.0  # of a call
@@ -272,7 +273,7 @@ from nao_course.instructor.sandbox.layers import Layer, Sandbox
 grade_all, probe = session.grade_all, session.probe
 off, seconds = sys.argv.pop(1).split(","), float(sys.argv.pop(1))
 session.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
-    waiting, lambda lesson: replace(assignment_of(lesson), seconds=seconds), *rest, **more)
+    waiting, lambda lesson: assignment_of(lesson).within(seconds), *rest, **more)
 session.probe = lambda: Sandbox(tuple(
     Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
 if __name__ == "__main__":
@@ -505,7 +506,9 @@ def make_course(root: Path) -> Course:
         shutil.copy(PROJECT / name, root / name)
     released = PROJECT / "notebooks" / f"{REAL}.ipynb"
     shutil.copy(released if released.exists() else root / "solutions" / released.name, root / "notebooks")
-    return load_course(root)
+    course = load_course(root)
+    stamp(course, LESSON)
+    return course
 
 
 def honest(attack: Attack, kind: str) -> Attack:

@@ -418,3 +418,17 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
     flat = replace(public, cases=[Case((wanted,), expected=wanted)])
     assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
+
+
+def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(monkeypatch):
+    waited = []
+
+    def timed_out(function, cases, driver, seconds):
+        waited.append(seconds)
+        return [running.Outcome("timed out")]
+
+    monkeypatch.setattr(running, "call_all", timed_out)
+    public = PublicExercise("f", "1.1", 1.0, 1, Close(), [Case((1.0,), expected=1.0)], [], [], "", False)
+    for seconds, most in ((1.0, 20), (10.0, 20), (45.0, 90)):
+        assert f"stopped after {most} seconds" in grade_public(replace(public, seconds=seconds), abs).lines[0]
+    assert waited == [20, 20, 90]

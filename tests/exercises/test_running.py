@@ -1,5 +1,6 @@
 """Drivers are found by their name, from wherever they are registered."""
 
+import linecache
 import sys
 from types import ModuleType
 
@@ -30,7 +31,7 @@ def test_a_lessons_driver_is_found_in_its_module_and_runs_with_the_students_func
 
 @pytest.mark.parametrize("name", ["no_driver", "os:system", "nao_course.exercises.running:call"])
 def test_what_is_registered_nowhere_is_no_driver(name):
-    with pytest.raises(ValueError, match=r"there is no driver .*'jacobian'"):
+    with pytest.raises(ValueError, match=r"there is no driver .*'jacobian'.*'methods'"):
         find_driver(name)
 
 
@@ -40,3 +41,30 @@ def test_two_drivers_cannot_have_one_name():
 
     with pytest.raises(ValueError, match="a driver named 'jacobian' is registered already"):
         register_driver(jacobian)
+
+
+def cell(source, name):
+    """What a function looks like that was written in a cell, whose lines Python can show."""
+    linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+    namespace = {}
+    exec(compile(source, name, "exec"), namespace)
+    return namespace["f"]
+
+
+CELLS = ("<ipython-input-3-5f0c>", "<04_distance, cell 7>", "/tmp/ipykernel_71/2735462784.py")
+MADE_AS_TEXT = {
+    "lambdify": "import sympy\nx = sympy.Symbol('x')\ng = sympy.lambdify(x, 1 / x, 'math')\ndef f(v):\n    return g(v)",
+    "exec": "space = {}\nexec('def g(v):\\n    return 1 / v', space)\n\ndef f(v):\n    return space['g'](v)",
+    "a dataclass": "from dataclasses import dataclass\n@dataclass\nclass G:\n    a: int\n    b: int\n"
+    "def f(v):\n    return G(v)",
+    "a lambda in numpy": "import numpy as np\n\n\ndef f(v):\n    return np.vectorize(lambda x: 1 / int(x))([v])",
+}
+
+
+@pytest.mark.parametrize("name", CELLS)
+@pytest.mark.parametrize("made", MADE_AS_TEXT)
+def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_raises(made, name):
+    source = MADE_AS_TEXT[made]
+    outcome = call(cell(source, name), Case((0,)))
+    number = len(source.splitlines())
+    assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"

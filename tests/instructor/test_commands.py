@@ -120,6 +120,7 @@ def test_only_what_has_changed_is_graded_again(course, warm, handed_in, tmp_path
     assert sum(each["earned"] for each in kept(grades)["bob", chain.LESSON]["exercises"]) == 7
     path = course.solutions / "exercises" / f"{chain.LESSON}.py"
     path.write_text(path.read_text().replace('"slip"', '"slop"'))
+    chain.stamp(course, chain.LESSON)
     run("grade", handed_in, "--out", grades)
     assert rows(grades, "history") == 2 + 7  # another assignment: all of them
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import nbformat
+
+from nao_course.instructor.authoring import round_trip
 from nao_course.instructor.authoring.course import Course, load_course
 
 LESSON = "90_chain"
@@ -91,9 +94,22 @@ def make_course(root: Path) -> Course:
     (root / "course.toml").write_text('title = "Chain"\nversion = "1"\n')
     (root / "solutions" / f"{LESSON}.md").write_text("# Chain\n")
     (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
-    (root / "solutions" / f"{LESSON}.ipynb").write_bytes(notebook())
     (root / "notebooks" / f"{LESSON}.ipynb").write_bytes(notebook(BLANK))
-    return load_course(root)
+    (root / "solutions" / f"{LESSON}.ipynb").write_bytes(notebook())
+    course = load_course(root)
+    stamp(course, LESSON)
+    return course
+
+
+def stamp(course: Course, lesson: str) -> None:
+    """Let a solution notebook say that it was built from text and declaration as they are."""
+    path = course.solutions / f"{lesson}.ipynb"
+    solved = nbformat.read(path, as_version=4)
+    text = course.text(lesson).read_text(encoding="utf-8")
+    solved.metadata.setdefault("nao_course", {}).update(
+        round_trip.stamp(course, lesson, text, solved, executed=True)
+    )
+    nbformat.write(solved, path)
 
 
 def hand_in(root: Path, student: str, content: bytes) -> Path:

@@ -3,6 +3,7 @@
 __all__: list[str] = [
     "build",
     "course",
+    "declarations",
     "execute",
     "leaks",
     "lesson_text",
@@ -11,5 +12,4 @@ __all__: list[str] = [
     "plans",
     "release",
     "round_trip",
-    "scaffold",
 ]

@@ -16,6 +16,7 @@ from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums
 
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.checking import pack
+from nao_course.exercises.codec import encode
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text
@@ -26,6 +27,7 @@ from nao_course.instructor.authoring.plans import PlanError, publish
 from nao_course.instructor.authoring.round_trip import stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
+MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)")
 
 
@@ -77,6 +79,7 @@ def build(
     *,
     texts: Mapping[str, str] | None = None,
     execute: bool = True,
+    solutions: bool = True,
     tell: Tell = lambda lesson, step: None,
 ) -> Built:
     """Build lessons in memory and a temporary folder; nothing of the course changes until the result is written.
@@ -90,7 +93,9 @@ def build(
     texts : mapping of str to str, optional
         Texts that are not those of the files, by the lesson's name; they become part of the result.
     execute : bool
-        Whether the solutions are run and part of the result.
+        Whether the solution notebooks are run; else they have no outputs.
+    solutions : bool
+        Whether the solution notebooks are part of the result.
     tell : callable
         Called with a lesson's name and what is done to it.
 
@@ -106,7 +111,7 @@ def build(
     """
     texts = texts or {}
     names = course.names(wanted)
-    plans = {name: course.plan(name) for name in course.names()}
+    plans = _plans(course)
     sources = {
         name: texts[name] if name in texts else course.text(name).read_text(encoding="utf-8")
         for name in names
@@ -122,12 +127,27 @@ def build(
             tell(name, "student copy")
             files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(student_copy(notebook))
             files |= _images(course, name, notebook)
-        if execute:
-            stamps = {name: stamp(sources[name], solved[name]) for name in names}
-            for name, notebook in execute_all(solved, stage, tell):
-                notebook.metadata.nao_course.update(stamps[name])
-                files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
+        ran = execute_all(solved, stage, tell) if execute and solutions else solved.items()
+        for name, notebook in ran if solutions else ():
+            kept = stamp(course, name, sources[name], solved[name], executed=execute)
+            notebook.metadata.nao_course.update(kept)
+            files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
+            tell(name, "done")
     return Built(course, files, () if wanted else _stale(course))
+
+
+def _plans(course: Course) -> dict[str, LessonPlan]:
+    """Load the plans of all lessons; what is wrong with any of them is said at once."""
+    plans: dict[str, LessonPlan] = {}
+    problems: list[str] = []
+    for name in course.names():
+        try:
+            plans[name] = course.plan(name)
+        except PlanError as error:
+            problems += [f"solutions/exercises/{line}" for line in str(error).splitlines()]
+    if problems:
+        raise LessonError("\n".join(problems))
+    return plans
 
 
 def _read_all(
@@ -215,7 +235,20 @@ def _checks(name: str, plans: Mapping[str, LessonPlan], stage: Path) -> bytes:
     reference = load_definitions(stage / "solutions" / f"{name}.ipynb")
     taken = {each.name for other in plans if other != name for each in plans[other].exercises}
     check_plan(name, plan, reference, taken)
-    return pack(publish(name, plan, reference))
+    data = pack(publish(name, plan, reference))
+    if len(data) > MOST_CHECK_DATA:
+        raise PlanError(f"{name}: {_too_much(plan, len(data))}")
+    return data
+
+
+def _too_much(plan: LessonPlan, size: int) -> str:
+    """Say which exercise has the most to send, where a lesson's check data is too large."""
+    sizes = {each.name: len(encode(each.public())) for each in plan.exercises}
+    largest = max(sizes, key=sizes.__getitem__)
+    return (
+        f"its check data has {size / 1e6:.1f} MB; {MOST_CHECK_DATA / 1e6:g} MB is the most, for each student downloads "
+        f"it: fewer or smaller public cases, first of {largest}"
+    )
 
 
 def student_copy(solved: NotebookNode) -> NotebookNode:

@@ -64,9 +64,19 @@ class Course:
         """The file of a lesson's text."""
         return self.solutions / f"{name}.md"
 
+    def declaration(self, name: str) -> Path:
+        """The file that declares a lesson's exercises."""
+        return self.solutions / "exercises" / f"{name}.py"
+
     def plan(self, name: str) -> LessonPlan:
-        """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises."""
-        path = self.solutions / "exercises" / f"{name}.py"
+        """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises.
+
+        Raises
+        ------
+        PlanError
+            If the declaration cannot be run, or its values are not what they should be.
+        """
+        path = self.declaration(name)
         plan = load_plan(path) if path.exists() else LessonPlan(())
         return replace(
             plan,

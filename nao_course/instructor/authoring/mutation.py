@@ -29,20 +29,25 @@ from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.exercise import Exercise
+from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import (
     SEEDS,
     SOLUTIONS,
     hidden_cases,
     lesson_name,
     load_plan,
+    made_cases,
     reference,
     solution_notebook,
     with_answers,
 )
+from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
-SECONDS = 3.0  # that a mutant may take for one case; after that it counts as caught
+SHARE = (
+    0.4  # of its exercise's seconds that a mutant may take for one case: more than any solution that is built
+)
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
     *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
@@ -185,7 +190,7 @@ def mutate(
     with ExitStack() as stack:
         free: SimpleQueue[Worker] = SimpleQueue()
         for _ in range(jobs):
-            free.put(stack.enter_context(Worker(notebook, seconds=SECONDS)))
+            free.put(stack.enter_context(Worker(notebook)))
 
         def trial(mutant: Mutant) -> Trial:
             worker = free.get()
@@ -233,7 +238,15 @@ def show(report: MutationReport, console: Console | None = None) -> None:
 
 
 def main(lesson: str, jobs: int = 2) -> int:
-    """Run `nao-course mutate`; return its exit status."""
+    """Run `nao-course mutate`; return its exit status.
+
+    Raises
+    ------
+    LessonError
+        If there is no such lesson, or it is not what was built.
+    """
+    course = load_course()
+    refuse_what_is_not_built(course, course.names([lesson]))
     show(mutate(lesson, jobs))
     return 0
 
@@ -247,11 +260,12 @@ def _tests(
 ) -> tuple[list[Case], list[Case]]:
     """Hidden cases of several seeds, and public ones."""
     hidden = [case for seed in seeds for case in hidden_cases(exercise, function, seed)]
-    return hidden, with_answers(exercise, exercise.public(), function)
+    return hidden, with_answers(exercise, made_cases(exercise), function)
 
 
 def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
-    """Whether a case tells what the worker has from the solution."""
+    """Whether a case tells what the worker has from the solution; what takes too long is told from it."""
+    worker.seconds = SHARE * exercise.seconds
     for case in cases:
         outcome = judging.answer(
             exercise.comparison, lambda each: worker.call(exercise.name, each, exercise.driver), case

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -12,17 +14,30 @@ import numpy as np
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import CodecError, encode
-from nao_course.exercises.exercise import Exercise, LessonPlan, Question, Written
+from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
+from nao_course.exercises.running import call_all
+from nao_course.instructor.authoring.declarations import declaration_problems
 from nao_course.instructor.authoring.plans import (
+    PATIENCE,
     SEEDS,
     PlanError,
+    call_in_time,
     hidden_cases,
+    made_cases,
     publish_exercise,
+    raised_at,
     reference_of,
 )
+from nao_course.instructor.sandbox.worker import SECONDS_IN_ALL
 
 LARGEST_PICTURE = 64 * 48  # pixels; a lesson's public data travels with the package
+MOST_NUMBERS = 250_000  # of any other array: a matrix of 500x500
 FEWEST = 3  # mistakes, and alternatives
+SHARE = (
+    1 / 3
+)  # of an exercise's seconds that its solution may take: students' code is slower, and machines are busy
+_TRIES = 3  # at measuring a call: the machine may be busy with other things
+_BROKEN = ("NameError", "UnboundLocalError", "ImportError", "ModuleNotFoundError", "SyntaxError")
 
 
 def check_plan(
@@ -49,12 +64,26 @@ def check_plan(
     PlanError
         One line for each thing that is wrong: which exercise and what.
     """
-    problems = list(_name_problems(plan, taken))
-    for number, exercise in enumerate(plan.exercises, start=1):
+    problems = [*declaration_problems(plan)] or [*_name_problems(plan, taken)]
+    seconds = 0.0
+    for number, exercise in enumerate(plan.exercises if not problems else (), start=1):
         try:
-            problems += _exercise_problems(str(number), exercise, reference_of(reference, exercise))
+            function = reference_of(reference, exercise)
+            public, hidden = _all_cases(exercise)
+            problems += _case_problems(exercise, public)
+            slowest, together = _measured(exercise, function, [*public, *hidden[0]])
+            seconds += together
+            problems += _time_problems(exercise, slowest)
+            problems += _exercise_problems(str(number), exercise, function)
         except PlanError as error:
-            problems.append(str(error))
+            problems += str(error).splitlines()
+        except Exception as error:  # noqa: BLE001 - the author's own functions may raise what they like
+            problems.append(f"{exercise.name}: {raised_at(error)}")
+    if seconds > SHARE * SECONDS_IN_ALL:
+        problems.append(
+            f"its solutions take {seconds:.0f} s for all cases; a submission has {SECONDS_IN_ALL:g} s, and the "
+            f"solutions must stay below a third of that: make fewer or smaller cases"
+        )
     if problems:
         raise PlanError("\n".join(f"{lesson}: {problem}" for problem in problems))
 
@@ -68,9 +97,48 @@ def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:
     names = [each.name for kind in kinds for each in kind]
     for name in _twice([*names, *(name for name in taken if name in names)]):
         yield f"{name}: the name is used twice"
-    for question in plan.questions:
-        if question.right not in question.choices:
-            yield f"{question.name}: its right answer is not one of its choices"
+
+
+def _all_cases(exercise: Exercise) -> tuple[list[Case], list[list[Case]]]:
+    """Public cases, and hidden ones of each seed; what is wrong with any of them is said at once."""
+    made: dict[int | None, list[Case]] = {}
+    problems: dict[str, None] = {}
+    for seed in (None, *SEEDS):
+        try:
+            made[seed] = made_cases(exercise, seed)
+        except PlanError as error:
+            problems |= dict.fromkeys(str(error).splitlines())
+    if problems:
+        raise PlanError("\n".join(problems))
+    return made[None], [made[seed] for seed in SEEDS]
+
+
+def _measured(exercise: Exercise, function: Callable[..., Any], cases: Sequence[Case]) -> tuple[float, float]:
+    """Seconds of a reference's slowest call, and of all calls together."""
+    times = [_seconds(exercise, function, case) for case in cases]
+    return max(times), sum(times)
+
+
+def _seconds(exercise: Exercise, function: Callable[..., Any], case: Case) -> float:
+    """Time that a call takes; where it seems too long, the best of some, so that other work does not count."""
+    best = float("inf")
+    for _ in range(_TRIES):
+        wall, processor = time.perf_counter(), time.process_time()
+        call_in_time(exercise, function, case)
+        # Others keep the processor from us, or several of ours count at once: the smaller one is nearer.
+        best = min(best, time.perf_counter() - wall, time.process_time() - processor)
+        if best <= SHARE * exercise.seconds:
+            break
+    return best
+
+
+def _time_problems(exercise: Exercise, slowest: float) -> Iterator[str]:
+    if slowest > SHARE * exercise.seconds:
+        yield (
+            f"{exercise.name}: its solution takes {slowest:.1f} s for one case; the grader stops a call after "
+            f"{exercise.seconds:g} s, and the solution must stay below a third of that: make it faster, make the cases "
+            f"smaller, or say Exercise(seconds={math.ceil(3.5 * slowest)})"
+        )
 
 
 def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., Any]) -> Iterator[str]:
@@ -82,11 +150,6 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
                 yield f"{name}: {len(many)} {kind}; at least {FEWEST} are wanted"
     for twice in _twice([each.name for each in exercise.mistakes]):
         yield f"{name}: two mistakes are called {twice!r}"
-    for cases, kind in ((exercise.public(), "public"), (_drawn(exercise, SEEDS[0]), "hidden")):
-        if not cases:
-            yield f"{name}: no {kind} cases"
-            return
-    yield from _case_problems(exercise)
     public = publish_exercise(number, exercise, function)
     hidden = [case for seed in SEEDS for case in hidden_cases(exercise, function, seed)]
     for title, alternative in exercise.alternatives.items():
@@ -97,7 +160,9 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
             yield f"{name}: alternative {title!r} is not right in a hidden case: {' '.join(report.lines)}"
     for mistake in exercise.mistakes:
         report = grade_public(public, mistake.function)
-        if report:
+        if broken := _broken(public, mistake):
+            yield f"{name}: mistake {mistake.name!r} gives no answer in any case: {broken}"
+        elif report:
             yield f"{name}: mistake {mistake.name!r}: no public case tells it from the right answer"
         elif mistake.message not in report.lines:
             yield f"{name}: mistake {mistake.name!r}: its message is not shown, but: {' '.join(report.lines)}"
@@ -105,23 +170,43 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
             yield f"{name}: mistake {mistake.name!r}: no hidden case tells it from the right answer"
 
 
-def _drawn(exercise: Exercise, seed: int) -> list[Case]:
-    return exercise.hidden(np.random.default_rng(seed))
+def _broken(public: PublicExercise, mistake: Mistake) -> str:
+    """What an author's own slip in a mistake raises in every case; what students' mistakes raise is none."""
+    outcomes = call_all(mistake.function, public.cases, public.driver, PATIENCE * public.seconds)
+    told = {outcome.text for outcome in outcomes}
+    if len(told) == 1 and outcomes[0].status == "raised":
+        (text,) = told
+        if text.startswith(_BROKEN) or (text.startswith("TypeError") and "positional argument" in text):
+            return f"{text} {outcomes[0].line}".strip()
+    return ""
 
 
-def _case_problems(exercise: Exercise) -> Iterator[str]:
+def _case_problems(exercise: Exercise, public: Sequence[Case]) -> Iterator[str]:
+    """What is wrong with cases of which each may be called with."""
     try:
-        if encode(exercise.public()) != encode(exercise.public()):
+        if encode(public) != encode(made_cases(exercise)):
             yield f"{exercise.name}: its public cases are not the same each time"
-        if encode(_drawn(exercise, SEEDS[0])) != encode(_drawn(exercise, SEEDS[0])):
+        if encode(made_cases(exercise, SEEDS[0])) != encode(made_cases(exercise, SEEDS[0])):
             yield f"{exercise.name}: its hidden cases are not the same for the same seed"
     except CodecError as error:
         raise PlanError(f"{exercise.name}: a case cannot be sent: {error}") from None
-    for number, case in enumerate(exercise.public(), start=1):
+    for number, case in enumerate(public, start=1):
         for array in _arrays((case.args, case.kwargs)):
-            if array.ndim >= 2 and array.shape[0] * array.shape[1] > LARGEST_PICTURE:
-                size = f"{array.shape[1]}x{array.shape[0]}"
-                yield f"{exercise.name}: public case {number} has a picture of {size}; 64x48 is the most"
+            if problem := _size_problem(array):
+                yield f"{exercise.name}: public case {number} has {problem}"
+
+
+def _size_problem(array: np.ndarray[Any, Any]) -> str:
+    """Why an array of a public case is too large to travel with the package; nothing where it is not."""
+    is_picture = array.dtype in (np.uint8, np.bool_) and array.ndim in (2, 3)
+    if is_picture and array.shape[0] * array.shape[1] > LARGEST_PICTURE:
+        size = f"{array.shape[1]}x{array.shape[0]}"
+        return f"a picture of {size}; 64x48 is the most: cut out a part, or draw large ones in hidden cases"
+    if array.size > MOST_NUMBERS:
+        return (
+            f"an array of {array.size} numbers; {MOST_NUMBERS} are the most: draw large ones in hidden cases"
+        )
+    return ""
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:

@@ -6,6 +6,7 @@ import importlib.util
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,11 @@ from nao_course.exercises.exercise import (
     PublicQuestion,
     PublicWritten,
 )
-from nao_course.exercises.running import Outcome, call
+from nao_course.exercises.running import Outcome, call_all, describe, own_line
+from nao_course.instructor.authoring.declarations import case_problems, declaration_problems
 
 SOLUTIONS = Path("solutions")
+PATIENCE = 3  # times an exercise's seconds, after which a call of the author's own functions is stopped
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others
 
 
@@ -60,14 +63,14 @@ def load_plan(path: str | Path) -> LessonPlan:
     Returns
     -------
     LessonPlan
-        Not checked yet; see `plan_checks.check_plan`.
+        Of values that are what they should be; its cases are not made yet, see `plan_checks.check_plan`.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     PlanError
-        If it cannot be run or declares no PLAN.
+        If it cannot be run, declares no PLAN, or one whose values are not what they should be: a line for each.
     """
     file = Path(path)
     if not file.is_file():
@@ -81,10 +84,13 @@ def load_plan(path: str | Path) -> LessonPlan:
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
-        raise PlanError(f"{file.name}: {type(error).__name__}: {error}") from error
+        raise PlanError(f"{file.name}: {raised_at(error)}") from error
     plan = getattr(module, "PLAN", None)
     if not isinstance(plan, LessonPlan):
         raise PlanError(f"{file.name}: it must give the name PLAN to a LessonPlan")
+    problems = list(declaration_problems(plan))
+    if problems:
+        raise PlanError("\n".join(f"{file.name}: {problem}" for problem in problems))
     return plan
 
 
@@ -145,7 +151,7 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
     solved = []
     for number, case in enumerate(cases, start=1):
         where = f"{exercise.name}: the reference, case {number} {case.name!r},"
-        outcome = _outcome(exercise, function, case)
+        outcome = call_in_time(exercise, function, case)
         if outcome.status != ("raised" if case.raises else "value"):
             raise PlanError(
                 f"{where} gives no answer: {outcome.status} {outcome.text} {outcome.line}".rstrip()
@@ -154,11 +160,12 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
             answer = decode(encode(outcome.value))
         except CodecError as error:
             raise PlanError(f"{where} gives an answer that cannot be sent: {error}") from None
-        known = replace(case, expected=exercise.comparison.expects(case, answer))
         try:
+            known = replace(case, expected=exercise.comparison.expects(case, answer))
             verdict = judging.judge(exercise.comparison, known, outcome)
-        except ValueError as error:
-            raise PlanError(f"{where} gives an answer that cannot be compared: {error}") from None
+        except Exception as error:
+            kind = type(exercise.comparison).__name__
+            raise PlanError(f"{where} gives what {kind} cannot compare: {describe(error)}") from error
         if not verdict:
             said = verdict.text if verdict is not None else f"it raises {outcome.text}, not {case.raises}"
             raise PlanError(f"{where} is not right by its own comparison: {said}")
@@ -168,9 +175,52 @@ def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[.
     return solved
 
 
+def raised_at(error: Exception) -> str:
+    """Say what the author's own function raised, and in which line: "line 12: ValueError: high <= 0"."""
+    line = own_line(error).partition(":")[0]
+    return f"{line}: {describe(error)}" if line else describe(error)
+
+
+def call_in_time(exercise: Exercise, function: Callable[..., Any], case: Case) -> Outcome:
+    """Call a reference, mistake or alternative; one that never ends is stopped."""
+    answer = partial(judging.answer, exercise.comparison)
+    return call_all(function, [case], exercise.driver, PATIENCE * exercise.seconds, answer)[0]
+
+
+def made_cases(exercise: Exercise, seed: int | None = None) -> list[Case]:
+    """Make an exercise's public cases, or draw hidden ones.
+
+    Parameters
+    ----------
+    exercise : Exercise
+        Whose.
+    seed : int, optional
+        Of the hidden cases; without one, the public cases are made.
+
+    Returns
+    -------
+    list of Case
+        Without answers.
+
+    Raises
+    ------
+    PlanError
+        If the author's function raises, or returns anything but cases.
+    """
+    kind = "public" if seed is None else "hidden"
+    try:
+        cases = exercise.public() if seed is None else exercise.hidden(np.random.default_rng(seed))
+    except Exception as error:
+        raise PlanError(f"{exercise.name}: its {kind} cases: {raised_at(error)}") from error
+    problems = list(case_problems(exercise, cases, kind))
+    if problems:
+        raise PlanError("\n".join(problems))
+    return cases
+
+
 def hidden_cases(exercise: Exercise, function: Callable[..., Any], seed: int) -> list[Case]:
     """Draw an exercise's hidden cases, with the reference's answers."""
-    return with_answers(exercise, exercise.hidden(np.random.default_rng(seed)), function)
+    return with_answers(exercise, made_cases(exercise, seed), function)
 
 
 def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]) -> PublicLesson:
@@ -227,7 +277,7 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
     PublicExercise
         With the answers of every mistake to the public cases.
     """
-    cases = with_answers(exercise, exercise.public(), function)
+    cases = with_answers(exercise, made_cases(exercise), function)
     mistakes = [
         PublicMistake(mistake.message, _answers(exercise, cases, mistake.function))
         for mistake in exercise.mistakes
@@ -243,6 +293,7 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
         hints=list(exercise.hints),
         driver=exercise.driver,
         in_place=exercise.in_place,
+        seconds=float(exercise.seconds),
     )
 
 
@@ -263,14 +314,13 @@ def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., 
     """A mistake's answers where they are not right, by the number of the case."""
     answers: dict[str, Any] = {}
     for number, case in enumerate(cases):
-        outcome = _outcome(exercise, function, case)
+        outcome = call_in_time(exercise, function, case)
+        if outcome.status == "timed out":
+            raise PlanError(
+                f"{exercise.name}: a mistake does not end in public case {number + 1} {case.name!r}"
+            )
         if judging.judge(exercise.comparison, case, outcome):
             continue
         raised = {"raises": outcome.text.split(":")[0]}
         answers[str(number)] = outcome.value if outcome.status == "value" else raised
     return answers
-
-
-def _outcome(exercise: Exercise, function: Callable[..., Any], case: Case) -> Outcome:
-    """What comes of a case's calls."""
-    return judging.answer(exercise.comparison, lambda each: call(function, each, exercise.driver), case)

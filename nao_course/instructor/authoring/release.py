@@ -14,6 +14,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CHECKS, build
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
+from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
 
 FOLDER = (
     "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
@@ -47,7 +48,8 @@ def make_release(course: Course, out: Path) -> Path:
         If a lesson is not built or not finished, or a student would find part of a solution.
     """
     names = course.names(course.chosen)
-    unbuilt = build(course, names, execute=False).changes()
+    refuse_what_is_not_built(course, names, executed=True)
+    unbuilt = build(course, names, solutions=False).changes()
     if unbuilt:
         listed = ", ".join(path.as_posix() for path in unbuilt)
         raise LessonError(f"not what the lessons' texts say: {listed}; run `nao-course build` first")

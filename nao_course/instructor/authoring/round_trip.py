@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import nbformat
@@ -14,9 +14,24 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 
 
-def stamp(text: str, notebook: NotebookNode) -> dict[str, str]:
-    """What a solution notebook carries, to tell later whether it or its text was edited since."""
-    return {"text": lesson_text.text_hash(text), "cells": lesson_text.fingerprint(notebook)}
+def stamp(
+    course: Course, name: str, text: str, notebook: NotebookNode, *, executed: bool
+) -> dict[str, object]:
+    """What a solution notebook carries, to tell later whether it, its text or its declaration was edited since."""
+    cells = lesson_text.fingerprint(notebook)
+    declared = _declared(course, name)
+    return {
+        "text": lesson_text.text_hash(text),
+        "cells": cells,
+        "declaration": declared,
+        "executed": executed,
+    }
+
+
+def _declared(course: Course, name: str) -> str:
+    """Hash a lesson's declaration; that of nothing where it has none."""
+    path = course.declaration(name)
+    return lesson_text.text_hash(path.read_text(encoding="utf-8") if path.is_file() else "")
 
 
 def edited(course: Course, name: str) -> tuple[bool, bool]:
@@ -77,6 +92,48 @@ def text_from_notebook(course: Course, name: str) -> str:
     return lesson_text.write_lesson(notebook)
 
 
+def refuse_what_is_not_built(course: Course, names: Sequence[str], *, executed: bool = False) -> None:
+    """Refuse to go on with lessons that are not what was built: nobody would know which of the two counts.
+
+    Parameters
+    ----------
+    course : Course
+        The course.
+    names : sequence of str
+        Whole names of lessons.
+    executed : bool
+        Whether lessons that were built without being run are refused, too.
+
+    Raises
+    ------
+    LessonError
+        If there is one: a line for each file that was edited.
+    """
+    problems = [problem for name in names for problem in _not_built(course, name, executed)]
+    if problems:
+        raise LessonError("\n".join(problems))
+
+
+def _not_built(course: Course, name: str, executed: bool) -> Iterator[str]:
+    """What of a lesson is not what was built, and what to say."""
+    build = f"run `nao-course build {lesson_names.number_of(name)}`"
+    file = f"solutions/{name}.ipynb"
+    path = course.solutions / f"{name}.ipynb"
+    if not path.is_file():
+        yield f"there is no {file}: {build}"
+        return
+    text_edited, notebook_edited = edited(course, name)
+    kept = metadata(read_notebook(path), "nao_course")
+    if text_edited:
+        yield f"solutions/{name}.md was edited since it was built: {build}"
+    if notebook_edited:
+        yield _edited_notebook(name)
+    if kept.get("declaration") != _declared(course, name):
+        yield f"solutions/exercises/{name}.py was edited since it was built: {build}"
+    if executed and not kept.get("executed"):
+        yield f"{file} was built without being run: {build}"
+
+
 def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
     """Refuse to build over solution notebooks that were edited in JupyterLab.
 
@@ -87,10 +144,12 @@ def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
     """
     lost = [name for name in names if edited(course, name)[1]]
     if lost:
-        raise LessonError(
-            "\n".join(
-                f"solutions/{name}.ipynb was edited since it was built: bring that back into the text with "
-                f"`nao-course build --from-notebook {lesson_names.number_of(name)}`, or delete the notebook"
-                for name in lost
-            )
-        )
+        raise LessonError("\n".join(map(_edited_notebook, lost)))
+
+
+def _edited_notebook(name: str) -> str:
+    """What to say of a solution notebook that was edited in JupyterLab."""
+    return (
+        f"solutions/{name}.ipynb was edited since it was built: bring that back into the text with "
+        f"`nao-course build --from-notebook {lesson_names.number_of(name)}`, or delete the notebook"
+    )

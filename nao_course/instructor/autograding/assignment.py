@@ -5,20 +5,22 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import load_definitions, read_cells
-from nao_course.exercises.exercise import ANSWER_HERE, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, PublicExercise, Written
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import hidden_cases, publish
 from nao_course.instructor.autograding.secret import keyed
 
+LIBRARY = Path(__file__).parents[2]
+_NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py", "student.py")
 RULES = "1"  # how it is graded; another number has everything graded again
-SECONDS = 10.0  # wall clock of a call
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class Assignment:
     hash : str
         Of all that a score depends on beside the submission.
     seconds : float
-        Wall clock of a call.
+        Wall clock of loading a notebook; that of a call is its exercise's.
     version : str
         The course's: what a notebook of this release is stamped with.
     """
@@ -81,6 +83,11 @@ class Assignment:
     hash: str = ""
     seconds: float = SECONDS
     version: str = ""
+
+    def within(self, seconds: float) -> Assignment:
+        """The same assignment with another wall clock for everything."""
+        tasks = [replace(each, public=replace(each.public, seconds=seconds)) for each in self.tasks]
+        return replace(self, tasks=tuple(tasks), seconds=seconds)
 
 
 def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
@@ -120,6 +127,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     setup = "\n\n".join(source for role, source in read_cells(released) if role == "setup")
     declaration = course.solutions / "exercises" / f"{name}.py"
     told = [
+        library_digest(name),
         (RULES, metadata.version("nao-course"), name, keyed(secret, "assignment"), setup),
         read_cells(notebook),
         declaration.read_text(encoding="utf-8") if declaration.exists() else "",
@@ -136,6 +144,33 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         digest,
         version=course.version,
     )
+
+
+@cache
+def library_digest(lesson: str) -> str:
+    """Hash what of the library a lesson's scores may depend on: all that students import but what only shows something.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "01_hsl_filtering": of the lessons' folders only its own counts.
+
+    Returns
+    -------
+    str
+        Of names and sources; the same in any folder and on any system.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(LIBRARY.rglob("*.py")):
+        inside = path.relative_to(LIBRARY)
+        room = inside.parts[0]
+        elsewhere = (
+            room == "lessons" and len(inside.parts) > 2 and inside.parts[1] != lesson.partition("_")[2]
+        )
+        if room not in _NOT_SCORING and not elsewhere:
+            digest.update(f"{inside.as_posix()}\0".encode())
+            digest.update(path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    return digest.hexdigest()
 
 
 def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:

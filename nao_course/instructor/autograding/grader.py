@@ -301,7 +301,7 @@ class SubmissionGrader:
         lines = self.explained(task.public, outcomes)
         hint = next((line for line in lines if line in task.mistakes), "")
         hopeless = outcomes[-1].status in ("not attempted", "not found", "timed out", "died")
-        hidden = self.failure(outcomes[-1]) if hopeless else self.hidden(task)
+        hidden = self.failure(task, outcomes[-1]) if hopeless else self.hidden(task)
         right = hidden.state == "right"
         return ExerciseResult(
             task.public.name,
@@ -323,7 +323,7 @@ class SubmissionGrader:
         """What the public check says; of answers that it cannot even look at, that."""
         try:
             with np.errstate(all="ignore"):
-                report = explain(exercise, outcomes, f"stopped after {self.assignment.seconds:g} seconds")
+                report = explain(exercise, outcomes, f"stopped after {exercise.seconds:g} seconds")
         except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
             return [f"{exercise.number} {exercise.name}: {UNREADABLE}."]
         return [line[:LONGEST_TEXT] for line in report.lines]
@@ -331,6 +331,7 @@ class SubmissionGrader:
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
         with _worker(self.assignment.reference, self.assignment, self.server) as reference:
+            reference.seconds = max(self.assignment.seconds, task.public.seconds)
             self.worker.lend({name: _lent(reference, name) for name in task.uses})
             hidden = self.hidden(task)
             self.deaths += reference.deaths
@@ -363,6 +364,7 @@ class SubmissionGrader:
         for held in (self.lock.shared, self.lock.exclusive):
             if self.stopped():
                 raise Stopped
+            self.worker.seconds = exercise.seconds
             with held():
                 outcome = self.answer(exercise, case)
             if outcome.status != "timed out":
@@ -375,7 +377,7 @@ class SubmissionGrader:
 
     def answer(self, exercise: PublicExercise, case: Case) -> Outcome:
         """Make the calls of a case; all of them together have the time of one."""
-        end = time.monotonic() + self.assignment.seconds
+        end = time.monotonic() + exercise.seconds
 
         def call(each: Case) -> Outcome:
             if time.monotonic() > end:
@@ -391,7 +393,7 @@ class SubmissionGrader:
         outcomes = self.outcomes(task.public, task.hidden)
         for case, outcome in zip(task.hidden, outcomes, strict=False):
             changed |= outcome.changed
-            if wrong := describe_outcome(task.public, case, outcome, self.files, self.assignment.seconds):
+            if wrong := describe_outcome(task.public, case, outcome, self.files, task.public.seconds):
                 failed = failed or wrong
             else:
                 passed += 1
@@ -403,9 +405,9 @@ class SubmissionGrader:
             else HiddenResult("right", passed, changed=changed)
         )
 
-    def failure(self, outcome: Outcome) -> HiddenResult:
+    def failure(self, task: Task, outcome: Outcome) -> HiddenResult:
         """Say how a case failed that has no answer."""
-        return describe_failure(outcome, self.files, self.assignment.seconds)
+        return describe_failure(outcome, self.files, task.public.seconds)
 
 
 def _is_right(result: ExerciseResult) -> bool:

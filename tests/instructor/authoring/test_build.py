@@ -7,7 +7,7 @@ import nbformat
 import pytest
 
 from nao_course.exercises.exercise import ANSWER_HERE
-from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring import build, lesson_text
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
 
 
@@ -146,7 +146,12 @@ BROKEN = {
         "mistake 'squared': no public case tells",
     ),
     "a name used twice": (PLAN, "[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
-    "a declaration that does not run": (PLAN, "points=1,", "points=1, colour=2,", "01_toy.py: TypeError"),
+    "a declaration that does not run": (PLAN, "points=1,", "points=1, colour=2,", r"01_toy.py: line 3: TypeError"),
+}
+BROKEN |= {
+    "stars of seven": (PLAN, "points=1,", "points=1, stars=7,", "01_toy.py: double: stars must be 1, 2 or 3, got 7"),
+    "no tuple": (PLAN, "Case((2.0,))", "Case((2.0))", r"01_toy.py, 01_toy.md, cell 4 .*public case 1: args must be"),
+    "an error in hidden cases": (PLAN, "(-10, 10, 6)", "(-10, 10, -6)", "its hidden cases: line 7: ValueError"),
 }
 
 
@@ -163,6 +168,25 @@ def test_what_is_broken_is_said_with_its_place_and_nothing_is_written(course, wh
     assert re.search(said, result.output), result.output
     assert "Traceback" not in result.output
     assert contents(course.root) == before
+
+
+def test_check_data_that_is_too_much_to_download_is_refused(course, monkeypatch):
+    monkeypatch.setattr(build, "MOST_CHECK_DATA", 100)
+    before = contents(course.root)
+    result = run("build")
+    assert result.exit_code == 1 and "its check data has 0.0 MB; 0.0001 MB is the most" in result.output
+    assert "first of double" in result.output and contents(course.root) == before
+
+
+def test_what_is_wrong_with_the_declarations_of_all_lessons_is_said_at_once(course):
+    declared = course.declaration("01_toy")
+    text = declared.read_text().replace("points=1,", "points=-1,").replace('("Look.", "Nearly.")', '"Look."')
+    declared.write_text(text)
+    course.text("02_toy").write_text(course.text("01_toy").read_text())
+    course.declaration("02_toy").write_text("PLAN = 3")
+    said = run("build").output
+    for problem in ("01_toy.py: double: points must be", "01_toy.py: double: hints must be two", "02_toy.py: it must"):
+        assert f"solutions/exercises/{problem}" in said
 
 
 def test_a_name_of_another_lesson_is_refused(course):

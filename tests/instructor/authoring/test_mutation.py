@@ -87,7 +87,7 @@ def test_weak_tests_let_mutants_live(tmp_path):
 
 
 def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
-    monkeypatch.setattr(mutation, "SECONDS", 0.5)
+    monkeypatch.setattr(mutation, "SHARE", 0.05)
     slow = toy.solutions(tmp_path / "slow")
     body = "def clamp(x, low, high):\n    k = 0\n    while k < 3:\n        k += 1\n    return max(low, min(high, x))"
     toy.write(slow / "90_toy.ipynb", ("solution", body), ("solution", toy.MEAN))

@@ -1,11 +1,15 @@
 """A plan whose checks would fail a student later is refused, with the exercise and the reason."""
 
+import itertools
+import signal
+import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from nao_course.exercises import Case, Exact, LessonPlan, Mistake
+from nao_course.exercises import Between, Case, Exact, LessonPlan, Mistake, Points
+from nao_course.instructor.authoring import plan_checks, plans
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError
 
@@ -16,6 +20,10 @@ def test_a_good_plan_is_accepted(plan, right):
 
 def wrong(x, low, high):
     return 1 / 0
+
+
+def raises(rng):
+    return [Case((1 / 0, 0, 1))]
 
 
 @pytest.mark.parametrize(
@@ -43,8 +51,9 @@ def wrong(x, low, high):
             "clamp: mistake 'b': its message is not shown",
         ),
         ({"mistakes": [Mistake("a", wrong, "m")] * 2}, "clamp: two mistakes are called 'a'"),
-        ({"public": lambda: [Case((np.zeros((49, 64)), 0, 1))]}, "a picture of 64x49; 64x48 is the most"),
-        ({"public": lambda: [Case(({"a": [np.zeros((480, 640, 3))]}, 0, 1))]}, "a picture of 640x480"),
+        ({"public": lambda: [Case((np.zeros((49, 64), bool), 0, 1))]}, "a picture of 64x49; 64x48 is the most"),
+        ({"public": lambda: [Case(({"a": [np.zeros((480, 640, 3), np.uint8)]}, 0, 1))]}, "a picture of 640x480"),
+        ({"public": lambda: [Case((np.zeros((501, 500)), 0, 1))]}, "an array of 250500 numbers; 250000 are the"),
         ({"public": lambda: [Case((np.random.default_rng().random(), 0, 1))]}, "not the same each time"),
         (
             {"hidden": lambda rng: [Case((np.random.default_rng().random(), 0, 1))]},
@@ -58,6 +67,26 @@ def wrong(x, low, high):
             {"public": lambda: [Case((1.0,), "too few")]},
             "clamp: the reference, case 1 'too few', gives no answer",
         ),
+        ({"hidden": raises}, "clamp: its hidden cases: line "),
+        ({"hidden": raises}, ": ZeroDivisionError: division by zero"),
+        ({"public": lambda: 1 / 0}, ": ZeroDivisionError: division by zero"),
+        ({"hidden": list}, "clamp: its hidden cases: TypeError: "),
+        ({"hidden": lambda rng: None}, "its hidden cases must be a list of Case, got None"),
+        ({"hidden": lambda rng: [(1.0, 0, 1)]}, "its hidden cases must be a list of Case, got [(1.0, 0, 1)]"),
+        ({"hidden": lambda rng: [Case((1.0, {1}, 1))]}, "clamp: a case cannot be sent: a value of type set"),
+        ({"public": lambda: [Case(1.0)]}, "public case 1: args must be a tuple, Case((1.0,)) with its comma"),
+        ({"public": lambda: [Case((1.0,), 3)]}, "public case 1: name must be a few words, got 3"),
+        ({"comparison": Between()}, "public case 1: Between wants expected=(low, high), got None"),
+        ({"comparison": Points()}, "gives what Points cannot compare: "),
+        (
+            {"mistakes": [Mistake("a", lambda x: x, "m")]},
+            "mistake 'a' gives no answer in any case: TypeError",
+        ),
+        (
+            {"mistakes": [Mistake("a", lambda x, low, high: nothing, "m")]},  # noqa: F821
+            "mistake 'a' gives no answer in any case: NameError",
+        ),
+        ({"points": "2"}, "clamp: points must be a number, 0 or more, got '2'"),
         ({"name": "nobody"}, "nobody: the solution notebook does not define it"),
         ({"name": "mean_of_positive"}, "mean_of_positive: the name is used twice"),
         ({"comparison": Exact(), "public": lambda: [Case((np.nan, np.nan, np.nan))]}, "not right by its own"),
@@ -89,3 +118,52 @@ def test_all_that_is_wrong_is_said_at_once(plan, right):
 
 def test_practice_needs_no_mistakes(plan, right):
     check_plan("90_toy", LessonPlan([replace(plan["clamp"], points=0, mistakes=[], alternatives={})]), right)
+
+
+def test_a_mistake_that_raises_as_students_do_is_fine(plan, right):
+    slip = Mistake("a name", lambda x, low, high: np.clip(x, low, high)[0], "A number has no first element.")
+    changed = replace(plan["clamp"], mistakes=[slip, *plan["clamp"].mistakes])
+    check_plan("90_toy", LessonPlan([changed]), right)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+@pytest.mark.parametrize("what", ["mistake", "solution"])
+def test_what_never_ends_is_stopped_and_said(plan, right, monkeypatch, what):
+    monkeypatch.setattr(plans, "PATIENCE", 0.01)
+    endless = lambda x, low, high: next(x for x in itertools.count() if x < 0)  # noqa: E731
+    exercise, functions = plan["clamp"], dict(right)
+    if what == "mistake":
+        exercise = replace(exercise, mistakes=[Mistake("endless", endless, "It ends."), *exercise.mistakes])
+    else:
+        functions["clamp"] = endless
+    with pytest.raises(PlanError, match="clamp: .*(does not end in public case 1|timed out)"):
+        check_plan("90_toy", LessonPlan([exercise]), functions)
+
+
+def slow(x, low, high):
+    """The solution, and some work: a hundredth of a second of it."""
+    end = time.process_time() + 0.01
+    while time.process_time() < end:
+        pass
+    return max(low, min(high, x))
+
+
+def test_a_solution_that_the_grader_would_stop_is_refused_and_says_what_to_do(plan, right):
+    short = replace(plan["clamp"], seconds=0.006)
+    with pytest.raises(PlanError, match=r"clamp: its solution takes 0\.\d s .*after 0\.006 s.*Exercise\(seconds="):
+        check_plan("90_toy", LessonPlan([short]), {**right, "clamp": slow})
+
+
+def test_solutions_that_take_a_submissions_time_together_are_refused(plan, right, monkeypatch):
+    monkeypatch.setattr(plan_checks, "SECONDS_IN_ALL", 0.1)
+    check_plan("90_toy", LessonPlan([plan["clamp"]]), right)
+    with pytest.raises(PlanError, match="90_toy: its solutions take .* s for all cases; a submission has 0.1 s"):
+        check_plan("90_toy", LessonPlan([plan["clamp"]]), {**right, "clamp": slow})
+
+
+def test_time_that_others_take_is_not_the_solutions(plan, right):
+    def waits(x, low, high):
+        time.sleep(0.02)  # as where another program has the processor
+        return max(low, min(high, x))
+
+    check_plan("90_toy", LessonPlan([replace(plan["clamp"], seconds=0.05)]), {**right, "clamp": waits})

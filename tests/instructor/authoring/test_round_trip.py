@@ -1,12 +1,13 @@
 """A solution notebook that was edited in JupyterLab comes back into the text, or it is said why not."""
 
 import re
+import shutil
 from pathlib import Path
 
 import nbformat
 import pytest
 
-from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring import lesson_text, round_trip
 from tests.toy.course import contents, run, write
 
 
@@ -101,3 +102,63 @@ def test_what_text_cannot_hold_is_refused(built, change, said):
     result = run("build", "--from-notebook", "01")
     assert result.exit_code == 1 and re.search(said, result.output), result.output
     assert contents(built.root) == before
+
+
+# --- what was edited and not built ---
+
+
+def edits_of(course):
+    """What an author may have done since the build, and what is said of it."""
+    build = "was edited since it was built: run `nao-course build 01`"
+    return {
+        "nothing": (lambda: None, ""),
+        "text": (lambda: write(course.text("01_toy"), "Words", "Other words"), f"solutions/01_toy.md {build}"),
+        "declaration": (
+            lambda: write(course.declaration("01_toy"), '"Look."', '"See."'),
+            f"solutions/exercises/01_toy.py {build}",
+        ),
+        "notebook": (
+            lambda: edit(lambda cells: cells[2].update(source="Changed.")),
+            "solutions/01_toy.ipynb was edited since it was built: bring that back",
+        ),
+        "no notebook": (Path("solutions/01_toy.ipynb").unlink, "there is no solutions/01_toy.ipynb: run `nao-course"),
+        "not run": (lambda: run("build", "--no-execute"), "solutions/01_toy.ipynb was built without being run: run"),
+    }
+
+
+COMMANDS = {
+    "mutate": ("mutate", "01"),
+    "grade": ("grade", "handed_in", "--out", "grades"),
+    "release": ("release", "--out", "dist"),
+}
+
+
+EDITED = [(what, command) for what in ("text", "declaration", "notebook", "no notebook") for command in COMMANDS]
+
+
+@pytest.mark.parametrize(("what", "command"), [*EDITED, ("not run", "release")])
+def test_what_was_edited_and_not_built_stops_mutate_grade_and_release(built, monkeypatch, command, what):
+    secret = built.root / "secret"
+    secret.write_bytes(b"a secret of enough bytes")
+    secret.chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
+    (built.root / "handed_in" / "ada").mkdir(parents=True)
+    shutil.copy("notebooks/01_toy.ipynb", built.root / "handed_in" / "ada")
+    edit_it, said = edits_of(built)[what]
+    edit_it()
+    before = contents(built.root)
+    result = run(*COMMANDS[command])
+    assert result.exit_code == 1 and said in result.output, result.output
+    assert contents(built.root) == before
+
+
+def test_what_is_built_is_not_refused(built):
+    round_trip.refuse_what_is_not_built(built, ["01_toy"], executed=True)
+
+
+def test_a_lesson_that_is_built_without_being_run_has_all_but_outputs_and_its_stamp_is_whole(course):
+    assert "wrote solutions/01_toy.ipynb" in run("build", "--no-execute").output
+    notebook = nbformat.read("solutions/01_toy.ipynb", as_version=4)
+    assert not [cell for cell in notebook.cells if cell.get("outputs")]
+    round_trip.refuse_what_is_not_built(course, ["01_toy"])
+    assert "Nothing has changed." in run("build", "--no-execute").output

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding import assignment as module
+from nao_course.instructor.autograding.assignment import library_digest, prepare
 from tests.toy import chain
 
 
@@ -59,3 +60,52 @@ def test_a_course_that_is_not_built_is_said(tmp_path):
     shutil.rmtree(tmp_path / "notebooks")
     with pytest.raises(FileNotFoundError, match="nao-course build"):
         prepare(course, "90", chain.SECRET)
+
+
+IN_THE_LIBRARY = {  # a file, and whether a score of the lesson 90_chain may depend on it
+    "exercises/comparisons/values.py": True,
+    "exercises/comparisons/jacobians.py": True,
+    "exercises/new.py": True,
+    "geometry.py": True,
+    "sim/camera.py": True,
+    "lessons/chain/drivers.py": True,
+    "lessons/other/drivers.py": False,
+    "plotting/maps.py": False,
+    "widgets/panel.py": False,
+    "instructor/commands.py": False,
+    "cli.py": False,
+}
+
+
+@pytest.fixture
+def library(tmp_path, monkeypatch):
+    """A library whose files can be edited."""
+    for name in IN_THE_LIBRARY.keys() - {"exercises/new.py"}:
+        (tmp_path / "library" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "library" / name).write_text("x = 1\n")
+    monkeypatch.setattr(module, "LIBRARY", tmp_path / "library")
+    library_digest.cache_clear()
+    yield tmp_path / "library"
+    library_digest.cache_clear()
+
+
+@pytest.mark.parametrize("name", IN_THE_LIBRARY)
+def test_an_assignment_is_another_one_when_the_library_that_it_grades_with_changes(tmp_path, library, name):
+    course = chain.make_course(tmp_path / "course")
+    before = prepare(course, "90", chain.SECRET).hash
+    (library / name).write_text("x = 2\n")
+    library_digest.cache_clear()
+    assert (prepare(course, "90", chain.SECRET).hash != before) == IN_THE_LIBRARY[name]
+
+
+def test_the_librarys_digest_is_the_same_with_the_line_ends_of_windows(library):
+    before = library_digest("90_chain")
+    for path in library.rglob("*.py"):
+        path.write_bytes(b"x = 1\r\n")
+    library_digest.cache_clear()
+    assert library_digest("90_chain") == before
+
+
+def test_the_digest_of_this_library_covers_drivers_and_comparisons():
+    there = {path.relative_to(module.LIBRARY).as_posix() for path in module.LIBRARY.rglob("*.py")}
+    assert {"exercises/running.py", "exercises/comparisons/values.py", "geometry.py", "slam.py"} <= there

@@ -3,7 +3,6 @@
 import json
 import pickle
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import pytest
 
@@ -31,7 +30,7 @@ def server(warm_server):
 @pytest.fixture(scope="module")
 def assignment(tmp_path_factory):
     course = chain.make_course(tmp_path_factory.mktemp("course"))
-    return replace(prepare(course, "90", chain.SECRET), seconds=AMPLE)
+    return prepare(course, "90", chain.SECRET).within(AMPLE)
 
 
 @pytest.fixture
@@ -44,7 +43,7 @@ def marked(server, assignment, tmp_path):
         for name, source in (helpers or {}).items():
             path.with_name(name).write_text(source)
         submission = Submission("ada", chain.LESSON, path, beside, file="ada/x.ipynb")
-        result = grade(submission, replace(assignment, seconds=seconds), server, "full")
+        result = grade(submission, assignment.within(seconds), server, "full")
         assert from_json(json.loads(json.dumps(as_json(result)))) == result
         return result
 
@@ -311,6 +310,26 @@ def test_a_time_out_is_tried_once_more_before_it_counts(marked, assignment, monk
     assert calls.count(("double", 4)) == 2
 
 
+def test_each_call_has_the_seconds_of_its_exercise(server, tmp_path, monkeypatch):
+    course = chain.make_course(tmp_path / "course")
+    declared = course.declaration(chain.LESSON)
+    declared.write_text(declared.read_text().replace("in_place=True", "in_place=True, seconds=45"))
+    assignment = prepare(course, "90", chain.SECRET)
+    assert [task.public.seconds for task in assignment.tasks] == [10.0, 10.0, 10.0, 45.0]
+    given, real = {}, module.Worker.call
+
+    def noted(self, name, case, driver=""):
+        given.setdefault(name, set()).add(self.seconds)
+        return module.Outcome("timed out") if name == "total" else real(self, name, case, driver)
+
+    monkeypatch.setattr(module.Worker, "call", noted)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    result = grade(Submission("ada", chain.LESSON, path), assignment, server)
+    assert given == {"double": {10.0}, "plus_one": {10.0}, "both": {10.0}, "total": {45.0}}
+    assert "longer than 45 seconds" in of(result, "total").text
+    assert "stopped after 45 seconds" in " ".join(of(result, "total").public)
+
+
 def test_the_second_try_after_a_time_out_counts(server, assignment, tmp_path, monkeypatch):
     calls = []
     real = module.Worker.call
@@ -341,7 +360,7 @@ def test_the_second_try_has_the_machine_to_itself(server, assignment, tmp_path, 
 
     monkeypatch.setattr(module.Worker, "call", call)
     slow = {"double": "import time\ndef double(x):\n    time.sleep(1000)"}
-    quick = replace(assignment, seconds=2.0)
+    quick = assignment.within(2.0)
     lock = ReadWriteLock()
 
     def graded(number):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from importlib import resources
 from pathlib import Path
 
 import nbformat
@@ -41,6 +42,7 @@ def _{name}_hidden(rng: np.random.Generator) -> list[Case]:
         "a sum of two": lambda value: sum([value, value]),
         "NumPy": lambda value: np.multiply(value, 2.0),
     }},
+    stars={stars},
 )
 
 
@@ -54,6 +56,7 @@ _SOLVED = '''def {name}(value: float) -> float:
     ### BEGIN SOLUTION
     return 2.0 * value
     ### END SOLUTION'''
+_STARS = {1: "one star", 2: "two stars", 3: "three stars"}
 _IMPORTS = {  # what the declaration uses
     "np": "import numpy as np",
     **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise", "Mistake")},
@@ -64,44 +67,58 @@ from __future__ import annotations
 
 import numpy as np
 
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question
 
-PLAN = LessonPlan(exercises=[])
+
+{declarations}WHY = Question(
+    name="{name}_why",
+    text="TODO: a question about the idea?",
+    choices={{
+        "TODO: the right choice": "TODO: why it is right.",
+        "TODO: a wrong choice": "TODO: what somebody thinks who chooses it, and where that leads.",
+        "TODO: another wrong choice": "TODO: another reply.",
+    }},
+    right="TODO: the right choice",
+)
+
+LIMITS = Question(
+    name="{name}_limits",
+    text="TODO: what happens if an assumption does not hold?",
+    choices={{
+        "TODO: a wrong choice": "TODO: what somebody thinks who chooses it.",
+        "TODO: the right choice": "TODO: why it is right, and how one notices.",
+        "TODO: another wrong choice": "TODO: another reply.",
+    }},
+    right="TODO: the right choice",
+)
+
+PLAN = LessonPlan(exercises=[{constants}], questions=[WHY, LIMITS])
 '''
-_LESSON = """
-# {title}
-
-TODO: two sentences on what will work at the end.
-
-**Before you start** you need TODO. **Time:** TODO minutes.
-**Follows** TODO: sections and equations.
-
-+++
-
-## What you will be able to do
-
-TODO: three to five objectives, each naming its exercises.
-
-This cell loads the tools and the checks. `check` and `hint` belong to this lesson.
-
-```{{code-cell}} ipython3
-:role: setup
+_TEST = '''"""The equations of lesson {number}, each held against the solution that the lesson builds on it."""
 
 import numpy as np
+import pytest
 
-from nao_course.exercises import lesson
+from nao_course.exercises import load_definitions
+from tests.paths import SOLUTIONS
 
-check, hint = lesson("{name}")
-```
 
-## What you have, and what is still missing
+@pytest.fixture(scope="module")
+def solution():
+    return load_definitions(SOLUTIONS / "{stem}.ipynb")
 
-TODO: what was built, what still breaks, and the next lesson.
 
-## References
-
-TODO: three or more, with sections.
-"""
+@pytest.mark.asserts("eq-{n}-1")
+def test_twice_a_number_is_the_number_and_itself(solution, rng):
+    # TODO: the law that equation {n}.1 states
+    for value in rng.uniform(-10, 10, 20):
+        assert np.isclose(solution["{first}"](value), value + value)
+'''
+# The panel of a new lesson, and what its set-up imports for it.
+PANEL_IMPORT = "from nao_course.widgets import RealityDial"
+PANEL = "RealityDial(seed=1)"
+TEXT = "lesson.md"  # beside this module: the text of a new lesson
+MINUTES = dict.fromkeys(("07", "09", "11", "12"), 180)  # of the long lessons; all others have 90
 
 
 def add_lesson(course: Course, number: str, name: str) -> list[Path]:
@@ -119,7 +136,7 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     Returns
     -------
     list of Path
-        The text and the declaration.
+        The text, the declaration, and the test of its equations.
 
     Raises
     ------
@@ -133,12 +150,38 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     taken = lesson_names.meant(number, course.names())
     if taken:
         raise LessonError(f"lesson {number} is there already: {taken[0]}")
-    title = name.replace("_", " ").capitalize()
-    stem = f"{number}_{name}"
-    text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
-    text.write_text(lesson_text.HEADER + _LESSON.format(title=title, name=stem), encoding="utf-8")
-    plan.write_text(_PLAN.format(number=number, title=title), encoding="utf-8")
-    return [text, plan]
+    words = _words(number, name)
+    stem = words["stem"]
+    text = (resources.files(__package__) / TEXT).read_text(encoding="utf-8")
+    made = {
+        course.text(stem): lesson_text.HEADER + text.format_map(words),
+        course.declaration(stem): _PLAN.format_map(words),
+        course.root / "tests" / "lessons" / f"test_{stem}.py": _TEST.format_map(words),
+    }
+    for path, content in made.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content, encoding="utf-8")
+    return list(made)
+
+
+def _words(number: str, name: str) -> dict[str, str]:
+    """What stands for what in the texts of a new lesson."""
+    exercises = {each: f"{name}_{each}" for each in ("first", "second", "third")}
+    declared = [_DECLARATION.format(name=each, constant=each.upper(), stars=1) for each in exercises.values()]
+    return {
+        "number": number,
+        "n": str(int(number)),
+        "name": name,
+        "stem": f"{number}_{name}",
+        "title": name.replace("_", " ").capitalize(),
+        "minutes": str(MINUTES.get(number, 90)),
+        "panel": PANEL,
+        "panel_import": PANEL_IMPORT,
+        "declarations": "".join(declared),
+        "constants": ", ".join(map(str.upper, exercises.values())),
+        **exercises,
+        **{f"{each}_solved": _SOLVED.format(name=exercise) for each, exercise in exercises.items()},
+    }
 
 
 def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
@@ -171,20 +214,22 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
             raise LessonError(
                 f"lesson {other} has an exercise {name} already; names are unique in the course"
             )
-    text, plan = course.text(stem), course.solutions / "exercises" / f"{stem}.py"
-    declared = _with_declaration(plan, name)
+    text, plan = course.text(stem), course.declaration(stem)
+    exercises = course.plan(stem).exercises
+    stars = exercises[-1].stars if exercises else 1  # difficulty never falls
+    declared = _with_declaration(plan, name, stars)
     notebook = lesson_text.read_lesson(text)
-    number = len(course.plan(stem).exercises) + 1
+    number = len(exercises) + 1
     checks = lesson_text.code_cells(notebook, "check") or lesson_text.code_cells(notebook, "setup")
     place = checks[-1][0] + 1
-    notebook.cells[place:place] = _cells(f"{int(lesson_names.number_of(stem))}.{number}", name)
+    notebook.cells[place:place] = _cells(f"{int(lesson_names.number_of(stem))}.{number}", name, stars)
     text.write_text(lesson_text.write_lesson(notebook), encoding="utf-8")
     plan.write_text(declared, encoding="utf-8")
     return [text, plan]
 
 
-def _cells(number: str, name: str) -> list[NotebookNode]:
-    title = f"### Exercise {number} (one star)\n\nTODO: what `{name}` is for, and a worked example."
+def _cells(number: str, name: str, stars: int) -> list[NotebookNode]:
+    title = f"### Exercise {number} ({_STARS[stars]})\n\nTODO: what `{name}` is for, and a worked example."
     return [
         nbformat.v4.new_markdown_cell(title),
         nbformat.v4.new_code_cell(_SOLVED.format(name=name), metadata={"exercise": name}),
@@ -192,7 +237,7 @@ def _cells(number: str, name: str) -> list[NotebookNode]:
     ]
 
 
-def _with_declaration(plan: Path, name: str) -> str:
+def _with_declaration(plan: Path, name: str, stars: int) -> str:
     """Write a new exercise before PLAN, its name at the end of PLAN's list, and what it imports."""
     source = plan.read_text(encoding="utf-8")
     tree = ast.parse(source)
@@ -222,7 +267,7 @@ def _with_declaration(plan: Path, name: str) -> str:
     assert row is not None and column is not None  # ast.parse knows where everything ends
     line = lines[row - 1].encode()  # ast counts bytes
     lines[row - 1] = (line[:column] + added.encode() + line[column:]).decode()
-    lines.insert(statement.lineno - 1, _DECLARATION.format(name=name, constant=constant))
+    lines.insert(statement.lineno - 1, _DECLARATION.format(name=name, constant=constant, stars=stars))
     imports = [each for each in tree.body if isinstance(each, ast.Import | ast.ImportFrom)]
     there = {alias.asname or alias.name for each in imports for alias in each.names}
     missing = [f"{line}\n" for imported, line in _IMPORTS.items() if imported not in there]

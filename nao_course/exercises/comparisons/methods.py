@@ -1,0 +1,270 @@
+"""Classes and generators: methods are called in turn, and what each call returned is compared."""
+
+from __future__ import annotations
+
+import dis
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from typing import Any
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.codec import CodecError, decode, encode, register
+from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
+from nao_course.exercises.comparisons.values import Close
+from nao_course.exercises.running import register_driver
+
+Call = tuple[str, tuple[Any, ...]]  # a method's name and its arguments
+
+
+# --- cases ---
+
+
+def calls(*turns: str | tuple[Any, ...], given: Sequence[Any] = (), name: str = "") -> Case:
+    """Make a case for the driver `methods`: an object is made, and its methods are called in turn.
+
+    Parameters
+    ----------
+    *turns : str or tuple
+        Each a method's name, or a tuple of the name and the arguments.
+    given : sequence
+        Arguments of the constructor.
+    name : str
+        As in `Case`.
+
+    Returns
+    -------
+    Case
+        The answer to it is what each call returned, in turn.
+
+    Examples
+    --------
+    >>> calls(("move", 1.0), "estimate", given=(0.0,)).args
+    ((0.0,), [('move', (1.0,)), ('estimate', ())])
+    """
+    told = [(turn, ()) if isinstance(turn, str) else (turn[0], tuple(turn[1:])) for turn in turns]
+    return Case((tuple(given), told), name)
+
+
+def over_log(
+    log: Iterable[tuple[Any, Sequence[Any]]], given: Sequence[Any] = (), name: str = "", every: int = 1
+) -> Case:
+    """Make a case for the driver `methods` of a recorded log, for a `SlamAlgorithm`.
+
+    Parameters
+    ----------
+    log : iterable of (Motion or None, sequence of Measurement)
+        As `run_slam` takes it: in each step move (None: it stands still), then observe.
+    given : sequence
+        Arguments of the constructor.
+    name : str
+        As in `Case`.
+    every : int
+        After how many steps `estimate` is asked for.
+
+    Returns
+    -------
+    Case
+        For `Methods({"estimate": ...})`.
+
+    Examples
+    --------
+    >>> over_log([(None, [])]).args
+    ((), [('observe', ([],)), ('estimate', ())])
+    """
+    turns: list[tuple[Any, ...]] = []
+    for step, (motion, measurements) in enumerate(log, start=1):
+        turns += [] if motion is None else [("move", motion)]
+        turns.append(("observe", list(measurements)))
+        turns += [("estimate",)] if step % every == 0 else []
+    return calls(*turns, given=given, name=name)
+
+
+def first_items(count: int, *args: Any, name: str = "") -> Case:
+    """Make a case for the driver `items`: the first items of a generator, at most `count`, are the answer.
+
+    Parameters
+    ----------
+    count : int
+        How many are taken; a generator that ends earlier gives fewer.
+    *args : object
+        What the generator function is called with.
+    name : str
+        As in `Case`.
+    """
+    return Case((count, *args), name)
+
+
+# --- drivers ---
+
+
+@register_driver
+def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Call]) -> list[tuple[str, Any]]:
+    """Make an object and call its methods in turn.
+
+    Parameters
+    ----------
+    made_by : type
+        The student's class.
+    given : tuple
+        Arguments of its constructor.
+    turns : list of (str, tuple)
+        Names and arguments of what is called.
+
+    Returns
+    -------
+    list of (str, object)
+        Each call's name, and what it returned: a copy, as it was then.
+
+    Raises
+    ------
+    NotImplementedError
+        By the name of a method that is still blank; without a name, where all of them are.
+    AttributeError
+        If the class lacks a method.
+    CodecError
+        If a method returns what cannot be sent.
+    """
+    title = getattr(made_by, "__name__", "it")
+    if not callable(made_by):
+        raise TypeError(
+            f"a class is wanted, got {with_article(made_by)}: hand over the class, without brackets"
+        )
+    for name in sorted(getattr(made_by, "__abstractmethods__", ())):
+        raise AttributeError(f"{title} has no method {name}")
+    thing = _call(made_by, "__init__", made_by, given, "making one")
+    count: Counter[str] = Counter()
+    answers = []
+    for name, args in turns:
+        count[name] += 1
+        where = f"{name}, call {count[name]}"
+        method = getattr(thing, name, None)
+        if not callable(method):
+            raise AttributeError(f"{title} has no method {name}")
+        answers.append((name, _copy(_call(made_by, name, method, args, where), where)))
+    return answers
+
+
+@register_driver
+def items(function: Callable[..., Any], count: int, *args: Any) -> list[Any] | None:
+    """Call a generator function and return copies of its first items.
+
+    Parameters
+    ----------
+    function : callable
+        The student's.
+    count : int
+        How many items are taken.
+    *args : object
+        What it is called with.
+
+    Returns
+    -------
+    list or None
+        At most `count` items; None where it returns None.
+    """
+    made = function(*args)
+    if made is None:
+        return None
+    return [_copy(item, f"item {number}") for number, item in enumerate(islice(made, count), start=1)]
+
+
+def _call(made_by: Any, name: str, function: Callable[..., Any], args: tuple[Any, ...], where: str) -> Any:
+    """Call a method; what it raises says in which call, and a blank one its name."""
+    try:
+        return function(*args)
+    except NotImplementedError as error:
+        if error.args or not is_blank(getattr(made_by, name, None)):
+            error.add_note(f"in {where}")
+            raise
+        own = [getattr(made_by, each) for each in dir(made_by) if not each.startswith("__")]
+        if all(is_blank(each) for each in own if callable(each)):
+            raise NotImplementedError from None
+        raise NotImplementedError(f"{made_by.__name__}.{name} is not written yet") from None
+    except Exception as error:
+        error.add_note(f"in {where}")
+        raise
+
+
+def is_blank(function: Any) -> bool:
+    """Whether a function is as a student gets it: whatever it does before, it ends in `raise NotImplementedError`."""
+    code = getattr(function, "__code__", None)
+    if code is None or "NotImplementedError" not in code.co_names:
+        return False
+    return not any(each.opname.startswith("RETURN") for each in dis.get_instructions(code))
+
+
+def _copy(value: Any, where: str) -> Any:
+    """An answer as it is now: the next call may change the array that this one returned."""
+    try:
+        return decode(encode(value))
+    except CodecError as error:
+        raise CodecError(
+            f"{where}: {error}; return numbers, arrays, lists or one of the course's values, not an object of a class "
+            "of your own"
+        ) from None
+
+
+# --- their comparison ---
+
+
+@register
+@dataclass(frozen=True)
+class Methods(Comparison):
+    """What the driver `methods` brings back, compared call by call.
+
+    Where the reference returns None, nothing else is right: a procedure is judged by what later calls return.
+
+    Parameters
+    ----------
+    by : dict of str to Comparison
+        How the answers of a method are compared, by its name.
+    default : Comparison
+        How those of all others are.
+    """
+
+    by: Mapping[str, Comparison] = field(default_factory=dict)
+    default: Comparison = field(default_factory=Close)
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare (name, answer) of each call with the expected ones; the first that differs is told."""
+        if not _is_of(expected, got):
+            return Verdict("type", "the answers of your methods could not be read")
+        for where, name, one, other in _in_turn(expected, got):
+            verdict = self._of(name).compare(one, other) if one is not None else _nothing(other)
+            if not verdict:
+                return replace(verdict, text=f"{where}: {verdict.text}", at=())
+        return RIGHT
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether each call's answer is the same wrong one as a mistake's."""
+        return _is_of(answer, got) and all(
+            self._of(name).alike(one, other) if one is not None else other is None
+            for _, name, one, other in _in_turn(answer, got)
+        )
+
+    def _of(self, name: str) -> Comparison:
+        return self.by.get(name, self.default)
+
+
+def _is_of(expected: Any, got: Any) -> bool:
+    """Whether a stranger's answers are of these calls."""
+    if not isinstance(got, list) or not isinstance(expected, list) or len(got) != len(expected):
+        return False
+    pairs = zip(expected, got, strict=True)
+    return all(isinstance(other, tuple) and len(other) == 2 and other[0] == one[0] for one, other in pairs)
+
+
+def _in_turn(expected: Any, got: Any) -> Iterator[tuple[str, str, Any, Any]]:
+    """For each call how it is told, the method's name, what is expected and what came."""
+    count: Counter[str] = Counter()
+    for (name, one), (_, other) in zip(expected, got, strict=True):
+        count[name] += 1
+        yield f"{name}, call {count[name]}", name, one, other
+
+
+def _nothing(got: Any) -> Verdict:
+    if got is None:
+        return RIGHT
+    return Verdict("type", f"your answer is {with_article(got)}; this method returns nothing")

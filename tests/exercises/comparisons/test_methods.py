@@ -1,0 +1,269 @@
+"""A class is judged by what its methods return in turn, and the message says which of them and in which call."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import (
+    Case,
+    Close,
+    Exact,
+    Exercise,
+    LessonPlan,
+    Methods,
+    Mistake,
+    calls,
+    first_items,
+    over_log,
+)
+from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.running import call
+from nao_course.instructor.authoring.plan_checks import check_plan
+from nao_course.instructor.authoring.plans import publish
+from nao_course.slam import SlamAlgorithm
+
+
+class Filter:
+    """The reference: a mean that follows what is measured."""
+
+    def __init__(self, start, gain):
+        self.mean, self.gain = np.array([start]), gain
+
+    def move(self, by):
+        self.mean += by
+
+    def observe(self, value):
+        self.mean += self.gain * (value - self.mean)
+        return 2
+
+    def estimate(self):
+        return self.mean  # the array itself, which later calls change
+
+
+CASES = [
+    calls("estimate", ("move", 1.0), "estimate", ("observe", 3.0), "estimate", given=(0.0, 0.5), name="once"),
+    calls(("move", 1.0), ("move", 2.0), "estimate", given=(1.0, 0.5), name="twice"),
+]
+
+
+class NoGain(Filter):
+    def observe(self, value):
+        self.mean[:] = value
+        return 2
+
+
+class Backwards(Filter):
+    def move(self, by):
+        self.mean -= by
+
+
+class Forgets(Filter):
+    def move(self, by):
+        pass
+
+
+class Plain:
+    def __init__(self, start, gain):
+        self.all = [start, gain]
+
+    def move(self, by):
+        self.all[0] += by
+
+    def observe(self, value):
+        start, gain = self.all
+        self.all[0] = (1 - gain) * start + gain * value
+        return 2
+
+    def estimate(self):
+        return (self.all[0],)
+
+
+EXERCISE = Exercise(
+    name="Filter",
+    points=1,
+    public=lambda: CASES,
+    hidden=lambda rng: [
+        calls(("move", float(rng.normal())), ("observe", 2.0), "estimate", given=(0.0, 0.3)) for _ in range(2)
+    ],
+    hints=("a", "b"),
+    mistakes=[
+        Mistake("no gain", NoGain, "Weigh what you see."),
+        Mistake("backwards", Backwards, "Forwards is plus."),
+        Mistake("forgets", Forgets, "A motion moves the mean."),
+    ],
+    alternatives={"numbers": Plain, "inherited": type("Mine", (Filter,), {}), "again": Filter},
+    comparison=Methods({"observe": Exact()}, Close()),
+    driver="methods",
+)
+
+
+@pytest.fixture(scope="module")
+def public():
+    (exercise,) = unpack(pack(publish("02_filters", LessonPlan([EXERCISE]), {"Filter": Filter}))).exercises
+    return exercise
+
+
+def said(public, made_by):
+    report = grade_public(public, made_by)
+    return report.state, report.lines[0]
+
+
+def test_a_plan_with_a_class_passes_all_that_a_plan_is_checked_for():
+    check_plan("02_filters", LessonPlan([EXERCISE]), {"Filter": Filter})
+
+
+def test_each_call_is_compared_as_it_was_when_it_was_made(public):
+    assert [name for name, _ in public.cases[0].expected] == [
+        "estimate",
+        "move",
+        "estimate",
+        "observe",
+        "estimate",
+    ]
+    assert [float(value[0]) for name, value in public.cases[0].expected if name == "estimate"] == [0, 1, 2]
+    assert grade_public(public, Filter) and grade_public(public, Plain)
+
+
+def test_the_message_says_which_method_and_which_call(public):
+    state, line = said(public, NoGain)
+    assert state == "wrong" and "(once): estimate, call 3: 1 of 1 elements of your answer are off" in line
+    assert "Weigh what you see." in grade_public(public, NoGain).lines
+    assert (
+        "(twice): estimate, call 1" in said(public, Forgets)[1]
+        or "estimate, call 2" in said(public, Forgets)[1]
+    )
+
+
+def test_a_method_that_returns_nothing_may_return_nothing_else(public):
+    class Chatty(Filter):
+        def move(self, by):
+            super().move(by)
+            return 7
+
+    assert "move, call 1: your answer is an int; this method returns nothing" in said(public, Chatty)[1]
+
+
+def test_what_is_blank_is_told_by_its_name(public):
+    class Blank:
+        def __init__(self, start, gain):
+            self.start = start
+
+        def move(self, by):
+            raise NotImplementedError
+
+        def estimate(self):
+            """Say where it is."""
+            self.scale = 2.0  # a line that the lesson gives
+            raise NotImplementedError
+
+    assert said(public, Blank) == ("not attempted", "2.1 Filter: not written yet.")
+
+    class Half(Filter):
+        def observe(self, value):
+            raise NotImplementedError
+
+    state, line = said(public, Half)
+    assert state == "raised" and "Half.observe is not written yet (once)" in line and "raises" not in line
+
+    class Helper(Filter):
+        def observe(self, value):
+            return self.helper()
+
+        def helper(self):
+            raise NotImplementedError
+
+    assert "helper is not written yet" in said(public, Helper)[1]
+
+
+def test_a_missing_method_a_constructor_that_raises_and_a_call_that_raises_say_so(public):
+    lacking = type("Lacking", (), {"__init__": lambda self, *_: None, "estimate": lambda self: 0.0})
+    assert "Lacking has no method move" in said(public, lacking)[1]
+
+    class Raises(Filter):
+        def __init__(self, start, gain):
+            self.mean = start / 0
+
+    assert "raises ZeroDivisionError: float division by zero in making one (once)" in said(public, Raises)[1]
+
+    class Later(Filter):
+        def estimate(self):
+            return 1 / (self.mean[0] - 2)
+
+    assert (
+        "ZeroDivisionError" not in said(public, Later)[1] or "in estimate, call 3" in said(public, Later)[1]
+    )
+    few = type("Few", (), {"__init__": lambda self: None})
+    assert said(public, few)[0] == "raised" and "in making one" in said(public, few)[1]
+    assert "hand over the class, without brackets" in said(public, Filter(0.0, 1.0))[1]
+
+
+def test_an_abstract_method_that_is_not_there_is_named():
+    class Mine(SlamAlgorithm):
+        def move(self, motion):
+            pass
+
+        def observe(self, measurements):
+            pass
+
+    outcome = call(Mine, over_log([(None, [])]), "methods")
+    assert outcome.text == "AttributeError: Mine has no method estimate"
+
+
+def test_an_object_that_comes_back_cannot_be_sent_and_it_is_said_what_can(public):
+    class Chained(Filter):
+        def move(self, by):
+            self.mean += by
+            return self
+
+    state, line = said(public, Chained)
+    assert state == "wrong" and "move, call 1: a value of type Chained cannot be sent; return numbers" in line
+
+
+def test_a_log_becomes_moves_observations_and_estimates():
+    case = over_log([(None, [1.0]), (2.0, [])], given=(0.0,), name="still, then on", every=2)
+    assert case.args == (
+        (0.0,),
+        [("observe", ([1.0],)), ("move", (2.0,)), ("observe", ([],)), ("estimate", ())],
+    )
+    assert case.name == "still, then on"
+
+
+def test_the_first_items_of_a_generator_are_its_answer():
+    def count_by(step):
+        value = [0]
+        while True:
+            value[0] += step
+            yield value
+
+    assert call(count_by, first_items(3, 2), "items").value == [[2], [4], [6]]
+    assert call(lambda: iter([1]), first_items(3), "items").value == [1]
+    assert call(lambda: None, first_items(3), "items").value is None
+    assert "item 1: a value of type object" in call(lambda: [object()], first_items(1), "items").text
+
+
+@pytest.mark.parametrize(
+    "got", [None, 7, [], [("move", None)], [1, 2, 3, 4, 5], [("a", 1)] * 5, [["estimate", 1]] * 5]
+)
+def test_a_strangers_answers_are_compared_without_falling_over(public, got):
+    case = public.cases[0]
+    assert not public.comparison.compare(case.expected, got)
+    assert not public.comparison.alike(case.expected, got)
+
+
+def test_a_method_with_another_comparison_is_compared_with_that(public):
+    whole = replace(EXERCISE.comparison, by={"observe": Exact()})
+    wrong = [(name, 2.0 if name == "observe" else value) for name, value in public.cases[0].expected]
+    assert whole.compare(public.cases[0].expected, wrong).text.startswith(
+        "observe, call 1: your answer holds"
+    )
+    assert Methods().compare(public.cases[0].expected, wrong)
+
+
+def test_the_input_of_a_call_must_stay_as_it_is():
+    class Greedy:
+        def take(self, values):
+            values.append(1)
+
+    assert call(Greedy, calls(("take", [2])), "methods").changed
+    assert not call(Greedy, Case(((), [])), "methods").changed

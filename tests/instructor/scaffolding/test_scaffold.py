@@ -1,0 +1,143 @@
+"""A new lesson and a new exercise build at once, and cannot be released unfinished."""
+
+import inspect
+import shutil
+import subprocess
+import sys
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+from nao_course.exercises.checking import unpack
+from nao_course.instructor.authoring import release
+from nao_course.instructor.authoring.mutation import mutate
+from tests.lessons import test_lessons as rules
+from tests.paths import PROJECT
+from tests.toy.course import contents, run
+
+
+def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished(built):
+    assert run("new", "lesson", "07", "ekf_slam").exit_code == 0
+    for name in ("predict_it", "update_it"):
+        result = run("new", "exercise", "07", name)
+        assert result.exit_code == 0, result.output
+    assert run("new", "exercise", "01", "treble").exit_code == 0
+    result = run("build")
+    assert result.exit_code == 0, result.output
+    shown = Path("notebooks/07_ekf_slam.ipynb").read_text()
+    assert shown.index("predict_it") < shown.index("update_it") < shown.index("References")
+    for name in ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock", "docs/for_students.md"):
+        (built.root / name).parent.mkdir(exist_ok=True)
+        shutil.copy(PROJECT / name, built.root / name)
+    result = run("release", "--out", "dist")
+    assert result.exit_code == 1 and "07_ekf_slam.ipynb says TODO" in result.output
+    assert not Path("dist").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("lesson", "01", "again"), "lesson 01 is there already: 01_toy"),
+        (("lesson", "7", "ekf"), "a lesson is two digits and a name"),
+        (("exercise", "01", "double"), "lesson 01_toy has an exercise double already"),
+        (("exercise", "01", "Double"), "an exercise is named like a function"),
+        (("exercise", "05", "x"), "there is no lesson 05"),
+    ],
+)
+def test_a_scaffold_that_cannot_be_is_refused(course, words, said):
+    before = contents(course.root)
+    result = run("new", *words)
+    assert result.exit_code == 1 and said in result.output
+    assert contents(course.root) == before
+
+
+# --- a new lesson keeps the rules of all lessons ---
+
+NAME = "90_toy_lesson"
+RULES = {name: rule for name, rule in vars(rules).items() if name.startswith("test_rubric")}
+NEED_OUTPUTS = {name for name, rule in RULES.items() if "executed(" in inspect.getsource(rule)}
+OF_THE_COURSE = {"test_rubric_16_built_notebooks_are_clean"}
+
+
+def is_slow(rule):
+    return any(mark.name == "slow" for mark in getattr(rule, "pytestmark", ()))
+
+
+@pytest.fixture
+def new_lesson(course, monkeypatch):
+    """A course with a new lesson, which is judged as one of this course's is."""
+    assert run("new", "lesson", "90", "toy_lesson").exit_code == 0
+    course.text("01_toy").unlink()
+    course.declaration("01_toy").unlink()
+
+    def read_public(name):
+        return unpack((course.root / "nao_course" / "exercises" / "checks" / f"{name}.bin").read_bytes())
+
+    for name, value in {"COURSE": course, "PROJECT": course.root, "NAMES": [NAME], "read_public": read_public}.items():
+        monkeypatch.setattr(rules, name, value)
+    for cached in (rules.solved, rules.reference):
+        cached.cache_clear()
+    yield course
+    for cached in (rules.solved, rules.reference):
+        cached.cache_clear()
+
+
+def judge(course, names):
+    for name in names:
+        rule = RULES[name]
+        if "exercise" in inspect.signature(rule).parameters:
+            for exercise in course.plan(NAME).exercises:
+                rule(NAME, exercise)
+        elif name not in OF_THE_COURSE:
+            rule(NAME)
+
+
+def ruff(root):
+    """What this project's rules of style say of another course."""
+    shutil.copy(PROJECT / "pyproject.toml", root)
+    shutil.copy(PROJECT / "tests" / "paths.py", root / "tests")  # so that ruff knows whose `tests` is
+    command = [sys.executable, "-m", "ruff", "check", "--no-cache", "notebooks", "tests", "solutions"]
+    return subprocess.run(command, capture_output=True, text=True, cwd=root)
+
+
+def test_a_new_lesson_begins_with_all_that_the_rules_ask_of_its_text(new_lesson):
+    result = run("build", "--no-execute")
+    assert result.exit_code == 0, result.output
+    quick = [name for name, rule in RULES.items() if not is_slow(rule) and name not in NEED_OUTPUTS]
+    assert len(quick) >= 14
+    judge(new_lesson, quick)
+    clean = ruff(new_lesson.root)
+    assert clean.returncode == 0, clean.stdout
+
+
+def test_a_new_lesson_whose_todos_are_done_gives_nothing_of_its_solution_away(new_lesson):
+    for path in (new_lesson.text(NAME), new_lesson.declaration(NAME)):
+        path.write_text(path.read_text().replace("TODO", "done"))
+    assert run("build", "--no-execute").exit_code == 0
+    for each in ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock", "docs/for_students.md"):
+        (new_lesson.root / each).parent.mkdir(exist_ok=True)
+        shutil.copy(PROJECT / each, new_lesson.root / each)
+    files = release.contents(new_lesson, [NAME])
+    lessons = {name: content for name, content in files.items() if NAME in name}
+    assert len(lessons) == 2 and release.release_problems(new_lesson, lessons) == []
+
+
+@pytest.mark.slow
+def test_a_new_lesson_keeps_every_rule_and_its_own_test_passes(new_lesson, kernel, tmp_path):
+    result = run("build")
+    assert result.exit_code == 0, result.output
+    judge(new_lesson, [name for name, rule in RULES.items() if not is_slow(rule)])
+    shutil.copy(PROJECT / "tests" / "paths.py", new_lesson.root / "tests")
+    shutil.copy(PROJECT / "tests" / "conftest.py", new_lesson.root / "tests")
+    shutil.copy(PROJECT / "pyproject.toml", new_lesson.root)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/lessons"]
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=new_lesson.root)
+    assert ran.returncode == 0 and "1 passed" in ran.stdout, ran.stdout
+    report = mutate("90", jobs=2, solutions=new_lesson.solutions)
+    hidden, public, total = report.caught()
+    assert total >= rules.FEWEST_MUTANTS * 3 and hidden / total >= 0.97 and public / total >= 0.85
+
+
+def test_the_texts_of_a_new_lesson_come_with_the_package():
+    assert (resources.files("nao_course.instructor.scaffolding") / "lesson.md").is_file()
