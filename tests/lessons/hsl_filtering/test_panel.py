@@ -15,7 +15,7 @@ from nao_course.lessons.hsl_filtering import FilterPanel
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
 from nao_course.sim import SimulatedNao, Truth
-from tests.widgets.robots import all_widgets
+from tests.widgets.robots import all_widgets, decoded
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
 
@@ -40,10 +40,6 @@ def hue_only(picture, green, yellow, beta, min_saturation):
 def make(rng, label=brightness, **options):
     picture, truth = scene(rng)
     return FilterPanel(picture, truth, label, **{"green": GREEN, "yellow": YELLOW, **options})
-
-
-def decoded(widget):
-    return cv2.imdecode(np.frombuffer(widget.value, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
 
 
 def colour(text):
