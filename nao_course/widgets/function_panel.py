@@ -51,6 +51,8 @@ _CSS = """
 .nao-function .nao-scores { flex: 0 0 auto; }
 .nao-function .nao-scores table { border-collapse: collapse; font-size: 13px; line-height: 22px; margin: 0; }
 .nao-function .nao-scores th, .nao-function .nao-scores td { padding: 1px 10px; text-align: right; }
+.nao-function .nao-scores b { padding: 0 10px; }
+.nao-function .nao-scores tbody th { text-align: left; font-weight: normal; }
 .nao-function .nao-scores td { font-variant-numeric: tabular-nums; min-width: 70px; }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
@@ -70,7 +72,7 @@ class FunctionPanel:
         What the panel is, for texts and readers who cannot see it.
     show : callable
         ``show(values, student)`` returns what to show, or yields several of them: a picture, a Drawing, a table, a
-        text, a Legend, or {title: picture or Drawing}. What was yielded before an error stays.
+        text, a Legend, or {title: picture, Drawing or table}. What was yielded before an error stays.
     controls : sequence of Control
         What can be set.
     student : mapping of str to callable, optional
@@ -98,6 +100,8 @@ class FunctionPanel:
     Grey 9
     The square is 81.
     """
+
+    css = ""  # the look of a kind of panel, beside that of all
 
     def __init__(
         self,
@@ -172,7 +176,7 @@ class FunctionPanel:
         """Say where the controls stand and what is shown, or why there is nothing."""
         shown = self._shown
         failed = [] if self._latest.done else [self._latest.message]
-        lines = [self.say_values(), *shown.texts, *map(repr, shown.tables), *failed]
+        lines = [self.say_values(), *shown.texts, *map(repr, shown.tables.values()), *failed]
         return "\n".join(filter(None, lines))
 
     def drawing(self) -> Drawing:
@@ -290,7 +294,7 @@ class FunctionPanel:
             self._pictures.children = columns
         self._lay_pads(list(places))
         self._legend.value = "".join(each._repr_html_() for each in self._shown.legends)
-        self._table.value = "".join(each._repr_html_() for each in self._shown.tables)
+        self._table.value = self._shown.tables_html()
         self._status.value = self._say_status()
 
     def _fill(self, number: int, title: str, pixels: Any, is_empty: bool) -> None:
@@ -298,7 +302,7 @@ class FunctionPanel:
         is_figure = title in self._shown.drawings
         image.format, image.value = encoded(pixels, is_figure)
         note = " (nothing yet)" if is_empty else ""
-        image.alt = image.description = f"{title.strip() or self.title}{note}"
+        image.alt = image.description = image.tooltip = f"{title.strip() or self.title}{note}"
         caption.layout.display = "" if title.strip() else "none"
         caption.value = f"<b>{html.escape(title.strip())}</b>{note}"
         width = pixels.shape[1]
@@ -369,7 +373,7 @@ class FunctionPanel:
         self.widget = box(
             "V",
             "nao-panel",
-            styles(_CSS),
+            styles(_CSS + self.css),
             self._pictures,
             box("H", "nao-choices", *self._small_controls(), *self._key_line(), self._legend),
             box("H", "nao-below", box("V", "nao-sliders", *sliders), self._table),

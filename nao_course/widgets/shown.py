@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from nao_course.widgets.parts import jpeg, png
 Pixels = npt.NDArray[np.uint8]
 
 FEW_COLOURS = 32  # up to here a picture is painted and sent as PNG, which keeps each colour
-_PARTS = "a picture, a Drawing, a table, a text, a Legend, or {title: picture or Drawing}"
+_PARTS = "a picture, a Drawing, a table, a text, a Legend, or {title: picture, Drawing or table}"
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class Shown:
         RGB (H, W, 3) by title, in order; figures too.
     drawings : mapping of str to Drawing
         Those of them that are figures.
-    tables : tuple of objects
-        With ``_repr_html_`` for a page, and `repr` for a text.
+    tables : mapping of str to objects
+        By title, in order; with ``_repr_html_`` for a page, and `repr` for a text.
     legends : tuple of Legend
         What colours mean.
     texts : tuple of str
@@ -74,7 +74,7 @@ class Shown:
 
     pictures: Mapping[str, Pixels]
     drawings: Mapping[str, Drawing]
-    tables: tuple[Any, ...] = ()
+    tables: Mapping[str, Any] = field(default_factory=dict)
     legends: tuple[Legend, ...] = ()
     texts: tuple[str, ...] = ()
 
@@ -88,23 +88,28 @@ class Shown:
             For what cannot be shown.
         """
         pictures: dict[str, Any] = {}
-        tables, legends, texts = [], [], []
+        tables: dict[str, Any] = {}
+        legends, texts = [], []
         for part in parts:
-            if isinstance(part, Mapping):
-                pictures |= {str(title): each for title, each in part.items()}
-            elif isinstance(part, str):
+            if isinstance(part, str):
                 texts.append(part)
             elif isinstance(part, Legend):
                 legends.append(part)
-            elif isinstance(part, Drawing | Picture | np.ndarray):
-                pictures[" " * len(pictures)] = part  # no title, but a place of its own
-            elif hasattr(part, "_repr_html_"):
-                tables.append(part)
             else:
-                raise TypeError(f"a panel shows {_PARTS}; got {type(part).__name__}")
+                no_title = " " * (len(pictures) + len(tables))  # but a place of its own
+                for title, each in part.items() if isinstance(part, Mapping) else [(no_title, part)]:
+                    (pictures if is_picture(each) else tables)[str(title)] = each
         drawings = {title: each for title, each in pictures.items() if isinstance(each, Drawing)}
         seen = {title: as_picture(each) for title, each in pictures.items()}
-        return cls(seen, drawings, tuple(tables), tuple(legends), tuple(texts))
+        return cls(seen, drawings, tables, tuple(legends), tuple(texts))
+
+    def tables_html(self) -> str:
+        """The tables under their titles."""
+        titles = (f"<b>{html.escape(title)}</b>" if title.strip() else "" for title in self.tables)
+        return "".join(
+            f"<div>{title}{table._repr_html_()}</div>"
+            for title, table in zip(titles, self.tables.values(), strict=True)
+        )
 
     def drawing(self, words: str, marks: Mapping[str, tuple[int, int]]) -> Drawing:
         """Return it as one figure.
@@ -150,6 +155,15 @@ def parts_of(given: Any) -> Iterator[Any]:
         raise TypeError(f"a panel shows {_PARTS}; the function returned nothing")
     else:
         yield given
+
+
+def is_picture(shown: Any) -> bool:
+    """Whether it is a picture or a figure, not a table; a TypeError for what is none of these."""
+    if isinstance(shown, Drawing | Picture | np.ndarray):
+        return True
+    if not hasattr(shown, "_repr_html_"):
+        raise TypeError(f"a panel shows {_PARTS}; got {type(shown).__name__}")
+    return False
 
 
 def as_picture(shown: Any) -> Pixels:
