@@ -19,6 +19,7 @@ from nao_course.widgets.parts import LabelledImage, Newest, box, bundle, html_li
 from nao_course.widgets.shown import Shown, encoded, parts_of
 
 SLOW = 0.1  # s for one call of the student's code: from here on the panel says why it lags
+TALLEST = 430  # px of a picture on the page: the panel fits on a laptop's screen
 _CSS = """
 .nao-function .nao-pictures { gap: 8px; flex-wrap: wrap; overflow: visible; }
 .nao-function .nao-column { flex: 1 1 0; min-width: 150px; overflow: visible; }
@@ -295,6 +296,7 @@ class FunctionPanel:
         self._lay_pads(list(places))
         self._legend.value = "".join(each._repr_html_() for each in self._shown.legends)
         self._table.value = self._shown.tables_html()
+        self._table.layout.display = "" if self._shown.tables else "none"
         self._status.value = self._say_status()
 
     def _fill(self, number: int, title: str, pixels: Any, is_empty: bool) -> None:
@@ -305,9 +307,10 @@ class FunctionPanel:
         image.alt = image.description = image.tooltip = f"{title.strip() or self.title}{note}"
         caption.layout.display = "" if title.strip() else "none"
         caption.value = f"<b>{html.escape(title.strip())}</b>{note}"
-        width = pixels.shape[1]
-        column.layout.max_width = f"{width if is_figure else max(width, 322)}px"
-        column.layout.flex = f"{width / pixels.shape[0]:.3f} 1 {'380px' if is_figure else '0'}"
+        height, width = pixels.shape[:2]
+        most = width if is_figure else max(width, 322)
+        column.layout.max_width = f"{min(most, TALLEST * width // height)}px"
+        column.layout.flex = f"{width / height:.3f} 1 {'340px' if is_figure else '0'}"
         for name, holds in (("nao-photo", not is_figure), ("nao-small", width <= 64)):
             (column.add_class if holds else column.remove_class)(name)
 

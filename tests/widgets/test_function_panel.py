@@ -2,6 +2,7 @@
 
 import asyncio
 import html
+import re
 import threading
 import time
 
@@ -10,7 +11,18 @@ import numpy as np
 import pytest
 
 from nao_course.plotting import draw_picture, table
-from nao_course.widgets import Action, Choice, FunctionPanel, Legend, Pixel, RangeSlider, Slider, Toggle
+from nao_course.widgets import (
+    Action,
+    Choice,
+    FunctionPanel,
+    Legend,
+    Pixel,
+    RangeSlider,
+    Slider,
+    Toggle,
+    __all__,
+)
+from tests.paths import PROJECT
 from tests.widgets.robots import all_widgets, decoded, press
 
 LEVEL = Slider("level", "Level", 0, 250, 10, 100)
@@ -39,6 +51,27 @@ def image(panel, number):
 
 def status(panel):
     return html.unescape(panel._status.value)
+
+
+# --- the documentation ---
+
+
+def test_the_panel_of_the_documentation_is_made_of_ten_lines_and_says_what_the_page_says():
+    page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len([line for line in example.splitlines() if line.strip()]) <= 11  # the import is the eleventh
+    room = {}
+    exec(example, room)
+    scene = np.random.default_rng(0).integers(0, 256, (240, 320, 3), dtype=np.uint8)
+    panel = room["mask_panel"](scene, brighter)
+    mask = brighter(scene, 120)
+    said = f"{mask.mean():.0%} is bright; the pixel (160, 120) is {mask[120, 160]}."
+    assert panel.summary() == f"Level 120, Pixel (160, 120)\n{said}"
+    with pytest.raises(ValueError, match="level must be from 0 to 255, got 300"):
+        panel.set(level=300)
+    assert room["mask_panel"](scene, unwritten).summary().endswith("Finish exercise 1.3 to see this.")
+    assert "IndexError in brighter(), line" in room["mask_panel"](scene, lambda *given: [][1]).summary()
+    assert all(f"`{name}(" in page for name in __all__ if name not in ("ControlPanel", "RealityDial"))
 
 
 # --- controls ---
