@@ -10,11 +10,14 @@ import sysconfig
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Generic, TextIO, TypeVar
+from typing import Any, Generic, TextIO, TypeVar
+
+import numpy as np
 
 TIME_LIMIT = 10.0  # s for one call of a student's code before it is given up
 KEPT_LETTERS = 1000  # of what it prints, the last ones
@@ -25,6 +28,7 @@ _LIBRARIES = (
 
 
 Value = TypeVar("Value")
+Words = str | Callable[[], str]  # a function is asked when it is over
 
 
 @dataclass(frozen=True)
@@ -62,10 +66,10 @@ class Attempt(Generic[Value]):
 
 def attempt(
     call: Callable[[], Value],
-    what: str,
+    what: Words,
     *,
     limit: float = TIME_LIMIT,
-    unfinished: str | None = None,
+    unfinished: Words | None = None,
     quiet: bool = False,
 ) -> Attempt[Value]:
     """Call a student's code: whatever it does, except for being interrupted, nothing is raised.
@@ -76,11 +80,11 @@ def attempt(
     ----------
     call : callable
         Takes nothing; looks at what comes back, too, and raises ValueError or TypeError where that cannot be used.
-    what : str
-        Whose code it is, for messages: "your filter", "move()".
+    what : str or callable
+        Whose code it is, for messages: "your filter", "move()"; a function says so afterwards.
     limit : float
         Seconds until it is stopped.
-    unfinished : str, optional
+    unfinished : str or callable, optional
         The message for a NotImplementedError; by default that is an error like any other.
     quiet : bool
         Whether what it prints is only kept, and shown nowhere else.
@@ -102,13 +106,88 @@ def attempt(
     took = time.perf_counter() - began
     unwritten = unfinished is not None and isinstance(error, NotImplementedError)
     if unfinished is not None and unwritten:
-        message = unfinished
+        message = _said(unfinished)
     elif error is not None:
-        message = complaint(what, error) if not isinstance(error, TooSlow) else _too_slow(what, error, limit)
+        tell = partial(_too_slow, limit=limit) if isinstance(error, TooSlow) else complaint
+        message = tell(_said(what), error)
     return Attempt(value, message, error, unwritten, printed.text, took)
 
 
-def _too_slow(what: str, error: TooSlow, limit: float) -> str:
+class StudentCode(Mapping[str, Callable[..., Any]]):
+    """A student's functions, each called with copies of arrays: ``student.paper_distance(pixels, view)``.
+
+    A function that was defined again in the notebook is used from then on.
+
+    Attributes
+    ----------
+    running, last : str
+        Which is being called or did not come to its end; which did, last.
+    seconds : float
+        Spent in all of them since `begin`.
+    """
+
+    def __init__(self, functions: Mapping[str, Callable[..., Any]]) -> None:
+        """Refuse what cannot be called."""
+        for name, function in functions.items():
+            if not callable(function):
+                raise ValueError(f"{name} must be a function, got {type(function).__name__}")
+        self._functions = dict(functions)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was called."""
+        self.running, self.last, self.seconds = "", "", 0.0
+
+    @property
+    def called(self) -> str:
+        """The function that failed, else the last that did not, else nothing."""
+        return self.running or self.last
+
+    def __getitem__(self, name: str) -> Callable[..., Any]:
+        """Return a function."""
+        return partial(self._call, name, newest_definition(self._functions[name]))
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Return a function."""
+        if name.startswith("_") or name not in self._functions:
+            raise AttributeError(f"this panel was given no function {name!r}, but {list(self._functions)}")
+        return self[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Their names."""
+        return iter(self._functions)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._functions)
+
+    def _call(self, name: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
+        self.running, began = name, time.perf_counter()
+        try:
+            value = function(*map(_copied, given), **{key: _copied(each) for key, each in named.items()})
+        finally:
+            self.seconds += time.perf_counter() - began
+        self.running, self.last = "", name
+        return value
+
+
+def _copied(value: Any) -> Any:
+    return value.copy() if isinstance(value, np.ndarray) else value
+
+
+def newest_definition(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what a function's name means today where it was defined; the function itself if it has none there."""
+    name = getattr(function, "__qualname__", "")
+    today = getattr(function, "__globals__", {}).get(name)
+    same = callable(today) and getattr(today, "__qualname__", "") == name
+    return today if same and today is not None else function
+
+
+def _said(words: Words) -> str:
+    return words if isinstance(words, str) else words()
+
+
+def _too_slow(what: str, error: BaseException, limit: float) -> str:
     line = _line_of(error)
     return (
         f"Time is up: {what} was not done after {limit:g} s and was stopped in line {line}. Does a loop end?"

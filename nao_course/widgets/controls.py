@@ -52,10 +52,6 @@ _CSS = """
 .nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }
 .nao-panel .nao-actions .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
-.nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 8px;
-  border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb); background: var(--jp-layout-color1, white);
-  color: var(--jp-ui-font-color1, black); caret-color: transparent; }
-.nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
 """
 

@@ -27,9 +27,14 @@ COMMON_CSS = """
 .nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
 .nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
   background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
+.nao-panel .nao-status [role=status] { white-space: pre-line; }
 .nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
 .nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
 .nao-panel .nao-alarm { border-left-color: #c84b00; }
+.nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 8px;
+  border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb); background: var(--jp-layout-color1, white);
+  color: var(--jp-ui-font-color1, black); caret-color: transparent; }
+.nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 """
 

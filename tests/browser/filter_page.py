@@ -28,7 +28,7 @@ PANEL = "FilterPanel(scene, truth, label, green=(114.3, 139.4), yellow=(58.7, 61
 # In the page's own clock: when each new picture of labels was decoded.
 _WATCH = """() => {
   window.naoLoads = [];
-  document.querySelector('img.nao-image-labels').addEventListener(
+  document.querySelectorAll('.nao-filter img')[1].addEventListener(
     'load', () => window.naoLoads.push(performance.now()));
 }"""
 
@@ -54,7 +54,7 @@ class FilterPage:
         page.wait_for_timeout(1000)
 
     def source(self):
-        return self.root.locator("img.nao-image-labels").get_attribute("src")
+        return self.root.locator("img").nth(1).get_attribute("src")
 
     def words(self):
         return self.root.locator(".nao-status").inner_text()

@@ -1,6 +1,9 @@
-"""What the panels' tests drive: robots without noise, algorithms that remember or fail, and hands that press."""
+"""What the panels' tests drive: robots without noise, algorithms that remember or fail, hands and eyes."""
 
 from __future__ import annotations
+
+import cv2
+import numpy as np
 
 from nao_course.sim import Reality, SimulatedNao
 from nao_course.slam import DeadReckoning
@@ -60,3 +63,8 @@ def all_widgets(widget):
     yield widget
     for child in getattr(widget, "children", ()):
         yield from all_widgets(child)
+
+
+def decoded(image):
+    """The pixels that the browser would show."""
+    return cv2.imdecode(np.frombuffer(image.value, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]

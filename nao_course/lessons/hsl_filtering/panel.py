@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-import ipywidgets
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
@@ -15,62 +13,32 @@ from nao_course.lessons.hsl_filtering.scores import (
     COLOURS,
     ERROR_COLOURS,
     Score,
+    ScoreTable,
     error_classes,
     legend,
-    score_table,
 )
-from nao_course.lessons.hsl_filtering.settings import HUE_MOST, SLIDERS, FilterSettings, Limits
+from nao_course.lessons.hsl_filtering.settings import FilterSettings, Limits
 from nao_course.plotting import Drawing, course_style, painted, plot_picture
 from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.sim import LABELS
-from nao_course.widgets.attempts import TIME_LIMIT, Attempt, attempt
-from nao_course.widgets.parts import (
-    LabelledImage,
-    Newest,
-    box,
-    bundle,
-    html_line,
-    jpeg,
-    png,
-    status_box,
-    styles,
-)
+from nao_course.widgets import Choice, FunctionPanel
+from nao_course.widgets.attempts import TIME_LIMIT, StudentCode
+from nao_course.widgets.function_panel import SLOW
+from nao_course.widgets.inputs import Values
 
 Pixels = npt.NDArray[np.uint8]
 Label = Callable[[Pixels, Limits, Limits, float, float], Any]
 
-SLOW = 0.1  # s for one picture: from here on the panel says why it lags
-SHOWN = {"labels": "Labels", **{colour: f"Errors in {colour}" for colour in COLOURS}}
-_CSS = """
-.nao-filter .nao-pictures { gap: 8px; overflow: visible; }
-.nao-filter .nao-pictures > * { flex: 1 1 0; min-width: 0; max-width: 322px; overflow: visible; }
-.nao-filter .nao-pictures img { width: 100%; height: auto; margin: 0; border: 1px solid #888; box-sizing: border-box; }
-.nao-filter .nao-choices { gap: 10px; align-items: center; flex-wrap: wrap; overflow: visible; }
-.nao-filter .nao-choices .widget-dropdown { width: auto; min-width: 200px; margin: 0; }
-.nao-filter .nao-choices .widget-label { width: auto; }
-.nao-filter .nao-choices button { margin: 0; }
-.nao-filter .nao-below { gap: 24px; flex-wrap: wrap; align-items: flex-start; overflow: visible; margin-top: 2px; }
-.nao-filter .nao-sliders { flex: 1 1 480px; overflow: visible; }
-.nao-filter .nao-sliders .widget-slider { width: 100%; max-width: 560px; height: 26px; margin: 0; }
-.nao-filter .nao-sliders .widget-label { width: 120px; }
+FILTER = "your filter"  # the student's function, in messages
+SHOWN = {"Labels": "", **{f"Errors in {colour}": colour for colour in COLOURS}}
+_HUES = """
 .nao-filter .nao-hue .noUi-connects { background: linear-gradient(to right, hsl(0 85% 55%), hsl(60 85% 50%),
   hsl(120 85% 42%), hsl(180 85% 45%), hsl(240 85% 60%), hsl(300 85% 55%), hsl(359 85% 55%)); }
 .nao-filter .nao-hue .noUi-connect { background: none; }
-.nao-filter .noUi-handle:focus { outline: 2px solid #0b5fa5; outline-offset: 2px; }
-.nao-filter .nao-scores { flex: 0 0 auto; }
-.nao-filter .nao-scores table { border-collapse: collapse; font-size: 13px; line-height: 22px; margin: 0; }
-.nao-filter .nao-scores th, .nao-filter .nao-scores td { padding: 1px 10px; text-align: right; }
-.nao-filter .nao-scores caption { text-align: left; font-weight: 600; padding: 0 10px; color: inherit; }
-.nao-filter .nao-scores tbody th { text-align: left; font-weight: normal; }
-.nao-filter .nao-scores tbody td { font-variant-numeric: tabular-nums; min-width: 70px; }
-.nao-filter .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
-  vertical-align: -1px; }
-.nao-filter .nao-legend { font-size: 12px; line-height: 18px; }
-.nao-filter .nao-legend span { white-space: nowrap; margin-right: 12px; }
 """
 
 
-class FilterPanel:
+class FilterPanel(FunctionPanel):
     """A picture, the labels your colour filter gives it, and the true ones; sliders for the filter's limits.
 
     The panel itself cannot filter: it asks your function, each time with a copy of the picture.
@@ -114,6 +82,8 @@ class FilterPanel:
     white: precision -, recall 0.0 %
     """
 
+    css = _HUES
+
     def __init__(
         self,
         picture: Any,
@@ -131,17 +101,21 @@ class FilterPanel:
         if not callable(label):
             raise ValueError(f"label must be a function that labels a picture, got {type(label).__name__}")
         self._scenes = _paired(picture, truth)
-        self._label, self._unfinished = label, unfinished
-        self._start = self._settings = FilterSettings(green, yellow, beta, min_saturation)
-        self.time_limit = time_limit
-        self._latest: Attempt[Pixels] = Attempt()
-        self._error: BaseException | None = None
-        self._moving_sliders = False
-        self._one_at_a_time = threading.RLock()
-        self._newest = Newest(self._relabel)
-        self._build()
-        self._show_scene()
-        self._relabel()
+        self._known: tuple[Values, Pixels] | None = None  # labels, and where the controls stood
+        scenes = [Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled")]
+        super().__init__(
+            "Filter panel",
+            self._label_scene,
+            [
+                *(scenes if len(self._scenes) > 1 else ()),
+                Choice("shown", "Show", list(SHOWN), tooltip="What the picture in the middle shows"),
+                *FilterSettings(green, yellow, beta, min_saturation).sliders(),
+            ],
+            student={FILTER: label},
+            unfinished=unfinished,
+            time_limit=time_limit,
+        )
+        self.widget.add_class("nao-filter")
 
     # --- from code ---
 
@@ -155,21 +129,18 @@ class FilterPanel:
         TypeError
             For a setting that there is not.
         """
-        self._put(FilterSettings(**{**vars(self._settings), **settings}))
-
-    def reset(self) -> None:
-        """Set all sliders back to where they began."""
-        self._put(self._start)
+        changed = FilterSettings(**{**vars(self.settings), **settings})
+        super().set(**changed.by_slider())
 
     @property
     def settings(self) -> FilterSettings:
         """Where the sliders stand."""
-        return self._settings
+        return FilterSettings.of_sliders(self.values)
 
     @property
     def labels(self) -> Pixels | None:
         """What your function gave for the present settings, (H, W); None where it failed."""
-        return self._latest.value
+        return None if self._known is None else self._known[1]
 
     @property
     def scores(self) -> dict[str, Score]:
@@ -179,16 +150,14 @@ class FilterPanel:
             return {}
         return {name: Score.of(labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
 
-    @property
-    def error(self) -> BaseException | None:
-        """What your function raised last; ``raise panel.error`` shows where it came from."""
-        return self._error
+    def say_values(self) -> str:
+        """Say where the sliders stand."""
+        return str(self.settings)
 
     def summary(self) -> str:
         """Return the settings and the scores, a line each, or why there are none."""
-        scene = [f"scene: {self._scene_name}"] if len(self._scenes) > 1 else []
-        scores = [f"{name}: {score}" for name, score in self.scores.items()]
-        return "\n".join([*scene, str(self._settings), *(scores or [self._latest.message])])
+        scene = f"scene: {self.values.scene}\n" if len(self._scenes) > 1 else ""
+        return scene + super().summary()
 
     def drawing(self) -> Drawing:
         """Return what the panel shows as a figure, for where no widget can live."""
@@ -197,169 +166,73 @@ class FilterPanel:
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
             figure = Figure(figsize=(9.6, 3.2 * picture.shape[0] / picture.shape[1] + 0.95))
-            shown = {"scene": picture, "your labels": self._coloured(), "true labels": painted(truth)}
+            shown = {"scene": picture, "your labels": self._coloured(""), "true labels": painted(truth)}
             for ax, (title, pixels) in zip(figure.subplots(1, 3), shown.items(), strict=True):
                 plot_picture(pixels, ax, ticks=False)
                 ax.set_title(title, fontsize=11)
             legend_below(figure, label_keys(texts), columns=2)
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
+    def say_pace(self, seconds: float) -> str:
+        """Say how long the latest picture took, and why the panel lags if it does."""
+        facts = f"Your code labels a picture in {1000 * seconds:.0f} ms." if seconds else ""
+        if seconds > SLOW:
+            facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
+        return facts
+
     def __repr__(self) -> str:
         """Say what the panel shows."""
         return f"FilterPanel: {self.summary()}"
 
-    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        """Show the widgets; beside them lie a picture and the summary for where they cannot live."""
-        drawing = self.drawing()
-        return bundle(self.widget, drawing, repr(self), drawing.alt)
-
     # --- the student's filter ---
-
-    def _relabel(self) -> None:
-        """Ask the student's function, and show what comes of it."""
-        with self._one_at_a_time:  # a slider's thread and a cell's
-            self._latest = Attempt(message="Interrupted.")  # unless what follows comes to its end
-            self._latest = attempt(
-                self._ask, "your filter", limit=self.time_limit, unfinished=self._unfinished, quiet=True
-            )
-            self._error = self._latest.error or self._error
-            self._show_labels()
-
-    def _ask(self) -> Pixels:
-        picture, truth = self._scene
-        s = self._settings
-        labels = np.asarray(self._label(picture.copy(), s.green, s.yellow, s.beta, s.min_saturation))
-        if labels.shape != truth.shape:
-            raise ValueError(
-                f"the labels must have shape {truth.shape}, one for each pixel; got {labels.shape}"
-            )
-        if labels.dtype.kind not in "iu":
-            raise ValueError(f"the labels must be whole numbers (uint8), got {labels.dtype}")
-        if labels.min() < 0 or labels.max() >= len(LABELS):
-            wrong = sorted(set(np.unique(labels).tolist()) - set(range(len(LABELS))))
-            raise ValueError(f"the labels must be 0 other, 1 green, 2 yellow or 3 white; got {wrong[:5]}")
-        return labels.astype(np.uint8)
-
-    # --- showing ---
-
-    @property
-    def _scene_name(self) -> str:
-        return str(self._choice.value)
 
     @property
     def _scene(self) -> tuple[Pixels, Pixels]:
-        return self._scenes[self._scene_name]
+        return self._scenes[self.values.get("scene", next(iter(self._scenes)))]
 
-    def _coloured(self, shown: str = "labels") -> Pixels:
+    def _label_scene(self, values: Values, student: StudentCode) -> Iterator[Any]:
+        """Show the scene and the truth, then the labels between them; ask anew unless only "Show" has changed."""
+        known, self._known = self._known, None
+        picture, truth = self._scene
+        colour, title = SHOWN[values.shown], f"Your {values.shown[0].lower()}{values.shown[1:]}"
+        yield {"The scene": picture, title: self._coloured(colour), "The true labels": painted(truth)}
+        yield legend(colour)
+        yield {"Your labels": ScoreTable({})}
+        if (
+            known is not None
+            and known[0].shown != values.shown
+            and known[0] == {**values, "shown": known[0].shown}
+        ):
+            self._known = values, known[1]
+        else:
+            s = self.settings
+            given = student[FILTER](picture, s.green, s.yellow, s.beta, s.min_saturation)
+            self._known = values, _checked(given, truth.shape)
+        yield {title: self._coloured(colour)}
+        yield {"Your labels": ScoreTable(self.scores)}
+
+    def _coloured(self, colour: str) -> Pixels:
         """The labels, or the errors in one colour, as a picture; all of class 0 where there are none."""
         labels, truth = self.labels, self._scene[1]
         if labels is None:
             return painted(np.zeros_like(truth))
-        if shown == "labels":
+        if not colour:
             return painted(labels)
-        label = LABELS.index(shown)
+        label = LABELS.index(colour)
         return painted(error_classes(labels == label, truth == label), ERROR_COLOURS)
 
-    def _show_scene(self) -> None:
-        picture, truth = self._scene
-        self._images["scene"].value = jpeg(picture)
-        self._images["truth"].value = png(painted(truth))
 
-    def _show_labels(self) -> None:
-        """Show the labels as they are, without asking again."""
-        shown = str(self._shown.value)
-        self._images["labels"].value = png(self._coloured(shown))
-        self._captions[
-            "labels"
-        ].value = f"<b>Your {'labels' if shown == 'labels' else SHOWN[shown].lower()}</b>"
-        self._legend.value = legend(shown)
-        self._table.value = score_table(self.scores)
-        self._status.value = self._said()
-
-    def _said(self) -> str:
-        latest = self._latest
-        if not latest.done:
-            where = latest.error is not None and not latest.unfinished
-            facts = str(self._settings)
-            return status_box(latest.message, facts, alarm=True, shows_where=where, printed=latest.printed)
-        facts = f"Your code labels a picture in {1000 * latest.seconds:.0f} ms."
-        if latest.seconds > SLOW:
-            facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
-        return status_box(str(self._settings), facts, printed=latest.printed)
-
-    # --- widgets ---
-
-    def _build(self) -> None:
-        self._sliders = {name: self._slider(name) for name in SLIDERS}
-        names = {"scene": "The scene", "labels": "Your labels", "truth": "The true labels"}
-        self._captions = {name: html_line(f"<b>{text}</b>", "nao-caption") for name, text in names.items()}
-        self._images = {name: _image(name, text) for name, text in names.items()}
-        columns = [box("V", "nao-column", self._captions[name], self._images[name]) for name in names]
-        self._choice = ipywidgets.Dropdown(description="Scene", options=list(self._scenes))
-        self._choice.tooltip = "Which picture is labelled"
-        self._choice.observe(self._scene_chosen, "value")
-        self._shown = ipywidgets.Dropdown(
-            description="Show", options=[(text, name) for name, text in SHOWN.items()], value="labels"
-        )
-        self._shown.tooltip = "What the picture in the middle shows"
-        self._shown.observe(lambda change: self._show_labels(), "value")
-        again = ipywidgets.Button(description="Reset", tooltip="Set all sliders back to where they began")
-        again.on_click(lambda pressed: self.reset())
-        again.add_class("nao-do-reset")
-        self._legend, self._table = html_line("", "nao-legend"), html_line("", "nao-scores")
-        self._status = ipywidgets.HTML()
-        choices = [self._choice] if len(self._scenes) > 1 else []
-        self.widget = box(
-            "V",
-            "nao-panel",
-            styles(_CSS),
-            box("H", "nao-pictures", *columns),
-            box("H", "nao-choices", *choices, self._shown, again, self._legend),
-            box("H", "nao-below", box("V", "nao-sliders", *self._sliders.values()), self._table),
-            self._status,
-        )
-        self.widget.add_class("nao-filter")
-
-    def _slider(self, name: str) -> Any:
-        label, tooltip, most, step, shape = SLIDERS[name]
-        slider = ipywidgets.FloatSlider(
-            value=self._settings.of_slider(name),
-            min=0.0,
-            max=most,
-            step=step,
-            description=label,
-            readout_format=shape,
-            tooltip=tooltip,
-        )
-        slider.add_class(f"nao-slider-{name.replace('_', '-').replace(' ', '-')}")
-        if most == HUE_MOST:
-            slider.add_class("nao-hue")
-        slider.observe(self._slid, names="value")
-        return slider
-
-    def _slid(self, change: Any) -> None:
-        if self._moving_sliders:
-            return
-        values = {name: float(slider.value) for name, slider in self._sliders.items()}
-        self._settings = FilterSettings(
-            (values["green low"], values["green high"]),
-            (values["yellow low"], values["yellow high"]),
-            values["beta"],
-            values["min_saturation"],
-        )
-        self._newest.ask()
-
-    def _put(self, settings: FilterSettings) -> None:
-        """Take on settings, and move the sliders without a picture for each."""
-        self._settings, self._moving_sliders = settings, True
-        for name, slider in self._sliders.items():
-            slider.value = settings.of_slider(name)
-        self._moving_sliders = False
-        self._relabel()
-
-    def _scene_chosen(self, change: Any) -> None:
-        self._show_scene()
-        self._newest.ask()
+def _checked(given: Any, shape: tuple[int, ...]) -> Pixels:
+    """Labels as they must be, or a ValueError."""
+    labels = np.asarray(given)
+    if labels.shape != shape:
+        raise ValueError(f"the labels must have shape {shape}, one for each pixel; got {labels.shape}")
+    if labels.dtype.kind not in "iu":
+        raise ValueError(f"the labels must be whole numbers (uint8), got {labels.dtype}")
+    if labels.min() < 0 or labels.max() >= len(LABELS):
+        wrong = sorted(set(np.unique(labels).tolist()) - set(range(len(LABELS))))
+        raise ValueError(f"the labels must be 0 other, 1 green, 2 yellow or 3 white; got {wrong[:5]}")
+    return labels.astype(np.uint8)
 
 
 def _paired(pictures: Any, truths: Any) -> dict[str, tuple[Pixels, Pixels]]:
@@ -379,9 +252,3 @@ def _paired(pictures: Any, truths: Any) -> dict[str, tuple[Pixels, Pixels]]:
             raise ValueError(f"truth must have the picture's shape {picture.shape[:2]}, got {labels.shape}")
         scenes[str(name)] = (picture, labels.astype(np.uint8))
     return scenes
-
-
-def _image(name: str, text: str) -> Any:
-    image = LabelledImage(format="jpeg" if name == "scene" else "png", tooltip=text)
-    image.add_class(f"nao-image-{name}")
-    return image

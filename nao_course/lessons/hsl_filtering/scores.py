@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 from nao_course.plotting.style import LABEL_COLOURS
 from nao_course.sim import LABELS
+from nao_course.widgets import Legend
+from nao_course.widgets.shown import colour_key
 
 COLOURS = LABELS[1:]  # green, yellow, white
 # Right, called so but is not, is so but missed, neither: after Okabe and Ito (2008), apart in lightness too.
@@ -53,24 +55,30 @@ def error_classes(called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -
     return np.select([called & there, called, there], [0, 1, 2], 3)
 
 
-def _key(colour: str, text: str) -> str:
-    return f'<span><i class="nao-key" style="background:{colour}"></i>{text}</span>'
+def legend(colour: str) -> Legend:
+    """What the colours of labels mean, or those of errors in one colour."""
+    if not colour:
+        return Legend(dict(zip(LABELS, LABEL_COLOURS, strict=True)))
+    words = (f"{colour}, and called so", f"called {colour}, but is not", f"{colour}, but missed", "neither")
+    return Legend(dict(zip(words, ERROR_COLOURS, strict=True)))
 
 
-def legend(shown: str) -> str:
-    """HTML: what the colours of labels mean, or those of errors in one colour."""
-    if shown == "labels":
-        return "".join(_key(colour, name) for name, colour in zip(LABELS, LABEL_COLOURS, strict=True))
-    words = (f"{shown}, and called so", f"called {shown}, but is not", f"{shown}, but missed", "neither")
-    return "".join(_key(colour, text) for colour, text in zip(ERROR_COLOURS, words, strict=True))
+@dataclass(frozen=True)
+class ScoreTable:
+    """Scores by colour, as a table on a page and a line each elsewhere."""
 
+    scores: Mapping[str, Score]
 
-def score_table(scores: Mapping[str, Score]) -> str:
-    """HTML of precision and recall; dashes where there are none."""
-    rows = []
-    for name, colour in zip(COLOURS, LABEL_COLOURS[1:], strict=True):
-        score = scores.get(name, Score(float("nan"), float("nan")))
-        cells = "".join(f"<td>{percent(part)}</td>" for part in (score.precision, score.recall))
-        rows.append(f'<tr><th scope="row">{_key(colour, name)}</th>{cells}</tr>')
-    head = '<th></th><th scope="col">Precision</th><th scope="col">Recall</th>'
-    return f"<table><caption>Your labels</caption><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    def __repr__(self) -> str:
+        """A line each."""
+        return "\n".join(f"{name}: {score}" for name, score in self.scores.items())
+
+    def _repr_html_(self) -> str:
+        """Precision and recall of each colour; dashes where there are none."""
+        rows = []
+        for name, colour in zip(COLOURS, LABEL_COLOURS[1:], strict=True):
+            score = self.scores.get(name, Score(float("nan"), float("nan")))
+            cells = "".join(f"<td>{percent(part)}</td>" for part in (score.precision, score.recall))
+            rows.append(f'<tr><th scope="row">{colour_key(colour)}{name}</th>{cells}</tr>')
+        head = '<th></th><th scope="col">Precision</th><th scope="col">Recall</th>'
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"

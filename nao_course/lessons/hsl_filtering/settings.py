@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+from nao_course.widgets import Slider
 
 Limits = tuple[float, float]
 
 HUE_MOST = 359.0  # degrees; the next one is 0
-SLIDERS: Mapping[str, tuple[str, str, float, float, str]] = {  # name: label, tooltip, most, step, format
-    "green low": ("Green from (°)", "Smallest hue called green, in degrees", HUE_MOST, 1.0, ".0f"),
-    "green high": ("Green to (°)", "Largest hue called green; below the smallest: through 0", HUE_MOST, 1.0, ".0f"),
-    "yellow low": ("Yellow from (°)", "Smallest hue called yellow, in degrees", HUE_MOST, 1.0, ".0f"),
-    "yellow high": ("Yellow to (°)", "Largest hue called yellow; below the smallest: through 0", HUE_MOST, 1.0, ".0f"),
-    "beta": ("White: β", "Lower bound of the threshold for white, equation 4.1", 255.0, 1.0, ".0f"),
-    "min_saturation": ("Least saturation", "Green and yellow are at least this saturated", 1.0, 0.01, ".2f"),
-}  # fmt: skip
+_HUES = ((0.0, HUE_MOST, 1.0), {"unit": "°", "look": "nao-hue"})
+_SLIDERS: Any = (  # name, label, (limits and step, options), tooltip
+    ("green_low", "Green from", _HUES, "Smallest hue called green, in degrees"),
+    ("green_high", "Green to", _HUES, "Largest hue called green; below the smallest: through 0"),
+    ("yellow_low", "Yellow from", _HUES, "Smallest hue called yellow, in degrees"),
+    ("yellow_high", "Yellow to", _HUES, "Largest hue called yellow; below the smallest: through 0"),
+    ("beta", "White: β", ((0.0, 255.0, 1.0), {}), "Lower bound of the threshold for white, equation 4.1"),
+    (
+        "min_saturation",
+        "Least saturation",
+        ((0.0, 1.0, 0.01), {}),
+        "Green and yellow are at least this saturated",
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -59,12 +68,30 @@ class FilterSettings:
         hues = ", ".join(f"{name} {low:.0f}° to {high:.0f}°" for name, (low, high) in self._hues())
         return f"{hues}, beta {self.beta:.0f}, least saturation {self.min_saturation:.2f}"
 
-    def of_slider(self, name: str) -> float:
-        """What the slider of that name, a key of `SLIDERS`, shows."""
-        if name in ("beta", "min_saturation"):
-            return float(getattr(self, name))
-        colour, end = name.split()
-        return float(getattr(self, colour)[end == "high"])
+    @classmethod
+    def of_sliders(cls, values: Mapping[str, float]) -> FilterSettings:
+        """The settings of sliders, by the names of `by_slider`."""
+        green, yellow = (
+            (values[f"{colour}_low"], values[f"{colour}_high"]) for colour in ("green", "yellow")
+        )
+        return cls(green, yellow, values["beta"], values["min_saturation"])
+
+    def by_slider(self) -> dict[str, float]:
+        """What each slider shows."""
+        ends = {
+            f"{colour}_{end}": hue
+            for colour, hues in self._hues()
+            for end, hue in zip(("low", "high"), hues, strict=True)
+        }
+        return {**ends, "beta": self.beta, "min_saturation": self.min_saturation}
+
+    def sliders(self) -> list[Slider]:
+        """The sliders, these settings their start."""
+        start = self.by_slider()
+        return [
+            Slider(name, label, low, high, step, start[name], tooltip=tooltip, **looks)
+            for name, label, ((low, high, step), looks), tooltip in _SLIDERS
+        ]
 
     def _hues(self) -> tuple[tuple[str, Limits], ...]:
         return ("green", self.green), ("yellow", self.yellow)

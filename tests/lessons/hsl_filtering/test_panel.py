@@ -15,7 +15,7 @@ from nao_course.lessons.hsl_filtering import FilterPanel
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
 from nao_course.sim import SimulatedNao, Truth
-from tests.widgets.robots import all_widgets
+from tests.widgets.robots import all_widgets, decoded
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
 
@@ -42,10 +42,6 @@ def make(rng, label=brightness, **options):
     return FilterPanel(picture, truth, label, **{"green": GREEN, "yellow": YELLOW, **options})
 
 
-def decoded(widget):
-    return cv2.imdecode(np.frombuffer(widget.value, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
-
-
 def colour(text):
     return tuple(int(text[i : i + 2], 16) for i in (1, 3, 5))
 
@@ -65,7 +61,7 @@ def test_every_slider_reaches_the_students_function(rng):
         "beta": 33.0,
         "min_saturation": 0.5,
     }.items():
-        panel._sliders[name].value = value
+        panel._widgets[name.replace(" ", "_")].value = value
     assert got[-1] == ((100.0, 20.0), (350.0, 70.0), 33.0, 0.5)
     assert len(got) == 7
 
@@ -83,7 +79,7 @@ def test_settings_are_what_a_browser_would_round_them_to(rng):
     panel = make(rng, green=(114.3, 359.7), beta=99.6, min_saturation=0.1649)
     assert panel.settings.green == (114.0, 359.0)
     assert (panel.settings.beta, panel.settings.min_saturation) == (100.0, 0.16)
-    assert panel._sliders["green low"].value == 114.0
+    assert panel._widgets["green_low"].value == 114.0
 
 
 def test_reset_puts_all_sliders_back_and_asks_once(rng):
@@ -92,11 +88,11 @@ def test_reset_puts_all_sliders_back_and_asks_once(rng):
     first = panel.summary()
     panel.set(beta=10, green=(1, 2), min_saturation=0.9)
     assert panel.summary() != first
-    assert panel._sliders["beta"].value == 10
+    assert panel._widgets["beta"].value == 10
     before = len(calls)
     next(each for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.Button)).click()
     assert panel.summary() == first
-    assert [panel._sliders[name].value for name in ("green low", "beta", "min_saturation")] == [
+    assert [panel._widgets[name].value for name in ("green_low", "beta", "min_saturation")] == [
         105,
         120,
         0.16,
@@ -171,16 +167,16 @@ def test_the_same_settings_show_the_same(rng):
 def test_labels_keep_their_colours_to_the_pixel(rng):
     panel = make(rng)
     wanted = np.array([colour(each) for each in LABEL_COLOURS])
-    assert np.array_equal(decoded(panel._images["labels"]), wanted[panel.labels])
-    assert np.array_equal(decoded(panel._images["truth"]), wanted[panel._scene[1]])
+    assert np.array_equal(decoded(panel._images[1]), wanted[panel.labels])
+    assert np.array_equal(decoded(panel._images[2]), wanted[panel._scene[1]])
 
 
 def test_errors_of_white_are_where_labels_and_truth_differ_in_white(rng):
     calls = []
     panel = make(rng, lambda *arguments: calls.append(1) or brightness(*arguments))
-    panel._shown.value = "white"
+    panel._widgets["shown"].value = "Errors in white"
     right, wrong, missed, _ = (
-        (decoded(panel._images["labels"]) == colour(each)).all(axis=2) for each in ERROR_COLOURS
+        (decoded(panel._images[1]) == colour(each)).all(axis=2) for each in ERROR_COLOURS
     )
     called, there = panel.labels == 3, panel._scene[1] == 3
     assert np.array_equal(right, called & there)
@@ -194,9 +190,9 @@ def test_another_scene_is_labelled_with_the_same_settings(rng):
     (day, truth), (night, _) = scene(rng), scene(rng)
     panel = FilterPanel({"day": day, "night": night // 3}, truth, brightness, green=GREEN, yellow=YELLOW)
     assert panel.summary().startswith("scene: day\n")
-    before, picture = panel.summary(), panel._images["scene"].value
-    panel._choice.value = "night"
-    assert panel._images["scene"].value != picture
+    before, picture = panel.summary(), panel._images[0].value
+    panel._widgets["scene"].value = "night"
+    assert panel._images[0].value != picture
     assert np.array_equal(panel.labels, brightness(night // 3, GREEN, YELLOW, 120, 0.16))
     assert panel.summary() != before
 
@@ -224,7 +220,7 @@ def test_an_unwritten_exercise_is_a_sentence(rng):
 
 def test_an_exception_is_its_message_and_the_panel_goes_on(rng):
     panel = make(rng, raising(ValueError("operands could not be <b>broadcast</b>")))
-    panel._sliders["beta"].value = 201.0
+    panel._widgets["beta"].value = 201.0
     line = raising.__code__.co_firstlineno + 3
     assert f"ValueError in your filter, line {line}: operands could not" in panel.summary()
     assert "&lt;b&gt;" in panel._status.value
@@ -232,7 +228,7 @@ def test_an_exception_is_its_message_and_the_panel_goes_on(rng):
     assert "nao-alarm" in panel._status.value
     with pytest.raises(ValueError, match="operands"):
         raise panel.error
-    panel._sliders["beta"].value = 100.0
+    panel._widgets["beta"].value = 100.0
     assert "white: precision" in panel.summary()
     assert "nao-alarm" not in panel._status.value
 
@@ -308,7 +304,7 @@ def test_in_a_kernels_loop_only_the_newest_value_is_computed(rng):
     async def scenario():
         for burst in range(3):  # while one picture is computed, a browser sends several values
             for step in range(10):
-                panel._sliders["beta"].value = 10.0 * burst + step
+                panel._widgets["beta"].value = 10.0 * burst + step
             await asyncio.sleep(0)
         while panel._newest.busy:
             await asyncio.sleep(0.01)

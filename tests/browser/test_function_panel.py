@@ -1,0 +1,167 @@
+"""A ten-line panel in a real browser: mouse and keys set every control, and what is shown follows."""
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.browser.lab import LAPTOP, browser_page, wait_for
+from tests.paths import PROJECT
+
+pytestmark = pytest.mark.browser
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+SCREENSHOTS = PROJECT / "build" / "screenshots"
+NARROW = {"width": 800, "height": 768}
+
+STUDENT = """import numpy as np
+from nao_course.sim import SimulatedNao
+from nao_course import plotting as draw
+from nao_course.widgets import *
+
+scene = SimulatedNao(rng=41).take_picture("bottom").pixels
+def brighter(picture, level):
+    return picture.mean(axis=2) > level
+def unwritten(picture):
+    raise NotImplementedError"""
+PICTURES = """def show(values, student):
+    yield {"The scene": scene, "Your mask": student.brighter(scene, values.level)}
+    yield draw.table(["", "R", "G", "B"], [["pixel", *scene[values.pixel[::-1]]]])
+    yield f"Random: {values.rng.integers(1000)}."
+    if values.strict:
+        yield {"Nothing yet": student.unwritten(scene)}
+panel = FunctionPanel("Brightness", show, [
+    Slider("level", "Level", 0, 255, 1, 120), RangeSlider("rows", "Rows", 0, 239, 1, (0, 100), unit="px"),
+    Pixel("pixel", "Pixel", (320, 240)), Choice("colour", "Colour", ("red", "green")), Toggle("strict", "Strict"),
+    Action("again", "Draw again", key="n")], student={"brighter": brighter, "unwritten": unwritten},
+    unfinished={"unwritten": "Finish exercise 1.3 to see this."})
+panel"""
+FIGURE = """def show(values, student):
+    yield {"The scene": scene, "The field": draw.draw_map(SimulatedNao().field, [[0, 0, 0], [values.x, 0, 0]])}
+    yield f"The robot stands at x = {values.x} m."
+panel = FunctionPanel("Place", show, [Slider("x", "Place x", 0, 3, 0.05, 1, unit="m")])
+panel"""
+_WATCH = """() => {
+  window.naoLoads = [];
+  const images = document.querySelectorAll('.nao-function img');
+  images[images.length - 1].addEventListener('load', () => window.naoLoads.push(performance.now()));
+}"""
+_SCROLLED = """root => [...root.querySelectorAll('*')].filter(each => {
+  const style = getComputedStyle(each), scrolls = kind => ['auto', 'scroll'].includes(kind);
+  return scrolls(style.overflowY) && each.scrollHeight > each.clientHeight + 1
+    || scrolls(style.overflowX) && each.scrollWidth > each.clientWidth + 1;
+}).map(each => each.className)"""
+
+
+@pytest.fixture
+def page(lab, chromium):
+    lab.console.clear()
+    with browser_page(chromium) as opened:
+        yield opened
+    assert lab.our_errors() == []
+
+
+class Panel:
+    """The first function panel of a page."""
+
+    def __init__(self, lab, page, name, panel):
+        lab.write(name, STUDENT, panel)
+        lab.open(page, name)
+        lab.run_all(page)
+        assert lab.errors(page) == []
+        self.page, self.root = page, page.locator(".nao-function").first
+        self.root.wait_for(timeout=60_000)
+        self.into_view()
+        page.wait_for_timeout(1000)
+
+    def into_view(self):
+        self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
+
+    def pixel(self):
+        return self.root.locator(".nao-pixel-pixel input").input_value()
+
+    def words(self):
+        return self.root.inner_text()
+
+    def expect(self, words):
+        if not wait_for(lambda: words in self.words(), None, 20):
+            raise AssertionError(f"{words!r} is not in the panel's words, which are {self.words()!r}")
+
+    def screenshot(self, name):
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        self.into_view()
+        self.page.wait_for_timeout(300)
+        self.page.screenshot(path=SCREENSHOTS / f"{name}.png")
+
+
+def test_mouse_and_keys_set_every_control_and_what_is_shown_follows(lab, page):
+    panel = Panel(lab, page, "mouse.ipynb", PICTURES)
+    cells = page.locator(".jp-NotebookPanel .jp-Cell").count()
+    panel.screenshot("function_panel")
+    pad = panel.root.locator(".nao-pad-over")
+    box = pad.bounding_box()
+    page.mouse.click(box["x"] + box["width"] * 80.5 / 320, box["y"] + box["height"] * 60.5 / 240)
+    wait_for(lambda: panel.pixel() == "80, 60", "the pixel that was clicked", 10)
+    for key in ("ArrowRight", "ArrowRight", "ArrowDown", "Shift+ArrowLeft", "d", "d"):
+        page.keyboard.press(key)
+    wait_for(lambda: panel.pixel() == "72, 61", "the pixel that the keys reach", 10)
+    mark = panel.root.locator(".nao-cursor")
+    wait_for(lambda: "22.656%" in mark.get_attribute("style"), "the mark at u = 72", 10)
+    mask = panel.root.locator("img").nth(1)
+    before = mask.get_attribute("src")
+    panel.root.locator(".nao-slider-level .noUi-handle").focus()
+    panel.screenshot("function_panel_focus")
+    page.keyboard.press("PageUp")
+    wait_for(lambda: mask.get_attribute("src") != before, "another mask", 10)
+    panel.root.locator(".nao-slider-rows .noUi-handle").first.focus()
+    page.keyboard.press("ArrowRight")
+    wait_for(lambda: "1 " in panel.root.locator(".nao-slider-rows .widget-readout").inner_text(), "row 1", 10)
+    said = re.search(r"Random: \d+", panel.words())[0]
+    panel.root.locator(".nao-keys").click()
+    page.keyboard.press("n")
+    wait_for(lambda: said not in panel.words(), "another random number", 10)
+    panel.root.locator(".nao-toggle-strict input").focus()
+    page.keyboard.press("Space")
+    panel.expect("Finish exercise 1.3 to see this.")
+    panel.screenshot("function_panel_unfinished")
+    panel.root.locator(".nao-do-reset").click()
+    panel.expect(said)
+    wait_for(lambda: panel.pixel() == "160, 120", "the pixel of the start", 10)
+    assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
+
+
+@pytest.mark.parametrize("viewport", [LAPTOP, NARROW], ids=["laptop", "narrow"])
+@pytest.mark.parametrize("code", [PICTURES, FIGURE], ids=["pictures", "figure"])
+def test_everything_has_room_and_nothing_scrolls_inside(lab, page, viewport, code):
+    page.set_viewport_size(viewport)
+    panel = Panel(lab, page, "room.ipynb", code)
+    panel.screenshot(f"function_panel_{'figure' if code is FIGURE else 'pictures'}_{viewport['width']}")
+    assert panel.root.evaluate(_SCROLLED) == []
+    outer = panel.root.bounding_box()
+    for each in panel.root.locator("img, button, input, select, .widget-slider").all():
+        if inner := each.bounding_box():
+            assert inner["x"] + inner["width"] <= outer["x"] + outer["width"] + 1
+
+
+@pytest.mark.parametrize(("code", "slider"), [(PICTURES, "level"), (FIGURE, "x")], ids=["pictures", "figure"])
+def test_a_dragged_slider_brings_pictures_as_fast_as_they_come_and_ends_at_the_newest(
+    lab, page, code, slider
+):
+    panel = Panel(lab, page, "drag.ipynb", code)
+    page.evaluate(_WATCH)
+    grip = panel.root.locator(f".nao-slider-{slider} .noUi-handle").bounding_box()
+    x, y = grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(240):
+        page.mouse.move(x + 100 * np.sin(np.pi * step / 240 * 2.5), y)
+        page.wait_for_timeout(12)
+    page.mouse.up()
+    page.wait_for_timeout(1000)
+    loads = page.evaluate("() => window.naoLoads")
+    print(f"\n{(len(loads) - 1) / (loads[-1] - loads[0]) * 1000:.1f} updates a second")
+    value = panel.root.locator(f".nao-slider-{slider} .widget-readout").inner_text()
+    assert len(loads) > 1
+    if slider == "x":
+        panel.expect(f"x = {float(value)} m")

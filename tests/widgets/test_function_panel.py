@@ -1,0 +1,390 @@
+"""A panel from a function: its controls reach it, what it shows is shown, and a student's mistake is a sentence."""
+
+import asyncio
+import html
+import re
+import threading
+import time
+
+import ipywidgets
+import numpy as np
+import pytest
+
+from nao_course.plotting import draw_picture, table
+from nao_course.widgets import (
+    Action,
+    Choice,
+    FunctionPanel,
+    Legend,
+    Pixel,
+    RangeSlider,
+    Slider,
+    Toggle,
+    __all__,
+)
+from tests.paths import PROJECT
+from tests.widgets.robots import all_widgets, decoded, press
+
+LEVEL = Slider("level", "Level", 0, 250, 10, 100)
+NOISE = np.random.default_rng(0).integers(0, 256, (24, 32, 3), dtype=np.uint8)
+
+
+def show(values, student):
+    yield {"The scene": NOISE}
+    bright = student.brighter(NOISE, values.level)
+    yield {"Your mask": bright}
+    yield table(["", "pixels"], [["bright", int(bright.sum())]])
+    yield f"{bright.mean():.0%} are bright."
+
+
+def brighter(picture, level):
+    return picture.mean(axis=2) > level
+
+
+def make(student=brighter, controls=(LEVEL,), function=show, **options):
+    return FunctionPanel("Brightness", function, list(controls), student={"brighter": student}, **options)
+
+
+def image(panel, number):
+    return [each for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.Image)][number]
+
+
+def status(panel):
+    return html.unescape(panel._status.value)
+
+
+# --- the documentation ---
+
+
+def test_the_panel_of_the_documentation_is_made_of_ten_lines_and_says_what_the_page_says():
+    page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len([line for line in example.splitlines() if line.strip()]) <= 11  # the import is the eleventh
+    room = {}
+    exec(example, room)
+    scene = np.random.default_rng(0).integers(0, 256, (240, 320, 3), dtype=np.uint8)
+    panel = room["mask_panel"](scene, brighter)
+    mask = brighter(scene, 120)
+    said = f"{mask.mean():.0%} is bright; the pixel (160, 120) is {mask[120, 160]}."
+    assert panel.summary() == f"Level 120, Pixel (160, 120)\n{said}"
+    with pytest.raises(ValueError, match="level must be from 0 to 255, got 300"):
+        panel.set(level=300)
+    assert room["mask_panel"](scene, unwritten).summary().endswith("Finish exercise 1.3 to see this.")
+    assert "IndexError in brighter(), line" in room["mask_panel"](scene, lambda *given: [][1]).summary()
+    assert all(f"`{name}(" in page for name in __all__ if name not in ("ControlPanel", "RealityDial"))
+
+
+# --- controls ---
+
+
+def test_every_control_reaches_the_function_from_the_page_and_from_code():
+    got = []
+    controls = [
+        LEVEL,
+        RangeSlider("hues", "Hues", 0, 360, 1, (10, 20)),
+        Choice("row", "Row", (100, 150)),
+        Toggle("lens", "Lens", True),
+        Pixel("pixel", "Pixel", (32, 24)),
+        Action("again", "Draw again"),
+    ]
+    panel = FunctionPanel("All", lambda values, student: got.append(dict(values)) or "", controls)
+    first = {"level": 100, "hues": (10, 20), "row": 100, "lens": True, "pixel": (16, 12), "again": 0}
+    assert got == [first]
+    moved = {"level": 120, "hues": (30, 40), "row": 150, "lens": False, "pixel": "3, 4"}
+    for name, value in moved.items():
+        panel._widgets[name].value = value
+    press(panel, "again")
+    last = {**moved, "pixel": (3, 4), "again": 1}
+    assert got[-1] == panel.values == last
+    assert len(got) == 1 + len(last)
+    panel.set(**first)
+    assert got[-1] == first and len(got) == 2 + len(last)
+    assert [panel._widgets[name].value for name in moved] == [100, (10, 20), 100, True, "16, 12"]
+
+
+def test_bad_values_are_refused_and_nothing_is_set():
+    panel = make(controls=[LEVEL, Toggle("lens", "Lens")])
+    with pytest.raises(ValueError, match="level must be from 0 to 250, got 251"):
+        panel.set(lens=True, level=251)
+    with pytest.raises(TypeError, match="this panel has no size; it has level, lens"):
+        panel.set(size=3)
+    assert panel.values == {"level": 100, "lens": False}
+
+
+def test_what_is_typed_and_impossible_is_a_sentence_until_something_else_is_set():
+    panel = make(controls=[LEVEL, Pixel("pixel", "Pixel", (32, 24))])
+    panel._widgets["pixel"].value = "40, 2"
+    assert "u a whole number from 0 to 31" in status(panel)
+    assert panel.values.pixel == (16, 12)
+    assert panel._widgets["pixel"].value == "16, 12"
+    panel._widgets["level"].value = 20
+    assert "must be" not in status(panel)
+
+
+def test_reset_and_buttons_that_set_ask_once():
+    calls = []
+    dark = Action("dark", "Dark", key="d", sets={"level": 10})
+    panel = make(lambda *given: calls.append(1) or brighter(*given), [LEVEL, dark])
+    press(panel, "dark")
+    assert panel.values == {"level": 10}
+    assert panel._widgets["level"].value == 10
+    panel._widgets["level"].value = 20
+    press(panel, "reset")
+    assert panel.values == {"level": 100}
+    assert len(calls) == 4
+
+
+def test_random_numbers_are_the_same_until_a_button_draws_again():
+    again = Action("again", "Draw again")
+
+    def draw(values, student):
+        return f"{values.rng.integers(10**9)}"
+
+    first, second = (FunctionPanel("Noise", draw, [again], seed=3) for _ in range(2))
+    seen = first.summary()
+    assert seen == second.summary()
+    press(first, "again")
+    assert first.shown.texts != second.shown.texts
+    second.set(again=1)
+    assert first.summary() == second.summary()
+    first.reset()
+    assert first.summary() == seen
+    assert FunctionPanel("Noise", draw, [again], seed=4).summary() != seen
+
+
+def test_keys_press_the_buttons_that_have_one():
+    words = "".join(
+        each.value
+        for each in all_widgets(make(controls=[LEVEL, Action("draw_again", "Again", key="N")]).widget)
+        if isinstance(each, ipywidgets.HTML)
+    )
+    assert html.escape('{"n": "draw-again"}') in words
+    assert "n: Again" in words
+    assert 'nao-keys"' not in "".join(
+        each.value for each in all_widgets(make().widget) if isinstance(each, ipywidgets.HTML)
+    )
+
+
+# --- what is shown ---
+
+
+def test_pictures_tables_and_sentences_are_shown_and_summed_up():
+    panel = make()
+    assert np.array_equal(decoded(image(panel, 1))[..., 0] == 255, NOISE.mean(axis=2) > 100)
+    assert image(panel, 0).alt == "The scene"
+    assert "bright</td>" in panel._table.value
+    assert "are bright." in status(panel)
+    lines = panel.summary().splitlines()
+    assert lines[0] == "Level 100" and lines[1].endswith("are bright.") and lines[-1].startswith("bright")
+    panel.set(level=250)
+    assert "0% are bright." in panel.summary()
+
+
+def test_a_figure_is_shown_as_it_is_and_stays_where_no_widget_lives():
+    panel = FunctionPanel("One", lambda values, student: draw_picture(NOISE, title="Noise"), [LEVEL])
+    height, width = decoded(image(panel, 0)).shape[:2]
+    assert (width, height) == tuple(panel.shown.drawings[""].figure.get_size_inches() * 100)
+    assert panel.drawing().figure is panel.shown.drawings[""].figure
+
+
+def test_a_title_that_comes_again_takes_the_place_of_the_first():
+    def later(values, student):
+        yield {"A": np.zeros((4, 4), np.uint8), "B": NOISE}
+        yield {"A": np.ones((4, 4), bool)}
+
+    panel = FunctionPanel("Two", later, [LEVEL])
+    assert list(panel.shown.pictures) == ["A", "B"]
+    assert (decoded(image(panel, 0)) == 255).all()
+
+
+def test_only_pictures_that_changed_are_sent():
+    panel, sent = make(), []
+    for number in (0, 1):
+        image(panel, number).observe(lambda change, number=number: sent.append(number), "value")
+    panel.set(level=100)
+    assert sent == []
+    panel.set(level=110)
+    assert sent == [1]
+
+
+def test_a_pixel_is_marked_over_its_picture_and_in_the_still_figure():
+    controls = [LEVEL, Pixel("pixel", "Pixel", (32, 24), (0, 0), picture="Your mask")]
+    panel = make(controls=controls)
+    frames = [each for each in all_widgets(panel.widget) if "nao-frame" in each._dom_classes]
+    assert [len(frame.children) for frame in frames] == [1, 3]
+    before = panel.drawing().image()
+    panel.set(pixel=(31, 23))
+    assert "left: 98.438%; top: 97.917%" in panel._pads["pixel"][1].value
+    assert panel.drawing().image() != before
+
+
+def test_a_picture_and_a_text_stay_where_no_widget_lives():
+    bundle = make()._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"].startswith("Brightness: Level 100\n")
+    assert bundle["text/html"].startswith('<img alt="Brightness: Level 100; ')
+    assert make()._repr_mimebundle_()["text/html"] == bundle["text/html"]
+
+
+def test_a_legend_says_what_colours_mean():
+    panel = FunctionPanel(
+        "Two",
+        lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]),
+        [LEVEL],
+    )
+    assert "a &lt; b" in panel._legend.value and "#ff0000" in panel._legend.value
+    assert "a < b" in [text.get_text() for text in panel.drawing().figure.legends[0].get_texts()]
+
+
+@pytest.mark.parametrize(
+    ("shown", "said"),
+    [
+        (None, "the function returned nothing"),
+        (3.5, "a panel shows a picture, a Drawing, a table, a text"),
+        (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3) or (H, W)"),
+    ],
+)
+def test_what_cannot_be_shown_is_a_sentence(shown, said):
+    panel = FunctionPanel("Wrong", lambda values, student: shown, [LEVEL])
+    assert said in panel.summary()
+    assert "nao-alarm" in panel._status.value
+
+
+# --- the student's code ---
+
+
+def unwritten(picture, level):
+    raise NotImplementedError
+
+
+def failing(picture, level):
+    if level > 200:
+        raise IndexError("no <b>pixel</b>")
+    return brighter(picture, level)
+
+
+@pytest.mark.parametrize(
+    ("unfinished", "said"),
+    [
+        (None, "Finish brighter() to see this."),
+        ("Finish exercise 1.3.", "Finish exercise 1.3."),
+        ({"brighter": "Finish exercise 1.4."}, "Finish exercise 1.4."),
+        ({"other": "Finish exercise 1.5."}, "Finish brighter() to see this."),
+    ],
+)
+def test_an_exercise_that_is_not_written_is_a_sentence_and_the_rest_is_shown(unfinished, said):
+    panel = make(unwritten, unfinished=unfinished)
+    assert panel.summary().endswith(said)
+    assert said in status(panel) and "raise panel.error" not in status(panel)
+    assert list(panel.shown.pictures) == ["The scene"]
+    panel.set(level=20)
+    assert panel._repr_mimebundle_()["text/html"].startswith("<img alt=")
+
+
+def test_a_mistake_is_a_sentence_with_its_line_and_the_panel_goes_on():
+    panel = make(failing)
+    panel._widgets["level"].value = 210
+    line = failing.__code__.co_firstlineno + 2
+    assert f"IndexError in brighter(), line {line}: no <b>pixel</b>" in panel.summary()
+    assert "&lt;b&gt;" in panel._status.value and "raise panel.error" in panel._status.value
+    assert "(nothing yet)" in image(panel, 1).alt
+    assert "table" not in panel._table.value
+    with pytest.raises(IndexError):
+        raise panel.error
+    panel._widgets["level"].value = 100
+    assert "are bright." in panel.summary()
+    assert "nothing yet" not in image(panel, 1).alt
+
+
+def test_what_a_function_returned_wrongly_is_said_to_be_its():
+    panel = make(lambda picture, level: None)
+    assert "AttributeError in the panel, which uses what brighter() returned, line" in panel.summary()
+
+
+def test_a_function_that_writes_into_the_picture_spoils_nothing():
+    before = NOISE.copy()
+
+    def spoil(picture, level):
+        picture[:] = 0
+        return picture.mean(axis=2) > level
+
+    make(spoil)
+    assert np.array_equal(NOISE, before)
+
+
+def test_a_function_that_is_defined_again_is_used_at_once():
+    notebook = {"np": np}
+    code = "def brighter(picture, level):\n    return picture.mean(axis=2) {} level"
+    exec(code.format(">"), notebook)
+    panel = make(notebook["brighter"])
+    exec(code.format("<"), notebook)
+    before = panel.shown.pictures["Your mask"]
+    panel.set(level=100)
+    assert (panel.shown.pictures["Your mask"] != before).any()
+
+
+def test_what_is_printed_is_in_the_panel_and_nowhere_else(capsys):
+    panel = make(lambda *given: print("mean < 80") or brighter(*given))
+    assert "mean &lt; 80" in panel._status.value
+    assert capsys.readouterr().out == ""
+
+
+def test_a_function_that_never_ends_is_stopped_in_any_thread():
+    def endless(picture, level):
+        while level > 200:
+            pass
+        return brighter(picture, level)
+
+    panel = make(endless)
+    panel.time_limit = 0.1
+    thread = threading.Thread(target=panel.set, kwargs={"level": 210})
+    thread.start()
+    thread.join(30)
+    assert "brighter() was not done after 0.1 s and was stopped" in panel.summary()
+    panel.time_limit = 60
+    panel.reset()
+    assert "are bright." in panel.summary()
+
+
+def test_how_long_the_students_code_takes_is_said():
+    panel = make(lambda *given: time.sleep(0.12) or brighter(*given))
+    assert "The panel follows slowly" in panel._status.value
+    assert "ms" not in repr(panel)
+    assert "Your code took" in make()._status.value
+    assert "Your code" not in FunctionPanel("None", lambda values, student: "Yes.", [LEVEL])._status.value
+
+
+def test_in_a_kernels_loop_only_the_newest_value_is_shown():
+    got = []
+
+    def count(values, student):
+        got.append(values.level)
+        return "Counted."
+
+    panel = FunctionPanel("Newest", count, [LEVEL])
+    got.clear()
+
+    async def scenario():
+        for burst in range(2):
+            for step in range(1, 6):
+                panel._widgets["level"].value = 100 * burst + 10 * step
+            await asyncio.sleep(0)
+        while panel._newest.busy:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(scenario())
+    assert got == [50, 150]
+    assert "Level 150" in panel.summary()
+
+
+def test_names_that_are_not_there_are_an_error_that_lists_those_that_are():
+    assert (
+        "no control 'size', but ['level']"
+        in FunctionPanel("A", lambda values, student: values.size, [LEVEL]).summary()
+    )
+    assert (
+        "no function 'darker', but ['brighter']"
+        in make(function=lambda values, student: student.darker()).summary()
+    )
+    with pytest.raises(ValueError, match="brighter must be a function, got int"):
+        make(3)
