@@ -19,11 +19,11 @@ class Odd(type):
         raise ZeroDivisionError
 
 
-class Special(ValueError, metaclass=Odd):
+class SpecialError(ValueError, metaclass=Odd):
     pass
 
 
-class Own(ValueError):
+class OwnError(ValueError):
     pass
 
 
@@ -39,7 +39,9 @@ def judged(function):
     return judging.judge(Close(), case, call(function, case))
 
 
-@pytest.mark.parametrize("error", [ValueError, ValueError("no"), Own("no"), Special("no"), np.linalg.LinAlgError("no")])
+@pytest.mark.parametrize(
+    "error", [ValueError, ValueError("no"), OwnError("no"), SpecialError("no"), np.linalg.LinAlgError("no")]
+)
 def test_an_exception_that_is_asked_for_is_right_also_one_derived_from_it(error):
     assert judged(raising(error))
 

@@ -95,7 +95,9 @@ def test_values_are_named_by_key_and_field():
     known = Each({3: Close(atol=1.0)})
     assert known.compare({3: 1.0, 4: 1.0}, {4: 1.0, 3: 1.9})
     assert known.compare({3: 1.0, 4: 1.0}, {4: 1.9, 3: 1.0}).text.startswith("[4] of your answer")
-    assert known.compare({3: 1.0}, {4: 1.0}).kind == "type" and known.compare({3: 1.0}, None).kind == "nothing"
+    assert (
+        known.compare({3: 1.0}, {4: 1.0}).kind == "type" and known.compare({3: 1.0}, None).kind == "nothing"
+    )
     assert Each((Close(atol=1.0),)).alike((1.0, 2.0), (1.5, 2.0))
     assert not Each((Close(),)).alike((1.0, 2.0), 3.0) and Each((Close(),)).alike(3.0, 3.0)
 

@@ -174,7 +174,9 @@ def test_what_is_no_such_sparse_matrix_is_told(got, kind):
 
 
 def test_huge_sparse_matrices_are_compared_without_their_zeros():
-    wanted = sparse.coo_array((np.ones(2), (np.array([0, 999_999]), np.array([999_999, 0]))), shape=(10**6, 10**6))
+    wanted = sparse.coo_array(
+        (np.ones(2), (np.array([0, 999_999]), np.array([999_999, 0]))), shape=(10**6, 10**6)
+    )
     assert Close().compare(wanted, wanted.copy())
     assert Close(mask="upper").compare(wanted, wanted.copy())
     assert Close().compare(np.eye(3), sparse.csr_array(np.eye(3))).kind == "type"
