@@ -131,7 +131,7 @@ def find_driver(name: str) -> Callable[..., Any]:
     Parameters
     ----------
     name : str
-        "sampling_law"; or with the module of nao_course that registers it before a colon, where that is not one of
+        "jacobian"; or with the module of nao_course that registers it before a colon, where that is not one of
         `nao_course.exercises`.
 
     Raises
