@@ -393,6 +393,11 @@ def test_a_sparse_matrix_too_large_is_refused_before_it_is_copied(matrix):
         tracemalloc.stop()
 
 
+def test_values_are_sent_while_another_thread_imports_scipy(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.sparse", type(sys)("scipy.sparse"))
+    assert decode(encode([Pose(), np.hypot])) == [Pose(), np.hypot]
+
+
 def test_scipy_is_imported_for_a_sparse_matrix_only():
     code = (
         "import sys, nao_course.exercises, nao_course.geometry\n"
