@@ -23,6 +23,7 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 
+@register
 def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
     """Bring angles into (-pi, pi].
 
@@ -111,6 +112,7 @@ def as_points(points: npt.ArrayLike, columns: int = 2, name: str = "points") -> 
     return array
 
 
+@register
 def rotation_2d(angle: float) -> FloatArray:
     """Rotation by `angle` (rad, counterclockwise) as a (2, 2) matrix."""
     c, s = np.cos(angle), np.sin(angle)

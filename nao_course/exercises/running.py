@@ -23,6 +23,7 @@ from nao_course.exercises.codec import CodecError, Limits, decode, encode, regis
 Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
+_NAME, _MRO = (type.__dict__[name].__get__ for name in ("__name__", "__mro__"))  # not as a stranger's class says
 _MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
 _NOT_THE_STUDENTS = tuple(
@@ -134,7 +135,7 @@ def find_driver(name: str) -> Callable[..., Any]:
     Parameters
     ----------
     name : str
-        "sampling_law"; or with the module of nao_course that registers it before a colon, where that is not one of
+        "jacobian"; or with the module of nao_course that registers it before a colon, where that is not one of
         `nao_course.exercises`.
 
     Raises
@@ -206,9 +207,9 @@ def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
 def describe(error: BaseException) -> str:
     """Name an exception's type and say its message, of which a student's own class may make anything."""
     try:
-        text = f"{type(error).__name__}: {error}"
+        text = f"{_name_of(type(error))}: {error}"
     except Exception:  # noqa: BLE001 - a message that raises is no message
-        text = str(type(error).__name__)
+        text = _name_of(type(error))
     return _printable(text[:500])
 
 
@@ -254,11 +255,12 @@ def _notes(error: BaseException) -> list[str]:
 
 
 def _names_of_classes(kind: type) -> tuple[str, ...]:
-    """Names of an exception's class and of those it is derived from; of a stranger's own, any of them may be odd."""
-    try:
-        return tuple(_printable(each.__name__[:100]) for each in kind.__mro__[:_MOST_CLASSES])
-    except Exception:  # noqa: BLE001 - a class of a class may raise what it likes
-        return ()
+    """Names of an exception's class and of those it is derived from."""
+    return tuple(_name_of(each) for each in _MRO(kind)[:_MOST_CLASSES])
+
+
+def _name_of(kind: type) -> str:
+    return _printable(_NAME(kind)[:100])
 
 
 def _printable(text: str) -> str:

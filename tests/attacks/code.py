@@ -647,10 +647,93 @@ ANSWERS = (
         "answers",
         "import inspect\nreturn [str(each.frame.f_locals)[:1000] for each in inspect.stack()]",
     ),
+    *(
+        _frames(
+            f"frame_of_{name}",
+            f"loop.say(encode(number()) + outcome({node!r}))\ntime.sleep(9)",
+        )
+        for name, node in {
+            "equal_keys": '{"m":[[1,{"f":"0x1p0"}],[true,{"f":"0x1p0"}]]}',
+            "a_key_that_is_no_number": '{"m":[[{"f":"nan"},1]]}',
+            "a_function_that_is_not_registered": '{"u":"os:system"}',
+            "a_module_that_is_not_loaded": '{"u":"nao_course.instructor.gradescope:main"}',
+            "a_pose_of_nothing": '{"o":"nao_course.geometry:Pose","v":{"x":{"f":"nan"}}}',
+            "a_field_of_no_year": '{"o":"nao_course.sim.field:Field","v":{"year":{"l":[]}}}',
+            "a_complex_number_of_texts": '{"c":["0x1p0","one"]}',
+            "a_sparse_matrix_of_the_largest_shape": (
+                '{"q":"coo_array","shape":[1000000000,1000000000],"parts":['
+                '{"a":"<f8","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0}]}'
+            ),
+            "a_sparse_matrix_without_entries": (
+                '{"q":"coo_array","shape":[1000000,1000000],"parts":['
+                '{"a":"<f8","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0}]}'
+            ),
+        }.items()
+    ),
+    _frames(
+        "sparse_matrix_with_an_index_out_of_range",
+        """
+        parts = ','.join('{"a":"<i8","shape":[%d],"b":%d}' % (n, 8 * n) for n in (1, 1, 2))
+        header = outcome('{"q":"csr_array","shape":[1,1],"parts":[%s]}' % parts)[20:]
+        body = struct.pack('<4q', 1, 2**40, 0, 1)
+        loop.say(encode(number()) + frame(header, body))
+        time.sleep(9)
+        """,
+    ),
+    _clamp(
+        "sparse_matrix_that_lies",
+        "answers",
+        "return Lies([[1.0]])",
+        """
+        from scipy import sparse
+        class Lies(sparse.csr_array):
+            def __eq__(self, other): return True
+            def tocoo(self, copy=False): raise SystemExit
+            sum_duplicates = copy = tocsr = tocoo
+        """,
+    ),
+    _clamp("complex_nan", "answers", "return complex(float('nan'), 0.0)"),
+    _clamp(
+        "named_tuple_that_lies_about_its_fields",
+        "answers",
+        "return Row(0.5)",
+        """
+        from typing import NamedTuple
+        class Row(NamedTuple):
+            right: float
+        Row._fields = ('right', 'status', 'value')
+        """,
+    ),
+    _clamp(
+        "texts_that_lie",
+        "answers",
+        "return Text('0.5') if x > 0 else {Text('a'): 0.0, Text('b'): 0.0}",
+        """
+        class Text(str):
+            def __str__(self): raise SystemExit
+            def encode(self, *_): return b'0.5'
+            def __eq__(self, other): return True
+            def __hash__(self): return 1
+            isascii = __len__ = __format__ = __str__
+        """,
+    ),
+    _clamp(
+        "exception_of_a_class_that_raises",
+        "answers",
+        "raise Odd",
+        """
+        class Kind(type):
+            @property
+            def __name__(cls): raise SystemExit
+            __mro__ = __qualname__ = __name__
+        class Odd(Exception, metaclass=Kind):
+            def __str__(self): raise SystemExit
+        """,
+    ),
     _frames(
         "answers_of_a_verdict",
         """
-        verdict = '{"o":"nao_course.exercises.comparisons.values:Verdict","v":{"kind":{"s":"right"}}}'
+        verdict = '{"o":"nao_course.exercises.comparisons.comparison:Verdict","v":{"kind":{"s":"right"}}}'
         loop.say(encode(number()) + frame(verdict))
         time.sleep(9)
         """,
@@ -1579,6 +1662,32 @@ REAL_ONES = (
         "hogs",
         "color_labels",
         "import numpy as np\ndef color_labels(*_):\n    held = []\n    while True: held.append(np.ones(2**23))",
+    ),
+    _real(
+        "real_sampling",
+        "patches",
+        "average_lightness",
+        """
+        import sys
+        from nao_course.exercises.comparisons import sampling
+        law = {"law": (100.0, 10.0, True)}
+        for module in [each for each in list(sys.modules.values()) if hasattr(each, "Sampled")]:
+            module.Sampled.gather = lambda *_: law
+            module.Sampled.compare = lambda *_: sampling.Verdict("right")
+            module.Sampled.calls = lambda self, case: [case]
+        sampling.Close = sampling.as_numbers = sampling.Verdict = lambda *_, **__: True
+        def average_lightness(lightness, n_samples, rng): return float(lightness.mean())
+        """,
+    ),
+    _real(
+        "real_sampled_law",
+        "answers",
+        "average_lightness",
+        """
+        def average_lightness(lightness, n_samples, rng):
+            mean, scatter = float(lightness.mean()), float(lightness.std() / n_samples**0.5)
+            return {"law": (mean, scatter, True)}
+        """,
     ),
     _real(
         "real_table",

@@ -65,7 +65,15 @@ def register(thing: T) -> T:
 
 
 def register_function(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Let a function travel by a name, also one of another package: ``register_function("numpy:hypot", np.hypot)``.
+    """Let a function travel by a name, also one of another package.
+
+    Parameters
+    ----------
+    name : str
+        "nao_course.lessons.my_lesson.tables:hypot": before the colon stands the module that registers it: it can
+        be imported where the name arrives.
+    function : callable
+        Such as np.hypot.
 
     Raises
     ------

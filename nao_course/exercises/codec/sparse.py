@@ -44,8 +44,9 @@ class Parts:
 
 def is_sparse(kind: type) -> bool:
     """Whether a class is one of scipy's sparse matrices, or a subclass; it is none where scipy was never imported."""
-    scipy_sparse = sys.modules.get("scipy.sparse")
-    return scipy_sparse is not None and issubclass(kind, scipy_sparse.spmatrix | scipy_sparse.sparray)
+    module = sys.modules.get("scipy.sparse")
+    bases = (getattr(module, name, None) for name in ("spmatrix", "sparray"))  # another thread may be importing it
+    return issubclass(kind, tuple(base for base in bases if base is not None))
 
 
 def taken_apart(item: Any, most: int) -> Parts:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises.case import Case
-from nao_course.exercises.comparisons.values import Close
+from nao_course.exercises.comparisons import All, Close, Each, Property, Unordered
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.failures import describe_failure, describe_outcome, own_line
@@ -84,3 +84,26 @@ def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(fi
 )
 def test_how_a_process_died_is_told_without_a_number_of_the_students(files, text, said):
     assert describe_failure(Outcome("died", text=text), files, 1.0).text == said
+
+
+def test_of_a_law_on_a_hidden_case_no_word_is_told():
+    law = Property(lambda args, kwargs, answer: f"{args[0]} must be {kwargs['wanted']}, you have {answer}")
+    case = Case((987.25,), kwargs={"wanted": 654.5})
+    for comparison in (law, All((law, Close())), Each({0: law}), Unordered(law)):
+        told = described((3.0,), (3.0,), comparison, replace(case, expected=(3.0,)))
+        assert told is not None and told.state == "wrong"
+        assert not any(word in told.text for word in ("987", "654", "must", "you have"))
+    assert described(3.0, 3.0, law, case).text == (
+        "Its answer is not as it has to be: it does not have a property that is asked for."
+    )
+
+
+def test_an_answer_where_an_exception_is_asked_for_is_told_without_it():
+    case = Case((987.25,), raises="ValueError")
+    told = described(None, 987.25, case=case)
+    assert told is not None and told.state == "wrong"
+    assert told.text == "It returns an answer where it has to raise an exception."
+    raised = Outcome("raised", text="ValueError: 987", errors=("ValueError", "Exception"))
+    assert describe_outcome(EXERCISE, case, raised, Files(b"{}", {}), 10.0) is None
+    other = Outcome("raised", text="KeyError: 987", errors=("KeyError", "Exception"))
+    assert describe_outcome(EXERCISE, case, other, Files(b"{}", {}), 10.0).text == "It raises KeyError."

@@ -27,9 +27,19 @@ leaves = (
     | st.booleans()
     | st.integers(-(2**500), 2**500)
     | st.floats()
+    | st.complex_numbers()
     | st.text(st.characters(exclude_categories=["Cs"]))
     | st.binary()
     | arrays
+)
+keys = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**60), 2**60)
+    | st.floats(allow_nan=False)
+    | st.text(max_size=3),
+    lambda inner: st.lists(inner, max_size=3).map(tuple),
+    max_leaves=4,
 )
 values = st.recursive(
     leaves,
@@ -37,6 +47,7 @@ values = st.recursive(
         st.lists(inner, max_size=4)
         | st.lists(inner, max_size=4).map(tuple)
         | st.dictionaries(st.text(max_size=5), inner, max_size=4)
+        | st.dictionaries(keys, inner, max_size=4)
     ),
     max_leaves=12,
 )
@@ -411,6 +422,9 @@ WORDS = st.sampled_from(
         *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
         *(
             "nao_course.exercises.comparisons.values:Close",
+            "csr_array",
+            "coo_matrix",
+            "nao_course.geometry:Pose",
             "builtins:object",
             "value",
             "refused",
@@ -419,7 +433,7 @@ WORDS = st.sampled_from(
         ),
     ]
 )
-KEYS = st.sampled_from([*"ifsbanltdgov", "shape", "first", "second", "args", "status", "\ud800"])
+KEYS = st.sampled_from([*"ifsbanltdgovmcuq", "parts", "shape", "first", "second", "args", "status", "\ud800"])
 anything = st.recursive(
     st.none() | st.booleans() | NUMBERS | WORDS | st.floats(),
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(KEYS, inner, max_size=4),
@@ -461,6 +475,10 @@ def nodes(draw, depth=3):
             st.fixed_dictionaries({"d": st.dictionaries(WORDS, inner, max_size=3)}),
             st.fixed_dictionaries({"g": st.fixed_dictionaries({"d": generator})}),
             st.fixed_dictionaries({"o": WORDS, "v": st.dictionaries(KEYS, inner, max_size=2)}),
+            st.fixed_dictionaries({"m": st.lists(st.lists(inner, min_size=2, max_size=2), max_size=3)}),
+            st.fixed_dictionaries({"c": st.lists(WORDS, min_size=2, max_size=2)}),
+            st.fixed_dictionaries({"u": WORDS}),
+            st.fixed_dictionaries({"q": WORDS, "shape": shape, "parts": st.lists(array, max_size=3)}),
         )
     )
 
@@ -526,6 +544,7 @@ def test_announced_lengths_are_believed_only_where_they_are_true(header, body, r
 
 
 SMALL = Limits(size=2**20, header=2**18, nodes=5000)
+EMPTY = ",".join(f'{{"a":"{kind}","shape":[0],"b":0}}' for kind in ("<f8", "<i4", "<i4"))
 HOSTILE = {
     "empty lists": ("[]", ","),
     "empty dicts": ("{}", ","),
@@ -538,6 +557,9 @@ HOSTILE = {
     "long hexadecimal numbers": ('{"i":"0x' + "f" * 10_000 + '"}', ","),
     "floats": ('{"f":"0x1p1"}', ","),
     "generators": ('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}', ","),
+    "maps": ('{"m":[[1,2]]}', ","),
+    "complex numbers": ('{"c":["0x1p1","0x1p1"]}', ","),
+    "sparse matrices": ('{"q":"coo_array","shape":[1000000,1000000],"parts":[' + EMPTY + "]}", ","),
     "types": (f'{{"o":"{__name__}:Pair","v":{{"first":1,"second":1}}}}', ","),
 }
 

@@ -1,0 +1,110 @@
+"""A case is judged where its answers do not come from: its calls, its laws, and the exception that it asks for."""
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import judging
+from nao_course.exercises.case import Case
+from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.comparisons import Close, Each, Property
+from nao_course.exercises.exercise import PublicExercise, PublicLesson
+from nao_course.exercises.running import Outcome, call
+
+
+class Odd(type):
+    """A class of classes that raises when it is asked for a name."""
+
+    @property
+    def __name__(cls):
+        raise ZeroDivisionError
+
+
+class SpecialError(ValueError, metaclass=Odd):
+    pass
+
+
+class OwnError(ValueError):
+    pass
+
+
+def raising(error):
+    def function(value):
+        raise error
+
+    return function
+
+
+def judged(function):
+    case = Case((-1.0,), "negative", raises="ValueError")
+    return judging.judge(Close(), case, call(function, case))
+
+
+@pytest.mark.parametrize(
+    "error", [ValueError, ValueError("no"), OwnError("no"), SpecialError("no"), np.linalg.LinAlgError("no")]
+)
+def test_an_exception_that_is_asked_for_is_right_also_one_derived_from_it(error):
+    assert judged(raising(error))
+
+
+@pytest.mark.parametrize(
+    "error", [KeyError("no"), Exception("ValueError"), KeyboardInterrupt, NotImplementedError]
+)
+def test_another_exception_is_not(error):
+    assert judged(raising(error)) is None
+
+
+def test_an_answer_where_an_exception_is_asked_for_is_told():
+    verdict = judged(lambda value: np.zeros(3))
+    assert verdict is not None and verdict.kind == "no error"
+    assert verdict.text == "it returns a ndarray and has to raise ValueError"
+
+
+def exercise(comparison, *cases):
+    return PublicExercise("f", "90.1", 1.0, 1, comparison, list(cases), [], ["a", "b"], "", False)
+
+
+def test_a_check_says_what_came_instead_of_the_exception():
+    asked = exercise(Close(), Case((1.0,), expected=1.0), Case((-1.0,), "negative", raises="ValueError"))
+
+    def right(value):
+        if value < 0:
+            raise ValueError(f"value must not be negative, got {value}")
+        return value
+
+    assert grade_public(asked, right)
+    said = repr(grade_public(asked, lambda value: value))
+    assert "No exception (negative): it returns a float and has to raise ValueError" in said
+    said = repr(grade_public(asked, lambda value: {1.0: 1.0}[value]))
+    assert "one raises KeyError: -1.0 (negative)" in said and "Here ValueError has to be raised" in said
+
+
+def test_check_data_of_the_worlds_values_is_read_back_and_checks():
+    from nao_course.geometry import Pose
+    from nao_course.slam import Measurement
+
+    comparison = Each({0: Close(period=(0.0, 0.0, 2 * np.pi)), 1: Close(atol=0.5)})
+    case = Case(({3: Pose(1.0, 2.0, 3.0)}, [Measurement(0.1, 2.0)]), expected=(Pose(1.0, 2.0, 3.0), 2.0))
+    lesson = unpack(pack(PublicLesson("90_toy", [exercise(comparison, case)], [])))
+
+    assert grade_public(lesson.exercises[0], lambda poses, seen: (poses[3], seen[0].range + 0.4))
+    assert not grade_public(lesson.exercises[0], lambda poses, seen: (poses[3], seen[0].range + 0.6))
+    assert not grade_public(lesson.exercises[0], lambda poses, seen: (Pose(), seen[0].range))
+
+
+def test_a_gathered_answer_says_that_a_later_call_changed_its_input():
+    class Twice(Close):
+        def calls(self, case):
+            return [case, case]
+
+    outcomes = iter([Outcome("value", 1.0), Outcome("value", 2.0, changed=True)])
+    outcome = judging.answer(Twice(), lambda each: next(outcomes), Case((1.0,)))
+    assert outcome.value == 1.0 and outcome.changed
+
+
+def test_a_law_that_raises_refuses_the_answer():
+    law = Property(lambda args, kwargs, answer: "" if answer.shape == args[0].shape else "another shape")
+    case = Case((np.zeros(3),))
+    assert judging.judge(law, case, Outcome("value", np.ones(3)))
+    for answer, kind in ((np.ones(4), "law"), ("text", "type"), (None, "nothing")):
+        verdict = judging.judge(law, case, Outcome("value", answer))
+        assert verdict is not None and verdict.kind == kind

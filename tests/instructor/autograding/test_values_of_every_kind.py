@@ -1,0 +1,65 @@
+"""What a lesson hands over is judged alike by `check`, in the terminal, by `student.functions` and in grading."""
+
+import pickle
+from dataclasses import replace
+
+import pytest
+from typer.testing import CliRunner
+
+from nao_course import cli, student
+from nao_course.exercises import checking
+from nao_course.exercises.checking import Checks, pack, unpack
+from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.exercise import PublicLesson
+from nao_course.instructor.autograding.assignment import prepare
+from nao_course.instructor.autograding.grader import grade
+from nao_course.instructor.collecting.submissions import Submission
+from tests.toy import values
+
+AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine
+
+
+@pytest.fixture(scope="module")
+def assignment(tmp_path_factory):
+    course = values.make_course(tmp_path_factory.mktemp("course"))
+    prepared = prepare(course, "92", b"a secret of sixteen bytes, or more")
+    return replace(pickle.loads(pickle.dumps(prepared)), seconds=AMPLE)
+
+
+@pytest.fixture
+def public(assignment, monkeypatch):
+    """The lesson as a student's copy reads it."""
+    lesson = unpack(pack(PublicLesson(values.LESSON, [task.public for task in assignment.tasks], [])))
+    for module in (student, checking, cli):
+        monkeypatch.setattr(module, "read_public", {values.LESSON: lesson}.__getitem__)
+    return lesson
+
+
+def hand_in(folder, functions=None):
+    path = folder / f"{values.LESSON}.ipynb"
+    path.write_bytes(values.notebook(functions))
+    return path
+
+
+@pytest.mark.parametrize(("functions", "right"), [({}, True), (values.WRONG, False)], ids=["right", "wrong"])
+def test_the_grader_judges_values_of_every_kind(assignment, warm_server, tmp_path, functions, right):
+    submission = Submission("ada", values.LESSON, hand_in(tmp_path, functions), (), file="ada/x.ipynb")
+    result = grade(submission, assignment, warm_server, "full")
+    found = {each.name: each.state for each in result.exercises}
+    assert found == dict.fromkeys(values.RIGHT, "right" if right else "wrong"), [
+        (each.name, each.text, each.line, each.public) for each in result.exercises
+    ]
+    assert result.earned == (len(values.RIGHT) if right else 0)
+
+
+def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_path):
+    for functions, right in ((None, True), (values.WRONG, False)):
+        path = hand_in(tmp_path, functions)
+        defined = load_definitions(path)
+        reports = {name: Checks(public)(name, defined[name]) for name in values.RIGHT}
+        assert {name: bool(report) for name, report in reports.items()} == dict.fromkeys(values.RIGHT, right)
+        assert list(student.functions(values.LESSON, tmp_path)) == (list(values.RIGHT) if right else [])
+        said = CliRunner().invoke(cli.app, ["check", str(path)])
+        assert said.exit_code == (0 if right else 1), said.output
+    assert "H delta is not -b" in repr(reports["step"])
+    assert "whatever rng it gets" in repr(reports["draw"])
