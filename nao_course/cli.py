@@ -298,13 +298,17 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 
 
 @new.command("exercise")
-def new_exercise(lesson: str, name: str) -> None:
+def new_exercise(
+    lesson: str,
+    name: str,
+    a_class: bool = typer.Option(False, "--class", help="The student writes a class."),
+) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
     with _plainly():
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.scaffolding import scaffold
 
-        for path in scaffold.add_exercise(load_course(), lesson, name):
+        for path in scaffold.add_exercise(load_course(), lesson, name, a_class=a_class):
             _say(f"wrote {os.path.relpath(path)}")
 
 

@@ -1,4 +1,4 @@
-"""What the two pages for assistants say is so: their commands run, and what they name exists."""
+"""What the pages for assistants and authors say is so: their commands run, and what they name exists."""
 
 import csv
 import os
@@ -19,7 +19,7 @@ from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only
 
 DOCS = PROJECT / "docs"
-PAGES = ("grade_a_class.md", "what_is_protected.md")
+PAGES = ("grade_a_class.md", "what_is_protected.md", "write_a_lesson.md", "write_an_exercise.md")
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
 LESSON = "01_hsl_filtering.ipynb"
 
@@ -125,7 +125,8 @@ def test_each_message_that_is_explained_is_one_that_is_said():
 
 @pytest.mark.parametrize("page", PAGES)
 def test_links_lead_somewhere(page):
-    for path, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]+))?\)", text_of(page)):
+    text = re.sub(r"`[^`\n]+`", "", text_of(page))  # code shows how a link is written
+    for path, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]+))?\)", text):
         target = DOCS / (path or page)
         assert target.is_file(), path
         headings = re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE)
@@ -145,6 +146,29 @@ def test_what_is_said_to_be_tested_is():
     named += re.findall(r"`(test_\w+)`", text_of("what_is_protected.md"))
     assert len(named) >= 20
     assert [name for name in named if name not in there] == []
+
+
+def rubric():
+    """The rules of a lesson by their numbers, each with the tests that it names."""
+    text = text_of("write_a_lesson.md").split("## What a great lesson is")[1].split("\n## ")[0]
+    rules = re.split(r"^(\d+)\. ", text, flags=re.MULTILINE)[1:]
+    pairs = zip(rules[::2], rules[1::2], strict=True)
+    return {int(number): re.findall(r"`(test_\w+)`", rule) for number, rule in pairs}
+
+
+def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_rule_is_named():
+    tests = {
+        name
+        for path in (PROJECT / "tests").rglob("test_*.py")
+        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    assert list(rubric()) == list(range(1, 29))
+    named = {name for names in rubric().values() for name in names}
+    assert named <= tests
+    assert {name for name in tests if name.startswith("test_rubric_")} <= named
+    for number, names in rubric().items():
+        numbered = [name for name in names if name.startswith("test_rubric_")]
+        assert all(name.startswith(f"test_rubric_{number}_") for name in numbered)
 
 
 def test_every_level_is_a_column_of_the_table_of_threats():

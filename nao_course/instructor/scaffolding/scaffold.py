@@ -56,11 +56,116 @@ _SOLVED = '''def {name}(value: float) -> float:
     ### BEGIN SOLUTION
     return 2.0 * value
     ### END SOLUTION'''
+# The class that a scaffold declares is a place on a line that can be moved and asked for.
+_CLASS_DECLARATION = """def _{lower}_public() -> list[Case]:
+    # TODO: calls that tell every mistake from the right answer; the same at each call
+    return [
+        calls(("move", 1.5), "estimate", ("move", -4.0), "estimate", given=(2.0,), name="TODO what it is about"),
+        calls("estimate", given=(-1.0,), name="never moved"),
+    ]
+
+
+def _{lower}_hidden(rng: np.random.Generator) -> list[Case]:
+    # TODO: other calls, drawn from rng
+    starts, ways = rng.uniform(-5, 5, 3).tolist(), rng.uniform(-5, 5, (3, 4)).tolist()
+    turns = [[turn for way in each for turn in (("move", way), "estimate")] for each in ways]
+    return [calls(*each, given=(start,)) for start, each in zip(starts, turns, strict=True)]
+
+
+class _{name}Stays:  # TODO: what students write
+    def __init__(self, start: float) -> None:
+        self.place = start
+
+    def move(self, by: float) -> None:
+        pass
+
+    def estimate(self) -> float:
+        return self.place
+
+
+class _{name}Backwards(_{name}Stays):
+    def move(self, by: float) -> None:
+        self.place -= by
+
+
+class _{name}Forgets(_{name}Stays):
+    def move(self, by: float) -> None:
+        self.place = by
+
+
+class _{name}Adds(_{name}Stays):  # TODO: right ways to write it that look different
+    def move(self, by: float) -> None:
+        self.place = sum([self.place, by])
+
+
+class _{name}Remembers(_{name}Stays):
+    def __init__(self, start: float) -> None:
+        self.all = [start]
+
+    def move(self, by: float) -> None:
+        self.all.append(by)
+
+    def estimate(self) -> float:
+        return sum(self.all)
+
+
+class _{name}NumPy(_{name}Stays):
+    def __init__(self, start: float) -> None:
+        self.place = np.float32(start)
+
+    def move(self, by: float) -> None:
+        self.place = np.add(self.place, by)
+
+
+{constant} = Exercise(
+    name="{name}",
+    points=1,
+    public=_{lower}_public,
+    hidden=_{lower}_hidden,
+    comparison=Methods(),  # TODO: Methods({{"estimate": Close(rtol=0.01)}}) where a method wants another comparison
+    driver="methods",
+    hints=("TODO: where to look.", "TODO: nearly how."),
+    mistakes=[
+        Mistake("stays", _{name}Stays, "TODO: it stays where it is."),
+        Mistake("backwards", _{name}Backwards, "TODO: it moves the other way."),
+        Mistake("forgets", _{name}Forgets, "TODO: it forgets where it was."),
+    ],
+    alternatives={{"a sum": _{name}Adds, "a list": _{name}Remembers, "NumPy": _{name}NumPy}},
+    stars={stars},
+)
+
+
+"""
+_CLASS_SOLVED = '''class {name}:
+    """TODO: what it is.
+
+    start: TODO unit, frame. estimate() returns TODO.
+    Example: after {name}(1.0) and move(2.0), estimate() is 3.0.
+    """
+
+    def __init__(self, start: float) -> None:
+        """TODO: begin at start."""
+        ### BEGIN SOLUTION
+        self.place = start
+        ### END SOLUTION
+
+    def move(self, by: float) -> None:
+        """TODO: move by so much."""
+        ### BEGIN SOLUTION
+        self.place += by
+        ### END SOLUTION
+
+    def estimate(self) -> float:
+        """TODO: return where it is."""
+        ### BEGIN SOLUTION
+        return self.place
+        ### END SOLUTION'''
 _STARS = {1: "one star", 2: "two stars", 3: "three stars"}
 _IMPORTS = {  # what the declaration uses
     "np": "import numpy as np",
     **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise", "Mistake")},
 }
+_CLASS_IMPORTS = {name: f"from nao_course.exercises import {name}" for name in ("Methods", "calls")}
 _PLAN = '''"""Lesson {number}, {title}: its exercises, students' mistakes, other right ways to write them."""
 
 from __future__ import annotations
@@ -184,7 +289,7 @@ def _words(number: str, name: str) -> dict[str, str]:
     }
 
 
-def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
+def add_exercise(course: Course, lesson: str, name: str, *, a_class: bool = False) -> list[Path]:
     """Add an exercise to a lesson: its declaration as the last, and its cells behind the last check.
 
     Parameters
@@ -194,7 +299,9 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
     lesson : str
         Number or name.
     name : str
-        Of the function; unique in the course.
+        Of the function or class; unique in the course.
+    a_class : bool
+        Whether the student writes a class.
 
     Returns
     -------
@@ -207,8 +314,12 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
         If the name cannot be used, or the declaration has no list to add it to.
     """
     (stem,) = course.names([lesson])
-    if not name.isidentifier() or name != name.lower():
-        raise LessonError(f"an exercise is named like a function, such as 'hue_mask', got {name!r}")
+    if a_class and not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
+        raise LessonError(f"a class is named like 'EkfSlam', got {name!r}")
+    if not a_class and (not name.isidentifier() or name != name.lower()):
+        raise LessonError(
+            f"an exercise is named like a function, such as 'hue_mask', got {name!r}; for a class say --class"
+        )
     for other in course.names():
         if name in {each.name for each in course.plan(other).exercises}:
             raise LessonError(
@@ -217,27 +328,30 @@ def add_exercise(course: Course, lesson: str, name: str) -> list[Path]:
     text, plan = course.text(stem), course.declaration(stem)
     exercises = course.plan(stem).exercises
     stars = exercises[-1].stars if exercises else 1  # difficulty never falls
-    declared = _with_declaration(plan, name, stars)
+    declared = _with_declaration(plan, name, stars, a_class)
     notebook = lesson_text.read_lesson(text)
     number = len(exercises) + 1
     checks = lesson_text.code_cells(notebook, "check") or lesson_text.code_cells(notebook, "setup")
     place = checks[-1][0] + 1
-    notebook.cells[place:place] = _cells(f"{int(lesson_names.number_of(stem))}.{number}", name, stars)
+    notebook.cells[place:place] = _cells(
+        f"{int(lesson_names.number_of(stem))}.{number}", name, stars, a_class
+    )
     text.write_text(lesson_text.write_lesson(notebook), encoding="utf-8")
     plan.write_text(declared, encoding="utf-8")
     return [text, plan]
 
 
-def _cells(number: str, name: str, stars: int) -> list[NotebookNode]:
+def _cells(number: str, name: str, stars: int, a_class: bool) -> list[NotebookNode]:
+    solved = (_CLASS_SOLVED if a_class else _SOLVED).format(name=name)
     title = f"### Exercise {number} ({_STARS[stars]})\n\nTODO: what `{name}` is for, and a worked example."
     return [
         nbformat.v4.new_markdown_cell(title),
-        nbformat.v4.new_code_cell(_SOLVED.format(name=name), metadata={"exercise": name}),
+        nbformat.v4.new_code_cell(solved, metadata={"exercise": name}),
         nbformat.v4.new_code_cell(f'check("{name}", {name})', metadata={"check": name}),
     ]
 
 
-def _with_declaration(plan: Path, name: str, stars: int) -> str:
+def _with_declaration(plan: Path, name: str, stars: int, a_class: bool) -> str:
     """Write a new exercise before PLAN, its name at the end of PLAN's list, and what it imports."""
     source = plan.read_text(encoding="utf-8")
     tree = ast.parse(source)
@@ -267,9 +381,12 @@ def _with_declaration(plan: Path, name: str, stars: int) -> str:
     assert row is not None and column is not None  # ast.parse knows where everything ends
     line = lines[row - 1].encode()  # ast counts bytes
     lines[row - 1] = (line[:column] + added.encode() + line[column:]).decode()
-    lines.insert(statement.lineno - 1, _DECLARATION.format(name=name, constant=constant, stars=stars))
+    declaration = _CLASS_DECLARATION if a_class else _DECLARATION
+    words = {"name": name, "lower": name.lower(), "constant": constant, "stars": stars}
+    lines.insert(statement.lineno - 1, declaration.format_map(words))
     imports = [each for each in tree.body if isinstance(each, ast.Import | ast.ImportFrom)]
     there = {alias.asname or alias.name for each in imports for alias in each.names}
-    missing = [f"{line}\n" for imported, line in _IMPORTS.items() if imported not in there]
+    wanted = _IMPORTS | (_CLASS_IMPORTS if a_class else {})
+    missing = [f"{line}\n" for imported, line in wanted.items() if imported not in there]
     lines.insert((imports[-1].end_lineno or 0) if imports else 0, "".join(missing))
     return "".join(lines)

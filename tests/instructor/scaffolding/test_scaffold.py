@@ -14,7 +14,7 @@ from nao_course.instructor.authoring import release
 from nao_course.instructor.authoring.mutation import mutate
 from tests.lessons import test_lessons as rules
 from tests.paths import PROJECT
-from tests.toy.course import contents, run
+from tests.toy.course import contents, run, write
 
 
 def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished(built):
@@ -35,6 +35,20 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
     assert not Path("dist").exists()
 
 
+def test_a_class_and_a_function_with_the_stars_of_the_last_exercise_are_begun_in_any_lesson(course):
+    write(course.declaration("01_toy"), "points=1,", "points=1, stars=2,")
+    for words in (("Tracker", "--class"), ("after_it",)):
+        result = run("new", "exercise", "01", *words)
+        assert result.exit_code == 0, result.output
+    result = run("build", "--no-execute")
+    assert result.exit_code == 0, result.output
+    text = course.text("01_toy").read_text()
+    assert "### Exercise 1.2 (two stars)" in text and "### Exercise 1.3 (two stars)" in text
+    assert [each.stars for each in course.plan("01_toy").exercises] == [2, 2, 2]
+    blank = Path("notebooks/01_toy.ipynb").read_text()
+    assert blank.count("raise NotImplementedError") == 5 and "self.place" not in blank
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -42,6 +56,8 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
         (("lesson", "7", "ekf"), "a lesson is two digits and a name"),
         (("exercise", "01", "double"), "lesson 01_toy has an exercise double already"),
         (("exercise", "01", "Double"), "an exercise is named like a function"),
+        (("exercise", "01", "Double"), "for a class say --class"),
+        (("exercise", "01", "double_it", "--class"), "a class is named like 'EkfSlam'"),
         (("exercise", "05", "x"), "there is no lesson 05"),
     ],
 )
