@@ -21,7 +21,9 @@ from nao_course.widgets import (
     Slider,
     Toggle,
     __all__,
+    function_panel,
 )
+from nao_course.widgets.shown import encoded
 from tests.paths import PROJECT
 from tests.widgets.robots import all_widgets, decoded, press
 
@@ -197,14 +199,13 @@ def test_a_title_that_comes_again_takes_the_place_of_the_first():
     assert (decoded(image(panel, 0)) == 255).all()
 
 
-def test_only_pictures_that_changed_are_sent():
+def test_only_pictures_that_changed_are_encoded_and_sent(monkeypatch):
     panel, sent = make(), []
-    for number in (0, 1):
-        image(panel, number).observe(lambda change, number=number: sent.append(number), "value")
+    monkeypatch.setattr(function_panel, "encoded", lambda *given: sent.append(given[0]) or encoded(*given))
     panel.set(level=100)
     assert sent == []
     panel.set(level=110)
-    assert sent == [1]
+    assert [np.array_equal(each, panel.shown.pictures["Your mask"]) for each in sent] == [True]
 
 
 def test_a_pixel_is_marked_over_its_picture_and_in_the_still_figure():

@@ -102,6 +102,7 @@ class FilterPanel(FunctionPanel):
             raise ValueError(f"label must be a function that labels a picture, got {type(label).__name__}")
         self._scenes = _paired(picture, truth)
         self._known: tuple[Values, Pixels] | None = None  # labels, and where the controls stood
+        self._seconds = 0.0
         scenes = [Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled")]
         super().__init__(
             "Filter panel",
@@ -175,8 +176,9 @@ class FilterPanel(FunctionPanel):
 
     def say_pace(self, seconds: float) -> str:
         """Say how long the latest picture took, and why the panel lags if it does."""
-        facts = f"Your code labels a picture in {1000 * seconds:.0f} ms." if seconds else ""
-        if seconds > SLOW:
+        self._seconds = seconds or self._seconds  # nothing is asked where only "Show" has changed
+        facts = f"Your code labels a picture in {1000 * self._seconds:.0f} ms."
+        if self._seconds > SLOW:
             facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
         return facts
 
