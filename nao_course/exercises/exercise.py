@@ -11,6 +11,7 @@ import numpy as np
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.values import Close, Comparison
+from nao_course.exercises.earlier import EarlierCall
 
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
 
@@ -59,7 +60,8 @@ class Exercise:
     stars : int
         Difficulty, 1 to 3.
     uses : sequence of str
-        Earlier exercises of this lesson that the function calls.
+        Earlier exercises that the function calls: "hue_mask" of this lesson, "01:color_labels" of an earlier one. The
+        lesson's set-up cell then says ``color_labels = earlier("01:color_labels")``.
     driver : str
         Where not empty: name of a function, registered with `register_driver`, that runs in the worker and turns what
         the student wrote, a class or a SymPy expression, into arrays. It is called with the student's object before
@@ -211,6 +213,8 @@ class PublicExercise:
         As in Exercise.
     in_place : bool
         As in Exercise.
+    earlier : list of EarlierCall
+        Calls of earlier lessons' functions that the reference makes in these cases.
     """
 
     name: str
@@ -223,6 +227,7 @@ class PublicExercise:
     hints: list[str]
     driver: str
     in_place: bool
+    earlier: list[EarlierCall] = field(default_factory=list)
 
 
 @register

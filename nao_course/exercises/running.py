@@ -22,7 +22,9 @@ Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
 _DRIVERS: dict[str, Callable[..., Any]] = {}
+REFERENCE = "<reference>"  # file name of what is lent to a student
 _NOT_THE_STUDENTS = (
+    REFERENCE,
     *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
     str(Path(__file__).parents[1]),
     "<frozen",
@@ -31,6 +33,10 @@ _NOT_THE_STUDENTS = (
 
 
 SECONDS = 20.0  # that all public cases of an exercise may take, wall clock
+
+
+class Unsendable(CodecError):  # noqa: N818 - it reads as a sentence
+    """Raised by a driver where something came back that cannot be sent; the message is for the student."""
 
 
 @register
@@ -171,7 +177,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         value = function(*args, **kwargs)
     except NotImplementedError as error:
         return _not_written(error, args[0] if driver else function)
-    except CodecError as error:  # a driver has looked at what came back
+    except Unsendable as error:
         return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")
