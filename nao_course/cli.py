@@ -25,7 +25,7 @@ new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (ins
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
-_SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted"}
+_SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted", "not checked": "○ not checked"}
 
 
 @app.callback()
@@ -72,7 +72,7 @@ def check(
         notebook = _notebook(lesson_or_file)
         lesson = notebook.stem
         public = read_public(lesson)
-        skipped = load_definitions(notebook).skipped
+        skipped = load_definitions(notebook, earlier=student.earlier_in(notebook.parent)).skipped
         found = student.functions(lesson, notebook.parent)
     reports = {report.name: report for report in found.reports}
     table = Table("exercise", "points", "result", "what the check says", title=lesson)

@@ -11,12 +11,14 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from nao_course.exercises.checking import Report, grade_public, read_public
+from nao_course.exercises.checking import Report, grade_public, lessons, read_public
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_definitions
-from nao_course.exercises.exercise import ANSWER_HERE
+from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
+from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
+from nao_course.exercises.lesson_names import PATTERN, meant, number_of
 from nao_course.exercises.trying import Message
 
-__all__ = ["StudentFunctions", "functions"]
+__all__ = ["StudentFunctions", "earlier", "earlier_in", "functions"]
 
 
 @dataclass(frozen=True)
@@ -107,29 +109,100 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
         If there is no such lesson.
     """
     public = read_public(lesson)
-    path = (Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".") / f"{lesson}.ipynb").resolve()
-    try:
-        found = _definitions(path, path.stat().st_mtime_ns)
-        reasons = [
-            f"Cell {each.cell}: {each.reason}." for each in found.skipped if each.reason != NO_DEFINITION
-        ]
-    except (OSError, ValueError) as error:
-        found, reasons = Definitions({}), [f"{path.name} cannot be read: {error}."]
-    right: dict[str, Callable[..., Any]] = {}
-    reports: list[Report] = []
-    for exercise in public.exercises:
-        if exercise.name not in found:
-            lines = (f"{exercise.number} {exercise.name}: not found in {path.name}.", *reasons)
-            reports.append(Report(exercise.name, "raised" if reasons else "not attempted", lines))
-            continue
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            report = grade_public(exercise, found[exercise.name])
-        if report:
-            right[exercise.name] = found[exercise.name]
-        else:
-            reports.append(report)
+    path = _folder(folder) / f"{lesson}.ipynb"
+    found, reasons = _read(path)
+    reports = {each.name: _report(each, path, found, reasons) for each in public.exercises}
+    right = {name: found[name] for name, report in reports.items() if report}
     unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
-    return StudentFunctions(lesson, right, tuple(reports), tuple(unwritten))
+    wrong = tuple(report for report in reports.values() if not report)
+    return StudentFunctions(lesson, right, wrong, tuple(unwritten))
+
+
+def earlier(use: str, folder: str | Path | None = None) -> Any:
+    """Return your own function of an earlier lesson; a lesson's set-up cell calls this.
+
+    Where yours is missing or wrong, it says so once; then calling it raises that sentence, but for the checks of the
+    lesson, which have recorded what it would answer.
+
+    Parameters
+    ----------
+    use : str
+        Lesson and function: "01:color_labels".
+    folder : str or Path, optional
+        As in `functions`.
+
+    Returns
+    -------
+    callable
+        The function; of a class, that class.
+
+    Raises
+    ------
+    ValueError
+        If there is no such lesson or exercise.
+    """
+    if is_resolved():  # in a declaration of exercises: no student's folder is meant
+        return stand_in(use, not_usable(use))
+    made = earlier_in(_folder(folder))(use)
+    if not isinstance(made, type):
+        try:
+            made.find()
+        except EarlierNotUsable as sentence:
+            from IPython.display import display  # it takes long to import
+
+            display(Message(f"{sentence} The checks of this lesson have recorded answers for it."))
+    return made
+
+
+def earlier_in(folder: Path) -> Callable[[str], Any]:
+    """Return what finds functions of earlier lessons in the notebooks of a folder; it says nothing by itself."""
+
+    def find(use: str) -> Any:
+        lesson, exercise = _exercise(use)
+        path = folder.resolve() / f"{lesson}.ipynb"
+        found, reasons = _read(path)
+        report = _report(exercise, path, found, reasons)
+        if report:
+            return stand_in(use, lambda: found[exercise.name])
+        return stand_in(use, not_usable(use, " ".join(report.lines)))
+
+    return find
+
+
+def _exercise(use: str) -> tuple[str, PublicExercise]:
+    """Name of the lesson, and the exercise, of "01:color_labels"."""
+    number, name = split_use(use)
+    found = meant(number, lessons())
+    if len(found) != 1:
+        raise ValueError(f"{use!r}: there is no lesson {number!r} with checks; there are {lessons()}")
+    for exercise in read_public(found[0]).exercises:
+        if exercise.name == name:
+            return found[0], exercise
+    raise ValueError(f"{use!r}: lesson {found[0]} has no exercise {name!r}")
+
+
+def _folder(folder: str | Path | None) -> Path:
+    return Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".").resolve()
+
+
+def _read(path: Path) -> tuple[Definitions, list[str]]:
+    """A notebook's definitions, and why some of them are missing."""
+    try:
+        times = tuple(each.stat().st_mtime_ns for each in sorted(path.parent.glob(f"{PATTERN}.ipynb")))
+        found = _definitions(path, path.stat().st_mtime_ns, times)
+    except (OSError, ValueError) as error:
+        return Definitions({}), [f"{path.name} cannot be read: {error}."]
+    reasons = [f"Cell {each.cell}: {each.reason}." for each in found.skipped if each.reason != NO_DEFINITION]
+    return found, reasons
+
+
+def _report(exercise: PublicExercise, path: Path, found: Definitions, reasons: list[str]) -> Report:
+    """What the public checks say of an exercise in a notebook; nothing that it prints is shown."""
+    if exercise.name not in found:
+        lines = (f"{exercise.number} {exercise.name}: not found in {path.name}.", *reasons)
+        return Report(exercise.name, "raised" if reasons else "not attempted", lines)
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        return grade_public(exercise, found[exercise.name])
 
 
 def _blank(answer: str) -> bool:
@@ -137,10 +210,16 @@ def _blank(answer: str) -> bool:
 
 
 @lru_cache(maxsize=32)
-def _definitions(path: Path, changed: int) -> Definitions:
-    """Definitions of a notebook as it was saved at a time; what it prints is not wanted in another one."""
+def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitions:
+    """Definitions of a notebook as it and the others were saved; what it prints is not wanted in another one."""
+
+    def before_this(use: str) -> Any:
+        if split_use(use)[0] >= number_of(path.stem):  # two lessons that use each other would never end
+            return stand_in(use, not_usable(use, f"lesson {path.stem} comes first."))
+        return earlier_in(path.parent)(use)
+
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-        return load_definitions(path)
+        return load_definitions(path, earlier=before_this)
 
 
 def __dir__() -> list[str]:

@@ -6,7 +6,7 @@ import os
 import re
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from html import escape
 from importlib import resources
@@ -19,14 +19,16 @@ from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import Limits, decode, encode
 from nao_course.exercises.comparisons.comparison import Verdict
+from nao_course.exercises.earlier import EarlierNotUsable, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
 
-State = Literal["right", "not attempted", "wrong", "raised", "interrupted"]
+State = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
     "right": "#1a7f37",
     "not attempted": "#6e7781",
+    "not checked": "#6e7781",
     "wrong": "#9a6700",
     "raised": "#9a6700",
     "interrupted": "#6e7781",
@@ -49,7 +51,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
-_SIGNS = {"right": "✔", "not attempted": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
+_SIGNS = {"right": "✔", "not attempted": "○", "not checked": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
 _DATA = "checks"
 
 
@@ -66,7 +68,7 @@ class Report:
     name : str
         Of the exercise.
     state : str
-        right, not attempted, wrong, raised or interrupted.
+        right, not attempted, not checked (by what an earlier lesson lacks), wrong, raised or interrupted.
     lines : tuple of str
         What to say, the most important first.
     """
@@ -113,11 +115,16 @@ def read_public(name: str) -> PublicLesson:
     ValueError
         If there is no such lesson.
     """
-    folder = resources.files("nao_course.exercises") / _DATA
-    there = sorted(each.name.removesuffix(".bin") for each in folder.iterdir() if each.name.endswith(".bin"))
+    there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; there are {there}")
-    return unpack((folder / f"{name}.bin").read_bytes())
+    return unpack((resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes())
+
+
+def lessons() -> list[str]:
+    """Return the names of all lessons with checks."""
+    folder = resources.files("nao_course.exercises") / _DATA
+    return sorted(each.name.removesuffix(".bin") for each in folder.iterdir() if each.name.endswith(".bin"))
 
 
 def pack(lesson: PublicLesson) -> bytes:
@@ -158,8 +165,11 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
         return Report(exercise.name, "wrong", (text,))
     answer = partial(judging.answer, exercise.comparison)
     seconds = max(running.SECONDS, 2 * exercise.seconds)
-    outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
-    return explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
+    with watching(exercise.earlier) as calls:
+        outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
+        report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
+    stood_in = [f"{why} Recorded answers stood in for it." for why in calls.answered.values()]
+    return replace(report, lines=(*report.lines, *stood_in))
 
 
 def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
@@ -229,6 +239,8 @@ def _explain(
         lines += _input_at(exercise.cases[first], verdict)
     elif outcome.status == "unsendable":
         lines = [f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}."]
+    elif outcome.text.startswith(f"{EarlierNotUsable.__name__}: "):
+        state, lines = "not checked", [f"{title}: {passed}. {outcome.text.partition(': ')[2]}"]
     else:
         state, lines = "raised", [f"{title}: {passed}; {_raises(outcome.text)}{about}."]
         lines += [outcome.line] if outcome.line else []

@@ -15,8 +15,9 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
+from nao_course.exercises import earlier as earlier_lessons
 from nao_course.exercises.cells import grade_id, is_graded, is_solution, metadata, source_of
-from nao_course.exercises.running import describe
+from nao_course.exercises.running import REFERENCE, describe
 
 MOST_BYTES = 50 * 2**20
 MOST_WRITTEN = 2**16  # characters of a written answer
@@ -116,14 +117,24 @@ class Definitions(Mapping[str, Any]):
         return len(self.found)
 
 
+def not_asked_for(use: str) -> Any:
+    """Stand for a function of an earlier lesson where nobody has said which one is meant."""
+    return earlier_lessons.stand_in(use, earlier_lessons.not_usable(use, "its notebook is not at hand."))
+
+
 def load_definitions(
-    path: str | Path, before: Callable[[int, int], bool] = lambda cell, line: True, setup: str = ""
+    path: str | Path,
+    before: Callable[[int, int], bool] = lambda cell, line: True,
+    setup: str = "",
+    earlier: Callable[[str], Any] = not_asked_for,
+    instead: Mapping[str, str] | None = None,
 ) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
     Runs, in document order, the imports, definitions, assignments, `table.append(x)` and the like, and if, for, try,
     with and match statements of solution cells and of cells the student added, each guarded; of the set-up cell only
-    its imports. Checks and demonstrations do not run. The last definition of a name wins.
+    its imports and ``name = earlier("01:name")``. Checks and demonstrations do not run. The last definition of a name
+    wins.
 
     Parameters
     ----------
@@ -132,7 +143,12 @@ def load_definitions(
     before : callable
         Called with cell and line before each statement; one that it answers False for is skipped.
     setup : str
-        Source of a set-up cell whose imports run first, as cell 0: the release's, as a student may have edited theirs.
+        Source of a set-up cell that runs first, as cell 0: the release's, as a student may have edited theirs. What it
+        has of earlier lessons is then all that there is.
+    earlier : callable
+        Called with "01:name"; returns what stands for that function of an earlier lesson.
+    instead : mapping of str to str, optional
+        Source that runs where the notebook defines a class of a name, in its place; behind all else where it does not.
 
     Returns
     -------
@@ -147,13 +163,14 @@ def load_definitions(
         If it is no notebook; the message says what is wrong.
     """
     text = read_notebook(path)
+    missing = dict(instead or {})
     module = ModuleType(f"notebook_{Path(path).stem}")
     sys.modules[module.__name__] = module  # dataclasses look up the module they are made in
     namespace = module.__dict__
     defined: dict[str, None] = {}
     skipped: list[Skipped] = []
     flags = 0
-    for number, (role, source) in enumerate([("setup", setup), *text.cells]):
+    for number, (role, source) in enumerate([("setup", setup), *text.cells, ("instead", "pass")]):
         if role in ("check", "display") or not source.strip():
             continue
         file = f"<{Path(path).stem}, cell {number}>"
@@ -163,9 +180,14 @@ def load_definitions(
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             skipped.append(Skipped(number, getattr(error, "lineno", 0) or 0, describe(error)))
             continue
-        for statement in statements:
+        for statement, origin in _with_others(statements, file, role, instead or {}, missing):
             imports = isinstance(statement, _IMPORTS)
             if role == "setup" and not imports:
+                if (number == 0 or not setup) and (use := earlier_lessons.assigned_use(statement)):
+                    try:
+                        namespace[use[0]] = earlier(use[1])
+                    except Exception as error:  # noqa: BLE001 - an unknown lesson, or one that cannot be loaded
+                        skipped.append(Skipped(number, statement.lineno, describe(error)))
                 continue
             if not isinstance(statement, _RUN) and not _fills_a_table(statement):
                 if not _is_text(statement):
@@ -174,16 +196,16 @@ def load_definitions(
             if not before(number, statement.lineno):
                 skipped.append(Skipped(number, statement.lineno, "left out"))
                 continue
-            earlier = dict(namespace)
+            held = dict(namespace)
             try:
-                code = _compile(statement, file, flags)
+                code = _compile(statement, origin, flags)
                 flags |= code.co_flags & __future__.annotations.compiler_flag
                 exec(code, namespace)
             except KeyboardInterrupt:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
                 skipped.append(Skipped(number, statement.lineno, describe(error)))
-            changed = [name for name, value in namespace.items() if earlier.get(name, namespace) is not value]
+            changed = [name for name, value in namespace.items() if held.get(name, namespace) is not value]
             if imports:
                 changed = [name for name in changed if _stands_beside(namespace[name], Path(path))]
             defined.update(dict.fromkeys(changed))
@@ -288,6 +310,21 @@ def _parse(source: str, file: str) -> list[ast.stmt]:
             return ast.parse(source, file).body
         except SyntaxError:
             return ast.parse(_MAGIC.sub(r"\1pass  # ", source), file).body
+
+
+def _with_others(
+    statements: list[ast.stmt], file: str, role: str, instead: Mapping[str, str], missing: dict[str, str]
+) -> Iterator[tuple[ast.stmt, str]]:
+    """Statements of a cell and what they are of, with others in the place of classes; at last, those still missing."""
+    for statement in statements:
+        if isinstance(statement, ast.ClassDef) and statement.name in instead:
+            missing.pop(statement.name, None)
+            yield from ((each, REFERENCE) for each in ast.parse(instead[statement.name]).body)
+        elif role != "instead":
+            yield statement, file
+    if role == "instead":
+        for source in missing.values():
+            yield from ((each, REFERENCE) for each in ast.parse(source).body)
 
 
 def _compile(statement: ast.stmt, file: str, flags: int) -> CodeType:

@@ -12,6 +12,7 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Close
+from nao_course.exercises.earlier import EarlierCall
 
 SECONDS = 10.0  # wall clock of a call in the grader, where an exercise says nothing else
 ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
@@ -61,7 +62,8 @@ class Exercise:
     stars : int
         Difficulty, 1 to 3.
     uses : sequence of str
-        Earlier exercises of this lesson that the function calls.
+        Earlier exercises that the function calls: "hue_mask" of this lesson, "01:color_labels" of an earlier one. The
+        lesson's set-up cell then says ``color_labels = earlier("01:color_labels")``.
     driver : str
         Where not empty: name of a function, registered with `register_driver`, that runs in the worker and turns what
         the student wrote, a class or a SymPy expression, into arrays. It is called with the student's object before
@@ -218,6 +220,8 @@ class PublicExercise:
         As in Exercise.
     seconds : float
         As in Exercise.
+    earlier : list of EarlierCall
+        Calls of earlier lessons' functions that the reference makes in these cases.
     """
 
     name: str
@@ -231,6 +235,7 @@ class PublicExercise:
     driver: str
     in_place: bool
     seconds: float = SECONDS
+    earlier: list[EarlierCall] = field(default_factory=list)
 
 
 @register

@@ -26,17 +26,25 @@ Status = Literal[
 _NAME, _MRO = (type.__dict__[name].__get__ for name in ("__name__", "__mro__"))  # not as a stranger's class says
 _MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
-_NOT_THE_STUDENTS = tuple(
-    f"{folder}{os.sep}"
-    for folder in (
-        *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-        str(Path(__file__).parents[1]),
-    )
+REFERENCE = "<reference>"  # file name of what is lent to a student
+_NOT_THE_STUDENTS = (
+    REFERENCE,
+    *(
+        f"{folder}{os.sep}"
+        for folder in (
+            *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+            str(Path(__file__).parents[1]),
+        )
+    ),
 )
 # What has no file: a cell of IPython or of `load_definitions`; all else is code that a library made as text.
 _CELL = re.compile(r"<(?:ipython-input-.*|stdin|.*, cell \d+)>")
 
 SECONDS = 20.0  # wall clock of a public case in a lesson; more where the grader gives more than half of it
+
+
+class Unsendable(CodecError):  # noqa: N818 - it reads as a sentence
+    """Raised by a driver where something came back that cannot be sent; the message is for the student."""
 
 
 @register
@@ -185,7 +193,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         value = function(*args, **kwargs)
     except NotImplementedError as error:
         return _not_written(error, args[0] if driver else function)
-    except CodecError as error:  # a driver has looked at what came back
+    except Unsendable as error:
         return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")

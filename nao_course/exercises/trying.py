@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
 
+from nao_course.exercises.earlier import EarlierNotUsable
+
 
 @dataclass(frozen=True)
 class Message:
@@ -55,7 +57,7 @@ def try_out(
         return action()
     except NotImplementedError:
         return Message(unfinished)
-    except FileNotFoundError as error:  # recorded data that not everybody has
+    except (FileNotFoundError, EarlierNotUsable) as error:  # recorded data or earlier work that not everybody has
         return Message(str(error))
     except Exception as error:  # noqa: BLE001 - whatever a student's code raises is what it is about
         return Message(f"{type(error).__name__}: {error}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import typer
@@ -14,13 +14,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from nao_course.exercises import lesson_names
-from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
+from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret
 from nao_course.instructor.autograding.session import open_session
-from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
+from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, with_earlier
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.reports import exports, marking_sheets
@@ -55,10 +56,38 @@ def grade_folder(
         refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
         with Journal(out) as journal:
             journal.began(path)
+            waiting = add_earlier(waiting, course, journal.places(), scratch)
             summary = run(console, journal, out, waiting, jobs, require_sandbox)
             _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
     if summary.failed:
         raise typer.Exit(1)
+
+
+def add_earlier(
+    waiting: Sequence[Submission], course: Course, places: Iterable[Path], scratch: Path
+) -> list[Submission]:
+    """Give submissions the earlier work that they use: the student's newest, in the last run that had it.
+
+    Parameters
+    ----------
+    waiting : sequence of Submission
+        To be graded.
+    course : Course
+        Says which lessons use which.
+    places : iterable of Path
+        Where the submissions of all runs were, the last run's first; one that is gone or broken has none.
+    scratch : Path
+        A folder of the caller's.
+    """
+    needed = {lesson: lessons_used(course, lesson) for lesson in {each.lesson for each in waiting}}
+    wanted = sorted({lesson for lessons in needed.values() for lesson in lessons})
+    found: dict[tuple[str, str], Submission] = {}
+    for number, place in enumerate(places if wanted else ()):
+        folder = scratch / f"earlier-{number}"
+        with suppress(ValueError, OSError):
+            for each in gather(place, folder, course.names(), wanted).submissions:
+                found.setdefault((each.student, each.lesson), each)
+    return with_earlier(waiting, found, needed.__getitem__)
 
 
 def run(
@@ -158,6 +187,7 @@ def regrade_student(
             if not mine:
                 where = ", ".join(map(str, places))
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
+            mine = add_earlier(mine, load_course(), places, scratch)
             summary = run(console, journal, grades, mine, 1, "")
             _show(console, journal, summary, [result.lesson], ())
     if summary.failed:

@@ -17,9 +17,10 @@ from rich.console import Console
 
 from nao_course.homework import zipped
 from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.secret import keyed, load_secret
 from nao_course.instructor.autograding.session import open_session
-from nao_course.instructor.collecting.submissions import gather, of_lessons
+from nao_course.instructor.collecting.submissions import gather, of_lessons, with_earlier
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.scores import score
 from nao_course.instructor.reports.exports import as_text, gradescope_results
@@ -112,10 +113,11 @@ def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -
 def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
     """Gather the files of a lesson's autograder by their path in the zip."""
     wanted = [course.root / name for name in _AS_THEY_ARE]
-    wanted += [course.solutions / f"{lesson}{kind}" for kind in (".md", ".ipynb")]
-    wanted.append(course.root / "notebooks" / f"{lesson}.ipynb")
-    declaration = course.solutions / "exercises" / f"{lesson}.py"
-    wanted += [declaration] if declaration.exists() else []
+    for each in (*lessons_used(course, lesson), lesson):
+        wanted += [course.solutions / f"{each}{kind}" for kind in (".md", ".ipynb")]
+        wanted.append(course.root / "notebooks" / f"{each}.ipynb")
+        declaration = course.solutions / "exercises" / f"{each}.py"
+        wanted += [declaration] if declaration.exists() else []
     missing = [path.relative_to(course.root).as_posix() for path in wanted if not path.is_file()]
     if missing:
         raise LessonError(f"there is no {', '.join(missing)}: run `nao-course build` first")
@@ -169,7 +171,14 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
     shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
     (scratch / "unpacked").mkdir()
     found = gather(scratch / "class", scratch / "unpacked", [lesson])
-    waiting = list(of_lessons(found, [lesson]))
+    used = lessons_used(course, lesson)
+    (scratch / "earlier").mkdir()
+    before = gather(scratch / "class", scratch / "earlier", course.names(), used).submissions if used else ()
+    waiting = with_earlier(
+        of_lessons(found, [lesson]),
+        {(each.student, each.lesson): each for each in before},
+        lambda _: used,
+    )
     if not waiting:
         others = "".join(f"\n{each.removeprefix('submission/')}" for each in found.unknown)
         return {

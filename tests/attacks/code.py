@@ -872,6 +872,12 @@ ANSWERS = (
         honest=ALL,
         says="its answer could not be read",
     ),
+    _load(
+        "says_an_array_where_a_word_belongs",
+        "import numpy as np\nsaid = loop.say(encode((np.zeros(3), 1, 2)))",
+        honest=ALL,
+        says="its answer could not be read",
+    ),
     _frames(
         "types_that_are_not_answers",
         """

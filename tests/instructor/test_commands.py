@@ -21,7 +21,7 @@ from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from nao_course.instructor.sandbox.layers import probe
 from tests.paths import PROJECT
-from tests.toy import chain
+from tests.toy import chain, pair
 from tests.toy.graded import hand_in, kept, rows
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of POSIX")
@@ -107,6 +107,37 @@ def test_a_class_is_graded_and_the_same_command_again_grades_nothing(course, war
     assert kept(tmp_path / "grades") == before
     assert rows(tmp_path / "grades", "history") == 0
     assert len(list((tmp_path / "grades" / "feedback").rglob("*.html"))) == 6
+
+
+@pytest.fixture
+def pair_course(tmp_path, course, monkeypatch):
+    """A course whose second lesson uses the first, in the working folder."""
+    made = pair.make_course(tmp_path / "pair")
+    monkeypatch.chdir(made.root)
+    return made
+
+
+def test_earlier_work_comes_from_the_same_folder_or_an_earlier_run(pair_course, warm, tmp_path):
+    first, second, grades = tmp_path / "first", tmp_path / "second", tmp_path / "grades"
+    pair.write(first / "ada" / f"{pair.FIRST}.ipynb", pair.FIRST)
+    for student in ("ada", "bob"):
+        pair.write(second / student / f"{pair.SECOND}.ipynb", pair.SECOND)
+
+    def scores():
+        return {who: sum(each["earned"] for each in found["exercises"]) for (who, what), found in kept(grades).items()
+                if what == pair.SECOND}  # fmt: skip
+
+    assert run("grade", second, "--out", grades).exit_code == 0
+    assert scores() == {"ada": 29.0, "bob": 29.0}  # half of one exercise's points are lost
+    assert run("grade", first, "--out", grades).exit_code == 0
+    again = run("grade", second, "--out", grades)
+    assert again.exit_code == 0 and scores() == {"ada": 31.0, "bob": 29.0}
+    assert rows(grades, "history") == 1  # of ada's, whose earlier work has come
+    pair.write(second / "bob" / f"{pair.FIRST}.ipynb", pair.FIRST)
+    assert run("grade", second, "--out", grades, "--lesson", "81").exit_code == 0
+    assert scores() == {"ada": 31.0, "bob": 31.0}
+    assert run("regrade", grades, "--student", "ada", "--lesson", "81").exit_code == 0
+    assert scores() == {"ada": 31.0, "bob": 31.0}
 
 
 def test_only_what_has_changed_is_graded_again(course, warm, handed_in, tmp_path):

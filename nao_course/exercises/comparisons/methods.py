@@ -13,7 +13,7 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, decode, encode, register
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
 from nao_course.exercises.comparisons.values import Close
-from nao_course.exercises.running import register_driver
+from nao_course.exercises.running import Unsendable, register_driver
 
 Call = tuple[str, tuple[Any, ...]]  # a method's name and its arguments
 
@@ -123,7 +123,7 @@ def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Cal
         By the name of a method that is still blank; without a name, where all of them are.
     AttributeError
         If the class lacks a method.
-    CodecError
+    Unsendable
         If a method returns what cannot be sent.
     """
     title = getattr(made_by, "__name__", "it")
@@ -200,7 +200,7 @@ def _copy(value: Any, where: str) -> Any:
     try:
         return decode(encode(value))
     except CodecError as error:
-        raise CodecError(
+        raise Unsendable(
             f"{where}: {error}; return numbers, arrays, lists or one of the course's values, not an object of a class "
             "of your own"
         ) from None

@@ -17,13 +17,13 @@ from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.checking import pack
 from nao_course.exercises.codec import encode
-from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
-from nao_course.instructor.authoring.plan_checks import check_plan
-from nao_course.instructor.authoring.plans import PlanError, publish
+from nao_course.instructor.authoring.plan_checks import check_plan, use_problems
+from nao_course.instructor.authoring.plans import PlanError, load_solution, publish, solutions_beside
 from nao_course.instructor.authoring.round_trip import stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
@@ -163,6 +163,7 @@ def _read_all(
     ]
     for name, text in sources.items():
         plan = plans[name]
+        problems += [f"solutions/exercises/{name}.py: {each}" for each in use_problems(name, plans)]
         try:
             notebook = lesson_text.read_lesson(course.text(name), text)
         except LessonError as error:
@@ -232,10 +233,12 @@ def _with_place(notebook: NotebookNode, problem: str) -> str:
 def _checks(name: str, plans: Mapping[str, LessonPlan], stage: Path) -> bytes:
     """Prove a lesson's plan against its solution and pack what its checks need."""
     plan = plans[name]
-    reference = load_definitions(stage / "solutions" / f"{name}.ipynb")
+    notebook = stage / "solutions" / f"{name}.ipynb"
+    reference = load_solution(notebook)
     taken = {each.name for other in plans if other != name for each in plans[other].exercises}
-    check_plan(name, plan, reference, taken)
-    data = pack(publish(name, plan, reference))
+    with resolved_by(solutions_beside(notebook)):
+        check_plan(name, plan, reference, taken)
+        data = pack(publish(name, plan, reference))
     if len(data) > MOST_CHECK_DATA:
         raise PlanError(f"{name}: {_too_much(plan, len(data))}")
     return data

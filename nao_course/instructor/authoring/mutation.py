@@ -28,7 +28,9 @@ from rich.table import Table
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import read_cells
-from nao_course.exercises.exercise import Exercise
+from nao_course.exercises.earlier import resolved_by, split_use
+from nao_course.exercises.exercise import Exercise, LessonPlan
+from nao_course.exercises.lesson_names import PATTERN, number_of
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import (
     SEEDS,
@@ -39,9 +41,11 @@ from nao_course.instructor.authoring.plans import (
     made_cases,
     reference,
     solution_notebook,
+    solutions_beside,
     with_answers,
 )
 from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
+from nao_course.instructor.sandbox.protocol import EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
@@ -180,17 +184,18 @@ def mutate(
     plan, functions = load_plan(solutions / "exercises" / f"{name}.py"), reference(name, solutions)
     notebook = solution_notebook(name, solutions)
     sources = _sources(notebook, [exercise.name for exercise in plan.exercises])
-    tests = {exercise.name: _tests(exercise, functions[exercise.name], seeds) for exercise in plan.exercises}
-    more = {
-        each.name: _tests(each, functions[each.name], MORE_SEEDS)[0]
-        for each in plan.exercises
-        if each.equivalents
-    }
+    with resolved_by(solutions_beside(notebook)):
+        tests = {each.name: _tests(each, functions[each.name], seeds) for each in plan.exercises}
+        more = {
+            each.name: _tests(each, functions[each.name], MORE_SEEDS)[0]
+            for each in plan.exercises
+            if each.equivalents
+        }
     mutants = [mutant for each in plan.exercises for mutant in make_mutants(each.name, sources[each.name])]
     with ExitStack() as stack:
         free: SimpleQueue[Worker] = SimpleQueue()
         for _ in range(jobs):
-            free.put(stack.enter_context(Worker(notebook)))
+            free.put(stack.enter_context(Worker(notebook, earlier=_earlier(notebook, plan))))
 
         def trial(mutant: Mutant) -> Trial:
             worker = free.get()
@@ -210,6 +215,15 @@ def mutate(
         pool = stack.enter_context(ThreadPoolExecutor(jobs))
         running = pool.map(trial, mutants)
         return MutationReport(name, tuple(track(running, f"mutants of {name}", len(mutants), transient=True)))
+
+
+def _earlier(notebook: Path, plan: LessonPlan) -> list[EarlierNotebook]:
+    """The solutions that a lesson's exercises use, and those that these use, in their order."""
+    numbers = {split_use(use)[0] for each in plan.exercises for use in each.uses} - {""}
+    if not numbers:
+        return []
+    paths = sorted(each for each in notebook.parent.glob(f"{PATTERN}.ipynb") if each.stem < notebook.stem)
+    return [EarlierNotebook(each.stem, each.read_bytes()) for each in paths if number_of(each.stem) <= max(numbers)]
 
 
 def show(report: MutationReport, console: Console | None = None) -> None:

@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import CodecError, encode
+from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
 from nao_course.exercises.running import call_all
 from nao_course.instructor.authoring.declarations import declaration_problems
@@ -86,6 +88,48 @@ def check_plan(
         )
     if problems:
         raise PlanError("\n".join(f"{lesson}: {problem}" for problem in problems))
+
+
+def use_problems(lesson: str, plans: Mapping[str, LessonPlan]) -> Iterator[str]:
+    """Say which exercises of a lesson use what is not there, or comes later.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "03_goal_posts".
+    plans : mapping of str to LessonPlan
+        Of all lessons, by name.
+
+    Yields
+    ------
+    str
+        "LESSON: EXERCISE: what is wrong".
+    """
+    own = [each.name for each in plans[lesson].exercises]
+    for exercise in plans[lesson].exercises:
+        for use in exercise.uses:
+            number, name = split_use(use)
+            problem = ""
+            if not number and name not in own:
+                problem = f"lesson {lesson} has no exercise {name!r}"
+            elif not number and own.index(name) >= own.index(exercise.name):
+                problem = f"{name} does not come before it"
+            elif number:
+                problem = _earlier_problem(number, name, lesson, plans)
+            if problem:
+                yield f"{lesson}: {exercise.name}: it uses {use!r}: {problem}"
+
+
+def _earlier_problem(number: str, name: str, lesson: str, plans: Mapping[str, LessonPlan]) -> str:
+    """Why an exercise of another lesson cannot be used."""
+    found = lesson_names.meant(number, sorted(plans))
+    if len(found) != 1:
+        return f"there is no lesson {number!r}; there are {sorted(plans)}"
+    if lesson_names.number_of(found[0]) >= lesson_names.number_of(lesson):
+        return f"lesson {found[0]} does not come before {lesson}"
+    if name not in [each.name for each in plans[found[0]].exercises]:
+        return f"lesson {found[0]} has no exercise {name!r}"
+    return ""
 
 
 def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:

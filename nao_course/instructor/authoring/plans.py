@@ -16,6 +16,7 @@ from nao_course.exercises import judging, lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, decode, encode
 from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.earlier import in_words, resolved_by, split_use, stand_in, watching
 from nao_course.exercises.exercise import (
     Exercise,
     LessonPlan,
@@ -81,7 +82,8 @@ def load_plan(path: str | Path) -> LessonPlan:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses of the file look themselves up in it
     try:
-        spec.loader.exec_module(module)
+        with resolved_by(_not_yet):
+            spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
         raise PlanError(f"{file.name}: {raised_at(error)}") from error
@@ -92,6 +94,10 @@ def load_plan(path: str | Path) -> LessonPlan:
     if problems:
         raise PlanError("\n".join(f"{file.name}: {problem}" for problem in problems))
     return plan
+
+
+def _not_yet(use: str) -> Any:
+    raise PlanError(f"{in_words(use)} is called while exercises are declared; only cases, mistakes and the like may")
 
 
 def solution_notebook(lesson: str, solutions: Path = SOLUTIONS) -> Path:
@@ -123,7 +129,58 @@ def reference(lesson: str, solutions: Path = SOLUTIONS) -> Definitions:
     Definitions
         The reference functions by name.
     """
-    return load_definitions(solution_notebook(lesson, solutions))
+    return load_solution(solution_notebook(lesson, solutions))
+
+
+def load_solution(path: Path) -> Definitions:
+    """Load a solution notebook; functions of earlier lessons are those of the solution notebooks beside it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    """
+    resolve = solutions_beside(path)
+
+    def earlier(use: str) -> Any:
+        function = resolve(use)
+        return stand_in(use, lambda: function)
+
+    return load_definitions(path, earlier=earlier)
+
+
+def solutions_beside(notebook: Path) -> Callable[[str], Any]:
+    """Return what finds "01:name" in the solution notebooks of earlier lessons beside one; each is loaded once."""
+    loaded: dict[str, Definitions] = {}
+
+    def resolve(use: str) -> Any:
+        lesson, name = split_use(use)
+        if lesson >= lesson_names.number_of(notebook.stem):
+            raise PlanError(f"{notebook.stem}: {use!r} is of no earlier lesson")
+        if lesson not in loaded:
+            loaded[lesson] = load_solution(earlier_notebook(notebook, lesson))
+        if name not in loaded[lesson]:
+            raise PlanError(f"{notebook.stem}: the solution of lesson {lesson} does not define {name}")
+        return loaded[lesson][name]
+
+    return resolve
+
+
+def earlier_notebook(notebook: Path, lesson: str) -> Path:
+    """Return the path of another lesson's notebook, given by its number, in the folder of one.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is not one.
+    """
+    found = sorted(notebook.parent.glob(f"{lesson_names.PATTERN}.ipynb"))
+    paths = [path for path in found if lesson_names.number_of(path.stem) == lesson]
+    if len(paths) != 1:
+        raise FileNotFoundError(
+            f"there is no one notebook of lesson {lesson} in {notebook.parent}: run `nao-course build` first"
+        )
+    return paths[0]
 
 
 def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., Any]) -> list[Case]:
@@ -250,6 +307,8 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
         publish_exercise(f"{lesson_number}.{number}", exercise, reference_of(reference, exercise))
         for number, exercise in enumerate(plan.exercises, start=1)
     ]
+    for exercise, public in zip(plan.exercises, exercises, strict=True):
+        _refuse_undeclared(plan, exercise, public)
     questions = [
         PublicQuestion(each.name, each.text, dict(each.choices), each.right) for each in plan.questions
     ]
@@ -277,7 +336,8 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
     PublicExercise
         With the answers of every mistake to the public cases.
     """
-    cases = with_answers(exercise, made_cases(exercise), function)
+    with watching(keep=True) as calls:
+        cases = with_answers(exercise, made_cases(exercise), function)
     mistakes = [
         PublicMistake(mistake.message, _answers(exercise, cases, mistake.function))
         for mistake in exercise.mistakes
@@ -294,7 +354,19 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
         driver=exercise.driver,
         in_place=exercise.in_place,
         seconds=float(exercise.seconds),
+        earlier=list({encode(each): each for each in calls.made}.values()),
     )
+
+
+def _refuse_undeclared(plan: LessonPlan, exercise: Exercise, public: PublicExercise) -> None:
+    """Refuse an exercise that calls an earlier lesson's function which neither it nor what it uses declares."""
+    uses = list(exercise.uses)
+    for use in uses:  # it grows on the way
+        if ":" not in use:
+            uses += [each for each in plan[use].uses if each not in uses]
+    declared = set(map(split_use, uses))
+    for use in sorted({each.use for each in public.earlier if split_use(each.use) not in declared}):
+        raise PlanError(f"{exercise.name}: it calls {in_words(use)}; say {use!r} in its `uses`")
 
 
 def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:

@@ -1,3 +1,13 @@
 """Grading: a submission from its notebook to its score, and a class of them."""
 
-__all__: list[str] = ["assignment", "batch", "failures", "grader", "lock", "scratch", "secret", "session"]
+__all__: list[str] = [
+    "assignment",
+    "batch",
+    "failures",
+    "grader",
+    "lending",
+    "lock",
+    "scratch",
+    "secret",
+    "session",
+]

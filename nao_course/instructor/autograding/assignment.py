@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 from collections.abc import Callable, Mapping
@@ -11,15 +12,17 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
-from nao_course.exercises.definitions import load_definitions, read_cells
+from nao_course.exercises.definitions import read_cells
+from nao_course.exercises.earlier import resolved_by, split_use
 from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, PublicExercise, Written
 from nao_course.instructor.authoring.course import Course
-from nao_course.instructor.authoring.plans import hidden_cases, publish
+from nao_course.instructor.authoring.plans import hidden_cases, load_solution, publish, solutions_beside
 from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
-_NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py", "student.py")
+_NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py")
 RULES = "1"  # how it is graded; another number has everything graded again
 
 
@@ -49,6 +52,41 @@ class Task:
 
 
 @dataclass(frozen=True)
+class EarlierLesson:
+    """An earlier lesson whose functions an assignment uses.
+
+    Parameters
+    ----------
+    lesson : str
+        Its name.
+    reference : Path
+        Its solution notebook.
+    setup : str
+        Its released set-up cell.
+    """
+
+    lesson: str
+    reference: Path
+    setup: str
+
+
+@dataclass(frozen=True)
+class UsedClass:
+    """A class of the reference that other exercises use: its objects can be made only where its source is.
+
+    Parameters
+    ----------
+    source : str
+        The cell that defines it.
+    uses : tuple of str
+        What it uses itself.
+    """
+
+    source: str
+    uses: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Assignment:
     """A lesson as it is graded.
 
@@ -72,6 +110,10 @@ class Assignment:
         Wall clock of loading a notebook; that of a call is its exercise's.
     version : str
         The course's: what a notebook of this release is stamped with.
+    earlier : tuple of EarlierLesson
+        Lessons whose functions its exercises use, and those that these use, in their order.
+    classes : mapping of str to UsedClass
+        Those among what its exercises use, by "name" or "01:name".
     """
 
     lesson: str
@@ -83,6 +125,8 @@ class Assignment:
     hash: str = ""
     seconds: float = SECONDS
     version: str = ""
+    earlier: tuple[EarlierLesson, ...] = ()
+    classes: Mapping[str, UsedClass] = field(default_factory=dict)
 
     def within(self, seconds: float) -> Assignment:
         """The same assignment with another wall clock for everything."""
@@ -114,25 +158,29 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     """
     (name,) = course.names([lesson])
     plan, notebook = course.plan(name), course.solutions / f"{name}.ipynb"
-    released = course.root / "notebooks" / f"{name}.ipynb"
-    for path in (notebook, released):
-        if not path.is_file():
-            raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
-    reference = load_definitions(notebook)
-    public = publish(name, plan, reference)
-    tasks = tuple(
-        _task(each, known, reference[each.name], int(keyed(secret, "hidden cases", name, each.name), 16))
-        for each, known in zip(plan.exercises, public.exercises, strict=True)
+    _need(notebook)
+    setup = _released_setup(course, name)
+    reference = load_solution(notebook)
+    with resolved_by(solutions_beside(notebook)):
+        public = publish(name, plan, reference)
+        tasks = tuple(
+            _task(each, known, reference[each.name], int(keyed(secret, "hidden cases", name, each.name), 16))
+            for each, known in zip(plan.exercises, public.exercises, strict=True)
+        )
+    earlier = tuple(
+        EarlierLesson(each, course.solutions / f"{each}.ipynb", _released_setup(course, each))
+        for each in lessons_used(course, name)
     )
-    setup = "\n\n".join(source for role, source in read_cells(released) if role == "setup")
     declaration = course.solutions / "exercises" / f"{name}.py"
-    told = [
+    told: list[object] = [
         library_digest(name),
         (RULES, metadata.version("nao-course"), name, keyed(secret, "assignment"), setup),
         read_cells(notebook),
         declaration.read_text(encoding="utf-8") if declaration.exists() else "",
         plan.points,
     ]
+    if earlier:
+        told += [(each.lesson, each.setup, read_cells(each.reference)) for each in earlier]
     digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()
     return Assignment(
         name,
@@ -143,6 +191,8 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         ANSWER_HERE,
         digest,
         version=course.version,
+        earlier=earlier,
+        classes=_classes(course, name),
     )
 
 
@@ -171,6 +221,57 @@ def library_digest(lesson: str) -> str:
             digest.update(f"{inside.as_posix()}\0".encode())
             digest.update(path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()
+
+
+def lessons_used(course: Course, lesson: str) -> list[str]:
+    """Return the names of the lessons that a lesson's exercises use, and those that these use, in their order."""
+    names, found, left = course.names(), set[str](), [lesson]
+    while left:
+        for use in [use for each in course.plan(left.pop()).exercises for use in each.uses]:
+            for name in lesson_names.meant(split_use(use)[0], names):
+                if name not in found:
+                    found.add(name)
+                    left.append(name)
+    return sorted(found)
+
+
+def _need(path: Path) -> None:
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
+
+
+def _released_setup(course: Course, lesson: str) -> str:
+    """Source of the set-up cells that students got."""
+    released = course.root / "notebooks" / f"{lesson}.ipynb"
+    _need(released)
+    return "\n\n".join(source for role, source in read_cells(released) if role == "setup")
+
+
+def _classes(course: Course, lesson: str) -> dict[str, UsedClass]:
+    """The classes among what a lesson's exercises use, and what these use."""
+    found: dict[str, UsedClass] = {}
+    left = [use for each in course.plan(lesson).exercises for use in each.uses]
+    while left:
+        use = left.pop()
+        number, name = split_use(use)
+        (home,) = lesson_names.meant(number, course.names()) if number else [lesson]
+        source = class_source(course.solutions / f"{home}.ipynb", name)
+        if source and use not in found:
+            own = course.plan(home)[name].uses
+            uses = [each if ":" in each or not number else f"{number}:{each}" for each in own]
+            found[use] = UsedClass(source, tuple(uses))
+            left += uses
+    return found
+
+
+def class_source(notebook: Path, name: str) -> str:
+    """Return the cell of a solution that defines a class; nothing where the name is none's."""
+    for role, source in read_cells(notebook):
+        if role == "solution" and any(
+            isinstance(each, ast.ClassDef) and each.name == name for each in ast.parse(source).body
+        ):
+            return source
+    return ""
 
 
 def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:

@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,9 @@ from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import explain
 from nao_course.exercises.definitions import NO_DEFINITION
+from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.assignment import Assignment, Task
 from nao_course.instructor.autograding.failures import (
@@ -31,12 +32,20 @@ from nao_course.instructor.autograding.failures import (
     describe_failure,
     describe_outcome,
 )
+from nao_course.instructor.autograding.lending import (
+    References,
+    handed_in_earlier,
+    in_words,
+    notebook_of,
+    where_from,
+    with_what_classes_use,
+)
 from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.submissions import Files, Submission, read
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
 from nao_course.instructor.sandbox.layers import SandboxError
-from nao_course.instructor.sandbox.protocol import UNREADABLE, ServerEnded
+from nao_course.instructor.sandbox.protocol import UNREADABLE, EarlierNotebook, ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Found, Worker
 
@@ -151,13 +160,14 @@ def _grade(
         return refuse(submission, assignment, str(refused)), 0
     with _laid_out(files, assignment.lesson) as notebook:
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
-        with _worker(notebook, assignment, server, helpers) as worker:
+        with _worker(notebook, assignment, server, helpers, handed_in_earlier(files, assignment)) as worker:
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
             grader = SubmissionGrader(worker, assignment, files, server, stopped, lock)
             exercises = grader.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
+            attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
             deaths = worker.deaths + grader.deaths
     result = SubmissionResult(
         submission.student,
@@ -215,10 +225,21 @@ def _laid_out(files: Files, lesson: str) -> Iterator[Path]:
 
 
 def _worker(
-    notebook: Path, assignment: Assignment, server: WarmServer | None, helpers: tuple[Path, ...] = ()
+    notebook: Path,
+    assignment: Assignment,
+    server: WarmServer | None,
+    helpers: tuple[Path, ...] = (),
+    earlier: Sequence[EarlierNotebook] = (),
+    instead: Mapping[str, str] | None = None,
 ) -> Worker:
     return Worker(
-        notebook, seconds=assignment.seconds, server=server, setup=assignment.setup, helpers=helpers
+        notebook,
+        seconds=assignment.seconds,
+        server=server,
+        setup=assignment.setup,
+        helpers=helpers,
+        earlier=earlier,
+        instead=instead or {},
     )
 
 
@@ -275,7 +296,8 @@ class SubmissionGrader:
     ) -> None:
         self.stopped, self.lock = stopped, lock
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
-        self.deaths = 0  # of the reference's processes
+        self.deaths = 0  # of processes that an exercise was run in once more
+        self.attempts: list[str] = []  # seen there
 
     def all_exercises(self) -> tuple[ExerciseResult, ...]:
         """Grade them: public cases, hidden cases, and then those again that failed by earlier ones."""
@@ -290,7 +312,7 @@ class SubmissionGrader:
             own = [results[name] for name in task.uses if name in results]
             if (
                 not _is_right(mine)
-                and not all(map(_is_right, own))
+                and (not all(map(_is_right, own)) or any(":" in use for use in task.uses))
                 and mine.state not in ("not found", "not attempted")
             ):
                 results[task.public.name] = self.once_more(task, mine)
@@ -330,15 +352,35 @@ class SubmissionGrader:
 
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
-        with _worker(self.assignment.reference, self.assignment, self.server) as reference:
-            reference.seconds = max(self.assignment.seconds, task.public.seconds)
-            self.worker.lend({name: _lent(reference, name) for name in task.uses})
-            hidden = self.hidden(task)
-            self.deaths += reference.deaths
+        needed = with_what_classes_use(task.uses, self.assignment.classes)
+        classes = {
+            use: self.assignment.classes[use].source for use in needed if use in self.assignment.classes
+        }
+        with contextlib.ExitStack() as stack:
+            references = References(
+                self.assignment, self.server, stack, max(self.assignment.seconds, task.public.seconds)
+            )
+            own = self.worker
+            if classes:
+                self.worker = stack.enter_context(self.with_classes(classes))
+            try:
+                self.worker.lend({use: references.lent(use) for use in needed if use not in classes})
+                hidden = self.hidden(task)
+            finally:
+                if classes:
+                    self.deaths += self.worker.deaths
+                    self.attempts += self.worker.notes
+                self.worker = own
+            self.deaths += references.deaths
         right = hidden.state == "right"
-        names = " and ".join(task.uses)
+        names = " and ".join(map(in_words, task.uses))
         verdict = "right" if right else "not right either"
-        note = f"Run again with the reference's {names} instead of yours: it is {verdict}."
+        note = " ".join(
+            [
+                f"Run again with the reference's {names} instead of yours: it is {verdict}.",
+                *where_from(task.uses, self.files, self.assignment),
+            ]
+        )
         return replace(
             before,
             state=hidden.state,
@@ -349,6 +391,29 @@ class SubmissionGrader:
             with_reference=True,
             notes=(note, *((CHANGES_INPUT,) if right and hidden.changed else ())),
         )
+
+    def with_classes(self, classes: Mapping[str, str]) -> Worker:
+        """A new worker with the student's notebook in which some classes, and nothing else, are the reference's."""
+        given = handed_in_earlier(self.files, self.assignment)
+        notebooks = {each.lesson: each for each in given}
+        for each in self.assignment.earlier:
+            number = number_of(each.lesson)
+            mine = {use: source for use, source in classes.items() if split_use(use)[0] == number}
+            if mine:
+                uses = {
+                    other
+                    for use in mine
+                    for other in self.assignment.classes[use].uses
+                    if other not in classes
+                }
+                lent = [f'{split_use(use)[1]} = earlier("{use}")' for use in sorted(uses)]
+                notebooks[each.lesson] = EarlierNotebook(
+                    each.lesson, notebook_of(mine.values()), setup="\n".join([each.setup, *lent])
+                )
+        earlier = [notebooks[each.lesson] for each in self.assignment.earlier if each.lesson in notebooks]
+        instead = {use: source for use, source in classes.items() if ":" not in use}
+        own = self.worker
+        return _worker(own.notebook, self.assignment, self.server, tuple(own.helpers), earlier, instead)
 
     def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> list[Outcome]:
         """Call a function for each case, up to one that is the last."""
@@ -412,12 +477,3 @@ class SubmissionGrader:
 
 def _is_right(result: ExerciseResult) -> bool:
     return result.state == "right" and not result.with_reference
-
-
-def _lent(reference: Worker, name: str) -> Callable[[tuple[Any, ...], dict[str, Any]], Outcome]:
-    """The reference's function as a worker may ask for it: it runs in a worker of its own, and its code stays there."""
-
-    def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
-        return replace(reference.call(name, Case(args, kwargs=kwargs)), line="", output="")
-
-    return answer

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -46,6 +47,8 @@ class Submission:
         Why it is refused, where it is.
     file : str
         Its name as it was handed in.
+    earlier : tuple of Submission
+        The same student's submissions of earlier lessons whose functions this one uses.
     """
 
     student: str
@@ -55,6 +58,7 @@ class Submission:
     notes: tuple[str, ...] = ()
     reason: str = ""
     file: str = ""
+    earlier: tuple[Submission, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,10 +88,13 @@ class Files:
         As it was handed in.
     helpers : mapping of str to bytes
         By file name.
+    earlier : mapping of str to Files
+        Of earlier lessons, by the lesson's name: those that can be read.
     """
 
     notebook: bytes
     helpers: Mapping[str, bytes] = field(default_factory=dict)
+    earlier: Mapping[str, Files] = field(default_factory=dict)
 
     @property
     def hash(self) -> str:
@@ -95,6 +102,8 @@ class Files:
         digest = hashlib.sha256(hashlib.sha256(self.notebook).digest())
         for name in sorted(self.helpers):
             digest.update(name.encode() + b"\0" + hashlib.sha256(self.helpers[name]).digest())
+        for lesson in sorted(self.earlier):
+            digest.update(lesson.encode() + b"\0" + self.earlier[lesson].hash.encode())
         return digest.hexdigest()
 
 
@@ -111,7 +120,39 @@ def read(submission: Submission) -> Files:
     notebook = read_plain(submission.path, MOST_BYTES)
     if not notebook.strip():
         raise Refused("it is empty")
-    return Files(notebook, {name: read_plain(path, LARGEST_HELPER) for name, path in submission.helpers})
+    helpers = {name: read_plain(path, LARGEST_HELPER) for name, path in submission.helpers}
+    earlier = {}
+    for each in submission.earlier:
+        with contextlib.suppress(Refused):  # it costs what uses it, and nothing else
+            earlier[each.lesson] = read(each)
+    return Files(notebook, helpers, earlier)
+
+
+def with_earlier(
+    submissions: Iterable[Submission],
+    earlier: Mapping[tuple[str, str], Submission],
+    needed: Callable[[str], Sequence[str]],
+) -> list[Submission]:
+    """Give each submission the same student's earlier work that it uses.
+
+    Parameters
+    ----------
+    submissions : iterable of Submission
+        To be graded.
+    earlier : mapping of (str, str) to Submission
+        What was handed in, by student and lesson.
+    needed : callable
+        Called with a lesson's name; returns the names of the lessons that it uses.
+    """
+    return [
+        replace(
+            each,
+            earlier=tuple(
+                earlier[each.student, name] for name in needed(each.lesson) if (each.student, name) in earlier
+            ),
+        )
+        for each in submissions
+    ]
 
 
 def gather(

@@ -268,7 +268,7 @@ def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
     notes = "\n".join(exercise.notes)
     if exercise.with_reference and exercise.earned > 0:
         text = (
-            f"One of your earlier functions made this fail; with ours it works: {_points(exercise.earned)}."
+            f"It does not work with your own earlier functions; with ours it does: {_points(exercise.earned)}."
         )
         yield Said("box", f"{text}\n{notes}", "An earlier mistake is not counted twice", "good")
         return

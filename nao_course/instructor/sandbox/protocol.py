@@ -12,6 +12,8 @@ import select
 import signal
 import sys
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, frame_lengths
@@ -32,6 +34,28 @@ SINGLE_THREADED = {
     "OPENCV_FOR_THREADS_NUM": "1",
 }
 _KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
+
+
+@dataclass(frozen=True)
+class EarlierNotebook:
+    """A notebook of an earlier lesson, whose functions a later one uses.
+
+    Parameters
+    ----------
+    lesson : str
+        Such as "01_hsl_filtering".
+    content : bytes
+        The notebook.
+    helpers : mapping of str to bytes
+        Python files beside it, by name.
+    setup : str
+        Source of that lesson's released set-up cell.
+    """
+
+    lesson: str
+    content: bytes
+    helpers: Mapping[str, bytes] = field(default_factory=dict)
+    setup: str = ""
 
 
 def scrubbed_environment(*names: str) -> dict[str, str]:

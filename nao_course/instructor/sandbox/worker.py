@@ -19,6 +19,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Self, get_args
 
+import numpy as np
+
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.definitions import MOST_BYTES, MOST_WRITTEN, Skipped
@@ -30,6 +32,7 @@ from nao_course.instructor.sandbox.protocol import (
     MOST_OUTPUT,
     UNREADABLE,
     Channel,
+    EarlierNotebook,
     Ended,
     ServerEnded,
     describe_end,
@@ -41,6 +44,7 @@ MOST_TEXT = 1000  # characters of an exception's message
 MOST_SKIPPED = 1000  # statements that are listed as not run
 MOST_WRITTEN_ANSWERS = 100
 MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is left out in the next one
+MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
@@ -90,6 +94,10 @@ class Worker:
         Source of a set-up cell whose imports run before the notebook.
     helpers : sequence of Path
         Python files handed in beside the notebook.
+    earlier : sequence of EarlierNotebook
+        Notebooks of earlier lessons, in their order, whose functions the notebook uses.
+    instead : mapping of str to str
+        Source of classes that take the place of the notebook's while it is loaded.
     total : float
         Wall clock for everything that it does, in seconds.
 
@@ -114,6 +122,8 @@ class Worker:
     server: WarmServer | None = None
     setup: str = ""
     helpers: Sequence[Path] = ()
+    earlier: Sequence[EarlierNotebook] = ()
+    instead: Mapping[str, str] = field(default_factory=dict)
     total: float = SECONDS_IN_ALL
     _channel: Channel | None = field(default=None, init=False, repr=False)
     _lent: dict[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]] = field(
@@ -125,6 +135,7 @@ class Worker:
     _found: Found = field(default_factory=Found, init=False, repr=False)
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
+    _left_out_earlier: dict[str, list[tuple[int, int]]] = field(default_factory=dict, init=False, repr=False)
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
     _calls: int = field(default=0, init=False, repr=False)
@@ -170,7 +181,7 @@ class Worker:
         return self._deaths
 
     def lend(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
-        """From now on, let functions of the notebook be stubs that ask for their answer here.
+        """From now on, let functions be stubs that ask for their answer here: the notebook's, and "01:earlier" ones.
 
         Parameters
         ----------
@@ -239,11 +250,15 @@ class Worker:
     def _next(self, channel: Channel) -> Any:
         """What the worker says next, but for what it tells of attempts."""
         while True:
-            match channel.receive():
+            said = channel.receive()
+            first = said[0] if isinstance(said, tuple) and said else said
+            if isinstance(first, np.ndarray):  # comparing it with a word would raise
+                channel.give_up()
+            match said:
                 case ("attempt", str(text)):
                     if len(self._noted) < MOST_NOTES:
                         self._noted[_printable(text[:200])] = None
-                case said:
+                case _:
                     return said
 
     def _answering(self, channel: Channel) -> Any:
@@ -279,6 +294,9 @@ class Worker:
             self._channel = self._start()
             left_out = len(self._left_out)
             try:
+                self._greet(self._channel)
+                if not all(self._load_earlier(self._channel, each) for each in self.earlier):
+                    continue
                 self._load(self._channel, content)
             except Ended as ended:
                 self.close()
@@ -311,8 +329,8 @@ class Worker:
             return _ForkedProcess(self.server, self.server.fork())
         return _LimitedProcess()
 
-    def _load(self, channel: Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
-        """Have the notebook loaded; the worker says which statement comes next before it runs."""
+    def _greet(self, channel: Channel) -> None:
+        """Wait until the worker is ready and confined."""
         self._defined = ({}, [])
         match channel.receive():
             case "ready":
@@ -321,8 +339,35 @@ class Worker:
                 raise SandboxError(f"a worker could not be confined: {reason}")
             case _:
                 channel.give_up()
+
+    def _load_earlier(self, channel: Channel, earlier: EarlierNotebook) -> bool:
+        """Have an earlier lesson's notebook loaded; False where that ended the process: the next one leaves it out."""
+        left_out = self._left_out_earlier.setdefault(earlier.lesson, [])
+        if len(left_out) >= MOST_LEFT_OUT_EARLIER:
+            return True
+        content = (earlier.content, dict(earlier.helpers))
+        request = ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
+        at = (0, 0)
+        try:
+            channel.ask(encode(request), self._seconds())
+            while (said := self._next(channel)) != "loaded":
+                match said:
+                    case ("at", int(cell), int(line)):
+                        at = (cell, line)
+                    case _:
+                        channel.give_up()
+        except Ended as ended:
+            self.close()
+            self._count(ended)
+            left_out.append(at)
+            return False
+        return True
+
+    def _load(self, channel: Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
+        """Have the notebook loaded; the worker says which statement comes next before it runs."""
         left_out = [list(place) for place in self._left_out]
-        channel.ask(encode(("load", self.notebook.name, content, self.setup, left_out)), self._seconds())
+        request = ("load", self.notebook.name, content, self.setup, left_out, dict(self.instead))
+        channel.ask(encode(request), self._seconds())
         at = None
         try:
             while True:

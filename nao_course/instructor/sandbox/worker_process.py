@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import shutil
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -15,9 +17,16 @@ from typing import Any, NoReturn
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.earlier import not_usable, split_use, stand_in
+from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
 from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUTPUT, REPLY
+
+
+def _places(told: list[list[int]]) -> set[tuple[int, int]]:
+    """Cells and lines."""
+    return {(cell, line) for cell, line in told}
 
 
 class TruncatedOutput(io.RawIOBase):
@@ -40,40 +49,57 @@ class TruncatedOutput(io.RawIOBase):
 class RequestLoop:
     """The worker: it answers until nobody asks any more."""
 
-    def __init__(self, requests: int, replies: int) -> None:
-        self.requests, self.replies = requests, replies
+    def __init__(self, requests: int, replies: int, *, private: bool = True) -> None:
+        self.requests, self.replies, self.private = requests, replies, private  # private: its folder is its own
         self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
         self.process = self.getpid()
         self.lock = threading.RLock()
         self.functions: dict[str, Any] = {}
         self.definitions = Definitions({})
+        self.earlier: dict[str, Definitions] = {}  # by the number of the lesson
+        self.lent: dict[tuple[str, str], Callable[..., Any]] = {}  # by lesson and name
 
     def serve(self) -> NoReturn:
         """Answer."""
         self.say(encode("ready"))
         while True:
             match decode(self.read(), trusted=True):
-                case ("load", name, content, setup, left_out):
-                    self.load(Path(name), content, setup, {(cell, line) for cell, line in left_out})
+                case ("earlier", lesson, content, setup, left_out):
+                    self.load_earlier(lesson, content, setup, _places(left_out))
+                case ("load", name, content, setup, left_out, instead):
+                    self.load(Path(name), content, setup, _places(left_out), instead)
                 case ("define", sources, lent):
                     self.define(sources, lent)
                 case ("call", number, name, args, kwargs, driver):
                     self.call(number, name, Case(args, kwargs=kwargs), driver)
 
-    def load(self, notebook: Path, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
-        """Load a notebook; each statement is told before it runs, for it may be the last."""
+    def load_earlier(self, lesson: str, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
+        """Load the notebook of an earlier lesson in a namespace of its own; of one that is none, nothing is found."""
+        folder = Path(tempfile.mkdtemp(prefix="earlier_", dir=os.getcwd() if self.private else None))
+        with contextlib.suppress(OSError, ValueError), _captured():
+            for name, text in content[1].items():
+                (folder / name).write_bytes(text)
+                sys.path.append(str(folder))
+            notebook = folder / f"{lesson}.ipynb"
+            notebook.write_bytes(content[0])
+            found = load_definitions(notebook, self.before(left_out), setup, self.stand_in)
+            self.earlier[number_of(lesson)] = found
+        if not self.private:
+            shutil.rmtree(folder, ignore_errors=True)
+        self.say(encode("loaded"))
 
-        def before(cell: int, line: int) -> bool:
-            self.say(encode(("at", cell, line)))
-            return (cell, line) not in left_out
-
+    def load(
+        self, notebook: Path, content: Any, setup: str, left_out: set[tuple[int, int]], instead: dict[str, str]
+    ) -> None:
+        """Load a notebook."""
         try:
             if content:
                 notebook.write_bytes(content[0])
                 for name, text in content[1].items():
                     Path(name).write_bytes(text)
             with _captured():
-                self.definitions = load_definitions(notebook, before, setup)
+                before = self.before(left_out)
+                self.definitions = load_definitions(notebook, before, setup, self.stand_in, instead)
         except (OSError, ValueError) as error:
             self.say(encode(("refused", str(error))))
             return
@@ -82,6 +108,30 @@ class RequestLoop:
         skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
         found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version)
         self.say(encode(("found", *found)))
+
+    def before(self, left_out: set[tuple[int, int]]) -> Callable[[int, int], bool]:
+        """Return what tells each statement before it runs, for it may be the last."""
+
+        def tell(cell: int, line: int) -> bool:
+            self.say(encode(("at", cell, line)))
+            return (cell, line) not in left_out
+
+        return tell
+
+    def stand_in(self, use: str) -> Any:
+        """Return what stands for a function of an earlier lesson: the one that is lent, or the one handed in."""
+        lesson, name = split_use(use)
+
+        def find() -> Any:
+            if (lesson, name) in self.lent:
+                return self.lent[lesson, name]
+            if lesson not in self.earlier:
+                return not_usable(use, f"there is no notebook of lesson {lesson} that could be read.")()
+            if name not in self.earlier[lesson]:
+                return not_usable(use, f"the notebook of lesson {lesson} does not define it.")()
+            return self.earlier[lesson][name]
+
+        return stand_in(use, find)
 
     def define(self, sources: dict[str, str], lent: list[str]) -> None:
         """Let functions take the place of the notebook's; one that cannot be defined is not found."""
@@ -93,8 +143,10 @@ class RequestLoop:
             with contextlib.suppress(Exception), _captured():
                 exec(compile(source, f"<{name}>", "exec", dont_inherit=True), namespace)
                 self.functions[name] = namespace[name]
+        self.lent = {split_use(use): self.stub(use) for use in lent if ":" in use}
         for name in lent:
-            self.functions[name] = namespace[name] = self.stub(name)
+            if ":" not in name:
+                self.functions[name] = namespace[name] = self.stub(name)
         self.say(encode(list(self.functions)))
 
     def stub(self, name: str) -> Callable[..., Any]:
@@ -108,7 +160,7 @@ class RequestLoop:
                 raise RuntimeError(f"{name} gives no answer to this: {outcome.status} {outcome.text}".rstrip())
             return outcome.value
 
-        lent.__name__ = lent.__qualname__ = name
+        lent.__name__ = lent.__qualname__ = split_use(name)[1]
         return lent
 
     def call(self, number: int, name: str, case: Case, driver: str) -> None:
@@ -219,7 +271,9 @@ class AuditHook:
         return "" if whole.startswith(self.fine) else f"{event} {whole}"
 
 
-def answer_calls(requests: int, replies: int, paths: tuple[str, ...] | None = None) -> NoReturn:
+def answer_calls(
+    requests: int, replies: int, paths: tuple[str, ...] | None = None, *, private: bool = True
+) -> NoReturn:
     """Be a worker.
 
     Parameters
@@ -228,9 +282,11 @@ def answer_calls(requests: int, replies: int, paths: tuple[str, ...] | None = No
         Descriptors to read from and write to.
     paths : tuple of str, optional
         What its code may read; it is told where the code tries to look elsewhere.
+    private : bool
+        Whether the working folder is its own, and thrown away.
     """
     sys.path.append(os.getcwd())  # files of the student's own, behind the library's
-    loop = RequestLoop(requests, replies)
+    loop = RequestLoop(requests, replies, private=private)
     if paths is not None:
         sys.addaudithook(AuditHook(loop, paths))
     loop.serve()
@@ -249,7 +305,7 @@ def main() -> NoReturn:
         os.dup2(nowhere, standard)
     if LIMITED in sys.argv:
         limit_resources(Bounds())
-    answer_calls(requests, replies)
+    answer_calls(requests, replies, private=LIMITED in sys.argv)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
+from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import build, lesson_text
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
@@ -213,3 +214,91 @@ def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
     write(course.text("01_toy"), "Words", "![a post](images/a.png) Words")
     assert run("build").exit_code == 0
     assert Path("notebooks/images/a.png").read_bytes() == b"png"
+
+
+SECOND = """
+# Another toy
+
+```{code-cell} ipython3
+:role: setup
+
+from nao_course.exercises import lesson
+from nao_course.student import earlier
+
+check, hint = lesson("02_more")
+double = earlier("01:double")
+```
+
+```{code-cell} ipython3
+:exercise: quadruple
+
+def quadruple(value: float) -> float:
+    \"\"\"Double it twice. Example: quadruple(2.0) is 8.0.\"\"\"
+    ### BEGIN SOLUTION
+    return double(double(value))
+    ### END SOLUTION
+```
+
+```{code-cell} ipython3
+:check: quadruple
+
+check("quadruple", quadruple)
+```
+"""
+
+
+def add_a_second_lesson(course, uses='uses=["01:double"], '):
+    """A lesson whose exercise, and its mistakes and alternatives, call a function of the first."""
+    (course.solutions / "02_more.md").write_text(lesson_text.HEADER + SECOND)
+    text = PLAN.replace('name="double",', f'name="quadruple", {uses}').replace("DOUBLE", "QUADRUPLE")
+    text = text.replace("value + value", "double(double(value))").replace("sum([value, value])", "4 * value")
+    text = text.replace("value - -value", "double(value) + double(value)").replace(
+        "lambda value: value**2", "lambda value: double(value)"
+    )
+    text = text.replace("abs(2 * value)", "abs(4 * value)")
+    head = 'from nao_course.student import earlier\n\ndouble = earlier("01:double")\n'
+    (course.solutions / "exercises" / "02_more.py").write_text(head + text)
+
+
+def test_a_lesson_that_uses_an_earlier_one_is_built_without_a_working_folder(course, tmp_path):
+    add_a_second_lesson(course)
+    assert run("build").exit_code == 0, run("build").output
+    (exercise,) = unpack(Path("nao_course/exercises/checks/02_more.bin").read_bytes()).exercises
+    assert {(each.use, each.given["value"], each.answer) for each in exercise.earlier} >= {
+        ("01:double", 2.0, 4.0),
+        ("01:double", 4.0, 8.0),
+    }
+    assert "Nothing has changed." in run("build", "02").output
+
+
+@pytest.mark.slow
+def test_a_lesson_that_uses_an_earlier_one_runs_with_its_solution(course, kernel):
+    add_a_second_lesson(course)
+    assert run("build").exit_code == 0
+    assert (
+        "the public check" in (text := Path("solutions/02_more.ipynb").read_text()) or "all 3 public" in text
+    )
+
+
+@pytest.mark.parametrize(
+    ("uses", "message"),
+    [
+        (
+            'uses=["03:double"], ',
+            "02_more: quadruple: it uses '03:double': there is no lesson '03'; there are",
+        ),
+        (
+            'uses=["01:halve"], ',
+            "02_more: quadruple: it uses '01:halve': lesson 01_toy has no exercise 'halve'",
+        ),
+        ('uses=["02:quadruple"], ', "it uses '02:quadruple': lesson 02_more does not come before 02_more"),
+        ('uses=["double"], ', "it uses 'double': lesson 02_more has no exercise 'double'"),
+        ('uses=["quadruple"], ', "it uses 'quadruple': quadruple does not come before it"),
+        ("", "quadruple: it calls double of your lesson 01; say '01:double' in its `uses`"),
+    ],
+)
+def test_what_is_used_has_to_be_there_before_and_declared(course, uses, message):
+    add_a_second_lesson(course, uses)
+    result = run("build")
+    assert result.exit_code == 1 and message in result.output
+    assert not Path("notebooks").exists()

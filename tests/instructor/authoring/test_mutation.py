@@ -7,7 +7,7 @@ from rich.console import Console
 
 from nao_course.instructor.authoring import mutation
 from nao_course.instructor.authoring.mutation import make_mutants, mutate, show
-from tests.toy import toy
+from tests.toy import pair, toy
 
 SOURCE = '''
 def f(x: int | None, k=0) -> "a | b":
@@ -117,3 +117,11 @@ def test_a_mutant_that_is_said_to_be_right_is_counted_apart_unless_a_case_speaks
     console = Console(record=True, width=120)
     show(report, console)
     assert "is right: the smaller of two has no order" in console.export_text()
+
+
+def test_mutants_of_a_class_and_of_what_uses_an_earlier_lesson_are_caught(tmp_path):
+    course = pair.make_course(tmp_path)
+    report = mutate("81", jobs=2, solutions=course.solutions, seeds=[1])
+    for name in ("Walker", "quadruple", "walk"):
+        hidden, _, total = report.caught(name)
+        assert hidden / total > 0.7 and total > 2, name

@@ -69,7 +69,7 @@ def test_the_hint_stands_once_though_the_public_check_says_it_too():
 
 def test_an_earlier_mistake_is_told_with_the_points_that_remain():
     earned = page(exercise(with_reference=True, earned=1.0)).text
-    assert "earlier functions made this fail; with ours it works: 1 point." in earned
+    assert "does not work with your own earlier functions; with ours it does: 1 point." in earned
     lost = page(exercise("wrong", with_reference=True)).text
     assert "does not work with those either" in lost
 

@@ -1,0 +1,126 @@
+"""What a submission uses of earlier exercises: the student's own work, and the reference's for a second run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from typing import Any
+
+from nao_course.exercises.case import Case
+from nao_course.exercises.earlier import split_use
+from nao_course.exercises.lesson_names import meant
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.autograding.assignment import Assignment, UsedClass
+from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.sandbox.protocol import EarlierNotebook
+from nao_course.instructor.sandbox.warm_server import WarmServer
+from nao_course.instructor.sandbox.worker import Worker
+
+Lent = Callable[[tuple[Any, ...], dict[str, Any]], Outcome]
+
+
+def in_words(use: str) -> str:
+    """Name an earlier exercise as a page does.
+
+    Examples
+    --------
+    >>> in_words("hue_mask"), in_words("01:hue_mask")
+    ('hue_mask', 'hue_mask of lesson 01')
+    """
+    lesson, name = split_use(use)
+    return f"{name} of lesson {lesson}" if lesson else name
+
+
+def handed_in_earlier(files: Files, assignment: Assignment) -> list[EarlierNotebook]:
+    """Return the student's own notebooks of the lessons that an assignment uses."""
+    return [
+        EarlierNotebook(each.lesson, own.notebook, own.helpers, each.setup)
+        for each in assignment.earlier
+        if (own := files.earlier.get(each.lesson))
+    ]
+
+
+def where_from(uses: Sequence[str], files: Files, assignment: Assignment) -> Iterator[str]:
+    """Say of each earlier lesson that is used whether the student handed it in."""
+    numbers = sorted({split_use(use)[0] for use in uses} - {""})
+    for number in numbers:
+        for lesson in meant(number, [each.lesson for each in assignment.earlier]):
+            if lesson in files.earlier:
+                yield f"Yours of lesson {number} came from the {lesson}.ipynb that you handed in."
+            else:
+                yield f"Of lesson {number} there is no notebook of yours that could be read."
+
+
+def with_what_classes_use(uses: Iterable[str], classes: Mapping[str, UsedClass]) -> list[str]:
+    """Return what is used, and what classes among it use themselves."""
+    found: list[str] = []
+    left = list(uses)
+    while left:
+        use = left.pop(0)
+        if use not in found:
+            found.append(use)
+            left += classes[use].uses if use in classes else ()
+    return found
+
+
+def notebook_of(sources: Iterable[str]) -> bytes:
+    """Make a notebook of some cells."""
+    cells: list[dict[str, Any]] = [
+        {"cell_type": "code", "metadata": {}, "source": source, "outputs": [], "execution_count": None}
+        for source in sources
+    ]
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}).encode()
+
+
+class References:
+    """The reference's functions of an assignment and the lessons before it, each lesson in a worker of its own.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        Whose.
+    server : WarmServer, optional
+        Of the workers.
+    stack : ExitStack
+        Ends them.
+    seconds : float
+        Wall clock of a call.
+    """
+
+    def __init__(
+        self, assignment: Assignment, server: WarmServer | None, stack: ExitStack, seconds: float
+    ) -> None:
+        self.assignment, self.server, self.stack, self.seconds = assignment, server, stack, seconds
+        self.workers: dict[str, Worker] = {}
+        self.solved = [
+            EarlierNotebook(each.lesson, each.reference.read_bytes(), setup=each.setup)
+            for each in assignment.earlier
+        ]
+
+    @property
+    def deaths(self) -> int:
+        """How many of their processes have died."""
+        return sum(each.deaths for each in self.workers.values())
+
+    def lent(self, use: str) -> Lent:
+        """Return a function as a worker may ask for it: its code stays in a worker of its own."""
+        number, name = split_use(use)
+        reference = self.worker(number)
+
+        def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
+            return replace(reference.call(name, Case(args, kwargs=kwargs)), line="", output="")
+
+        return answer
+
+    def worker(self, number: str) -> Worker:
+        """Return the worker of a lesson, given by its number; empty for the assignment's own."""
+        if number not in self.workers:
+            notebook, setup, before = self.assignment.reference, self.assignment.setup, self.solved
+            for at, each in enumerate(self.assignment.earlier):
+                if number and meant(number, [each.lesson]):
+                    notebook, setup, before = each.reference, each.setup, self.solved[:at]
+            made = Worker(notebook, seconds=self.seconds, server=self.server, setup=setup, earlier=before)
+            self.workers[number] = self.stack.enter_context(made)
+        return self.workers[number]

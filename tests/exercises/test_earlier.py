@@ -1,0 +1,213 @@
+"""A function of an earlier lesson is the student's own, or it says why not; a check has recorded what it answers."""
+
+import ast
+
+import numpy as np
+import pytest
+
+from nao_course import student
+from nao_course.exercises import checking, try_out
+from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.earlier import (
+    EarlierNotUsable,
+    assigned_use,
+    not_usable,
+    resolved_by,
+    split_use,
+    stand_in,
+    watching,
+)
+from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
+from tests.toy import pair, toy
+
+
+@pytest.fixture(scope="module")
+def lessons(tmp_path_factory):
+    """The public data of both lessons, as a student has it."""
+    course = pair.make_course(tmp_path_factory.mktemp("course"))
+    found = {}
+    for name in course.names():
+        notebook = course.solutions / f"{name}.ipynb"
+        with resolved_by(solutions_beside(notebook)):
+            found[name] = unpack(pack(publish(name, course.plan(name), load_solution(notebook))))
+    return found
+
+
+@pytest.fixture(autouse=True)
+def known(lessons, monkeypatch):
+    monkeypatch.setattr(student, "read_public", lessons.__getitem__)
+    monkeypatch.setattr(student, "lessons", lambda: sorted(lessons))
+
+
+def of(lessons, name):
+    return next(each for each in lessons[pair.SECOND].exercises if each.name == name)
+
+
+def own(folder, **first):
+    """The second lesson's functions, beside some of the first."""
+    pair.write(folder / f"{pair.FIRST}.ipynb", pair.FIRST, first)
+    path = pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND)
+    return load_definitions(path, earlier=student.earlier_in(folder))
+
+
+def test_calls_of_the_reference_are_recorded_once_each_with_plain_values(lessons):
+    assert [(each.use, each.given, each.answer) for each in of(lessons, "quadruple").earlier][:2] == [
+        ("80:double", {"x": 1.5}, 3.0),
+        ("80:double", {"x": 3.0}, 6.0),
+    ]
+    assert of(lessons, "alone").earlier == []
+    assert len(of(lessons, "walk").earlier) == len(
+        {(each.given["x"]) for each in of(lessons, "walk").earlier}
+    )
+
+
+def test_the_students_own_right_function_is_used(tmp_path, lessons):
+    found = own(tmp_path, double="def double(x):\n    return x + x")
+    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
+    assert report and len(report.lines) == 2
+    assert found["quadruple"](100.0) == 400.0
+    assert "double" not in found  # it is no function of this lesson
+
+
+@pytest.mark.parametrize(
+    ("source", "why"),
+    [
+        ("def double(x):\n    return x", "0 of 2 public checks pass"),
+        ("pass", "not found in 80_first.ipynb"),
+        ("def double(x):\n    raise NotImplementedError", "not written yet"),
+    ],
+)
+def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, source, why):
+    found = own(tmp_path, double=source)
+    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
+    assert report.state == "right"
+    assert report.lines[-1].startswith("double of your lesson 80 is not usable yet: 80.1 double: ")
+    assert why in report.lines[-1] and report.lines[-1].endswith("Recorded answers stood in for it.")
+    with pytest.raises(EarlierNotUsable, match="double of your lesson 80 is not usable yet"):
+        found["quadruple"](1.5)
+    shown = try_out(lambda: found["quadruple"](1.5))
+    assert str(shown).startswith("double of your lesson 80 is not usable yet")
+
+
+def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, lessons):
+    def quadruple(x):
+        return stand_in("80:double", not_usable("80:double", "why."))(7 * x)
+
+    report = grade_public(of(lessons, "quadruple"), quadruple)
+    assert report.state == "not checked" and "one raises" not in report.lines[0]
+    assert (
+        "double of your lesson 80 is not usable yet: why. It is asked for something that no answer"
+        in report.lines[0]
+    )
+
+
+def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
+    double = stand_in("80:double", not_usable("80:double"))
+    recorded = of(lessons, "quadruple").earlier
+    with watching(recorded) as calls:
+        assert double(1.5) == double(x=1.5) == double(np.float64(1.5 + 1e-13)) == 3.0
+        for wrong in (lambda: double(1.51), lambda: double(), lambda: double(1.5, 2), lambda: double(y=1.5)):
+            with pytest.raises(EarlierNotUsable, match="no answer was recorded of"):
+                wrong()
+    assert list(calls.answered) == ["80:double"]
+    with pytest.raises(EarlierNotUsable):  # nothing is left of the block
+        double(1.5)
+
+
+def test_what_a_recorded_answer_is_changed_to_is_not_answered_again():
+    calls = [checking.PublicExercise, np.ones(2)]
+    from nao_course.exercises.earlier import EarlierCall
+
+    recorded = [EarlierCall("80:ones", ["n"], {"n": 2}, calls[1])]
+    ones = stand_in("80:ones", not_usable("80:ones"))
+    with watching(recorded):
+        ones(2)[:] = 7
+        assert ones(2).tolist() == [1.0, 1.0]
+
+
+def test_a_class_is_handed_on_itself(tmp_path):
+    found = own(tmp_path)
+    assert isinstance(found.namespace["Counter"], type) and found["tally"](2.0) == 3.0
+
+
+def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_path, capsys):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass"})
+    double = student.earlier("80:double", tmp_path)
+    shown = capsys.readouterr().out
+    assert shown.count("double of your lesson 80 is not usable yet") == 1
+    assert "The checks of this lesson have recorded answers for it." in shown
+    with pytest.raises(EarlierNotUsable):
+        double(1.0)
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
+    assert student.earlier("80:double", tmp_path)(2.0) == 4.0 and capsys.readouterr().out == ""
+    for use, message in (("79:double", "no lesson '79'"), ("80:halve", "80_first has no exercise 'halve'")):
+        with pytest.raises(ValueError, match=message):
+            student.earlier(use, tmp_path)
+
+
+def test_student_functions_work_with_earlier_ones(tmp_path):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
+    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
+    assert student.functions(pair.SECOND, tmp_path).complete
+    assert student.functions(pair.SECOND, tmp_path)["quadruple"](100.0) == 400.0
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass"})
+    assert "quadruple" in student.functions(pair.SECOND, tmp_path)
+
+
+def test_lessons_that_use_each_other_come_to_an_end(tmp_path):
+    loop = ("setup", "double = earlier('81:quadruple')")
+    toy.write(tmp_path / f"{pair.FIRST}.ipynb", loop, ("solution", "def Counter(): return double(1)"))
+    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
+    assert "alone" in student.functions(pair.SECOND, tmp_path)
+
+
+def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
+    def use(source):
+        return assigned_use(ast.parse(source).body[0])
+
+    assert use("f = earlier('01:f')") == use("f = student.earlier('01:f')") == ("f", "01:f")
+    for other in (
+        "f = g('01:f')",
+        "f, g = earlier('01:f')",
+        "earlier('01:f')",
+        "f = earlier(x)",
+        "f = earlier('a', 1)",
+    ):
+        assert use(other) is None
+    path = toy.write(tmp_path / "81_x.ipynb", ("setup", "f = earlier('80:mine')"), "f")
+    assert load_definitions(path, earlier=lambda use: use).namespace["f"] == "80:mine"
+    released = load_definitions(path, setup="f = earlier('80:theirs')", earlier=lambda use: use)
+    assert released.namespace["f"] == "80:theirs"
+    failing = load_definitions(path, earlier=lambda use: 1 / 0)
+    assert "ZeroDivisionError" in failing.skipped[0].reason
+
+
+def test_a_class_is_defined_in_the_place_of_the_students(tmp_path):
+    path = toy.write(
+        tmp_path / "x.ipynb", "class A:\n    mine = True", "class B(A): pass", "def f(): return A().mine"
+    )
+    found = load_definitions(path, instead={"A": "class A:\n    mine = False"})
+    assert found["f"]() is False and found["B"].mine is False and list(found)[:2] == ["A", "B"]
+    missing = load_definitions(path, instead={"C": "class C(B): pass"})
+    assert missing["C"].mine is True and missing["f"]() is True
+
+
+def test_an_earlier_lesson_is_named_by_its_number():
+    assert split_use("1:f") == split_use("01_hsl:f") == ("01", "f")
+
+
+def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
+    course = pair.make_course(tmp_path)
+    declaration = course.solutions / "exercises" / f"{pair.SECOND}.py"
+    text = (
+        declaration.read_text() + "\nfrom nao_course.student import earlier\ndouble = earlier('80:double')\n"
+    )
+    declaration.write_text(
+        text + "PLAN = LessonPlan([exercise('f', 1, [], numbers, slip=lambda x: double(x))])"
+    )
+    (exercise,) = load_plan(declaration).exercises
+    with resolved_by(solutions_beside(course.solutions / f"{pair.SECOND}.ipynb")):
+        assert exercise.mistakes[0].function(3.0) == 6.0
+    with pytest.raises(EarlierNotUsable):
+        exercise.mistakes[0].function(3.0)
