@@ -1,5 +1,8 @@
 """A case is judged where its answers do not come from: its calls, its laws, and the exception that it asks for."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -108,3 +111,14 @@ def test_a_law_that_raises_refuses_the_answer():
     for answer, kind in ((np.ones(4), "law"), ("text", "type"), (None, "nothing")):
         verdict = judging.judge(law, case, Outcome("value", answer))
         assert verdict is not None and verdict.kind == kind
+
+
+def test_check_data_has_the_modules_imported_that_its_values_are_of():
+    from nao_course.geometry import Pose
+
+    data = pack(PublicLesson("90_toy", [exercise(Close(), Case((Pose(1.0),), expected=1.0))], []))
+    code = (
+        "import sys; from nao_course.exercises.checking import unpack; print(unpack(sys.stdin.buffer.read()))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], input=data, capture_output=True, check=True)
+    assert b"Pose(x=1.00" in run.stdout

@@ -2,6 +2,8 @@
 
 import pickle
 from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -11,8 +13,10 @@ from nao_course.exercises import checking
 from nao_course.exercises.checking import Checks, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicLesson
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
-from nao_course.instructor.autograding.grader import grade
+from nao_course.instructor.autograding.grader import SubmissionGrader, grade
 from nao_course.instructor.collecting.submissions import Submission
 from tests.toy import values
 
@@ -63,3 +67,13 @@ def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_p
         assert said.exit_code == (0 if right else 1), said.output
     assert "H delta is not -b" in repr(reports["step"])
     assert "whatever rng it gets" in repr(reports["draw"])
+
+
+def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
+    task = next(task for task in assignment.tasks if task.public.name == "draw")
+    clock = count()
+    monkeypatch.setattr(grader_module.time, "monotonic", lambda: float(next(clock)))
+    worker = SimpleNamespace(call=lambda *_: Outcome("value", 1.0))
+    grader = SubmissionGrader(worker, replace(assignment, seconds=10.0), None, None, lambda: False, None)
+    assert grader.answer(task.public, task.hidden[0]).status == "timed out"
+    assert next(clock) < 20
