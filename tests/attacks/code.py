@@ -5,11 +5,23 @@ Most of it sits in one function, `clamp`, so that the other exercises show what 
 
 from __future__ import annotations
 
+import json
 import textwrap
 from typing import Any
 
 from nao_course.instructor.sandbox.worker_process import RequestLoop
-from tests.attacks.range import HALF, POINTS, REAL, REAL_POINTS, RIGHT, Attack, all_but
+from tests.attacks.range import (
+    HALF,
+    LATER_POINTS,
+    POINTS,
+    REAL,
+    REAL_POINTS,
+    RIGHT,
+    Attack,
+    all_but,
+    notebook,
+)
+from tests.toy import pair
 
 ALL = {name: float(worth) for name, worth in POINTS.items()}
 ANSWER = "return max(low, min(high, x))"
@@ -738,7 +750,9 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _frames("answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"),
+    _frames(
+        "answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"
+    ),
     _frames(
         "negative_length",
         "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
@@ -1717,6 +1731,84 @@ REAL_ONES = (
     ),
 )
 
+LATER = {name: float(worth) for name, worth in LATER_POINTS.items()}
+
+
+def _earlier(name: str, source: str, honest: dict[str, float] | None = None, **more: Any) -> Attack:
+    """An attack by the notebook of the lesson before: its `double` is gone or wrong, and the reference's is lent."""
+    first = Attack(name, "earlier", functions={"double": textwrap.dedent(source)}, lesson=pair.FIRST)
+    made = notebook(first, pair.RIGHT[pair.FIRST], pair.SETUP[pair.FIRST])
+    files = {f"{pair.FIRST}.ipynb": json.dumps(made)}
+    return Attack(
+        name, "earlier", LATER if honest is None else honest, files=files, lesson=pair.SECOND, **more
+    )
+
+
+def _later(name: str, honest: dict[str, float], **more: Any) -> Attack:
+    return Attack(name, "earlier", honest, lesson=pair.SECOND, **more)
+
+
+_NO_CLASS = {name: points for name, points in LATER.items() if name != "Walker"}
+EARLIER = (
+    _earlier("earlier_notebook_is_endless", "if True:\n    while True: pass"),
+    _earlier("earlier_notebook_ends_python", "import os\nx = os._exit(3)"),
+    _earlier(
+        "earlier_notebook_takes_all_memory",
+        "held = []\nfor _ in iter(int, 1):\n    held.append(bytearray(2**26))",
+    ),
+    _earlier(
+        "earlier_notebook_reads_the_solution",
+        """
+        loot = ''
+        try:
+            loot = open('@COURSE@/solutions/80_first.ipynb').read()
+        except OSError:
+            pass
+        def double(x):
+            return 2 * x if loot else -1e6
+        """,
+        says="open ",
+    ),
+    _earlier(
+        "earlier_notebook_patches_what_stands_for_it",
+        """
+        from nao_course.exercises import earlier, running
+        earlier.EarlierFunction.__call__ = lambda *_: 0.0
+        running._DRIVERS['methods'] = lambda made_by, given, turns: [(name, 0.0) for name, _ in turns]
+        """,
+        honest={"walk": 2.0, "tally": 8.0, "alone": 16.0},
+    ),
+    _later(
+        "patches_the_driver_and_the_resolver",
+        _NO_CLASS,
+        functions={"Walker": "class Walker: pass"},
+        before="from nao_course.exercises import comparisons, earlier as other, running\n"
+        "running._DRIVERS['methods'] = lambda made_by, given, turns: [(name, None) for name, _ in turns]\n"
+        "comparisons.Methods.compare = lambda *_: comparisons.Verdict('right')\n"
+        "other._RESOLVER.set(lambda use: lambda *_: 0.0)\n"
+        "def earlier(use): return lambda *_: 0.0",
+    ),
+    _later(
+        "keeps_the_references_class",
+        {name: points for name, points in _NO_CLASS.items() if name != "alone"},
+        functions={
+            "Walker": "class Walker: pass",
+            "walk": "kept = [None]\ndef walk(x):\n    kept[0] = kept[0] or Walker\n    walker = Walker(x)\n"
+            "    walker.move(1.0)\n    return walker.estimate() + quadruple(x)",
+            "alone": "def alone(x):\n    return kept[0](x + 1).estimate()",
+        },
+    ),
+    _later(
+        "tells_the_references_class",
+        {name: points for name, points in _NO_CLASS.items() if name != "walk"},
+        functions={
+            "Walker": "class Walker: pass",
+            "walk": "def walk(x):\n    import dis\n    raise ValueError(dis.Bytecode(Walker.move).dis())",
+        },
+        hides=("LOAD_GLOBAL", "quadruple(by)"),
+    ),
+)
+
 ATTACKS: tuple[Attack, ...] = (
     *(
         *LOOPS,
@@ -1733,4 +1825,5 @@ ATTACKS: tuple[Attack, ...] = (
         *METADATA,
     ),
     *REAL_ONES,
+    *EARLIER,
 )

@@ -50,6 +50,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
 from nao_course.instructor.sandbox.layers import LEVELS
 from tests.paths import PROJECT
+from tests.toy import pair
 from tests.toy.chain import stamp
 
 LESSON, REAL = "91_range", "01_hsl_filtering"
@@ -68,6 +69,7 @@ ROWS = {  # of the table of attacks and accidents, by the word that an entry nam
     "network": "opens a connection, DNS, UDP, a Unix or abstract socket, listens on a port",
     "signals": "signals the grader, ptrace, leaves a detached child that wakes up later",
     "looks": "looks up its caller's frames, times the comparison, a table of known inputs",
+    "earlier": "a hostile notebook of an earlier lesson; patches the driver and stand-ins; reads the reference's class",
     "metadata": "edits, deletes or doubles cells, raises the points, moves definitions",
     "styles": "honest work in another shape: defined twice, lambda, class, partial, helper file",
     "honest": "honest warnings, prints, slow, float32, lists",
@@ -116,6 +118,7 @@ HALF_POINTS = {"clamp": 1.0, "middle": 4.0}
 REAL_POINTS = {
     "rgb_to_hsl": 3, "average_lightness": 1, "white_threshold": 1, "hue_mask": 2, "calibrate_hue": 3, "color_labels": 3,
 }  # fmt: skip
+LATER_POINTS = pair.POINTS | {"walk": 2}  # without a notebook of the lesson before it
 
 
 @dataclass(frozen=True)
@@ -396,7 +399,9 @@ class Range:
         found = {
             each["metadata"].get("nbgrader", {}).get("grade_id"): "".join(each["source"]) for each in cells
         }
-        return {LESSON: RIGHT, REAL: {name: found[name] for name in REAL_POINTS} | {"setup": found["setup"]}}
+        later = pair.RIGHT[pair.SECOND] | {"setup": pair.SETUP[pair.SECOND]}
+        real = {name: found[name] for name in REAL_POINTS} | {"setup": found["setup"]}
+        return {LESSON: RIGHT, REAL: real, pair.SECOND: later}
 
     @cached_property
     def assignment(self) -> Assignment:
@@ -471,7 +476,7 @@ class Range:
     def kept(self) -> tuple[dict[str, SubmissionResult], dict[str, str], list[str], int]:
         """What the journal and the feedback folder hold."""
         with Journal(self.grades, make=False) as journal:
-            results = journal.results()
+            results = [each for each in journal.results() if each.lesson != pair.FIRST]  # handed in beside
             again = sum(len(journal.history(each.student, each.lesson)) for each in results)
         pages = {}
         for each in results:
@@ -493,9 +498,8 @@ class Range:
 
 
 def make_course(root: Path) -> Course:
-    """Lay out a course of the range's lesson and the real first one, in a folder."""
-    for folder in ("solutions/exercises", "notebooks"):
-        (root / folder).mkdir(parents=True)
+    """Lay out a course of the range's lesson, the real first one and two of which one uses the other, in a folder."""
+    pair.make_course(root)
     (root / "course.toml").write_text('title = "Range"\nversion = "1"\n')
     (root / "solutions" / f"{LESSON}.md").write_text("# Range\n")
     (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
@@ -513,11 +517,11 @@ def make_course(root: Path) -> Course:
 
 def honest(attack: Attack, kind: str) -> Attack:
     """An honest neighbour of an attack: all right, or half right."""
-    wrong = (
-        HALF
-        if attack.lesson == LESSON
-        else {"hue_mask": "def hue_mask(hue, low, high):\n    return hue > low"}
-    )
+    wrong = {
+        LESSON: HALF,
+        REAL: {"hue_mask": "def hue_mask(hue, low, high):\n    return hue > low"},
+        pair.SECOND: {"alone": "def alone(x):\n    return x"},
+    }[attack.lesson]
     return Attack(kind, "honest", functions=wrong if kind == "half" else {}, lesson=attack.lesson)
 
 
@@ -527,9 +531,8 @@ def honest_points(attack: Attack, kind: str) -> dict[str, float]:
         return (
             {name: float(worth) for name, worth in POINTS.items()} if kind == "right" else dict(HALF_POINTS)
         )
-    return {
-        name: float(worth) for name, worth in REAL_POINTS.items() if kind == "right" or name != "hue_mask"
-    }
+    every, wrong = {REAL: (REAL_POINTS, "hue_mask"), pair.SECOND: (LATER_POINTS, "alone")}[attack.lesson]
+    return {name: float(worth) for name, worth in every.items() if kind == "right" or name != wrong}
 
 
 def points(result: SubmissionResult) -> dict[str, float]:

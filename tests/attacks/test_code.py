@@ -10,6 +10,7 @@ from tests.attacks import laws
 from tests.attacks.code import ATTACKS
 from tests.attacks.conftest import LAYERS
 from tests.attacks.range import POINTS, REAL_POINTS, ROWS, Attack, all_but, points
+from tests.toy import pair
 
 CODE_ROWS = set(ROWS) - {"broken", "styles", "honest"}
 
@@ -28,7 +29,7 @@ def test_the_catalogue_covers_every_row_that_is_about_code():
     assert {attack.row for attack in ATTACKS} >= CODE_ROWS
     assert not [name for name, count in Counter(attack.name for attack in ATTACKS).items() if count > 1]
     for attack in ATTACKS:
-        worth = POINTS | REAL_POINTS
+        worth = POINTS | REAL_POINTS | pair.POINTS
         assert attack.row in ROWS and all(0 < points <= worth[name] for name, points in attack.honest.items())
 
 

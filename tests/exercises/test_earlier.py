@@ -155,11 +155,16 @@ def test_student_functions_work_with_earlier_ones(tmp_path):
     assert "quadruple" in student.functions(pair.SECOND, tmp_path)
 
 
-def test_lessons_that_use_each_other_come_to_an_end(tmp_path):
+def test_lessons_that_use_each_other_come_to_an_end(tmp_path, monkeypatch):
+    loads, real = [], student.load_definitions
+    monkeypatch.setattr(
+        student, "load_definitions", lambda path, **more: loads.append(path) or real(path, **more)
+    )
     loop = ("setup", "double = earlier('81:quadruple')")
     toy.write(tmp_path / f"{pair.FIRST}.ipynb", loop, ("solution", "def Counter(): return double(1)"))
     pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
     assert "alone" in student.functions(pair.SECOND, tmp_path)
+    assert len(loads) == 2
 
 
 def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):

@@ -26,6 +26,10 @@ def _is_amount(value: Any) -> bool:
     return _is_number(value) and value >= 0
 
 
+def _are_amounts(value: Any) -> bool:
+    return _is_amount(value) or (isinstance(value, tuple) and bool(value) and all(map(_is_amount, value)))
+
+
 def _is_text(value: Any) -> bool:
     return isinstance(value, str) and bool(value.strip())
 
@@ -190,8 +194,8 @@ def _comparison_problems(comparison: Comparison, where: str) -> Iterator[str]:
     for field in fields(comparison):  # type: ignore[arg-type]  # every comparison is a dataclass
         value = getattr(comparison, field.name)
         called = f"{where}: {type(comparison).__name__}'s {field.name}"
-        if isinstance(field.default, float) and not _is_amount(value):
-            yield f"{called} must be a number, 0 or more, got {_shown(value)}"
+        if isinstance(field.default, float) and not _are_amounts(value):
+            yield f"{called} must be a number, 0 or more, or a tuple of them, one a column; got {_shown(value)}"
         if (field.default is MISSING or isinstance(field.default, tuple)) and isinstance(value, str):
             yield f"{called} must be a tuple, got the text {_shown(value)}"
 

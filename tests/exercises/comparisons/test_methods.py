@@ -188,11 +188,9 @@ def test_a_missing_method_a_constructor_that_raises_and_a_call_that_raises_say_s
 
     class Later(Filter):
         def estimate(self):
-            return 1 / (self.mean[0] - 2)
+            return float(self.mean[0]) if self.mean[0] != 2 else 1 / 0
 
-    assert (
-        "ZeroDivisionError" not in said(public, Later)[1] or "in estimate, call 3" in said(public, Later)[1]
-    )
+    assert "in estimate, call 3 (once)" in said(public, Later)[1]
     few = type("Few", (), {"__init__": lambda self: None})
     assert said(public, few)[0] == "raised" and "in making one" in said(public, few)[1]
     assert "hand over the class, without brackets" in said(public, Filter(0.0, 1.0))[1]
