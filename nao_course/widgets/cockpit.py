@@ -277,7 +277,7 @@ def _checked(found: object) -> tuple[Measurement, ...]:
 
 
 def _place(pose: Pose) -> str:
-    return f"({pose.x:.2f}, {pose.y:.2f}) m, heading {np.degrees(pose.theta):.0f}°"
+    return f"({pose.x:z.2f}, {pose.y:z.2f}) m, heading {np.degrees(pose.theta):z.0f}°"
 
 
 def _knows(estimate: Estimate | None) -> str:

@@ -25,3 +25,10 @@ def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
     cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
     cockpit.move(Motion(0.05))
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
+
+
+def test_a_robot_that_turned_there_and_back_has_heading_zero_and_not_minus_zero():
+    cockpit = Cockpit(clean_nao())
+    for turn in (0.3, -0.1, -0.1, -0.1 - 1e-9):
+        cockpit.move(Motion(0.0, turn))
+    assert any("heading 0°" in each for each in cockpit.facts())
