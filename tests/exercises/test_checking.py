@@ -423,7 +423,7 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
 def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(monkeypatch):
     waited = []
 
-    def timed_out(function, cases, driver, seconds):
+    def timed_out(function, cases, driver, seconds, answer):
         waited.append(seconds)
         return [running.Outcome("timed out")]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from nao_course.instructor.authoring.course import Course, load_course
-from tests.toy import toy
+from tests.toy import chain, toy
 
 FIRST, SECOND = "80_first", "81_second"
 SECRET = b"a secret of sixteen bytes, or more"
@@ -111,4 +111,7 @@ def make_course(root: Path) -> Course:
         (root / "solutions" / "exercises" / f"{lesson}.py").write_text(DECLARATIONS[lesson])
         write(root / "solutions" / f"{lesson}.ipynb", lesson)
         write(root / "notebooks" / f"{lesson}.ipynb", lesson, BLANK[lesson])
-    return load_course(root)
+    course = load_course(root)
+    for lesson in (FIRST, SECOND):
+        chain.stamp(course, lesson)
+    return course

@@ -19,11 +19,11 @@ from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
 FOLDER = (
     "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
 )
-_AS_THEY_ARE = (
+AS_THEY_ARE = (
     *("LICENSE", "Makefile", "pyproject.toml", "requirements.lock"),
     *("jupyter/overrides.json", "jupyter/page_config.json"),
 )
-_README = "docs/for_students.md"
+README = "docs/for_students.md"
 _KINDS = {".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
 
 
@@ -74,8 +74,8 @@ def contents(course: Course, names: list[str]) -> dict[str, bytes]:
         Names of its lessons.
     """
     root = course.root
-    files = {name: (root / name).read_bytes() for name in _AS_THEY_ARE}
-    files["README.md"] = (root / _README).read_bytes()
+    files = {name: (root / name).read_bytes() for name in AS_THEY_ARE}
+    files["README.md"] = (root / README).read_bytes()
     for path in sorted((root / "nao_course").rglob("*")):
         inside = path.relative_to(root)
         if path.suffix in _KINDS and path.is_file() and "instructor" not in inside.parts:

@@ -37,7 +37,7 @@ def said(*exercises, **more):
 
 def test_what_is_right_is_not_complained_about(plan):
     assert said(*plan.exercises, questions=[QUESTION], written=[WRITTEN]) == []
-    assert said(replace(plan["clamp"], points=0.5, stars=3, uses=["a"], driver="sampling_law", seconds=30)) == []
+    assert said(replace(plan["clamp"], points=0.5, stars=3, uses=["a"], driver="jacobian", seconds=30)) == []
 
 
 @pytest.mark.parametrize(("field", "value"), CASES, ids=[f"{field} {value!r:.20}" for field, value in CASES])
@@ -52,8 +52,8 @@ def test_each_value_that_an_exercise_cannot_have_is_told(plan, field, value):
     [
         ({"driver": "no_driver"}, "clamp: driver: there is no driver 'no_driver'; there are ["),
         ({"driver": "nao_course.no_lesson:f"}, "clamp: driver: No module named 'nao_course.no_lesson'"),
-        ({"comparison": Points(tolerance="2")}, "clamp: Points's tolerance must be a number, 0 or more, got '2'"),
-        ({"comparison": Close(rtol=-1.0)}, "clamp: Close's rtol must be a number, 0 or more, got -1.0"),
+        ({"comparison": Points(tolerance="2")}, "clamp: Points's tolerance must be a number, 0 or more, or a tuple of them, one a column; got '2'"),
+        ({"comparison": Close(rtol=-1.0)}, "clamp: Close's rtol must be a number, 0 or more, or a tuple of them, one a column; got -1.0"),
         ({"comparison": Close(names="your hue")}, "clamp: Close's names must be a tuple, got the text 'your hue'"),
         ({"mistakes": [FINE, Mistake("b", 3, "m")]}, "clamp: mistake 'b': function must be the wrong function, got 3"),
         ({"mistakes": [Mistake("b", abs, "")]}, "clamp: mistake 'b': message must be a sentence that helps, got ''"),

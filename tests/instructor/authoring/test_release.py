@@ -57,7 +57,7 @@ def test_only_the_chosen_lessons_are_released():
 
 # --- making one ---
 
-BESIDE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock", "docs/for_students.md")
+BESIDE = (*release.AS_THEY_ARE, release.README)
 
 
 @pytest.fixture
