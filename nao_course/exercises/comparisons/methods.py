@@ -229,10 +229,17 @@ class Methods(Comparison):
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare (name, answer) of each call with the expected ones; the first that differs is told."""
-        if not _is_of(expected, got):
+        case = calls(*(name for name, _ in expected))
+        return self.judge(replace(case, expected=expected), got)
+
+    def judge(self, case: Case, answer: Any) -> Verdict:
+        """Judge each call's answer by its method's comparison, which finds the call's arguments in its case."""
+        if not _is_of(case.expected, answer):
             return Verdict("type", "the answers of your methods could not be read")
-        for where, name, one, other in _in_turn(expected, got):
-            verdict = self._of(name).compare(one, other) if one is not None else _nothing(other)
+        turns = zip(_in_turn(case.expected, answer), case.args[1], strict=True)
+        for (where, name, one, other), (_, args) in turns:
+            of_call = Case(args, expected=one)
+            verdict = self._of(name).judge(of_call, other) if one is not None else _nothing(other)
             if not verdict:
                 return replace(verdict, text=f"{where}: {verdict.text}", at=())
         return RIGHT

@@ -220,8 +220,15 @@ def test_twice_a_number_is_the_number_and_itself(solution, rng):
         assert np.isclose(solution["{first}"](value), value + value)
 '''
 # The panel of a new lesson, and what its set-up imports for it.
-PANEL_IMPORT = "from nao_course.widgets import RealityDial"
-PANEL = "RealityDial(seed=1)"
+PANEL_IMPORT = "from nao_course.widgets import FunctionPanel, Slider"
+PANEL = """\
+def show(values, student):
+    \"\"\"TODO: draw what the control does to what the student wrote.\"\"\"
+    yield f"TODO: the answer to {{values.value:g}} is {{student.{first}(values.value):g}}"
+
+
+controls = [Slider("value", "Value", 0, 10, 1, 3)]
+FunctionPanel("TODO: what it shows", show, controls, student={{"{first}": {first}}})"""
 TEXT = "lesson.md"  # beside this module: the text of a new lesson
 MINUTES = dict.fromkeys(("07", "09", "11", "12"), 180)  # of the long lessons; all others have 90
 
@@ -280,7 +287,7 @@ def _words(number: str, name: str) -> dict[str, str]:
         "stem": f"{number}_{name}",
         "title": name.replace("_", " ").capitalize(),
         "minutes": str(MINUTES.get(number, 90)),
-        "panel": PANEL,
+        "panel": PANEL.format_map(exercises),
         "panel_import": PANEL_IMPORT,
         "declarations": "".join(declared),
         "constants": ", ".join(map(str.upper, exercises.values())),

@@ -13,11 +13,13 @@ from nao_course.exercises import (
     LessonPlan,
     Methods,
     Mistake,
+    Property,
     calls,
     first_items,
     over_log,
 )
 from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.codec import register
 from nao_course.exercises.running import call
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import publish
@@ -256,6 +258,18 @@ def test_a_method_with_another_comparison_is_compared_with_that(public):
         "observe, call 1: your answer holds"
     )
     assert Methods().compare(public.cases[0].expected, wrong)
+
+
+@register
+def answers_its_argument(args, kwargs, answer):
+    return "" if answer == args[0] else "it is not what went in"
+
+
+def test_a_law_of_a_method_sees_the_arguments_of_its_call():
+    case = replace(calls(("echo", 1.0), ("echo", 2.0)), expected=[("echo", 1.0), ("echo", 2.0)])
+    lawful = Methods({"echo": Property(answers_its_argument)})
+    assert lawful.judge(case, case.expected)
+    assert lawful.judge(case, [("echo", 1.0), ("echo", 1.0)]).text.startswith("echo, call 2: ")
 
 
 def test_the_input_of_a_call_must_stay_as_it_is():

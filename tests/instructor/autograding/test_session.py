@@ -19,7 +19,7 @@ def test_assignments_are_prepared_as_here_in_a_process_that_ends(tmp_path):
     begun = prepare_in_background(course, [chain.LESSON], chain.SECRET)
     assert set(multiprocessing.active_children()) > before
     assert begun[chain.LESSON].result(timeout=300).hash == prepare(course, "90", chain.SECRET).hash
-    while set(multiprocessing.active_children()) - before:  # it ends by itself, when its pool is told that nothing follows
+    while set(multiprocessing.active_children()) - before:  # it ends by itself
         time.sleep(0.05)
 
 
