@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from io import StringIO
 from pathlib import Path
@@ -35,12 +35,15 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         What the checks said of the others.
     unwritten : tuple of str
         Written questions without an answer.
+    remarks : mapping of str to tuple of str
+        What the checks said of the right ones, besides that they are.
     """
 
     lesson: str
     right: Mapping[str, Callable[..., Any]]
     reports: tuple[Report, ...] = ()
     unwritten: tuple[str, ...] = ()
+    remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
         """Return a function.
@@ -115,7 +118,8 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
     right = {name: found[name] for name, report in reports.items() if report}
     unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
     wrong = tuple(report for report in reports.values() if not report)
-    return StudentFunctions(lesson, right, wrong, tuple(unwritten))
+    remarks = {name: report.lines[1:] for name, report in reports.items() if report}
+    return StudentFunctions(lesson, right, wrong, tuple(unwritten), remarks)
 
 
 def earlier(use: str, folder: str | Path | None = None) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
-from nao_course.exercises.comparisons.structure import parts_of
+from nao_course.exercises.comparisons.structure import as_numbers, parts_of
 from nao_course.exercises.comparisons.values import Close, most_pairs
 
 Law = Callable[[tuple[Any, ...], dict[str, Any], Any], str]
@@ -27,7 +27,8 @@ class Property(Comparison):
     law : callable
         ``law(args, kwargs, answer) -> str``: nothing where the answer obeys it, else what is wrong, as a public case
         tells the student; of a hidden case no word of it is told. A function of a module, with `register` before it. It
-        gets any answer at all: where it raises, the answer is of the wrong kind.
+        gets any answer at all, but an array where the reference returns one and the answer is lists of numbers: where it
+        raises, the answer is of the wrong kind.
     """
 
     law: Law
@@ -40,6 +41,10 @@ class Property(Comparison):
         """Judge an answer by the law."""
         if answer is None:
             return Verdict("nothing", "your answer is None: a return may be missing")
+        if isinstance(case.expected, np.ndarray) and isinstance(answer, list | tuple):
+            answer = as_numbers(answer, "your answer", also="c")
+            if isinstance(answer, Verdict):
+                return answer
         args, kwargs = case.fresh()
         try:
             with np.errstate(all="ignore"):

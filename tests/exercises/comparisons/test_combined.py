@@ -155,3 +155,10 @@ def test_what_is_no_collection_of_the_kind_is_told(expected, got, kind):
 )
 def test_a_comparison_travels_with_the_check_data(comparison):
     assert decode(encode(comparison)) == comparison
+
+
+def test_a_law_of_arrays_gets_an_array_where_the_answer_is_lists():
+    case = Case((), expected=np.eye(2))
+    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0, 1.0]])
+    assert Property(symmetric).judge(case, ([1.0, 2.0], [3.0, 1.0])).kind == "law"
+    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0]]).kind == "type"

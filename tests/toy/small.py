@@ -1,0 +1,453 @@
+"""Two small lessons with all that later lessons need: camera views, classes, earlier functions, matrices."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from nao_course.instructor.authoring import lesson_text, release
+from tests.paths import PROJECT
+
+COLOURS, SMALL = "01_colours", "04_small"
+
+
+def _cell(kind: str, name: str, source: str) -> str:
+    return f"```{{code-cell}} ipython3\n:{kind}: {name}\n\n{source.strip()}\n```\n"
+
+
+def _exercise(name: str, source: str) -> str:
+    check = f'check("{name}", {name})'
+    return f"{_cell('exercise', name, source)}\n{_cell('check', name, check)}"
+
+
+COLOURS_TEXT = "\n".join(
+    (
+        "\n# Colours\n",
+        _cell(
+            "role",
+            "setup",
+            """
+import numpy as np
+
+from nao_course.exercises import lesson
+
+check, hint = lesson("01_colours")
+""",
+        ),
+        _exercise(
+            "color_labels",
+            '''
+def color_labels(picture: np.ndarray) -> np.ndarray:
+    """Label 1 where green is the largest channel, else 0."""
+    ### BEGIN SOLUTION
+    return (np.argmax(picture, axis=2) == 1).astype(np.uint8)
+    ### END SOLUTION
+''',
+        ),
+    )
+)
+
+COLOURS_PLAN = """
+import numpy as np
+from nao_course.exercises import Case, Exact, Exercise, LessonPlan, Mistake
+
+
+def _pictures(rng, many):
+    return [Case((rng.integers(0, 256, (6, 8, 3)).astype(np.uint8),)) for _ in range(many)]
+
+
+PLAN = LessonPlan([Exercise(
+    name="color_labels",
+    points=1,
+    public=lambda: _pictures(np.random.default_rng(0), 2),
+    hidden=lambda rng: _pictures(rng, 3),
+    comparison=Exact(),
+    hints=("Which channel is the largest?", "np.argmax with axis=2."),
+    mistakes=[
+        Mistake("red", lambda p: (np.argmax(p, axis=2) == 0).astype(np.uint8), "Channel 0 is red."),
+        Mistake("blue", lambda p: (np.argmax(p, axis=2) == 2).astype(np.uint8), "Channel 2 is blue."),
+        Mistake("the channel", lambda p: np.argmax(p, axis=2).astype(np.uint8), "That is the channel's number."),
+    ],
+    alternatives={
+        "comparisons": lambda p: ((p[..., 1] > p[..., 0]) & (p[..., 1] >= p[..., 2])).astype(np.uint8),
+        "a wider type": lambda p: (np.argmax(p, axis=2) == 1).astype(np.int64),
+        "where": lambda p: np.where(np.argmax(p.astype(int), axis=-1) == 1, 1, 0),
+    },
+)])
+"""
+
+SMALL_TEXT = "\n".join(
+    (
+        "\n# Distance, small\n",
+        _cell(
+            "role",
+            "setup",
+            """
+import numpy as np
+
+from nao_course.exercises import lesson
+from nao_course.geometry import Pose
+from nao_course.sim import CameraView
+from nao_course.slam import Measurement, Motion
+from nao_course.student import earlier
+
+check, hint = lesson("04_small")
+color_labels = earlier("01:color_labels")
+""",
+        ),
+        _exercise(
+            "pixel_to_ground",
+            '''
+def pixel_to_ground(pixels: np.ndarray, view: CameraView) -> np.ndarray:
+    """Where pixels (N, 2) see the ground (N, 2), in metres in the robot frame; NaN at and above the horizon."""
+    ### BEGIN SOLUTION
+    seen = (view.undistort(pixels) - view.centre) / view.focal
+    rays = np.column_stack([np.ones(len(seen)), -seen]) @ view.rotation.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(rays[:, 2] < 0, -view.height / rays[:, 2], np.nan)
+    return rays[:, :2] * scale[:, None] + view.offset
+    ### END SOLUTION
+''',
+        ),
+        _exercise(
+            "to_measurements",
+            '''
+def to_measurements(points: np.ndarray) -> np.ndarray:
+    """Bearing (rad) and range (m) of points (N, 2) of the robot frame, as (N, 2)."""
+    ### BEGIN SOLUTION
+    return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])])
+    ### END SOLUTION
+''',
+        ),
+        _exercise(
+            "green_by_row",
+            '''
+def green_by_row(picture: np.ndarray) -> dict[int, int]:
+    """How many green pixels each row has that has any, by the row's number."""
+    ### BEGIN SOLUTION
+    counts = (color_labels(picture) == 1).sum(axis=1)
+    return {int(row): int(counts[row]) for row in np.flatnonzero(counts)}
+    ### END SOLUTION
+''',
+        ),
+        _exercise(
+            "Odometer",
+            '''
+class Odometer:
+    """Adds up motions from a pose, and remembers what it sees."""
+
+    def __init__(self, start: Pose) -> None:
+        ### BEGIN SOLUTION
+        self.pose_now, self.seen = start, []
+        ### END SOLUTION
+
+    def move(self, motion: Motion) -> None:
+        """Take in a motion."""
+        ### BEGIN SOLUTION
+        self.pose_now = self.pose_now @ motion.as_pose()
+        ### END SOLUTION
+
+    def pose(self) -> Pose:
+        """Where it is now."""
+        ### BEGIN SOLUTION
+        return self.pose_now
+        ### END SOLUTION
+''',
+        ),
+        _exercise(
+            "length_of_way",
+            '''
+def length_of_way(motions: list[Motion]) -> float:
+    """Length in metres of the way that an Odometer from zero makes, from its poses."""
+    ### BEGIN SOLUTION
+    odometer, length = Odometer(Pose()), 0.0
+    for motion in motions:
+        before = odometer.pose()
+        odometer.move(motion)
+        after = odometer.pose()
+        length += float(np.hypot(after.x - before.x, after.y - before.y))
+    return length
+    ### END SOLUTION
+''',
+        ),
+        _exercise(
+            "smoothing",
+            '''
+def smoothing(size: int) -> np.ndarray:
+    """Covariance (size, size) with entries exp(-|i - j| / 5)."""
+    ### BEGIN SOLUTION
+    i = np.arange(size)
+    return np.exp(-np.abs(i[:, None] - i[None]) / 5)
+    ### END SOLUTION
+''',
+        ),
+    )
+)
+
+
+LAWS = '''"""What a small lesson's own answers have to be."""
+
+import numpy as np
+
+from nao_course.exercises import register
+
+
+@register
+def is_covariance(args, kwargs, answer):
+    """Say why a matrix is no covariance; nothing where it is one."""
+    if not np.allclose(answer, answer.T):
+        return "your matrix is not symmetric"
+    return "" if np.linalg.eigvalsh(answer).min() > -1e-9 else "your matrix has a negative eigenvalue"
+'''
+
+SMALL_PLAN = """
+from dataclasses import replace
+
+import numpy as np
+from nao_course.exercises import (
+    All, Case, Close, Exact, Exercise, LessonPlan, Methods, Mistake, Property, calls,
+)
+from nao_course.geometry import Pose
+from nao_course.lessons.small.laws import is_covariance
+from nao_course.sim import NAO_V4
+from nao_course.slam import Motion
+from nao_course.student import earlier
+
+color_labels = earlier("01:color_labels")
+VIEW = NAO_V4.view("bottom", yaw=0.3, pitch=-0.2)
+
+
+def _exercise(name, public, hidden, slips, alternatives, **more):
+    mistakes = [Mistake(title, function, f"That is {title}.") for title, function in slips.items()]
+    hints = ("Where to look.", "Nearly how.")
+    return Exercise(name, 1, public, hidden, hints, mistakes, alternatives, **more)
+
+
+def _ground(pixels, view, sign=1.0, centre=True, offset=True, lens=True):
+    seen = view.undistort(pixels) if lens else np.asarray(pixels, float)
+    seen = (seen - (view.centre if centre else (0, 0))) / view.focal
+    rays = np.column_stack([np.ones(len(seen)), -sign * seen[:, 0], -seen[:, 1]]) @ view.rotation.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(rays[:, 2] < 0, -view.height / rays[:, 2], np.nan)
+    return rays[:, :2] * scale[:, None] + (view.offset if offset else (0.0, 0.0))
+
+
+def _one_by_one(pixels, view):
+    return np.array([_ground(np.array([pixel]), view)[0] for pixel in pixels]).reshape(-1, 2)
+
+
+PIXEL_TO_GROUND = _exercise(
+    "pixel_to_ground",
+    lambda: [
+        Case((np.array([[10.0, 230.0], [160.0, 200.0], [300.0, 150.0]]), VIEW), "three pixels"),
+        Case((np.array([[160.0, -400.0], [160.0, 220.0]]), VIEW), "one above the horizon"),
+        Case((np.empty((0, 2)), VIEW), "no pixels"),
+    ],
+    lambda rng: [
+        Case((rng.uniform((0, 100), (320, 240), (8, 2)), NAO_V4.view("bottom", *rng.uniform(-0.3, 0.3, 2))))
+        for _ in range(4)
+    ] + [Case((np.array([[100.0, -500.0]]), VIEW))],
+    {
+        "u to the left": lambda pixels, view: _ground(pixels, view, sign=-1.0),
+        "the corner for the centre": lambda pixels, view: _ground(pixels, view, centre=False),
+        "the camera over the robot's origin": lambda pixels, view: _ground(pixels, view, offset=False),
+    },
+    {
+        "one by one": _one_by_one,
+        "a list": lambda pixels, view: [list(point) for point in _ground(pixels, view)] or np.empty((0, 2)),
+        "homogeneous": lambda pixels, view: _ground(np.asarray(pixels, dtype=float), view),
+    },
+    comparison=Close(atol=1e-6),
+)
+
+
+def _polar(points):
+    return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])])
+
+
+TO_MEASUREMENTS = _exercise(
+    "to_measurements",
+    lambda: [Case((np.array([[1.0, 2.0], [-3.0, -1e-9], [-1.0, 0.5]]),), "ahead and behind")],
+    lambda rng: [Case((rng.normal(0, 3, (6, 2)),)) for _ in range(4)],
+    {
+        "range first": lambda points: _polar(points)[:, ::-1],
+        "degrees": lambda points: np.column_stack([np.degrees(_polar(points)[:, 0]), _polar(points)[:, 1]]),
+        "arctan of y / x": lambda points: np.column_stack(
+            [np.arctan(points[:, 1] / points[:, 0]), _polar(points)[:, 1]]
+        ),
+    },
+    {
+        "complex": lambda points: np.column_stack(
+            [np.angle(points[:, 0] + 1j * points[:, 1]), np.abs(points[:, 0] + 1j * points[:, 1])]
+        ),
+        "once round": lambda points: _polar(points) + (2 * np.pi, 0.0),
+        "rounded": lambda points: _polar(points) + (0.0, 4e-4),
+    },
+    comparison=Close(rtol=0.0, atol=(1e-6, 1e-3), period=(2 * np.pi, 0.0)),
+)
+
+
+def _pictures(rng, many):
+    return [Case((rng.integers(0, 256, (5, 8, 3)).astype(np.uint8),)) for _ in range(many)]
+
+
+def _counted(picture, value=1, axis=1, zeros=False):
+    counts = (color_labels(picture) == value).sum(axis=axis)
+    return {row: int(count) for row, count in enumerate(counts) if count or zeros}
+
+
+GREEN_BY_ROW = _exercise(
+    "green_by_row",
+    lambda: [*_pictures(np.random.default_rng(1), 2), Case((np.zeros((3, 2, 3), np.uint8),), "all black")],
+    lambda rng: [*_pictures(rng, 3), Case((np.zeros((2, 2, 3), np.uint8),))],
+    {
+        "what is not green": lambda picture: _counted(picture, 0),
+        "columns": lambda picture: _counted(picture, axis=0),
+        "rows without any": lambda picture: _counted(picture, zeros=True),
+    },
+    {
+        "NumPy's numbers": lambda picture: {
+            np.int64(row): np.int32(count) for row, count in _counted(picture).items()
+        },
+        "backwards": lambda picture: dict(reversed(_counted(picture).items())),
+        "one by one": lambda picture: {
+            row: n for row in range(len(picture)) if (n := int((color_labels(picture)[row] == 1).sum()))
+        },
+    },
+    comparison=Exact(),
+    uses=("01:color_labels",),
+)
+
+
+class Added:
+    def __init__(self, start):
+        self.x, self.y, self.theta = start.as_array()
+
+    def move(self, motion):
+        self.x += motion.distance * np.cos(self.theta)
+        self.y += motion.distance * np.sin(self.theta)
+        self.theta += motion.turn
+
+    def pose(self):
+        return Pose(self.x, self.y, self.theta)
+
+
+class TurnsFirst(Added):
+    def move(self, motion):
+        self.theta += motion.turn
+        super().move(replace(motion, turn=0.0))
+
+
+class NeverTurns(Added):
+    def move(self, motion):
+        super().move(replace(motion, turn=0.0))
+
+
+class FromZero(Added):
+    def __init__(self, start):
+        super().__init__(Pose())
+
+
+class Composed:
+    def __init__(self, start):
+        self.way = [start]
+
+    def move(self, motion):
+        self.way.append(self.way[-1] @ Pose(motion.distance, 0.0, motion.turn))
+
+    def pose(self):
+        return self.way[-1]
+
+
+class Late:
+    def __init__(self, start):
+        self.start, self.motions = start, []
+
+    def move(self, motion):
+        self.motions.append(motion)
+
+    def pose(self):
+        added = Added(self.start)
+        for motion in self.motions:
+            added.move(motion)
+        return added.pose()
+
+
+def _walk(rng, steps=4):
+    turns = [("move", Motion(*rng.normal(0, 1, 2))) for _ in range(steps)]
+    return calls("pose", *turns[:2], "pose", *turns[2:], "pose", given=(Pose(*rng.normal(0, 2, 3)),))
+
+
+ODOMETER = _exercise(
+    "Odometer",
+    lambda: [
+        calls(("move", Motion(1.0, 0.5)), "pose", ("move", Motion(2.0, 0.0)), "pose",
+              given=(Pose(1.0, 2.0, 0.3),), name="two steps"),
+    ],
+    lambda rng: [_walk(rng) for _ in range(3)],
+    {"turning first": TurnsFirst, "never turning": NeverTurns, "beginning at zero": FromZero},
+    {"angles": Added, "composed": Composed, "late": Late},
+    driver="methods",
+    comparison=Methods({"pose": Close(atol=1e-6, period=(0.0, 0.0, 2 * np.pi))}),
+)
+LENGTH_OF_WAY = _exercise(
+    "length_of_way",
+    lambda: [Case(([Motion(1.0, 0.5), Motion(-2.0, 0.0)],), "there and back"), Case(([],), "nowhere")],
+    lambda rng: [Case(([Motion(*rng.normal(0, 1, 2)) for _ in range(5)],)) for _ in range(3)] + [Case(([],))],
+    {
+        "with its sign": lambda motions: float(sum(each.distance for each in motions)),
+        "the turns": lambda motions: float(sum(abs(each.turn) for each in motions)),
+        "the last step": lambda motions: float(abs(motions[-1].distance)) if motions else 0.0,
+    },
+    {
+        "a sum": lambda motions: sum(abs(each.distance) for each in motions),
+        "NumPy": lambda motions: np.abs([each.distance for each in motions]).sum(),
+        "float32": lambda motions: np.float32(sum(abs(each.distance) for each in motions)),
+    },
+    uses=("Odometer",),
+)
+
+
+def _exponential(size, scale=5.0, signed=False):
+    i = np.arange(size)
+    difference = i[:, None] - i[None]
+    return np.exp(-(difference if signed else np.abs(difference)) / scale)
+
+
+SMOOTHING = _exercise(
+    "smoothing",
+    lambda: [Case((60,), "sixty"), Case((1,), "one")],
+    lambda rng: [Case((int(size),)) for size in rng.integers(2, 80, 3)],
+    {
+        "the sign of i - j": lambda size: np.clip(_exponential(size, signed=True), 0, 1e3),
+        "another scale": lambda size: _exponential(size, 4.0),
+        "no diagonal": lambda size: _exponential(size) - np.eye(size),
+    },
+    {
+        "a loop": lambda size: [[float(np.exp(-abs(i - j) / 5)) for j in range(size)] for i in range(size)],
+        "powers": lambda size: np.exp(-0.2) ** np.abs(np.subtract.outer(np.arange(size), np.arange(size))),
+        "a wider one": lambda size: _exponential(size + 1)[:size, :size],
+    },
+    comparison=All((Close(mask="upper"), Property(is_covariance))),
+)
+PLAN = LessonPlan([PIXEL_TO_GROUND, TO_MEASUREMENTS, GREEN_BY_ROW, ODOMETER, LENGTH_OF_WAY, SMOOTHING])
+"""
+
+
+def lay_out(root: Path) -> Path:
+    """Write the course, with a library of its own in which the second lesson has a folder; nothing of it is built."""
+    ignored = shutil.ignore_patterns("*.bin", "__pycache__")
+    shutil.copytree(PROJECT / "nao_course", root / "nao_course", ignore=ignored)
+    own = root / "nao_course" / "lessons" / "small"
+    own.mkdir()
+    (own / "__init__.py").write_text('"""A small lesson."""\n')
+    (own / "laws.py").write_text(LAWS)
+    (root / "solutions" / "exercises").mkdir(parents=True)
+    for name, text, plan in ((COLOURS, COLOURS_TEXT, COLOURS_PLAN), (SMALL, SMALL_TEXT, SMALL_PLAN)):
+        (root / "solutions" / f"{name}.md").write_text(lesson_text.HEADER + text)
+        (root / "solutions" / "exercises" / f"{name}.py").write_text(plan)
+    (root / "course.toml").write_text('title = "Small"\nversion = "1"\n')
+    for name in (*release.AS_THEY_ARE, release.README):
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(PROJECT / name, root / name)
+    return root
