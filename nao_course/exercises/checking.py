@@ -24,7 +24,7 @@ from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import Message
 
-State = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
+CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
     "right": "#1a7f37",
     "not attempted": "#6e7781",
@@ -51,7 +51,14 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
-_SIGNS = {"right": "✔", "not attempted": "○", "not checked": "○", "wrong": "✘", "raised": "✘", "interrupted": "■"}
+_SIGNS = {
+    "right": "✔",
+    "not attempted": "○",
+    "not checked": "○",
+    "wrong": "✘",
+    "raised": "✘",
+    "interrupted": "■",
+}
 _DATA = "checks"
 
 
@@ -74,7 +81,7 @@ class Report:
     """
 
     name: str
-    state: State
+    state: CheckState
     lines: tuple[str, ...]
 
     def __bool__(self) -> bool:
@@ -233,7 +240,7 @@ def _explain(
     outcome, verdict = outcomes[first], verdicts[first]
     about = f" ({exercise.cases[first].name})" if exercise.cases[first].name else ""
     passed = _passed(len(verdicts) - len(wrong), len(verdicts))
-    state: State = "wrong"
+    state: CheckState = "wrong"
     if verdict is not None:
         lines = [f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}."]
         lines += _input_at(exercise.cases[first], verdict)

