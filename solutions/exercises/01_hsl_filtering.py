@@ -344,6 +344,7 @@ AVERAGE_LIGHTNESS = Exercise(
         Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 620)),
     ],
     comparison=Sampled(),
+    driver="each_seed",
     hints=(
         "The generator draws for you: rng.integers(0, n, size=k) gives k whole numbers from 0 to n - 1, and "
         "rng.choice(values, k) gives k of the values.",

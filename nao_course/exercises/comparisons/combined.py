@@ -27,7 +27,7 @@ class Property(Comparison):
     law : callable
         ``law(args, kwargs, answer) -> str``: nothing where the answer obeys it, else what is wrong, as a public case
         tells the student; of a hidden case no word of it is told. A function of a module, with `register` before it. It
-        gets any answer at all, but an array where the reference returns one and the answer is lists of numbers: where it
+        gets any answer at all, an array where the reference returns one and the answer is lists of numbers; where it
         raises, the answer is of the wrong kind.
     """
 

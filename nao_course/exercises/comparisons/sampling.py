@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +13,33 @@ from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison, Verdict, as_text, with_article
 from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.exercises.comparisons.values import Close
+from nao_course.exercises.running import register_driver
 
 _REPEATED = 20  # seeds that are drawn with twice: the same generator has to give the same answer
+
+
+@register_driver
+def each_seed(function: Callable[..., Any], *given: Any) -> list[Any]:
+    """Call a function that draws random samples once with each seed's generator; what it answers comes back as it is.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(..., rng) -> float``.
+    *given : object
+        Its arguments, and last of all, in place of the generator, the seeds.
+
+    Returns
+    -------
+    list
+        One answer for each seed.
+    """
+    *args, seeds = given
+    return [function(*map(_copied, args), np.random.default_rng(seed)) for seed in seeds]
+
+
+def _copied(value: Any) -> Any:
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 @register
@@ -22,8 +47,8 @@ _REPEATED = 20  # seeds that are drawn with twice: the same generator has to giv
 class Sampled(Comparison):
     """A function ``function(..., rng) -> float`` that draws random samples, judged by the law of its answers.
 
-    The last argument of a case says how many calls are made of it; a generator takes its place, with seeds from 0. The
-    calls are made one by one, so that all that decides happens here, not where the function runs.
+    The last argument of a case says how many calls the driver `each_seed` makes of it; a generator takes its place. The
+    seeds are drawn here and the answers judged here, so that nothing is decided where the function runs.
 
     Parameters
     ----------
@@ -34,10 +59,10 @@ class Sampled(Comparison):
     rtol: float = 0.25
 
     def calls(self, case: Case) -> Sequence[Case]:
-        """One call with each seed, and the first ones again."""
+        """The case with the seeds to call with, the first ones twice."""
         *args, repeats = case.args
-        seeds = (*range(repeats), *range(min(repeats, _REPEATED)))
-        return [Case((*args, np.random.default_rng(seed)), case.name, case.kwargs) for seed in seeds]
+        seeds = [*range(repeats), *range(min(repeats, _REPEATED))]
+        return [Case((*args, seeds), case.name, case.kwargs)]
 
     def gather(self, answers: Sequence[Any]) -> dict[str, Any]:
         """Return the law of the answers.
@@ -45,9 +70,12 @@ class Sampled(Comparison):
         Returns
         -------
         dict
-            "law": mean, standard deviation, and whether the same seeds gave the same answers again. Where an answer is
-            no number, "other" instead: what it is. No answer can look like this by itself.
+            "law": mean, standard deviation, and whether the same seeds gave the same answers again; "calls": how many
+            there were. Where an answer is no number, "other" instead: what it is. No answer can look like this by itself.
         """
+        (answers,) = answers
+        if not isinstance(answers, list) or len(answers) < 2:
+            return {"other": "no list of answers"}
         other = next((each for each in answers if not _is_number(each)), 0.0)
         if not _is_number(other):
             return {"other": "" if other is None else with_article(other)}
@@ -56,10 +84,12 @@ class Sampled(Comparison):
         drawn = numbers[: len(numbers) - again]
         same = bool((drawn[:again] == numbers[len(drawn) :]).all())
         with np.errstate(all="ignore"):
-            return {"law": (float(drawn.mean()), float(drawn.std()), same)}
+            return {"law": (float(drawn.mean()), float(drawn.std()), same), "calls": len(numbers)}
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare the law of the answers with the expected one."""
+        if "law" in got and got["calls"] != expected["calls"]:
+            return Verdict("type", f"your answers are {got['calls']}, not one for each call")
         if "law" not in got:
             if not got["other"]:
                 return Verdict("nothing", "your answer is None: a return may be missing")

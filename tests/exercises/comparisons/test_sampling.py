@@ -5,7 +5,7 @@ import pytest
 
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
-from nao_course.exercises.comparisons.sampling import Sampled
+from nao_course.exercises.comparisons.sampling import Sampled, each_seed
 from nao_course.exercises.running import Outcome, call
 
 VALUES = np.arange(100.0).reshape(10, 10)
@@ -14,7 +14,7 @@ LAW = Sampled()
 
 def law(function, n_samples=40, repeats=300):
     case = Case((VALUES, n_samples, repeats))
-    return judging.answer(LAW, lambda each: call(function, each), case).value
+    return judging.answer(LAW, lambda each: call(function, each, "each_seed"), case).value
 
 
 def sample(values, n_samples, rng):
@@ -63,14 +63,22 @@ def test_a_sample_of_one_kind_is_like_another_of_its_kind():
 
 
 def test_each_call_has_a_generator_of_its_own_and_the_first_come_again():
-    calls = LAW.calls(Case((VALUES, 40, 30)))
-    drawn = [each.args[-1].random() for each in calls]
-    assert len(calls) == 50 and drawn[30:] == drawn[:20]
+    (asked,) = LAW.calls(Case((VALUES, 40, 30)))
+    drawn = each_seed(lambda values, n_samples, rng: rng.random(), *asked.args)
+    assert len(drawn) == 50 and drawn[30:] == drawn[:20]
     assert len(set(drawn)) == 30
-    assert len(LAW.calls(Case((VALUES, 1, 3)))) == 6
+    assert len(LAW.calls(Case((VALUES, 1, 3)))[0].args[-1]) == 6
 
 
-FORGED = {"law": law(sample)["law"]}
+def test_each_call_has_a_copy_of_its_own():
+    def greedy(values, n_samples, rng):
+        values += 1
+        return float(values[0, 0])
+
+    assert each_seed(greedy, VALUES, 40, [1, 2, 3]) == [1.0, 1.0, 1.0]
+
+
+FORGED = law(sample)
 
 
 @pytest.mark.parametrize(
@@ -79,8 +87,11 @@ FORGED = {"law": law(sample)["law"]}
     ids=lambda value: type(value).__name__,
 )
 def test_no_answer_takes_the_place_of_the_law(hostile):
-    assert not LAW.compare(law(sample), LAW.gather([hostile] * 320))
-    assert not LAW.compare(law(sample), LAW.gather([1.0, hostile] * 160))
+    right = law(sample)
+    answers = [sample(VALUES, 40, np.random.default_rng(seed)) for seed in (*range(300), *range(20))]
+    assert LAW.compare(right, LAW.gather([answers]))
+    for forged in (hostile, [hostile] * 320, [1.0, hostile] * 160, answers[:-1], [*answers, 1.0], [answers]):
+        assert not LAW.compare(right, LAW.gather([forged]))
 
 
 def test_the_first_call_without_a_value_is_what_came_of_the_case():
