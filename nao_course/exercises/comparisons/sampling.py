@@ -71,7 +71,7 @@ class Sampled(Comparison):
         -------
         dict
             "law": mean, standard deviation, and whether the same seeds gave the same answers again; "calls": how many
-            there were. Where an answer is no number, "other" instead: what it is. No answer can look like this by itself.
+            there were. Where an answer is no number, "other" instead: what it is. No answer can look like this itself.
         """
         (answers,) = answers
         if not isinstance(answers, list) or len(answers) < 2:
