@@ -21,11 +21,12 @@ from nbclient import NotebookClient
 from nao_course.exercises.cells import is_solution
 from nao_course.exercises.checking import grade_public, read_public, unpack
 from nao_course.exercises.definitions import load_definitions
+from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring import build, execute, lesson_text, round_trip
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.mutation import mutate
 from nao_course.instructor.authoring.plan_checks import check_plan
-from nao_course.instructor.authoring.plans import SEEDS, hidden_cases
+from nao_course.instructor.authoring.plans import SEEDS, hidden_cases, load_solution, solutions_beside
 from tests.paths import PROJECT
 
 COURSE = load_course(PROJECT)
@@ -55,7 +56,18 @@ def executed(name):
 
 @cache
 def reference(name):
-    return load_definitions(PROJECT / "solutions" / f"{name}.ipynb")
+    return load_solution(PROJECT / "solutions" / f"{name}.ipynb")
+
+
+@pytest.fixture(autouse=True)
+def earlier_functions_are_the_references(request):
+    """In declarations, too, as while the course is built."""
+    name = request.node.callspec.params.get("name") if hasattr(request.node, "callspec") else None
+    if name is None:
+        yield
+        return
+    with resolved_by(solutions_beside(PROJECT / "solutions" / f"{name}.ipynb")):
+        yield
 
 
 def prose(notebook):

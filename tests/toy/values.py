@@ -27,10 +27,11 @@ from nao_course.sim import CameraView, Landmark
 from nao_course.slam import Motion
 from tests.toy.values import solves
 
-def exercise(name, comparison, cases):
+def exercise(name, comparison, cases, driver=""):
     wrong = [Mistake("none", lambda *_: 0.0, f"That is always zero in {name}.")]
     draw = lambda rng: cases(rng) + cases(rng)
-    return Exercise(name, 1, lambda: cases(np.random.default_rng(1)), draw, ("a", "b"), wrong, {}, comparison)
+    public = lambda: cases(np.random.default_rng(1))
+    return Exercise(name, 1, public, draw, ("a", "b"), wrong, {}, comparison, driver=driver)
 
 def poses(rng):
     return [Case(({int(i): Pose(*rng.normal(size=3)) for i in rng.permutation(40)[:3]}, Motion(rng.normal(), 3.0)))]
@@ -61,7 +62,7 @@ PLAN = LessonPlan([
     exercise("step", All((Close(rtol=10.0), Property(solves))), solvable),
     exercise("roots", Unordered(Close()), roots),
     exercise("look_up", Close(), tables),
-    exercise("draw", Sampled(), lambda rng: [Case((rng.uniform(0, 9, 30), 5, 60))]),
+    exercise("draw", Sampled(), lambda rng: [Case((rng.uniform(0, 9, 30), 5, 60))], "each_seed"),
 ])
 """
 RIGHT = {

@@ -9,6 +9,7 @@ from dataclasses import MISSING, fields
 from typing import Any
 
 from nao_course.exercises.case import Case
+from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Between
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
@@ -198,6 +199,13 @@ def _comparison_problems(comparison: Comparison, where: str) -> Iterator[str]:
             yield f"{called} must be a number, 0 or more, or a tuple of them, one a column; got {_shown(value)}"
         if (field.default is MISSING or isinstance(field.default, tuple)) and isinstance(value, str):
             yield f"{called} must be a tuple, got the text {_shown(value)}"
+    try:
+        encode(comparison)
+    except CodecError as error:
+        yield (
+            f"{where}: its comparison cannot travel with the check data ({error}): a law or a comparison of a lesson's own "
+            "stands in nao_course/lessons/NAME/, with @register before it"
+        )
 
 
 def _problems(value: Any, rules: _Rules, where: str) -> Iterator[str]:

@@ -15,6 +15,7 @@ from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import CodecError, encode
+from nao_course.exercises.comparisons.methods import Methods
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
 from nao_course.exercises.running import call_all
@@ -196,6 +197,10 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
         yield f"{name}: two mistakes are called {twice!r}"
     public = publish_exercise(number, exercise, function)
     hidden = [case for seed in SEEDS for case in hidden_cases(exercise, function, seed)]
+    if isinstance(exercise.comparison, Methods):
+        called = {method for case in (*public.cases, *hidden) for method, _ in case.expected}
+        for method in sorted(set(exercise.comparison.by) - called):
+            yield f"{name}: Methods compares {method!r}, which no case calls; they call {sorted(called)}"
     for title, alternative in exercise.alternatives.items():
         report = grade_public(public, alternative)
         if not report:

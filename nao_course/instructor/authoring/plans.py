@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dis
 import importlib.util
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -308,7 +310,7 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
         for number, exercise in enumerate(plan.exercises, start=1)
     ]
     for exercise, public in zip(plan.exercises, exercises, strict=True):
-        _refuse_undeclared(plan, exercise, public)
+        _refuse_undeclared(plan, exercise, public, reference[exercise.name])
     questions = [
         PublicQuestion(each.name, each.text, dict(each.choices), each.right) for each in plan.questions
     ]
@@ -358,15 +360,32 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
     )
 
 
-def _refuse_undeclared(plan: LessonPlan, exercise: Exercise, public: PublicExercise) -> None:
-    """Refuse an exercise that calls an earlier lesson's function which neither it nor what it uses declares."""
+def _refuse_undeclared(
+    plan: LessonPlan, exercise: Exercise, public: PublicExercise, function: Callable[..., Any]
+) -> None:
+    """Refuse an exercise that calls an earlier exercise which neither it nor what it uses declares."""
     uses = list(exercise.uses)
     for use in uses:  # it grows on the way
         if ":" not in use:
             uses += [each for each in plan[use].uses if each not in uses]
     declared = set(map(split_use, uses))
+    others = {each.name for each in plan.exercises} - {exercise.name}
+    for name in sorted(others & _global_names(function)):
+        if ("", name) not in declared:
+            raise PlanError(f"{exercise.name}: its solution uses {name}; say {name!r} in its `uses`")
     for use in sorted({each.use for each in public.earlier if split_use(each.use) not in declared}):
         raise PlanError(f"{exercise.name}: it calls {in_words(use)}; say {use!r} in its `uses`")
+
+
+def _global_names(function: Any) -> set[str]:
+    """The global names that a function, or the methods of a class, look up."""
+    if isinstance(function, type):
+        return set().union(*(_global_names(each) for each in vars(function).values()))
+    code = function if isinstance(function, CodeType) else getattr(function, "__code__", None)
+    if code is None:
+        return set()
+    found = {str(each.argval) for each in dis.get_instructions(code) if each.opname.startswith("LOAD_GLOBAL")}
+    return found.union(*(_global_names(each) for each in code.co_consts if isinstance(each, CodeType)))
 
 
 def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:

@@ -270,7 +270,9 @@ def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
         text = (
             f"It does not work with your own earlier functions; with ours it does: {_points(exercise.earned)}."
         )
-        yield Said("box", f"{text}\n{notes}", "An earlier mistake is not counted twice", "good")
+        whole = exercise.earned >= exercise.points
+        title = "An earlier mistake is not counted twice" if whole else "An earlier mistake costs a part of it"
+        yield Said("box", f"{text}\n{notes}", title, "good")
         return
     if exercise.with_reference:
         yield Said(

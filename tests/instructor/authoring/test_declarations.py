@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from nao_course.exercises import Case, Close, LessonPlan, Mistake, Points, Question, Written
+from nao_course.exercises import Case, Close, LessonPlan, Mistake, Points, Property, Question, Written
 from nao_course.instructor.authoring.declarations import declaration_problems
 from nao_course.instructor.authoring.plans import PlanError, load_plan
 
@@ -92,3 +92,8 @@ def test_all_that_is_wrong_in_a_file_is_said_at_once_with_its_name(tmp_path, pla
         "91_bad.py: PLAN: exercises must be a list of Exercise",
         "91_bad.py: PLAN: written must be a list of Written",
     ]
+
+
+def test_a_law_that_is_not_registered_is_told_with_its_exercise(plan):
+    (problem,) = said(replace(plan["clamp"], comparison=Property(lambda args, kwargs, answer: "")))
+    assert problem.startswith("clamp: its comparison cannot travel") and "@register" in problem

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nao_course.exercises import Between, Case, Exact, LessonPlan, Mistake, Points
+from nao_course.exercises import Between, Case, Close, Exact, LessonPlan, Methods, Mistake, Points, calls
 from nao_course.instructor.authoring import plan_checks, plans
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError
@@ -167,3 +167,39 @@ def test_time_that_others_take_is_not_the_solutions(plan, right):
         return max(low, min(high, x))
 
     check_plan("90_toy", LessonPlan([replace(plan["clamp"], seconds=0.05)]), {**right, "clamp": waits})
+
+
+def test_an_exercise_whose_solution_uses_another_has_to_say_so(plan):
+    def clamp(x, low, high):
+        return max(low, min(high, x))
+
+    space = {"np": np, "clamp": clamp}
+    exec("def mean_of_positive(values):\n    return clamp(0.0, 0.0, 1.0) + float(values[values > 0].mean())", space)
+    solved = {"clamp": clamp, "mean_of_positive": space["mean_of_positive"]}
+    simple = replace(plan["mean_of_positive"], public=lambda: [Case((np.array([1.5, -2.0]),))], mistakes=[])
+    with pytest.raises(PlanError, match="mean_of_positive: its solution uses clamp; say 'clamp' in its `uses`"):
+        plans.publish("90_toy", LessonPlan([plan["clamp"], simple]), solved)
+    plans.publish("90_toy", LessonPlan([plan["clamp"], replace(simple, uses=["clamp"])]), solved)
+
+
+class Counter:
+    def __init__(self):
+        self.sum = 0.0
+
+    def add(self, value):
+        self.sum += value
+
+    def total(self):
+        return self.sum
+
+
+def test_a_method_that_is_compared_is_one_that_a_case_calls(plan):
+    turns = [calls(("add", 1.5), "total")]
+    counter = replace(
+        plan["clamp"], name="Counter", public=lambda: turns, hidden=lambda rng: turns, mistakes=[], alternatives={},
+        driver="methods", comparison=Methods({"totl": Close()}), points=0,
+    )  # fmt: skip
+    with pytest.raises(PlanError, match=r"Counter: Methods compares 'totl', which no case calls.*'total'"):
+        check_plan("90_toy", LessonPlan([counter]), {"Counter": Counter})
+    right = replace(counter, comparison=Methods({"total": Close()}))
+    check_plan("90_toy", LessonPlan([right]), {"Counter": Counter})

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli, student
-from nao_course.exercises import checking
+from nao_course.exercises import Close, checking
 from nao_course.exercises.checking import Checks, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicLesson
@@ -70,10 +70,15 @@ def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_p
 
 
 def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
+    class Many(Close):
+        def calls(self, case):
+            return [case] * 60
+
     task = next(task for task in assignment.tasks if task.public.name == "draw")
+    public = replace(task.public, comparison=Many())
     clock = count()
     monkeypatch.setattr(grader_module.time, "monotonic", lambda: float(next(clock)))
     worker = SimpleNamespace(call=lambda *_: Outcome("value", 1.0))
     grader = SubmissionGrader(worker, replace(assignment, seconds=10.0), None, None, lambda: False, None)
-    assert grader.answer(task.public, task.hidden[0]).status == "timed out"
+    assert grader.answer(public, task.hidden[0]).status == "timed out"
     assert next(clock) < 20
