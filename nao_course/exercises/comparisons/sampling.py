@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,7 +39,7 @@ class Sampled(Comparison):
         seeds = (*range(repeats), *range(min(repeats, _REPEATED)))
         return [Case((*args, np.random.default_rng(seed)), case.name, case.kwargs) for seed in seeds]
 
-    def gather(self, answers: Sequence[Any]) -> dict[str, Any]:
+    def gather(self, answers: Iterable[Any]) -> dict[str, Any]:
         """Return the law of the answers.
 
         Returns
@@ -48,10 +48,16 @@ class Sampled(Comparison):
             "law": mean, standard deviation, and whether the same seeds gave the same answers again. Where an answer is
             no number, "other" instead: what it is. No answer can look like this by itself.
         """
-        other = next((each for each in answers if not _is_number(each)), 0.0)
-        if not _is_number(other):
-            return {"other": "" if other is None else with_article(other)}
-        numbers = np.array([float(each) for each in answers])
+        others: list[str] = []
+        found: list[float] = []
+        for each in answers:
+            if _is_number(each):
+                found.append(float(each))
+            else:
+                others.append("" if each is None else with_article(each))
+        if others:
+            return {"other": others[0]}
+        numbers = np.array(found)
         again = min(len(numbers) // 2, _REPEATED)
         drawn = numbers[: len(numbers) - again]
         same = bool((drawn[:again] == numbers[len(drawn) :]).all())

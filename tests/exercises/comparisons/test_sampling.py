@@ -1,5 +1,7 @@
 """A function that draws random samples is judged by the law of its answers, which come one by one."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,23 @@ FORGED = {"law": law(sample)["law"]}
 def test_no_answer_takes_the_place_of_the_law(hostile):
     assert not LAW.compare(law(sample), LAW.gather([hostile] * 320))
     assert not LAW.compare(law(sample), LAW.gather([1.0, hostile] * 160))
+
+
+def test_true_and_false_are_no_numbers():
+    assert LAW.compare(law(sample), law(lambda v, n, rng: True)).text == "your answer is a bool, not one number"
+
+
+def test_large_answers_are_not_kept_until_all_have_come():
+    tracemalloc.start()
+    outcome = judging.answer(LAW, lambda each: Outcome("value", np.zeros(2**17)), Case((VALUES, 1, 300)))
+    assert tracemalloc.get_traced_memory()[1] < 20 * 2**20  # of 300 MB
+    tracemalloc.stop()
+    assert "a ndarray, not one number" in LAW.compare(law(sample), outcome.value).text
+
+
+def test_keyword_arguments_go_to_every_call():
+    case = Case((VALUES, 300), kwargs={"scale": 2.0})
+    assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
 
 
 def test_the_first_call_without_a_value_is_what_came_of_the_case():
