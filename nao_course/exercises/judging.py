@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
@@ -11,7 +12,7 @@ from nao_course.exercises.running import Outcome
 
 
 def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) -> Outcome:
-    """Make the calls of a case, one by one, and gather what they answer.
+    """Make the calls of a case, one by one, and let the comparison gather what they answer.
 
     Parameters
     ----------
@@ -27,13 +28,27 @@ def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) 
     Outcome
         Of the first call that gave no value; else with what is compared as its value.
     """
-    outcomes: list[Outcome] = []
-    for each in comparison.calls(case):
-        outcomes.append(call(each))
-        if outcomes[-1].status != "value":
-            return outcomes[-1]
-    changed = any(outcome.changed for outcome in outcomes)
-    return replace(outcomes[0], value=comparison.gather([each.value for each in outcomes]), changed=changed)
+    last = Outcome("value")
+    changed = False
+
+    def answers() -> Iterator[Any]:
+        nonlocal last, changed
+        for each in comparison.calls(case):
+            last = call(each)
+            changed |= last.changed
+            if last.status != "value":
+                raise _NoAnswer
+            yield last.value
+
+    try:
+        gathered = comparison.gather(answers())
+    except _NoAnswer:
+        return last
+    return replace(last, value=gathered, changed=changed)
+
+
+class _NoAnswer(Exception):  # noqa: N818 - no error: a call gave no value
+    """Ends the gathering of a case's answers."""
 
 
 def judge(comparison: Comparison, case: Case, outcome: Outcome) -> Verdict | None:

@@ -53,7 +53,7 @@ def grade_folder(
             raise ValueError(
                 f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
             )
-        refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
+        _refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
         with Journal(out) as journal:
             journal.began(path)
             waiting = add_earlier(waiting, course, journal.places(), scratch)
@@ -61,6 +61,12 @@ def grade_folder(
             _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
     if summary.failed:
         raise typer.Exit(1)
+
+
+def _refuse_what_is_not_built(course: Course, names: Sequence[str]) -> None:
+    """Refuse lessons that are not what was built, and such earlier ones whose functions they use."""
+    refuse_what_is_not_built(course, names)
+    refuse_what_is_not_built(course, sorted({used for name in names for used in lessons_used(course, name)}))
 
 
 def add_earlier(
@@ -176,7 +182,7 @@ def regrade_student(
                 f"{escape(str(page))} says so."
             )
             return
-        refuse_what_is_not_built(course := load_course(), course.names([result.lesson]))
+        _refuse_what_is_not_built(course := load_course(), course.names([result.lesson]))
         journal.want_again(student, result.lesson)
         places = [each for each in journal.places() if each.exists()]
         if not places:
@@ -278,7 +284,7 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
     with Journal(grades) as journal:  # an autograder is wanted before anything was graded
         graded = sorted({each.lesson for each in journal.each_result()})
         names = wanted or course.names(graded)
-        refuse_what_is_not_built(course, names)
+        _refuse_what_is_not_built(course, names)
         for name in names:
             written = exports.write_gradescope(journal, folder, name)
             yield f"wrote {counted(len(written), 'result')} into {folder / name}"

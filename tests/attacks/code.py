@@ -574,6 +574,14 @@ class Equal:
     def __reduce__(self): return (exec, ("import os; os._exit(0)",))
 """
 ANSWERS = (
+    _frames(
+        "frame_of_keys_that_are_alike",
+        """
+        pairs = ",".join(f"[{key * (2**61 - 1)},null]" for key in range(60_000))
+        loop.say(encode(number()) + outcome('{"m":[' + pairs + ']}'))
+        time.sleep(9)
+        """,
+    ),
     _clamp("equals_everything", "answers", "return Equal()", EQUAL, says="cannot be sent"),
     _clamp(
         "array_of_a_class_of_its_own",
@@ -1656,6 +1664,12 @@ def _real(
 
 
 REAL_ONES = (
+    _real(
+        "real_large_samples",
+        "large",
+        "average_lightness",
+        "import numpy as np\ndef average_lightness(lightness, n_samples, rng):\n    return np.zeros(2**22 - 99)",
+    ),
     _real("real_loop", "loops", "white_threshold", "def white_threshold(*_):\n    while True: pass"),
     _real(
         "real_death",

@@ -10,6 +10,7 @@ from nao_course.exercises import checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.earlier import (
+    EarlierCall,
     EarlierNotUsable,
     assigned_use,
     not_usable,
@@ -117,13 +118,32 @@ def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
 
 def test_what_a_recorded_answer_is_changed_to_is_not_answered_again():
     calls = [checking.PublicExercise, np.ones(2)]
-    from nao_course.exercises.earlier import EarlierCall
-
     recorded = [EarlierCall("80:ones", ["n"], {"n": 2}, calls[1])]
     ones = stand_in("80:ones", not_usable("80:ones"))
     with watching(recorded):
         ones(2)[:] = 7
         assert ones(2).tolist() == [1.0, 1.0]
+
+
+def test_a_recorded_call_is_what_was_asked_for_and_answered_then():
+    def fill(values):
+        values[:] = 7
+        return values
+
+    inner = stand_in("80:fill", lambda: fill)
+    outer = stand_in("80:twice", lambda: lambda values: inner(inner(values)))
+    with watching(keep=True) as calls:
+        inner(np.zeros(2))[:] = 9
+        outer(np.zeros(2))
+    first, second = calls.made  # what an earlier function calls itself is none
+    assert (first.use, second.use) == ("80:fill", "80:twice")
+    assert first.given["values"].tolist() == [0, 0] and first.answer.tolist() == [7, 7]
+
+
+def test_the_recorded_answer_of_another_function_is_none():
+    double = stand_in("80:double", not_usable("80:double"))
+    with watching([EarlierCall("80:halve", ["x"], {"x": 1.5}, 0.75)]), pytest.raises(EarlierNotUsable):
+        double(1.5)
 
 
 def test_a_class_is_handed_on_itself(tmp_path):
@@ -165,6 +185,17 @@ def test_lessons_that_use_each_other_come_to_an_end(tmp_path, monkeypatch):
     pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
     assert "alone" in student.functions(pair.SECOND, tmp_path)
     assert len(loads) == 2
+
+
+def test_a_lesson_that_uses_itself_comes_to_an_end(tmp_path, monkeypatch):
+    loads, real = [], student.load_definitions
+    monkeypatch.setattr(
+        student, "load_definitions", lambda path, **more: loads.append(path) or real(path, **more)
+    )
+    itself = ("setup", "mine = earlier('80:double')")
+    toy.write(tmp_path / f"{pair.FIRST}.ipynb", itself, ("solution", "def double(x): return mine(x)"))
+    assert not student.functions(pair.FIRST, tmp_path)
+    assert len(loads) == 1
 
 
 def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):

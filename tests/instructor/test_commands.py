@@ -140,6 +140,16 @@ def test_earlier_work_comes_from_the_same_folder_or_an_earlier_run(pair_course, 
     assert scores() == {"ada": 31.0, "bob": 31.0}
 
 
+def test_an_earlier_lesson_that_is_not_what_was_built_stops_the_lesson_that_uses_it(
+    pair_course, warm, tmp_path
+):
+    pair.write(tmp_path / "in" / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND)
+    pair_course.text(pair.FIRST).write_text("# edited")
+    result = run("grade", tmp_path / "in", "--out", tmp_path / "grades")
+    assert result.exit_code == 1 and f"solutions/{pair.FIRST}.md was edited" in result.output
+    assert not (tmp_path / "grades").exists()
+
+
 def test_only_what_has_changed_is_graded_again(course, warm, handed_in, tmp_path):
     grades = tmp_path / "grades"
     run("grade", handed_in, "--out", grades)

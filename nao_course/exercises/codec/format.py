@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import struct
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +17,7 @@ DTYPES = {
     for name in ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "c8", "c16")
 }
 GENERATOR = "PCG64"  # numpy's default: its state holds nothing but plain numbers
+_MOST_ALIKE = 20  # keys of one hash in a dict: of numbers anyone can make them, and n of them take n^2 steps
 _MOST_BITS = 512  # of a whole number; a random generator's state needs 128
 
 
@@ -103,3 +106,15 @@ def as_key(key: object) -> object:
     elif not (key is None or type(key) in (bool, int, float, str)) or key != key:
         raise CodecError("a dict's keys must be texts, numbers, None, or tuples of these")
     return key
+
+
+def refuse_keys_alike(keys: Iterable[object]) -> None:
+    """Refuse keys that a dict could hold in a long time only: thousands of one hash are no accident.
+
+    Raises
+    ------
+    CodecError
+        If there are too many of one hash.
+    """
+    if max(Counter(map(hash, keys)).values(), default=0) > _MOST_ALIKE:
+        raise CodecError("a dict with keys that are made to be alike")

@@ -16,6 +16,7 @@ from nao_course.exercises.codec.format import (
     Limits,
     as_key,
     frame_lengths,
+    refuse_keys_alike,
     whole_characters,
     whole_number,
 )
@@ -122,7 +123,9 @@ class _Reader:
 
     def mapping(self, node: dict[str, Any], depth: int) -> dict[Any, Any]:
         pairs = [_pair(each) for each in _list(node["m"])]
-        values = {as_key(self.value(key, depth)): self.value(each, depth) for key, each in pairs}
+        keys = [as_key(self.value(key, depth)) for key, _ in pairs]
+        refuse_keys_alike(keys)
+        values = {key: self.value(each, depth) for key, (_, each) in zip(keys, pairs, strict=True)}
         if len(values) < len(pairs):
             raise CodecError("a dict with two keys that are equal")
         return values

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
@@ -10,10 +11,12 @@ import numpy as np
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
+from nao_course.exercises.codec.sparse import is_sparse
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
 from nao_course.exercises.comparisons.structure import as_numbers, parts_of
 from nao_course.exercises.comparisons.values import Close, most_pairs
 
+MOST_MORE = 1000  # numbers that an answer may have beside four times those of the reference's
 Law = Callable[[tuple[Any, ...], dict[str, Any], Any], str]
 
 
@@ -27,8 +30,8 @@ class Property(Comparison):
     law : callable
         ``law(args, kwargs, answer) -> str``: nothing where the answer obeys it, else what is wrong, as a public case
         tells the student; of a hidden case no word of it is told. A function of a module, with `register` before it. It
-        gets any answer at all, an array where the reference returns one and the answer is lists of numbers; where it
-        raises, the answer is of the wrong kind.
+        gets any answer that is not far larger than the reference's, an array where the reference returns one and the
+        answer is lists of numbers; where it raises, the answer is of the wrong kind.
     """
 
     law: Law
@@ -41,6 +44,8 @@ class Property(Comparison):
         """Judge an answer by the law."""
         if answer is None:
             return Verdict("nothing", "your answer is None: a return may be missing")
+        if _size(answer) > 4 * _size(case.expected) + MOST_MORE:
+            return Verdict("type", f"your answer is {with_article(answer)} with far too many numbers")
         if isinstance(case.expected, np.ndarray) and isinstance(answer, list | tuple):
             answer = as_numbers(answer, "your answer", also="c")
             if isinstance(answer, Verdict):
@@ -196,6 +201,16 @@ class Unordered(Comparison):
             part = replace(case, expected=expected)
             fits[i] = [bool(self.comparison.judge(part, each)) for each in have]
         return len(wanted) - most_pairs(fits)
+
+
+def _size(value: Any) -> int:
+    """How many numbers, texts and the like a value is made of; of a sparse matrix, zeros count, too."""
+    if isinstance(value, np.ndarray) or is_sparse(type(value)):
+        return math.prod(value.shape)
+    parts = parts_of(value)
+    if parts is None:
+        return len(value) if isinstance(value, str | bytes) else 1
+    return sum(map(_size, parts.values())) + 1
 
 
 def _members(value: Any) -> list[Any] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -63,9 +63,15 @@ class Comparison(ABC):
         """The calls to make for a case: more than itself for a function whose answers are random."""
         return (case,)
 
-    def gather(self, answers: Sequence[Any]) -> Any:
-        """What is compared: made of the answers to a case's calls, as they came."""
-        return answers[0]
+    def gather(self, answers: Iterable[Any]) -> Any:
+        """What is compared: made of the answers to a case's calls, as they come.
+
+        Take all of them, and keep of each what is compared: a stranger's answers may be large, and many.
+        """
+        first = next(iterator := iter(answers))
+        for _ in iterator:
+            pass
+        return first
 
 
 def with_article(value: Any) -> str:

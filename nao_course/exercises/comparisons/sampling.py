@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,7 +64,7 @@ class Sampled(Comparison):
         seeds = [*range(repeats), *range(min(repeats, _REPEATED))]
         return [Case((*args, seeds), case.name, case.kwargs)]
 
-    def gather(self, answers: Sequence[Any]) -> dict[str, Any]:
+    def gather(self, answers: Iterable[Any]) -> dict[str, Any]:
         """Return the law of the answers.
 
         Returns
@@ -73,13 +73,13 @@ class Sampled(Comparison):
             "law": mean, standard deviation, and whether the same seeds gave the same answers again; "calls": how many
             there were. Where an answer is no number, "other" instead: what it is. No answer can look like this itself.
         """
-        (answers,) = answers
-        if not isinstance(answers, list) or len(answers) < 2:
+        (drawn_there,) = answers
+        if not isinstance(drawn_there, list) or len(drawn_there) < 2:
             return {"other": "no list of answers"}
-        other = next((each for each in answers if not _is_number(each)), 0.0)
+        other = next((each for each in drawn_there if not _is_number(each)), 0.0)
         if not _is_number(other):
             return {"other": "" if other is None else with_article(other)}
-        numbers = np.array([float(each) for each in answers])
+        numbers = np.array([float(each) for each in drawn_there])
         again = min(len(numbers) // 2, _REPEATED)
         drawn = numbers[: len(numbers) - again]
         same = bool((drawn[:again] == numbers[len(drawn) :]).all())

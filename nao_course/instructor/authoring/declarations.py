@@ -203,8 +203,8 @@ def _comparison_problems(comparison: Comparison, where: str) -> Iterator[str]:
         encode(comparison)
     except CodecError as error:
         yield (
-            f"{where}: its comparison cannot travel with the check data ({error}): a law or a comparison of a lesson's own "
-            "stands in nao_course/lessons/NAME/, with @register before it"
+            f"{where}: its comparison cannot travel with the check data ({error}): a law or a comparison of a lesson's "
+            "own stands in nao_course/lessons/NAME/, with @register before it"
         )
 
 

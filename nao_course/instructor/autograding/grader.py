@@ -302,10 +302,10 @@ class SubmissionGrader:
     def all_exercises(self) -> tuple[ExerciseResult, ...]:
         """Grade them: public cases, hidden cases, and then those again that failed by earlier ones."""
         tasks = self.assignment.tasks
-        public = [self.outcomes(task.public, task.public.cases) for task in tasks]
+        public = [self.public(task.public) for task in tasks]
         results = {
-            task.public.name: self.result(task, outcomes)
-            for task, outcomes in zip(tasks, public, strict=True)
+            task.public.name: self.result(task, lines, last)
+            for task, (lines, last) in zip(tasks, public, strict=True)
         }
         for task in tasks:
             mine = results[task.public.name]
@@ -318,12 +318,16 @@ class SubmissionGrader:
                 results[task.public.name] = self.once_more(task, mine)
         return tuple(results.values())
 
-    def result(self, task: Task, outcomes: Sequence[Outcome]) -> ExerciseResult:
+    def public(self, exercise: PublicExercise) -> tuple[list[str], Outcome]:
+        """Run an exercise's public cases: what the check says of them, and the last outcome without its value."""
+        outcomes = list(self.outcomes(exercise, exercise.cases))
+        return self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
+
+    def result(self, task: Task, lines: Sequence[str], last: Outcome) -> ExerciseResult:
         """Grade one exercise; its public cases have been run."""
-        lines = self.explained(task.public, outcomes)
         hint = next((line for line in lines if line in task.mistakes), "")
-        hopeless = outcomes[-1].status in ("not attempted", "not found", "timed out", "died")
-        hidden = self.failure(task, outcomes[-1]) if hopeless else self.hidden(task)
+        hopeless = last.status in ("not attempted", "not found", "timed out", "died")
+        hidden = self.failure(task, last) if hopeless else self.hidden(task)
         right = hidden.state == "right"
         return ExerciseResult(
             task.public.name,
@@ -415,14 +419,13 @@ class SubmissionGrader:
         own = self.worker
         return _worker(own.notebook, self.assignment, self.server, tuple(own.helpers), earlier, instead)
 
-    def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> list[Outcome]:
-        """Call a function for each case, up to one that is the last."""
-        found: list[Outcome] = []
+    def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> Iterator[Outcome]:
+        """Call a function for each case, up to one that is the last; who asks for the next need not keep the others."""
         for case in cases:
-            found.append(self.outcome(exercise, case))
-            if found[-1].status in ("not attempted", "not found", "timed out", "died"):
+            outcome = self.outcome(exercise, case)
+            yield outcome
+            if outcome.status in ("not attempted", "not found", "timed out", "died"):
                 break
-        return found
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
         """Call a function; a time-out is tried once more in a fresh worker, while no other submission runs."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import os
 import shutil
@@ -76,10 +77,9 @@ class RequestLoop:
     def load_earlier(self, lesson: str, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
         """Load the notebook of an earlier lesson in a namespace of its own; of one that is none, nothing is found."""
         folder = Path(tempfile.mkdtemp(prefix="earlier_", dir=os.getcwd() if self.private else None))
-        with contextlib.suppress(OSError, ValueError), _captured():
+        with contextlib.suppress(OSError, ValueError), _captured(), _own_helpers(folder):
             for name, text in content[1].items():
                 (folder / name).write_bytes(text)
-                sys.path.append(str(folder))
             notebook = folder / f"{lesson}.ipynb"
             notebook.write_bytes(content[0])
             found = load_definitions(notebook, self.before(left_out), setup, self.stand_in)
@@ -201,6 +201,22 @@ def _captured() -> Iterator[TruncatedOutput]:
     text = io.TextIOWrapper(output, "utf-8", "replace", write_through=True)  # type: ignore[type-var]
     with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
         yield output
+
+
+@contextlib.contextmanager
+def _own_helpers(folder: Path) -> Iterator[None]:
+    """Let a notebook import the helper files beside it; another lesson's may have the same names."""
+    here = os.getcwd()  # where those of the lesson that is graded are
+    sys.path.insert(sys.path.index(here) if here in sys.path else len(sys.path), str(folder))
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path[:] = [*(each for each in sys.path if each != str(folder)), str(folder)]
+        for name, module in list(sys.modules.items()):
+            if str(getattr(module, "__file__", None)).startswith(f"{folder}{os.sep}"):
+                del sys.modules[name]
+        importlib.invalidate_caches()
 
 
 _FILE_EVENTS = {

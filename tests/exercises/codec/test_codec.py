@@ -382,6 +382,12 @@ def test_only_a_trusted_frame_has_modules_imported():
     assert run.stdout.split() == [b"refused", b"False", b"refused", b"True"]
 
 
+def test_not_even_a_trusted_frame_has_other_packages_imported():
+    with pytest.raises(CodecError, match="unknown type"):
+        decode(frame('{"o":"this:Nothing","v":{}}'), trusted=True)
+    assert "this" not in sys.modules
+
+
 def test_a_boolean_that_is_neither_true_nor_false_becomes_true():
     back = decode(frame('{"a":"|b1","shape":[3],"b":3}', b"\0\1\2"))
     assert back.tobytes() == b"\0\1\1"

@@ -5,6 +5,7 @@ import enum
 import json
 import subprocess
 import sys
+import time
 import tracemalloc
 from typing import NamedTuple
 
@@ -182,6 +183,35 @@ def test_two_keys_that_become_one_are_refused():
         encode({Same("a"): 1, Same("a"): 2})
 
 
+PERIOD = 2**61 - 1  # of the hash of whole numbers: all its multiples have one hash
+
+
+@pytest.mark.parametrize(
+    "key", [lambda i: i * PERIOD, lambda i: {"t": [i * PERIOD, 1]}], ids=["numbers", "tuples"]
+)
+def test_keys_that_are_made_to_be_alike_are_refused_before_a_dict_takes_minutes(key):
+    began = time.process_time()
+    with pytest.raises(CodecError, match="alike"):
+        decode(frame({"m": [[key(i), None] for i in range(30_000)]}))
+    assert time.process_time() - began < 5
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.sampled_from([1, 8, 2**20, 10**6, 0.5, 1e-3]))
+def test_many_keys_of_a_grid_are_none_of_those(step):
+    cells = {(i * step, -j * step): None for i in range(60) for j in range(60)}
+    assert decode(encode(cells)) == cells
+    row = {i * step: None for i in range(-5000, 5000)}
+    assert decode(encode(row)) == row
+
+
+def test_a_class_that_says_it_is_a_registered_one_is_not():
+    claims = {"__module__": Row.__module__, "__qualname__": Row.__qualname__}
+    impostor = type("Row", (), {**claims, "bearing": 1.0, "range": 2.0})
+    with pytest.raises(CodecError, match="type Row cannot be sent"):
+        encode(impostor())
+
+
 TYPE = f"{__name__}:Row"
 
 
@@ -338,8 +368,14 @@ FINE = ([1.0, 2.0], np.array([0, 1], "i4"), np.array([0, 1, 2], "i4"))
 )
 def test_a_frame_that_is_no_sparse_matrix_is_refused(kind, shape, given):
     nodes, body = arrays(*given)
-    with pytest.raises(CodecError):
+    with pytest.raises(CodecError, match="sparse matrix"):  # it is not scipy that has to notice
         decode(frame({"q": kind, "shape": shape, "parts": nodes}, body))
+
+
+def test_a_sparse_matrix_of_half_precision_arrives_in_single():
+    half = sparse.csr_array(np.eye(2))
+    half.data = half.data.astype(np.float16)
+    assert decode(encode(half)).dtype == np.float32
 
 
 def test_the_sparse_matrix_that_those_frames_spoil_is_one():
@@ -378,8 +414,9 @@ def test_a_sparse_matrix_of_any_parts_is_one_that_can_be_sent_on_or_refused(kind
         sparse.coo_array((10**9, 10**9)),
         sparse.dok_array((10**7, 10**7)),
         sparse.csr_array((np.broadcast_to(1.0, 10**6), np.zeros(10**6, "i4"), [0, 10**6]), shape=(1, 1)),
+        sparse.dia_array((np.broadcast_to(1.0, (1, 10**6)), [0]), shape=(10**6, 10**6)),
     ],
-    ids=["huge shape", "huge dictionary", "many entries"],
+    ids=["huge shape", "huge dictionary", "many entries", "many on a diagonal"],
 )
 def test_a_sparse_matrix_too_large_is_refused_before_it_is_copied(matrix):
     from nao_course.exercises.codec import Limits

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import sparse
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import decode, encode, register
@@ -19,6 +20,13 @@ rows = st.lists(st.tuples(numbers, numbers), max_size=6)
 @register
 @dataclass(frozen=True)
 class Line:
+    start: object
+    kind: str
+
+
+@register
+@dataclass(frozen=True)
+class OtherLine:
     start: object
     kind: str
 
@@ -50,6 +58,40 @@ def test_what_a_law_can_do_nothing_with_is_no_answer(answer, kind):
     assert Property(solves).judge(Case((np.eye(2), np.ones(2))), answer).kind == kind
 
 
+@register
+def follows(args, kwargs, answer):
+    return "" if answer > args[0] else "it is not above what went in"
+
+
+@pytest.mark.parametrize(
+    "law", [All((Property(follows),)), Each((Property(follows),)), Unordered(Property(follows))]
+)
+def test_a_law_sees_the_inputs_also_within_another_comparison(law):
+    case = Case((10.0,), expected=11.0 if isinstance(law, All) else (11.0,))
+    right, wrong = (12.0, 9.0) if isinstance(law, All) else ((12.0,), (9.0,))
+    assert law.judge(case, right)
+    assert not law.judge(case, wrong)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        np.zeros((10**5, 1)),  # compared with its transpose: 10^10 elements
+        [np.zeros((10**5, 1))],
+        {"a": "x" * 10**5},
+        sparse.coo_array((10**5, 10**5)),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_law_is_not_asked_about_an_answer_far_larger_than_the_references(answer):
+    def unasked(args, kwargs, answer):
+        raise AssertionError
+
+    case = Case((), expected=np.eye(3))
+    assert "far too many" in Property(unasked).judge(case, answer).text
+    assert Property(symmetric).judge(case, np.eye(9))
+
+
 def test_a_law_cannot_change_the_case():
     def greedy(args, kwargs, answer):
         args[0][:] = 0
@@ -67,6 +109,8 @@ def test_all_comparisons_count_and_the_first_that_fails_is_told():
     assert both.compare(wanted, np.array([[2.0, 1.0], [0.0, 3.0]])).text == "your answer is not symmetric"
     assert both.compare(wanted, np.array([[2.0, 0.0], [0.0, 3.0]])).kind == "value"
     assert both.alike(wanted, wanted) and not both.alike(wanted, 2 * wanted)
+    for law in (All((Close(mask="diagonal"), Close())), All((Close(), Close(mask="diagonal")))):
+        assert not law.alike(wanted, wanted - [[0.0, 1.0], [0.0, 0.0]])
 
 
 def test_what_a_case_brings_is_what_all_expect():
@@ -92,6 +136,7 @@ def test_values_are_named_by_key_and_field():
     assert law.compare(Line(1.0, "post"), Line(1.05, "corner")).text.startswith(".kind of your answer")
     assert not law.compare(Line(1.0, "post"), (1.0, "post"))
     assert not law.compare({"start": 1.0, "kind": "post"}, Line(1.0, "post"))
+    assert not law.compare(Line(1.0, "post"), OtherLine(1.0, "post"))
     known = Each({3: Close(atol=1.0)})
     assert known.compare({3: 1.0, 4: 1.0}, {4: 1.0, 3: 1.9})
     assert known.compare({3: 1.0, 4: 1.0}, {4: 1.9, 3: 1.0}).text.startswith("[4] of your answer")

@@ -251,6 +251,13 @@ def test_a_strangers_answers_are_compared_without_falling_over(public, got):
     assert not public.comparison.alike(case.expected, got)
 
 
+def test_answers_belong_to_their_calls_and_nothing_is_like_nothing_else():
+    expected = [("move", None), ("estimate", 1.0)]
+    assert Methods().compare(expected, expected) and Methods().alike(expected, expected)
+    for other in ([("estimate", None), ("move", 1.0)], [("move", 7), ("estimate", 1.0)]):
+        assert not Methods().compare(expected, other) and not Methods().alike(expected, other)
+
+
 def test_a_method_with_another_comparison_is_compared_with_that(public):
     whole = replace(EXERCISE.comparison, by={"observe": Exact()})
     wrong = [(name, 2.0 if name == "observe" else value) for name, value in public.cases[0].expected]

@@ -1,5 +1,6 @@
 """A function that draws random samples is judged by the law of its answers, which come one by one."""
 
+
 import numpy as np
 import pytest
 
@@ -92,6 +93,16 @@ def test_no_answer_takes_the_place_of_the_law(hostile):
     assert LAW.compare(right, LAW.gather([answers]))
     for forged in (hostile, [hostile] * 320, [1.0, hostile] * 160, answers[:-1], [*answers, 1.0], [answers]):
         assert not LAW.compare(right, LAW.gather([forged]))
+
+
+def test_true_and_false_are_no_numbers():
+    assert LAW.compare(law(sample), law(lambda v, n, rng: True)).text == "your answer is a bool, not one number"
+
+
+
+def test_keyword_arguments_go_to_every_call():
+    case = Case((VALUES, 300), kwargs={"scale": 2.0})
+    assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
 
 
 def test_the_first_call_without_a_value_is_what_came_of_the_case():

@@ -90,6 +90,24 @@ def test_only_what_a_mask_says_counts(side, n, seed):
     assert not Close(mask=side).compare(matrices[0], sparse.csr_array(wrong))
 
 
+def test_what_may_differ_is_a_fraction_of_what_counts():
+    wanted, wrong = np.zeros((4, 4), int), np.diag([1, 1, 1, 0])
+    for law in (Close, Exact):
+        assert not law(allowed=0.5, mask="diagonal").compare(wanted, wrong)
+        assert law(allowed=0.75, mask="diagonal").compare(wanted, wrong)
+
+
+def test_columns_have_no_names_where_these_do_not_fit():
+    assert "(x)" not in Close(names=("x", "y")).compare(np.zeros(3), np.ones(3)).text
+    assert "(x)" in Close(names=("x", "y")).compare(np.zeros(4), np.ones(4)).text
+
+
+def test_a_list_of_more_values_than_anyone_would_return_is_not_made_into_an_array():
+    many = [np.zeros(10**6)] * 3
+    verdict = Close().compare(np.zeros(3), many)
+    assert verdict.kind == "type" and "a list of 3000000 values; return an array" in verdict.text
+
+
 def test_a_mask_that_does_not_fit_is_an_error_of_the_declaration():
     for mask in ("middle", ((True, False),)):
         with pytest.raises(ValueError, match="mask|shape|broadcast"):
@@ -153,6 +171,7 @@ def test_duplicate_entries_of_a_sparse_matrix_are_one_sum():
     doubled = sparse.coo_array((np.array([1.0, 2.0, 5.0]), places), shape=(2, 2))
     assert Close().compare(sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]), doubled)
     assert Close(allowed=0.25).compare(sparse.csr_array([[0.0, 3.0], [4.0, 0.0]]), doubled)
+    assert Close().compare(doubled, sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]))
 
 
 @pytest.mark.parametrize(

@@ -3,14 +3,15 @@
 import hashlib
 import pickle
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding import assignment as module
-from nao_course.instructor.autograding.assignment import library_digest, prepare
-from tests.toy import chain
+from nao_course.instructor.autograding.assignment import class_source, lessons_used, library_digest, prepare
+from tests.toy import chain, pair, toy
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,34 @@ def test_an_assignment_is_another_one_when_what_it_grades_by_changes(tmp_path, a
     assert old in text
     (tmp_path / file).write_text(text.replace(old, new))
     assert prepare(load_course(tmp_path), "90", chain.SECRET).hash != assignment.hash
+
+
+@pytest.mark.parametrize(
+    ("folder", "old", "new"),
+    [("solutions", "return 2 * x", "return x + x"), ("notebooks", "import numpy as np", "import numpy as np, math")],
+)
+def test_an_assignment_is_another_one_when_an_earlier_lesson_that_it_uses_changes(tmp_path, folder, old, new):
+    course = pair.make_course(tmp_path)
+    before = prepare(course, "81", pair.SECRET).hash
+    path = course.root / folder / f"{pair.FIRST}.ipynb"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert prepare(course, "81", pair.SECRET).hash != before
+
+
+def test_what_an_earlier_lesson_uses_is_used_too():
+    uses = {"01_a": (), "02_b": ("01:a",), "03_c": ("b", "02:b"), "04_d": ()}
+    plans = {name: SimpleNamespace(exercises=[SimpleNamespace(uses=each)]) for name, each in uses.items()}
+    course = SimpleNamespace(names=lambda: list(plans), plan=plans.__getitem__)
+    assert lessons_used(course, "03_c") == ["01_a", "02_b"]
+    assert lessons_used(course, "04_d") == []
+
+
+def test_the_source_of_a_class_is_that_of_a_solutions_cell(tmp_path):
+    path = toy.write(tmp_path / "x.ipynb", ("student", "class A: pass"), ("solution", "class A:\n    x = 1"))
+    assert class_source(path, "A") == "class A:\n    x = 1"
+    assert class_source(path, "B") == ""
 
 
 def test_neither_the_secret_nor_a_seed_stands_in_an_assignment(assignment):

@@ -53,7 +53,7 @@ def test_a_line_is_told_where_it_stands_in_the_submission_as_a_whole(files, line
 @pytest.mark.parametrize(
     ("expected", "got", "said"),
     [
-        (np.zeros((2, 3)), np.zeros((2, 4)), "another size along axis 1"),
+        (np.zeros((2, 3)), np.zeros((2, 4)), "the wrong shape: another size along axis 1."),
         (np.zeros((2, 3)), np.zeros(7), "1 dimensions where 2 are wanted"),
         (np.zeros(3), None, "It returns None"),
         (np.zeros(3), np.full(3, np.nan), "NaN"),

@@ -1,13 +1,21 @@
 """An earlier exercise that is missing or wrong costs its own points, and the page says what was run instead."""
 
 import json
+from contextlib import ExitStack
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from nao_course.exercises.case import Case
+from nao_course.exercises.running import Outcome
+from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import grade, submission_hash
+from nao_course.instructor.autograding.lending import References
 from nao_course.instructor.collecting.submissions import Submission, with_earlier
+from nao_course.instructor.sandbox.protocol import EarlierNotebook
+from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import pair
 
 AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine
@@ -160,6 +168,95 @@ def test_the_set_up_cell_that_counts_is_the_releases(marked, assignment):
         assert earned(marked())["quadruple"] == 1
     finally:
         pair.SETUP[pair.SECOND] = whole
+
+
+@pytest.mark.parametrize("warm", [True, False])
+def test_helper_files_of_two_lessons_may_have_one_name(assignment, warm_server, tmp_path, warm):
+    first = {"double": "from mine import twice\ndef double(x):\n    return twice(x)"}
+    second = {"alone": "from mine import after\ndef alone(x):\n    return after(x)"}
+    helpers = {pair.FIRST: "def twice(x): return 2 * x", pair.SECOND: "def after(x): return x + 1"}
+    made = {}
+    for lesson, functions in ((pair.FIRST, first), (pair.SECOND, second)):
+        path = pair.write(tmp_path / lesson / f"{lesson}.ipynb", lesson, functions)
+        path.with_name("mine.py").write_text(helpers[lesson])
+        made[lesson] = Submission("ada", lesson, path, (("mine.py", path.with_name("mine.py")),))
+    submission = replace(made[pair.SECOND], earlier=(made[pair.FIRST],))
+    result = grade(submission, assignment, warm_server if warm else None)
+    assert earned(result) == ALL, [(each.name, each.text, each.line) for each in result.exercises]
+
+
+def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(assignment):
+    with ExitStack() as stack:
+        references = References(assignment, None, stack, 5.0)
+        outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
+        references.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
+        assert references.lent("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
+
+
+def test_the_reference_of_each_lesson_has_those_before_it(assignment):
+    first = assignment.earlier[0]
+    third = replace(assignment, lesson="82_third", earlier=(first, replace(first, lesson=pair.SECOND)))
+    with ExitStack() as stack:
+        references = References(third, None, stack, 5.0)
+        of = {
+            number: [each.lesson for each in references.worker(number).earlier] for number in ("80", "81", "")
+        }
+    assert of == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
+
+
+def second_of(folder, functions=None):
+    return Submission("ada", pair.SECOND, pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND, functions))
+
+
+def test_a_lent_function_has_the_time_of_the_exercise_that_calls_it(
+    assignment, warm_server, tmp_path, monkeypatch
+):
+    given = set()
+
+    class Noted(References):
+        def __init__(self, *args):
+            given.add(args[-1])
+            super().__init__(*args)
+
+    monkeypatch.setattr(grader_module, "References", Noted)
+    tasks = [replace(task, public=replace(task.public, seconds=2 * AMPLE)) for task in assignment.tasks]
+    grade(second_of(tmp_path), replace(assignment, tasks=tuple(tasks)), warm_server)
+    assert given == {2 * AMPLE}
+
+
+def test_what_is_lent_is_lent_until_it_is_not(tmp_path):
+    first = pair.write(tmp_path / "a.ipynb", pair.FIRST)
+    own = EarlierNotebook(pair.FIRST, first.read_bytes(), setup=pair.SETUP[pair.FIRST])
+    with Worker(
+        second_of(tmp_path).path, setup=pair.SETUP[pair.SECOND], earlier=[own], seconds=AMPLE
+    ) as worker:
+        worker.lend({"80:double": lambda args, kwargs: Outcome("value", 100.0)})
+        assert worker.call("quadruple", Case((1.0,))).value == 100.0
+        worker.lend({})
+        assert worker.call("quadruple", Case((1.0,))).value == 4.0
+
+
+def test_what_the_second_run_does_counts_like_the_first(assignment, warm_server, tmp_path, monkeypatch):
+    deaths, real = [], grader_module._grade
+
+    def noted(*args):
+        result, died = real(*args)
+        deaths.append(died)
+        return result, died
+
+    monkeypatch.setattr(grader_module, "_grade", noted)
+    ends = "import os\ndef walk(x):\n    if Walker:\n        open('/etc/of_the_second_run')"
+    functions = {
+        "Walker": "Walker = None",
+        "walk": ends.replace("open(", "try: open(") + "\n        except OSError: os._exit(3)",
+    }
+    result = grade(second_of(tmp_path, functions), assignment, warm_server)
+    assert of(result, "walk").state == "died" and deaths == [deaths[0]] * 2 and deaths[0] > 0
+    assert warm_server.forks is False or "of_the_second_run" in " ".join(result.notes)
+    deaths.clear()
+    monkeypatch.setattr(References, "deaths", 1)  # ended by somebody outside
+    grade(second_of(tmp_path), assignment, warm_server)
+    assert deaths[0] == 4  # of the four exercises that were run again
 
 
 def test_a_submission_has_changed_when_its_earlier_work_has(tmp_path):

@@ -1,10 +1,12 @@
 """What a lesson hands over is judged alike by `check`, in the terminal, by `student.functions` and in grading."""
 
 import pickle
+import tracemalloc
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -17,7 +19,8 @@ from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
-from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.autograding.lock import ReadWriteLock
+from nao_course.instructor.collecting.submissions import Files, Submission
 from tests.toy import values
 
 AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine
@@ -82,3 +85,18 @@ def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
     grader = SubmissionGrader(worker, replace(assignment, seconds=10.0), None, None, lambda: False, None)
     assert grader.answer(public, task.hidden[0]).status == "timed out"
     assert next(clock) < 20
+
+
+def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
+    task = next(task for task in assignment.tasks if task.public.name == "move")
+    many = replace(
+        task, hidden=task.hidden[:1] * 40, public=replace(task.public, cases=task.public.cases[:1] * 4)
+    )
+    worker = SimpleNamespace(call=lambda *_: Outcome("value", np.zeros(2**18)))
+    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, ReadWriteLock())
+    tracemalloc.start()
+    assert grader.hidden(many).state == "wrong"
+    lines, last = grader.public(many.public)
+    assert tracemalloc.get_traced_memory()[1] < 15 * 2**20  # of 80 MB
+    tracemalloc.stop()
+    assert "Wrong kind" in lines[0] and last.value is None
