@@ -90,6 +90,10 @@ class EarlierFunction:
         """The function's name."""
         return split_use(self.use)[1]
 
+    def __mro_entries__(self, bases: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Say why there is no class to derive one from."""
+        return (self.find(),)
+
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Call it; where it is not usable, a check may have recorded what it would answer."""
         calls = _CALLS.get()

@@ -77,7 +77,7 @@ class Exercise:
         Lines of the solution's mutants that are right, just written in another way, each with the reason. `nao-course
         mutate` counts these mutants apart, and runs them on more hidden cases than the others.
     seconds : float
-        Wall clock that the grader gives one call. The solution must stay below a third of it.
+        Wall clock that the grader gives one case, all its calls together. The solution must stay below a third of it.
     """
 
     name: str

@@ -151,6 +151,14 @@ def test_a_class_is_handed_on_itself(tmp_path):
     assert isinstance(found.namespace["Counter"], type) and found["tally"](2.0) == 3.0
 
 
+def test_why_a_class_cannot_be_derived_from_one_that_is_not_usable_is_said():
+    counter = stand_in("80:Counter", not_usable("80:Counter", "why."))
+    with pytest.raises(EarlierNotUsable, match="Counter of your lesson 80 is not usable yet: why"):
+
+        class Heir(counter):
+            pass
+
+
 def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_path, capsys):
     pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass"})
     double = student.earlier("80:double", tmp_path)
