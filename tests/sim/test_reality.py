@@ -68,5 +68,5 @@ def test_every_strength_is_a_float_whatever_it_was_given_as():
 
 def test_a_robot_that_shakes_as_much_as_is_allowed_takes_pictures():
     nao = SimulatedNao(rng=0, reality=replace(Reality.clean(), motion=5.0))
-    for _ in range(200):
+    for _ in range(60):
         nao.take_picture(size=(16, 12), walking=True)

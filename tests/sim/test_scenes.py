@@ -59,6 +59,7 @@ def test_the_robot_does_not_know_how_its_body_leaned(sets):
     assert all(s.view.size == s.truth.view.size == (320, 240) for s in sets["tune"])
 
 
+@pytest.mark.slow
 def test_places_depend_neither_on_size_nor_on_how_real_the_picture_is(sets):
     for other in (standard_scenes("tune", SMALL), standard_scenes("tune", SMALL, Reality.clean())):
         assert [s.truth.pose for s in other] == [s.truth.pose for s in sets["tune"]]

@@ -48,7 +48,13 @@ def hand_in(folder, functions=None):
     return path
 
 
-@pytest.mark.parametrize(("functions", "right"), [({}, True), (values.WRONG, False)], ids=["right", "wrong"])
+@pytest.mark.parametrize(
+    ("functions", "right"),
+    [
+        pytest.param({}, True, id="right"),
+        pytest.param(values.WRONG, False, id="wrong", marks=pytest.mark.slow),
+    ],
+)
 def test_the_grader_judges_values_of_every_kind(assignment, warm_server, tmp_path, functions, right):
     submission = Submission("ada", values.LESSON, hand_in(tmp_path, functions), (), file="ada/x.ipynb")
     result = grade(submission, assignment, warm_server, "full")
