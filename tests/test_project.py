@@ -186,7 +186,10 @@ def test_the_wheel_and_the_source_archive_hold_the_library_and_no_solutions(tmp_
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.split("/")[0] for name in names}
     assert "nao_course/geometry.py" in names
-    assert {top for top in tops if not top.endswith(".dist-info")} == {"nao_course"}
+    assert {top for top in tops if not top.endswith((".dist-info", ".data"))} == {"nao_course"}
+    beside = {"share/jupyter/lab/settings/overrides.d", "etc/jupyter/labconfig/page_config.d"}  # JupyterLab's settings
+    data = {name.split(".data/data/")[1] for name in names if ".data/" in name}
+    assert data == {f"{each}/nao_course.json" for each in beside}
     listed = subprocess.run(
         [sys.executable, "-m", "tarfile", "-l", str(archive)], check=True, capture_output=True, text=True
     ).stdout.split()
