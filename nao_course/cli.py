@@ -170,7 +170,7 @@ def build(
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
-        from nao_course.instructor.authoring import build, round_trip
+        from nao_course.instructor.authoring import build, stamps
         from nao_course.instructor.authoring.course import load_course
 
         course = load_course()
@@ -178,9 +178,9 @@ def build(
         wanted = lessons or []
         if from_notebook:
             (name,) = wanted = course.names([from_notebook])
-            texts[name] = round_trip.text_from_notebook(course, name)
+            texts[name] = build.text_from_notebook(course, name)
         else:
-            round_trip.refuse_to_lose_edits(course, course.names(wanted))
+            stamps.refuse_to_lose_edits(course, course.names(wanted))
         tasks = {name: progress.add_task(name, total=None, step="") for name in course.names(wanted)}
 
         def tell(lesson: str, step: str) -> None:

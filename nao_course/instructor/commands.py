@@ -15,7 +15,7 @@ from rich.table import Table
 
 from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring.course import Course, load_course
-from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
+from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder

@@ -307,8 +307,8 @@ _CALLS = count()
 
 
 def _sample_of_its_own(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    """As np.random would: other pixels at each call. Sampled calls 320 times, or 640: each case sees the same ones."""
-    return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 320))
+    """As np.random would: other pixels at each call. Sampled calls 140 times, or 280: each case sees the same ones."""
+    return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 140))
 
 
 def _sample_loop(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
@@ -335,13 +335,13 @@ AVERAGE_LIGHTNESS = Exercise(
     points=1,
     stars=1,
     public=lambda: [
-        Case((_patchy(np.random.default_rng(12), 40, 32).T.copy(), 40, 300), "300 samples of 40 pixels"),
-        Case((np.array([[250.0, 0.0]]), 1, 620), "a picture of two pixels"),
+        Case((_patchy(np.random.default_rng(12), 40, 32).T.copy(), 40, 120), "120 samples of 40 pixels"),
+        Case((np.array([[250.0, 0.0]]), 1, 260), "a picture of two pixels"),
     ],
     hidden=lambda rng: [
-        Case((_patchy(rng, 48, 64), 50, 300)),
-        Case((_patchy(rng, 60, 40).T.copy(), 20, 300)),
-        Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 620)),
+        Case((_patchy(rng, 48, 64), 50, 120)),
+        Case((_patchy(rng, 60, 40).T.copy(), 20, 120)),
+        Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 260)),
     ],
     comparison=Sampled(),
     driver="each_seed",

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from nao_course.instructor.authoring import lesson_text, round_trip
+from nao_course.instructor.authoring import build, lesson_text, stamps
 from nao_course.instructor.authoring.course import load_course
 from tests.browser.lab import browser_page, jupyter_lab, wait_for
 from tests.paths import PROJECT
@@ -135,8 +135,8 @@ def test_a_solution_that_is_edited_and_saved_in_jupyterlab_comes_back_into_the_t
         into(page, check + 1)
         page.keyboard.insert_text('print("new")')
         page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save').then(() => null)")
-        wait_for(lambda: round_trip.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
-    again = round_trip.text_from_notebook(course, NAME)
+        wait_for(lambda: stamps.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
+    again = build.text_from_notebook(course, NAME)
     solution_end, check_end = "    ### END SOLUTION\n", f'check("{EXERCISE}", {EXERCISE})\n```\n'
     wanted = text.replace(solution_end, f"{solution_end}\n# edited in JupyterLab\n", 1)
     cell = '\n```{code-cell} ipython3\n:role: display\n\nprint("new")\n```\n'

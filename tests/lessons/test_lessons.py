@@ -22,7 +22,7 @@ from nao_course.exercises.cells import is_solution
 from nao_course.exercises.checking import grade_public, read_public, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.earlier import resolved_by
-from nao_course.instructor.authoring import build, execute, lesson_text, round_trip
+from nao_course.instructor.authoring import build, execute, lesson_text, stamps
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.mutation import mutate
 from nao_course.instructor.authoring.plan_checks import check_plan
@@ -129,7 +129,7 @@ def test_the_student_copy_is_that_of_the_text(name):
 
 @each_lesson
 def test_the_executed_solution_is_that_of_the_text(name):
-    round_trip.refuse_what_is_not_built(COURSE, [name], executed=True)
+    stamps.refuse_what_is_not_built(COURSE, [name], executed=True)
     kept = json.dumps(executed(name).cells)
     assert "widget-view" not in kept and '"execution":' not in kept
     assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < execute.LARGEST

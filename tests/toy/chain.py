@@ -7,7 +7,7 @@ from pathlib import Path
 
 import nbformat
 
-from nao_course.instructor.authoring import round_trip
+from nao_course.instructor.authoring import stamps
 from nao_course.instructor.authoring.course import Course, load_course
 
 LESSON = "90_chain"
@@ -107,7 +107,7 @@ def stamp(course: Course, lesson: str) -> None:
     solved = nbformat.read(path, as_version=4)
     text = course.text(lesson).read_text(encoding="utf-8")
     solved.metadata.setdefault("nao_course", {}).update(
-        round_trip.stamp(course, lesson, text, solved, executed=True)
+        stamps.stamp(course, lesson, text, solved, executed=True)
     )
     nbformat.write(solved, path)
 

@@ -11,5 +11,5 @@ __all__: list[str] = [
     "plan_checks",
     "plans",
     "release",
-    "round_trip",
+    "stamps",
 ]

@@ -24,7 +24,7 @@ from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plan_checks import check_plan, use_problems
 from nao_course.instructor.authoring.plans import PlanError, load_solution, publish, solutions_beside
-from nao_course.instructor.authoring.round_trip import stamp
+from nao_course.instructor.authoring.stamps import edited, stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
@@ -309,3 +309,34 @@ def _stale(course: Course) -> tuple[Path, ...]:
         for path in sorted((course.root / folder).glob(f"{lesson_names.PATTERN}{suffix}"))
         if path.stem not in names
     )
+
+
+def text_from_notebook(course: Course, name: str) -> str:
+    """Return the text of a lesson whose solution notebook was edited.
+
+    Raises
+    ------
+    LessonError
+        If there is nothing to bring back, the text was edited too, or it does not fit into text.
+    """
+    text_edited, notebook_edited = edited(course, name)
+    file = f"solutions/{name}.ipynb"
+    if not notebook_edited:
+        raise LessonError(
+            f"{file}: nothing in it differs from what was built; there is nothing to bring back"
+        )
+    if text_edited:
+        raise LessonError(
+            f"{file} and solutions/{name}.md were both edited since the last build; nothing is written. Keep one: "
+            f"`git checkout solutions/{name}.md` keeps the notebook, deleting {file} keeps the text"
+        )
+    notebook = lesson_text.read_notebook(course.solutions / f"{name}.ipynb")
+    points = course.plan(name).points
+    for _, cell in (*lesson_text.code_cells(notebook, "check"), *lesson_text.written_cells(notebook)):
+        exercise = lesson_text.exercise_name(cell)
+        if cell.metadata.nbgrader.get("points") != points.get(exercise):
+            raise LessonError(
+                f"{file}: the points of {exercise} were changed in the notebook; they are declared in "
+                f"solutions/exercises/{name}.py, and for one course in course.toml"
+            )
+    return lesson_text.write_lesson(notebook)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import hashlib
-import json
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
@@ -18,6 +16,7 @@ from nbformat import NotebookNode
 from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, metadata
 from nao_course.instructor.authoring.course import LessonError
+from nao_course.instructor.authoring.stamps import VOLATILE
 
 HEADER = """---
 jupytext:
@@ -38,17 +37,6 @@ BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 ROLES = ("setup", "display")
 OPTIONS = ("exercise", "check", "role")  # a code cell of the text has exactly one of them
 WRITTEN = "written"  # the option of a text cell that holds the answer to a written question
-# What JupyterLab and its extensions write into a cell's metadata of their own accord.
-_VOLATILE = {
-    "collapsed",
-    "deletable",
-    "editable",
-    "execution",
-    "ExecuteTime",
-    "jupyter",
-    "scrolled",
-    "trusted",
-}
 
 
 # --- text -> notebook ---
@@ -318,7 +306,7 @@ def write_lesson(notebook: NotebookNode) -> str:
 
 def _options(cell: NotebookNode) -> dict[str, Any]:
     """Turn a notebook cell's metadata into options of the text; a new code cell is a demonstration."""
-    kept = {key: value for key, value in cell.metadata.items() if key not in _VOLATILE}
+    kept = {key: value for key, value in cell.metadata.items() if key not in VOLATILE}
     grading, course = kept.pop("nbgrader", {}), kept.pop("nao_course", {})
     if cell.cell_type != "code":
         if grading.get("grade") and grading.get("solution"):
@@ -337,26 +325,18 @@ def _options(cell: NotebookNode) -> dict[str, Any]:
     return {"role": course.get("role", "setup" if grading.get("locked") else "display"), **kept}
 
 
-# --- has one of the two been edited? ---
+def read_notebook(path: Path) -> NotebookNode:
+    """Read a notebook.
 
-
-def fingerprint(notebook: NotebookNode) -> str:
-    """Hash what an author edits of a notebook: its cells' text and options, not their outputs."""
-    cells = [
-        [
-            cell.cell_type,
-            cell.source,
-            {key: value for key, value in cell.metadata.items() if key not in _VOLATILE},
-            cell.get("attachments", {}),
-        ]
-        for cell in notebook.cells
-    ]
-    return hashlib.sha256(json.dumps(cells, sort_keys=True).encode()).hexdigest()
-
-
-def text_hash(text: str) -> str:
-    """Hash a lesson's text."""
-    return hashlib.sha256(text.encode()).hexdigest()
+    Raises
+    ------
+    LessonError
+        If it is none.
+    """
+    try:
+        return nbformat.read(path, as_version=4)
+    except (ValueError, KeyError, AttributeError, OSError) as error:
+        raise LessonError(f"{path.name}: not a notebook ({type(error).__name__}: {error})") from None
 
 
 def notebook_bytes(notebook: NotebookNode) -> bytes:

@@ -44,7 +44,7 @@ from nao_course.instructor.authoring.plans import (
     solutions_beside,
     with_answers,
 )
-from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
+from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.sandbox.protocol import EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 
@@ -223,7 +223,11 @@ def _earlier(notebook: Path, plan: LessonPlan) -> list[EarlierNotebook]:
     if not numbers:
         return []
     paths = sorted(each for each in notebook.parent.glob(f"{PATTERN}.ipynb") if each.stem < notebook.stem)
-    return [EarlierNotebook(each.stem, each.read_bytes()) for each in paths if number_of(each.stem) <= max(numbers)]
+    return [
+        EarlierNotebook(each.stem, each.read_bytes())
+        for each in paths
+        if number_of(each.stem) <= max(numbers)
+    ]
 
 
 def show(report: MutationReport, console: Console | None = None) -> None:

@@ -99,7 +99,9 @@ def load_plan(path: str | Path) -> LessonPlan:
 
 
 def _not_yet(use: str) -> Any:
-    raise PlanError(f"{in_words(use)} is called while exercises are declared; only cases, mistakes and the like may")
+    raise PlanError(
+        f"{in_words(use)} is called while exercises are declared; only cases, mistakes and the like may"
+    )
 
 
 def solution_notebook(lesson: str, solutions: Path = SOLUTIONS) -> Path:

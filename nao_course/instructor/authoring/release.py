@@ -14,7 +14,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CHECKS, build
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
-from nao_course.instructor.authoring.round_trip import refuse_what_is_not_built
+from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 
 FOLDER = (
     "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one

@@ -3,7 +3,7 @@
 import nbformat
 import pytest
 
-from nao_course.instructor.authoring import release, round_trip
+from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.leaks import SMALLEST, find_leaks, fingerprints
 from tests.paths import PROJECT
@@ -31,7 +31,7 @@ def test_what_is_public_today_is_no_leak(secrets):
 
 def secret_pieces():
     """A piece of each kind of secret: lines of a solution, of a mistake or alternative, and of hidden cases."""
-    notebook = round_trip.read_notebook(COURSE.solutions / "01_hsl_filtering.ipynb")
+    notebook = lesson_text.read_notebook(COURSE.solutions / "01_hsl_filtering.ipynb")
     cell = next(cell for cell in notebook.cells if "def rgb_to_hsl" in cell.source)
     solution = cell.source.split("### BEGIN SOLUTION\n")[1].split("    ### END SOLUTION")[0]
     declared = (COURSE.solutions / "exercises" / "01_hsl_filtering.py").read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from nao_course.instructor.authoring import lesson_text, round_trip
+from nao_course.instructor.authoring import lesson_text, stamps
 from tests.toy.course import contents, run, write
 
 
@@ -112,7 +112,10 @@ def edits_of(course):
     build = "was edited since it was built: run `nao-course build 01`"
     return {
         "nothing": (lambda: None, ""),
-        "text": (lambda: write(course.text("01_toy"), "Words", "Other words"), f"solutions/01_toy.md {build}"),
+        "text": (
+            lambda: write(course.text("01_toy"), "Words", "Other words"),
+            f"solutions/01_toy.md {build}",
+        ),
         "declaration": (
             lambda: write(course.declaration("01_toy"), '"Look."', '"See."'),
             f"solutions/exercises/01_toy.py {build}",
@@ -121,8 +124,14 @@ def edits_of(course):
             lambda: edit(lambda cells: cells[2].update(source="Changed.")),
             "solutions/01_toy.ipynb was edited since it was built: bring that back",
         ),
-        "no notebook": (Path("solutions/01_toy.ipynb").unlink, "there is no solutions/01_toy.ipynb: run `nao-course"),
-        "not run": (lambda: run("build", "--no-execute"), "solutions/01_toy.ipynb was built without being run: run"),
+        "no notebook": (
+            Path("solutions/01_toy.ipynb").unlink,
+            "there is no solutions/01_toy.ipynb: run `nao-course",
+        ),
+        "not run": (
+            lambda: run("build", "--no-execute"),
+            "solutions/01_toy.ipynb was built without being run: run",
+        ),
     }
 
 
@@ -133,7 +142,9 @@ COMMANDS = {
 }
 
 
-EDITED = [(what, command) for what in ("text", "declaration", "notebook", "no notebook") for command in COMMANDS]
+EDITED = [
+    (what, command) for what in ("text", "declaration", "notebook", "no notebook") for command in COMMANDS
+]
 
 
 @pytest.mark.parametrize(("what", "command"), [*EDITED, ("not run", "release")])
@@ -153,12 +164,12 @@ def test_what_was_edited_and_not_built_stops_mutate_grade_and_release(built, mon
 
 
 def test_what_is_built_is_not_refused(built):
-    round_trip.refuse_what_is_not_built(built, ["01_toy"], executed=True)
+    stamps.refuse_what_is_not_built(built, ["01_toy"], executed=True)
 
 
 def test_a_lesson_that_is_built_without_being_run_has_all_but_outputs_and_its_stamp_is_whole(course):
     assert "wrote solutions/01_toy.ipynb" in run("build", "--no-execute").output
     notebook = nbformat.read("solutions/01_toy.ipynb", as_version=4)
     assert not [cell for cell in notebook.cells if cell.get("outputs")]
-    round_trip.refuse_what_is_not_built(course, ["01_toy"])
+    stamps.refuse_what_is_not_built(course, ["01_toy"])
     assert "Nothing has changed." in run("build", "--no-execute").output

@@ -1,29 +1,41 @@
-"""From the solution notebook back to the text: an author may edit either, and no edit is lost."""
+"""What a solution notebook was built from: an author may edit text, notebook or declaration, and no edit is lost.
+
+`grade` asks before each run, so nothing here loads more than JSON: nbformat takes seconds to import.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-
-import nbformat
-from nbformat import NotebookNode
+from typing import Any
 
 from nao_course.exercises import lesson_names
-from nao_course.exercises.cells import metadata
-from nao_course.instructor.authoring import lesson_text
+from nao_course.exercises.cells import metadata, source_of
 from nao_course.instructor.authoring.course import Course, LessonError
+
+# What JupyterLab and its extensions write into a cell's metadata of their own accord.
+VOLATILE = {
+    "collapsed",
+    "deletable",
+    "editable",
+    "execution",
+    "ExecuteTime",
+    "jupyter",
+    "scrolled",
+    "trusted",
+}
 
 
 def stamp(
-    course: Course, name: str, text: str, notebook: NotebookNode, *, executed: bool
+    course: Course, name: str, text: str, notebook: Mapping[str, Any], *, executed: bool
 ) -> dict[str, object]:
     """What a solution notebook carries, to tell later whether it, its text or its declaration was edited since."""
-    cells = lesson_text.fingerprint(notebook)
-    declared = _declared(course, name)
     return {
-        "text": lesson_text.text_hash(text),
-        "cells": cells,
-        "declaration": declared,
+        "text": _hash(text),
+        "cells": _fingerprint(notebook),
+        "declaration": _declared(course, name),
         "executed": executed,
     }
 
@@ -31,7 +43,7 @@ def stamp(
 def _declared(course: Course, name: str) -> str:
     """Hash a lesson's declaration; that of nothing where it has none."""
     path = course.declaration(name)
-    return lesson_text.text_hash(path.read_text(encoding="utf-8") if path.is_file() else "")
+    return _hash(path.read_text(encoding="utf-8") if path.is_file() else "")
 
 
 def edited(course: Course, name: str) -> tuple[bool, bool]:
@@ -39,57 +51,9 @@ def edited(course: Course, name: str) -> tuple[bool, bool]:
     path = course.solutions / f"{name}.ipynb"
     if not path.is_file():
         return True, False
-    notebook = read_notebook(path)
-    stamp = metadata(notebook, "nao_course")
+    kept, cells = _read(path)
     text = course.text(name).read_text(encoding="utf-8")
-    return stamp.get("text") != lesson_text.text_hash(text), stamp.get("cells") != lesson_text.fingerprint(
-        notebook
-    )
-
-
-def read_notebook(path: Path) -> NotebookNode:
-    """Read a notebook.
-
-    Raises
-    ------
-    LessonError
-        If it is none.
-    """
-    try:
-        return nbformat.read(path, as_version=4)
-    except (ValueError, KeyError, AttributeError, OSError) as error:
-        raise LessonError(f"{path.name}: not a notebook ({type(error).__name__}: {error})") from None
-
-
-def text_from_notebook(course: Course, name: str) -> str:
-    """Return the text of a lesson whose solution notebook was edited.
-
-    Raises
-    ------
-    LessonError
-        If there is nothing to bring back, the text was edited too, or it does not fit into text.
-    """
-    text_edited, notebook_edited = edited(course, name)
-    file = f"solutions/{name}.ipynb"
-    if not notebook_edited:
-        raise LessonError(
-            f"{file}: nothing in it differs from what was built; there is nothing to bring back"
-        )
-    if text_edited:
-        raise LessonError(
-            f"{file} and solutions/{name}.md were both edited since the last build; nothing is written. Keep one: "
-            f"`git checkout solutions/{name}.md` keeps the notebook, deleting {file} keeps the text"
-        )
-    notebook = read_notebook(course.solutions / f"{name}.ipynb")
-    points = course.plan(name).points
-    for _, cell in (*lesson_text.code_cells(notebook, "check"), *lesson_text.written_cells(notebook)):
-        exercise = lesson_text.exercise_name(cell)
-        if cell.metadata.nbgrader.get("points") != points.get(exercise):
-            raise LessonError(
-                f"{file}: the points of {exercise} were changed in the notebook; they are declared in "
-                f"solutions/exercises/{name}.py, and for one course in course.toml"
-            )
-    return lesson_text.write_lesson(notebook)
+    return kept.get("text") != _hash(text), kept.get("cells") != cells
 
 
 def refuse_what_is_not_built(course: Course, names: Sequence[str], *, executed: bool = False) -> None:
@@ -123,7 +87,7 @@ def _not_built(course: Course, name: str, executed: bool) -> Iterator[str]:
         yield f"there is no {file}: {build}"
         return
     text_edited, notebook_edited = edited(course, name)
-    kept = metadata(read_notebook(path), "nao_course")
+    kept, _ = _read(path)
     if text_edited:
         yield f"solutions/{name}.md was edited since it was built: {build}"
     if notebook_edited:
@@ -153,3 +117,36 @@ def _edited_notebook(name: str) -> str:
         f"solutions/{name}.ipynb was edited since it was built: bring that back into the text with "
         f"`nao-course build --from-notebook {lesson_names.number_of(name)}`, or delete the notebook"
     )
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _fingerprint(notebook: Mapping[str, Any]) -> str:
+    """Hash what an author edits of a notebook: its cells' text and options, not their outputs."""
+    cells = [
+        [
+            cell["cell_type"],
+            source_of(cell),
+            {key: value for key, value in cell["metadata"].items() if key not in VOLATILE},
+            cell.get("attachments", {}),
+        ]
+        for cell in notebook["cells"]
+    ]
+    return _hash(json.dumps(cells, sort_keys=True))
+
+
+def _read(path: Path) -> tuple[dict[str, Any], str]:
+    """Read what a solution notebook carries, and the fingerprint that it has now.
+
+    Raises
+    ------
+    LessonError
+        If it is no notebook.
+    """
+    try:
+        notebook = json.loads(path.read_bytes())
+        return metadata(notebook, "nao_course"), _fingerprint(notebook)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError) as error:
+        raise LessonError(f"{path.name}: not a notebook ({type(error).__name__}: {error})") from None
