@@ -1,0 +1,29 @@
+"""What lesson 02, goal posts, alone uses."""
+
+from nao_course.lessons.goalposts.figures import draw_column, draw_feet, draw_heights, draw_recall
+from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet, total
+from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
+from nao_course.lessons.goalposts.scenes import PostScene, approach, measure, picture_from, scenes_by_distance
+
+__all__ = [
+    "Feet",
+    "FootMatch",
+    "PostPanel",
+    "PostScene",
+    "approach",
+    "draw_column",
+    "draw_feet",
+    "draw_heights",
+    "draw_recall",
+    "mark_feet",
+    "match_feet",
+    "measure",
+    "picture_from",
+    "scenes_by_distance",
+    "total",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

@@ -1,0 +1,269 @@
+"""Figures of lesson 02: feet in pictures, one column of labels, a post's height by distance, and recall by distance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from nao_course.geometry import FloatArray, as_points
+from nao_course.lessons.goalposts.measuring import FootMatch, total, wilson_interval
+from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_picture
+from nao_course.plotting.drawing import say_count
+from nao_course.plotting.legends import label_keys, legend_below
+from nao_course.plotting.style import HALO
+from nao_course.sim import LABELS
+
+FOOT, CANDIDATE = "#ff3b81", "#7a2cff"  # of what was found; apart from carpet, posts and lines
+_NONE: tuple[()] = ()
+
+
+def draw_feet(
+    pictures: Mapping[str, npt.ArrayLike],
+    feet: Sequence[npt.ArrayLike],
+    candidates: Sequence[npt.ArrayLike] = _NONE,
+    columns: int = 2,
+) -> Drawing:
+    """Draw pictures side by side, with what was found in each.
+
+    Parameters
+    ----------
+    pictures : mapping of str to array_like, (H, W, 3) of uint8
+        By their titles.
+    feet : sequence of array_like, shape (K, 2)
+        (u, v) of the feet found in each.
+    candidates : sequence of array_like, shape (N, 2)
+        The same of the columns' candidates; none are drawn where it is empty.
+    columns : int
+        Of the grid.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text lists the feet.
+
+    Raises
+    ------
+    ValueError
+        If there are not as many sets of points as pictures.
+    """
+    found = [as_points(each, name="feet (u, v)") for each in feet]
+    dots = [as_points(each, name="candidates (u, v)") for each in candidates] or [np.zeros((0, 2))] * len(
+        found
+    )
+    if not len(pictures) == len(found) == len(dots):
+        raise ValueError(
+            f"{len(pictures)} pictures need as many sets of feet and of candidates, got {len(found)} and {len(dots)}"
+        )
+    columns = min(columns, len(pictures))
+    rows = -(-len(pictures) // columns)
+    width = 4.8 if columns == 2 else 9.9 / columns
+    with course_style():
+        figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.35) + 0.4))
+        grid = list(figure.subplots(rows, columns, squeeze=False).flat)
+        for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
+            plot_picture(np.asarray(picture), ax, ticks=False)
+            ax.plot(*near.T, ".", color=CANDIDATE, ms=4, path_effects=HALO)
+            ax.plot(*points.T, "o", mfc="none", mec=FOOT, ms=13, mew=2.4, path_effects=HALO)
+            ax.set_title(title, fontsize=11)
+        for ax in grid[len(pictures) :]:
+            ax.set_axis_off()
+        keys = [Line2D([], [], color=FOOT, marker="o", mfc="none", ls="", ms=10, mew=2.2, label="foot found")]
+        if candidates:
+            keys.insert(0, Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate"))
+        legend_below(figure, keys)
+    said = "; ".join(
+        f"{title}: {_say_points(points, 'foot', 'feet')}"
+        for title, points in zip(pictures, found, strict=True)
+    )
+    return Drawing(
+        figure, f"{say_count(len(found), 'picture')} with the feet found in them. {said}.", photo=True
+    )
+
+
+def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 10) -> Drawing:
+    """Draw a few columns of labels, one beside the other, with the lowest yellow pixel and the pixels below it.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (H, W)
+        0 other, 1 green, 2 yellow, 3 white.
+    columns : sequence of int
+        Which.
+    look_down : int
+        How many pixels below the lowest yellow one are framed.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text says what stands in each column.
+    """
+    array = np.asarray(labels)
+    with course_style():
+        figure = Figure(figsize=(1.9 * len(columns) + 0.6, 5.2))
+        axes = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
+        words = [_plot_column(ax, array[:, u], u, look_down) for ax, u in zip(axes, columns, strict=True)]
+        axes[0].set_ylabel("v (px)")
+        keys: list[Any] = label_keys(LABELS)
+        keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOOT, lw=2, label=f"{look_down} pixels below"))
+        legend_below(figure, keys, columns=3)
+    return Drawing(figure, f"Columns of labels from above. {' '.join(words)}")
+
+
+def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> str:
+    """One column as coloured cells; returns what it shows in words."""
+    height = len(column)
+    edges = np.flatnonzero(np.diff(column)) + 1
+    for first, last in zip((0, *edges), (*edges, height), strict=True):
+        ax.add_patch(Rectangle((0, first - 0.5), 1, last - first, fc=LABEL_COLOURS[column[first]], ec="none"))
+    ax.set(xlim=(-0.15, 1.15), ylim=(height - 0.5, -0.5), xticks=[])
+    ax.set_title(f"column {u}", fontsize=11, loc="center")
+    yellow = np.flatnonzero(column == LABELS.index("yellow"))
+    if not len(yellow):
+        return f"Column {u} has no yellow."
+    foot = int(yellow[-1])
+    green = int((column[foot + 1 : foot + 1 + look_down] == LABELS.index("green")).sum())
+    others = np.flatnonzero(column[:foot] != LABELS.index("yellow"))
+    run = foot - (int(others[-1]) if len(others) else -1)
+    ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOOT, lw=2))
+    ax.plot(0.5, foot, "o", mfc="none", mec=FOOT, ms=10, mew=2.2, path_effects=HALO)
+    ax.set_xlabel(f"foot {foot}\n{green} of {look_down} green\nrun {run} px")
+    return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
+
+
+def draw_heights(
+    distances: npt.ArrayLike,
+    heights: npt.ArrayLike,
+    formula: tuple[npt.ArrayLike, npt.ArrayLike],
+    limits: Mapping[str, float],
+) -> Drawing:
+    """Draw how many pixels high posts are by distance: measured, computed, and what is asked for.
+
+    Parameters
+    ----------
+    distances, heights : array_like, shape (N,)
+        Measured: metres, pixels.
+    formula : (array_like, array_like)
+        The same, computed: drawn as a line.
+    limits : mapping of str to float
+        Least heights in pixels, by name; each a horizontal line.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text says where the line falls below each limit.
+    """
+    x, y = (np.asarray(each, dtype=float) for each in formula)
+    with course_style():
+        figure = Figure(figsize=(7.6, 4.6))
+        ax = figure.add_subplot()
+        ax.plot(x, y, color=STYLES["ekf"].colour, lw=2, label="equation 2.1")
+        ax.plot(
+            distances,
+            heights,
+            "o",
+            color=STYLES["truth"].colour,
+            ms=6,
+            label="measured: yellow pixels in a column",
+        )
+        crossings = {}
+        for style, (name, limit) in zip(("--", ":", "-."), limits.items(), strict=False):
+            ax.axhline(
+                limit, color=STYLES["odometry"].colour, ls=style, lw=1.6, label=f"{name}: {limit:g} px"
+            )
+            crossings[name] = float(x[y >= limit].max()) if (y >= limit).any() else float("nan")
+        ax.set(
+            xlabel="distance of the post (m)",
+            ylabel="height in the picture (px)",
+            ylim=(0, None),
+            xlim=(0, None),
+        )
+        ax.legend()
+    said = ", ".join(f"{name} at {at:.1f} m" for name, at in crossings.items())
+    return Drawing(figure, f"Height of a goal post in the picture by distance. Equation 2.1 meets {said}.")
+
+
+def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) -> Drawing:
+    """Draw precision and recall by distance, with 95 % intervals.
+
+    Parameters
+    ----------
+    matches : mapping of str to sequence of FootMatch
+        One a picture, by the detector's name. A picture counts at its nearest foot's distance.
+    width : float
+        Of the bins, metres.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the sums.
+    """
+    with course_style():
+        figure = Figure(figsize=(9.6, 4.1))
+        left, right = figure.subplots(1, 2, sharey=True)
+        looks = (("ekf", -0.06), ("odometry", 0.06), ("graph", 0.0))
+        for (name, each), (source, aside) in zip(matches.items(), looks, strict=False):
+            look = STYLES[source]
+            for ax, of in ((left, recall_counts), (right, precision_counts)):
+                _plot_parts(
+                    ax,
+                    of(each, width),
+                    width,
+                    {"color": look.colour, "marker": look.marker, "label": name},
+                    aside,
+                )
+        left.set(ylabel="part", title="Recall: of the feet, found")
+        right.set(title="Precision: of the points, right")
+        for ax in (left, right):
+            ax.set(xlabel="distance (m)", ylim=(-0.02, 1.05), xlim=(0, None))
+            ax.grid(color="#e3e5e8")
+        legend_below(figure, left.get_legend_handles_labels()[0])
+    said = "; ".join(f"{name}: {total(each)}" for name, each in matches.items())
+    return Drawing(figure, f"Recall and precision by distance. In all: {said}.")
+
+
+def recall_counts(matches: Sequence[FootMatch], width: float = 1.0) -> dict[int, tuple[int, int]]:
+    """Count feet (found, all) in bins of distance, by the bin's number."""
+    every = total(matches)
+    bins = (every.distances // width).astype(int)
+    return {int(b): (int(every.found[bins == b].sum()), int((bins == b).sum())) for b in np.unique(bins)}
+
+
+def precision_counts(matches: Sequence[FootMatch], width: float = 1.0) -> dict[int, tuple[int, int]]:
+    """Count points (right, all) in bins of the distance of their picture's nearest foot."""
+    counts: dict[int, tuple[int, int]] = {}
+    for each in matches:
+        if len(each.distances) and (points := int(each.found.sum()) + each.false):
+            number = int(each.distances.min() // width)
+            right, every = counts.get(number, (0, 0))
+            counts[number] = (right + int(each.found.sum()), every + points)
+    return dict(sorted(counts.items()))
+
+
+def _plot_parts(
+    ax: Axes, counts: Mapping[int, tuple[int, int]], width: float, look: dict[str, Any], aside: float
+) -> None:
+    """A point for each bin with its interval."""
+    middle: FloatArray = (np.array(list(counts)) + 0.5) * width + aside
+    parts = np.array([hits / trials for hits, trials in counts.values()])
+    low, high = np.array([wilson_interval(*each) for each in counts.values()]).T
+    ax.errorbar(
+        middle,
+        parts,
+        [parts - np.minimum(low, parts), np.maximum(high, parts) - parts],
+        capsize=3,
+        lw=1.6,
+        ms=6,
+        **look,
+    )
+
+
+def _say_points(points: FloatArray, one: str, many: str) -> str:
+    where = ", ".join(f"({u:.0f}, {v:.0f})" for u, v in points)
+    return f"{len(points)} {one if len(points) == 1 else many}{f' at {where}' if where else ''}"

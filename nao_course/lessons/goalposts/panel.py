@@ -1,0 +1,133 @@
+"""The posts panel: the student's search for goal posts in several scenes, its four values on sliders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import as_points
+from nao_course.lessons.goalposts.figures import CANDIDATE, FOOT
+from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.plotting import painted
+from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
+
+Pixels = npt.NDArray[np.uint8]
+
+
+def mark_feet(pixels: npt.ArrayLike, feet: npt.ArrayLike, candidates: npt.ArrayLike = ()) -> Pixels:
+    """Return a copy of a picture (H, W, 3) with candidates as dots and feet as circles; points are (u, v) px."""
+    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
+    scale = max(1, round(len(shown) / 240))
+    for u, v in as_points(candidates, name="candidates (u, v)"):
+        cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
+    for u, v in as_points(feet, name="feet (u, v)"):
+        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOOT), 2 * scale)):
+            cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
+    return shown
+
+
+class PostPanel(FunctionPanel):
+    """Scenes, their labels, and what your search finds in them; sliders for its four values.
+
+    Parameters
+    ----------
+    scenes : mapping of str to PostScene
+        By name, to choose from.
+    label : callable
+        ``label(pixels)`` returns labels (H, W), as lesson 01 makes them.
+    post_candidates : callable
+        ``post_candidates(labels, min_green, look_down, min_height)`` returns points (N, 2).
+    cluster_points : callable
+        ``cluster_points(points, max_distance)`` returns points (K, 2).
+
+    Raises
+    ------
+    ValueError
+        If there is no scene.
+    """
+
+    def __init__(
+        self,
+        scenes: Mapping[str, PostScene],
+        label: Callable[..., Any],
+        post_candidates: Callable[..., Any],
+        cluster_points: Callable[..., Any],
+    ) -> None:
+        """Search the first scene and build the widgets."""
+        if not scenes:
+            raise ValueError("scenes must hold at least one scene, got none")
+        self._scenes = dict(scenes)
+        super().__init__(
+            "Posts panel",
+            self._search,
+            [
+                Choice("scene", "Scene", list(scenes), tooltip="Which picture is searched"),
+                Slider(
+                    "min_green",
+                    "Green, at least",
+                    0,
+                    20,
+                    1,
+                    8,
+                    unit=" px",
+                    tooltip="How many of the pixels below must be green",
+                ),
+                Slider(
+                    "look_down",
+                    "of the pixels below",
+                    1,
+                    30,
+                    1,
+                    10,
+                    unit=" px",
+                    tooltip="How far the rule looks down",
+                ),
+                Slider(
+                    "min_height",
+                    "Least height",
+                    0.0,
+                    0.5,
+                    0.01,
+                    0.1,
+                    tooltip="Of the yellow run, as a part of the picture's height",
+                ),
+                Slider(
+                    "max_distance",
+                    "Linkage",
+                    0,
+                    60,
+                    1,
+                    20,
+                    unit=" px",
+                    tooltip="Candidates that are not farther apart are one post",
+                ),
+            ],
+            student={"label": label, "post_candidates": post_candidates, "cluster_points": cluster_points},
+            unfinished={
+                "label": "Finish exercise 1.6 of lesson 01 to see this: the posts are searched in your labels.",
+                "post_candidates": "Finish exercise 2.1 to see your candidates.",
+                "cluster_points": "Finish exercise 2.2 to see the feet.",
+            },
+        )
+
+    def _search(self, values: Any, student: Any) -> Iterator[Any]:
+        """Show the scene, its labels, the candidates, and at last the feet."""
+        scene = self._scenes[values.scene]
+        yield {"What you find": scene.pixels}
+        yield Legend({"candidate": CANDIDATE, "foot": FOOT})
+        labels = student.label(scene.pixels)
+        yield {"Your labels": painted(labels)}
+        candidates = student.post_candidates(labels, values.min_green, values.look_down, values.min_height)
+        yield {"Your labels": mark_feet(painted(labels), (), candidates)}
+        feet = student.cluster_points(as_points(candidates), values.max_distance)
+        yield {"What you find": mark_feet(scene.pixels, feet, candidates)}
+        yield f"{len(candidates)} candidates in {len(feet)} clusters: {scene.match(feet)}."
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return red, green, blue
