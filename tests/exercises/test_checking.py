@@ -382,3 +382,23 @@ def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(m
     for seconds, most in ((1.0, 20), (10.0, 20), (45.0, 90)):
         assert f"stopped after {most} seconds" in grade_public(replace(public, seconds=seconds), abs).lines[0]
     assert waited == [20, 20, 90]
+
+
+# The payoff
+
+
+def test_a_payoff_is_drawn_by_what_the_student_wrote(check):
+    def clamp(x, low, high):
+        return min(max(x, low), high)
+
+    assert check.payoff(lambda clamp: clamp(5, 0, 3), clamp=clamp) == 3
+
+
+def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
+    assert repr(check.payoff(lambda clamp: clamp(5, 0, 3), clamp=unwritten)) == (
+        "This figure needs your exercise 90.1: write and check first, then run this."
+    )
+
+
+def test_a_payoff_that_fails_although_all_is_right_says_how(check):
+    assert "ZeroDivisionError" in repr(check.payoff(lambda clamp: 1 / 0, clamp=np.clip))
