@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -73,7 +74,7 @@ class Board:
         seeds = self.challenge.seeds
         if not 1 <= number <= len(seeds):
             raise ValueError(f"number must be from 1 to {len(seeds)}, got {number}")
-        given = self.challenge.given(self.challenge.scene(seeds[number - 1]))
+        given = copy.deepcopy(self.challenge.given(self.challenge.scene(seeds[number - 1])))
         return given[0] if len(given) == 1 else given
 
     def table(self) -> Table:

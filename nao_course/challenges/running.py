@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable, Hashable
 from functools import partial
 from typing import Any
@@ -81,6 +82,12 @@ def _case(challenge: Challenge, entry: Any, seed: Hashable, left: float) -> tupl
             str(judged.error)[:300] if isinstance(judged.error, ValueError | TypeError) else judged.message
         )
         return nothing(message=message), answer.seconds, False
+    if not math.isfinite(earned.score):
+        return (
+            nothing(message=f"The score of its answer is no number: {earned.score}."),
+            answer.seconds,
+            False,
+        )
     return CaseResult(seed, name, earned.score, earned.columns, earned.kept), answer.seconds, False
 
 
