@@ -52,7 +52,9 @@ class Board:
         """
         challenge = self.challenge
         before, remark = self._best.read()
-        came = run(challenge, entry, Progress(len(challenge.seeds), f"{challenge.case}s"))
+        progress = Progress(len(challenge.seeds), f"{challenge.case}s")
+        came = run(challenge, entry, progress)
+        progress.end()
         if came.complete:
             best = Best(came.score, came.worst.score, came.columns)
             remark = f"{remark} {self._best.keep(best)}".strip()

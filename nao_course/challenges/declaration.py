@@ -152,10 +152,6 @@ class Challenge:
             raise ValueError(
                 f"the challenge of {self.lesson} has no seeds: it needs one for each {self.case}"
             )
-        names = {column.name for column in self.columns}
-        for row in self.rows:
-            if unknown := sorted(row.columns.keys() - names):
-                raise ValueError(f"row {row.name!r}: there are no columns {unknown}, but {sorted(names)}")
 
     def scene(self, seed: Hashable) -> Any:
         """Return a case's scene: made once, and kept."""

@@ -243,6 +243,7 @@ def time_limit(seconds: float) -> Iterator[None]:
     finally:
         bell.over = True  # before anything that it could ring in
         bell.wake.set()
+        bell.join()
         ctypes.pythonapi.PyThreadState_SetAsyncExc(bell.thread, None)  # if it rang just now, it rings no more
 
 

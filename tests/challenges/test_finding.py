@@ -22,4 +22,5 @@ def test_every_challenge_stands_in_the_folder_of_its_lesson_and_has_rows_for_not
     for lesson, each in declared().items():
         assert each.judge.__module__.split(".")[2] == lesson.partition("_")[2]
         assert len(each.rows) >= 3 and "the reference" in [row.name for row in each.rows]
-        assert all(len(row.cases) == len(each.seeds) for row in each.rows)
+        names = {column.name for column in each.columns}
+        assert all(len(row.cases) == len(each.seeds) and set(row.columns) == names for row in each.rows)

@@ -30,7 +30,7 @@ def test_a_loop_that_catches_everything_is_stopped_too():
     def stubborn():
         count = 0
         while True:
-            try:
+            try:  # noqa: SIM105
                 count += sum(range(10))
             except:  # noqa: E722 - a beginner's
                 pass

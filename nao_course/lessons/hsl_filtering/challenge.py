@@ -96,7 +96,7 @@ def judge(answer: Any, scene: Scene) -> CaseScore:
         "yellow": yellow,
         "false white": 100 * float((is_white & (truth != WHITE))[field].mean()),
         "false yellow": 100 * float((is_yellow & (truth != YELLOW)).mean()),
-        "white behind the field": 100 * float((labels == WHITE)[~field].mean())
+        "white behind": 100 * float((labels == WHITE)[~field].mean())
         if not field.all()
         else np.nan,
     }
@@ -126,7 +126,7 @@ CHALLENGE = Challenge(
         Column("yellow"),
         Column("false white", " %", 1),
         Column("false yellow", " %", 1),
-        Column("white behind the field", " %", 0),
+        Column("white behind", " %", 0),
     ),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
     name_of=lambda place: (
