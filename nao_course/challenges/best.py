@@ -48,13 +48,13 @@ class BestFile:
     challenge : Challenge
         Whose.
     folder : Path, optional
-        Where the notebooks are; by default $NAO_COURSE_NOTEBOOKS, else the working folder.
+        Where it is; by default the working folder, which is the notebook's.
     """
 
     def __init__(self, challenge: Challenge, folder: Path | None = None) -> None:
         """Look at nothing yet."""
-        where = folder or Path(os.environ.get("NAO_COURSE_NOTEBOOKS") or ".")
-        self.challenge, self.path = challenge, where / f"{challenge.lesson}{SUFFIX}"
+        self.challenge = challenge
+        self.path = (folder or Path.cwd()) / f"{challenge.lesson}{SUFFIX}"
 
     def read(self) -> tuple[Best | None, str]:
         """Return the best so far and a remark.

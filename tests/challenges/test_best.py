@@ -88,6 +88,6 @@ def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
     assert file.read()[0].score == 0.9
 
 
-def test_it_stands_where_the_notebooks_are(tmp_path, monkeypatch):
-    monkeypatch.setenv("NAO_COURSE_NOTEBOOKS", str(tmp_path))
+def test_it_stands_beside_the_notebook(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert BestFile(CHALLENGE).path == tmp_path / "77_doubling.challenge.json"
