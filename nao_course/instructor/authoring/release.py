@@ -24,7 +24,7 @@ AS_THEY_ARE = (
     *("jupyter/overrides.json", "jupyter/page_config.json"),
 )
 README = "docs/for_students.md"
-_KINDS = {".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
+_KINDS = {".json", ".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
 
 
 def make_release(course: Course, out: Path) -> Path:
