@@ -55,6 +55,9 @@ class BestFile:
         """Look at nothing yet."""
         self.challenge = challenge
         self.path = (folder or Path.cwd()) / f"{challenge.lesson}{SUFFIX}"
+        self._remark = (
+            ""  # said at every look from then on: a notebook asks for words first and shows the page
+        )
 
     def read(self) -> tuple[Best | None, str]:
         """Return the best so far and a remark.
@@ -65,11 +68,12 @@ class BestFile:
             None where there is none. A file that cannot be read gets another name, and the remark says so.
         """
         if not os.path.lexists(self.path):
-            return None, ""
+            return None, self._remark
         try:
-            return self._parsed(), ""
+            return self._parsed(), self._remark
         except (BrokenFileError, OSError) as error:
-            return None, self._set_aside(str(error))
+            self._remark = self._set_aside(str(error))
+            return None, self._remark
 
     def keep(self, best: Best) -> str:
         """Keep a score if it is the best; return a remark if it could not be kept."""

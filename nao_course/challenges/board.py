@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -56,8 +57,7 @@ class Board:
         came = run(challenge, entry, progress)
         progress.end()
         if came.complete:
-            best = Best(came.score, came.worst.score, came.columns)
-            remark = f"{remark} {self._best.keep(best)}".strip()
+            remark = self._best.keep(Best(came.score, came.worst.score, came.columns))
         return EntryReport(came, before, remark)
 
     def example(self, number: int = 1) -> Any:
@@ -123,7 +123,7 @@ class EntryReport:
         """The score of all cases; NaN where not all were run."""
         return self.run.score
 
-    @property
+    @cached_property
     def figure(self) -> Drawing | None:
         """Where points are lost; None where there is no score or no figure."""
         draw = self.run.challenge.figure

@@ -72,7 +72,8 @@ def test_a_folder_or_a_pipe_in_its_place_is_set_aside(file):
     if hasattr(os, "mkfifo"):
         os.mkfifo(file.path)
         assert "it is no file" in file.read()[1]
-    assert file.keep(Best(0.5, 0.1, {})) == "" and file.read()[0].score == 0.5
+    file.keep(Best(0.5, 0.1, {}))
+    assert BestFile(CHALLENGE, file.path.parent).read() == (Best(0.5, 0.1, {}), "")
 
 
 def test_where_nothing_can_be_written_it_is_said(tmp_path):

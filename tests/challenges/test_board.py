@@ -74,7 +74,9 @@ def test_an_entry_that_is_interrupted_leaves_the_best_as_it_was(tmp_path):
 
 def test_a_broken_file_is_said_on_the_board_and_in_the_report(tmp_path):
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
-    assert "kept as 77_doubling.challenge.json.broken-1" in repr(Board(CHALLENGE, tmp_path))
+    board = Board(CHALLENGE, tmp_path)
+    for shown in (repr(board), board._repr_html_()):  # a notebook asks for both, and shows the second
+        assert "kept as 77_doubling.challenge.json.broken-1" in shown
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
     assert "broken-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
 
