@@ -4,10 +4,10 @@ import os
 
 import pytest
 
-from nao_course import student
 from nao_course.exercises import checking
 from nao_course.exercises.definitions import load_definitions
 from nao_course.instructor.authoring.plans import load_plan, publish
+from nao_course.student import notebooks as student
 from tests.toy import toy
 
 WRONG = "def clamp(x, low, high):\n    return x"
@@ -55,7 +55,7 @@ def test_one_right_one_is_enough_to_go_on(tmp_path):
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (None, "cannot be read"),
+        (None, "90.1 clamp: 90_toy.ipynb is not in your folder test_a_missing"),
         ("{", "not a notebook"),
         ("", "not a notebook"),
     ],
