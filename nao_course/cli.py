@@ -17,7 +17,6 @@ from rich.table import Table
 from nao_course import homework
 from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
-from nao_course.exercises.definitions import load_definitions
 from nao_course.student import notebooks, progress
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
@@ -78,8 +77,9 @@ def check(
         notebook = _notebook(lesson_or_file)
         lesson = notebook.stem
         public = read_public(lesson)
-        skipped = load_definitions(notebook, earlier=notebooks.earlier_in(notebook.parent)).skipped
         found = notebooks.functions(lesson, notebook.parent)
+        if found.problem:
+            raise ValueError(found.problem)
     reports = {report.name: report for report in found.reports}
     table = Table("exercise", "points", "result", "what the check says", title=lesson)
     for exercise in public.exercises:
@@ -97,9 +97,8 @@ def check(
             sign = "● written"
         table.add_row(f"{question.number} in your own words", f"{question.points:g}", sign, said)
     console.print(table)
-    for each in skipped:
-        if each.reason != "not a definition":
-            _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
+    for each in found.skipped:
+        _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
     _say(progress(notebook.parent).total(lesson))
     raise typer.Exit(0 if found.complete else 1)
 

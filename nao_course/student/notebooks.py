@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.exercises.checking import CheckState, Report, grade_public, lessons, read_public
-from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_definitions
+from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
@@ -47,6 +47,8 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         What the checks said of the right ones, besides that they are.
     problem : str
         Why the notebook cannot be read, in a sentence; empty where it can.
+    skipped : tuple of Skipped
+        Statements of the notebook that failed.
     """
 
     lesson: str
@@ -55,6 +57,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
     unwritten: tuple[str, ...] = ()
     remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     problem: str = ""
+    skipped: tuple[Skipped, ...] = ()
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
         """Return a function.
@@ -135,7 +138,9 @@ def functions(
     unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
     wrong = tuple(report for report in reports.values() if not report)
     remarks = {name: report.lines[1:] for name, report in reports.items() if report}
-    return StudentFunctions(lesson, right, wrong, tuple(unwritten), remarks, notebook.problem)
+    return StudentFunctions(
+        lesson, right, wrong, tuple(unwritten), remarks, notebook.problem, notebook.failed
+    )
 
 
 def earlier(use: str, folder: str | Path | None = None) -> Any:
@@ -253,10 +258,8 @@ class _Notebook:
     problem: str = ""
 
     @property
-    def reasons(self) -> list[str]:
-        return [
-            f"Cell {each.cell}: {each.reason}." for each in self.found.skipped if each.reason != NO_DEFINITION
-        ]
+    def failed(self) -> tuple[Skipped, ...]:
+        return tuple(each for each in self.found.skipped if each.reason != NO_DEFINITION)
 
 
 def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
@@ -267,8 +270,10 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
             return _Notebook(path, _definitions(path, path.stat().st_mtime_ns, times))
     except FileNotFoundError:
         problem = f"{path.name} is not in your folder {path.parent.name}."
-    except (OSError, ValueError) as error:
-        problem = f"{path.name} cannot be read: {error}."
+    except OSError as error:
+        problem = f"{path.name} cannot be read: {error.strerror or error}."
+    except ValueError as error:  # it names the file
+        problem = f"{error}."
     except TimeIsUp:
         problem = f"{path.name} takes longer than {seconds:g} s: does a loop outside a function never end?"
     return _Notebook(path, Definitions({}), problem)
@@ -281,8 +286,9 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
         state: CheckState = "raised" if notebook.path.exists() else "not attempted"
         return Report(exercise.name, state, (f"{title}: {notebook.problem}",))
     if exercise.name not in notebook.found:
-        lines = (f"{title}: not found in {notebook.path.name}.", *notebook.reasons)
-        return Report(exercise.name, "raised" if notebook.reasons else "not attempted", lines)
+        reasons = [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
+        lines = (f"{title}: not found in {notebook.path.name}.", *reasons)
+        return Report(exercise.name, "raised" if reasons else "not attempted", lines)
     return _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
 
 

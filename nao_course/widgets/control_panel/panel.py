@@ -113,7 +113,7 @@ class ControlPanel:
             has_slam=slam is not None,
             has_truth=truth is not None,
             show_truth=show_truth is None or bool(show_truth),
-            heading=" · ".join(map(html.escape, self._ready())),
+            heading="<br>".join(html.escape(f"{each[:1].upper()}{each[1:]}") for each in self._ready()),
             has_views=pipeline is not None and bool(pipeline.stages),
         )
         self._controls.show_truth.observe(lambda change: self._show(), "value")
@@ -402,7 +402,7 @@ class ControlPanel:
     def _shown(self, camera: str) -> tuple[Any, str]:
         """The pixels to show in a camera's place, and what they are where they are not its picture alone."""
         own, chosen = self.cockpit.pictures[camera].pixels, self.cockpit.pictures[self.camera].pixels
-        names = ", ".join(self._seen.overlays)
+        names = self._seen.names
         if names and self.view == "over" and camera == self.camera:
             return self._seen.over(own), f"{camera} camera and your {names}"
         if names and self.view == "beside" and camera != self.camera:
@@ -442,7 +442,7 @@ class ControlPanel:
 
     def _show_status(self) -> None:
         cockpit, seen = self.cockpit, self._seen
-        facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines()])
+        facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines(), *seen.pace()])
         alarm = cockpit.alarm or bool(seen.complaints)
         message, printed = "\n".join([cockpit.message, *seen.complaints]), cockpit.printed + seen.printed
         status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed)

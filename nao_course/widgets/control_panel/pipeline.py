@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import to_rgb
 
+from nao_course.exercises.lesson_names import number_of
 from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import Picture, SimulatedNao
 from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, TooSlow, attempt
@@ -134,7 +135,7 @@ class Seen:
     printed : str
         The end of what it printed.
     seconds : float
-        How long it took.
+        How long the student's code took.
     """
 
     overlays: Mapping[str, Overlay] = field(default_factory=dict)
@@ -148,11 +149,20 @@ class Seen:
         """All points in the robot frame, (N, 2), m."""
         return np.vstack([_NONE, *(as_points(each.points) for each in self.overlays.values())])
 
+    @property
+    def names(self) -> str:
+        """Names of the stages that show something in the picture."""
+        shown = [name for name, each in self.overlays.items() if each.painted is not None or np.size(each.pixels)]
+        return ", ".join(shown)
+
     def lines(self) -> list[str]:
         """What came of each stage, in words."""
-        lines = [f"{name}: {each.text}" for name, each in self.overlays.items() if each.text]
+        return [f"{name}: {each.text}" for name, each in self.overlays.items() if each.text]
+
+    def pace(self) -> list[str]:
+        """How long it took, where that is long; it differs from machine to machine, and from time to time."""
         slow = f"your code took {1000 * self.seconds:.0f} ms for this picture: the drive follows slowly"
-        return [*lines, slow] if self.seconds > SLOW else lines
+        return [slow] if self.seconds > SLOW else []
 
     def over(self, pixels: Pixels) -> Pixels:
         """Lay everything over a picture (H, W, 3)."""
@@ -241,7 +251,7 @@ class Pipeline:
                 limit=self.time_limit,
                 quiet=True,
             )
-            printed, seconds = (printed + tried.printed)[-KEPT_LETTERS:], seconds + tried.seconds
+            printed, seconds = (printed + tried.printed)[-KEPT_LETTERS:], seconds + self._student.seconds
             if tried.value is not None:
                 overlays[stage.name] = tried.value
                 continue
@@ -251,9 +261,11 @@ class Pipeline:
 
     def summary(self) -> list[str]:
         """Say which stages run and which do not, a line each."""
-        running = [f"{stage.name} ({stage.lesson.split('_')[0]})" for stage in self.stages]
-        ready = [f"your code sees: {', '.join(running)}"] if running else []
-        return [*ready, *(f"not yet: {name} ({why})" for name, why in self.missing.items())]
+        running = ", ".join(f"✔ {stage.name} ({number_of(stage.lesson)})" for stage in self.stages)
+        return [
+            f"your NAO so far: {running or 'nothing yet'}",
+            *(f"not yet: {name}, for {why}" for name, why in self.missing.items()),
+        ]
 
     def _run(self, stage: Stage, sight: Sight) -> Overlay:
         if stage.name not in self._looks:
