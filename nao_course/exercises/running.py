@@ -174,8 +174,11 @@ def alarm(seconds: float) -> Iterator[None]:
         yield
         return
 
+    over = False
+
     def ring(*_: object) -> None:
-        raise TimeIsUp
+        if not over:
+            raise TimeIsUp
 
     outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 where this one is in no other
     began = time.monotonic()
@@ -184,6 +187,7 @@ def alarm(seconds: float) -> Iterator[None]:
     try:
         yield
     finally:
+        over = True  # it may ring between here and the next line
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
         if outer:

@@ -126,11 +126,11 @@ def progress(folder: str | Path | None = None) -> Progress:
         Shown as a table. A notebook that is missing, broken or never ends is a sentence in it.
     """
     where = notebooks_folder(folder)
-    return Progress(tuple(lesson_progress(lesson, where) for lesson in lessons()))
+    return Progress(tuple(lesson_progress(lesson, where, SECONDS) for lesson in lessons()))
 
 
-def lesson_progress(lesson: str, folder: Path, most_seconds: float = SECONDS) -> LessonProgress:
-    """Say how far a lesson's saved notebook is."""
+def lesson_progress(lesson: str, folder: Path, most_seconds: float) -> LessonProgress:
+    """Say how far a lesson's saved notebook is; `most_seconds` as in `functions`."""
     public = read_public(lesson)
     found = functions(lesson, folder, most_seconds)
     states = {report.name: report.state for report in found.reports}

@@ -196,7 +196,9 @@ def test_a_drive_goes_on_without_what_fails():
 
 
 def test_a_painting_of_another_size_is_refused_in_words():
-    small = Stage("small", "90_toy", (), lambda *_: lambda sight: Overlay(painted=np.zeros((2, 2, 3), np.uint8)))
+    small = Stage(
+        "small", "90_toy", (), lambda *_: lambda sight: Overlay(painted=np.zeros((2, 2, 3), np.uint8))
+    )
     (said,) = pipeline_of(small).look(PICTURE).complaints
     assert "shape (2, 2) does not fit the picture's, (240, 320)" in said
 
