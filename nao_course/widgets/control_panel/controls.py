@@ -54,6 +54,8 @@ _CSS = """
 .nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }
 .nao-panel .nao-actions .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
+.nao-panel .nao-camera .nao-caption .widget-html-content { white-space: nowrap; overflow: hidden;
+  text-overflow: ellipsis; }
 .nao-panel .nao-ready { margin: 0 0 4px 0; line-height: 18px; }
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
 """
@@ -198,9 +200,10 @@ class Controls:
         )
         self._controls.append(self.show_truth)
         has_views = "view" in self._keys
+        hint = _KEY_HINT + (", V" if has_views else "")
         more = _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "")
         keys = ipywidgets.HTML(
-            key_field(self._keys, _KEY_WORDS, more, _KEY_HINT, once=("picture", "slam", "view"))
+            key_field(self._keys, _KEY_WORDS, more, hint, once=("picture", "slam", "view"))
         )
         keys.layout.flex = "1 1 200px"
         tooltip = "Show your code's view of the picture over it, beside it, or not at all"

@@ -404,9 +404,9 @@ class ControlPanel:
         own, chosen = self.cockpit.pictures[camera].pixels, self.cockpit.pictures[self.camera].pixels
         names = self._seen.names
         if names and self.view == "over" and camera == self.camera:
-            return self._seen.over(own), f"{camera} camera and your {names}"
+            return self._seen.over(own), f"{camera} camera, your {names}"
         if names and self.view == "beside" and camera != self.camera:
-            return self._seen.alone(chosen), f"your {names} of the {self.camera} camera"
+            return self._seen.alone(chosen), f"your {names}"
         return own, ""
 
     def _ready(self) -> list[str]:

@@ -152,7 +152,9 @@ class Seen:
     @property
     def names(self) -> str:
         """Names of the stages that show something in the picture."""
-        shown = [name for name, each in self.overlays.items() if each.painted is not None or np.size(each.pixels)]
+        shown = [
+            name for name, each in self.overlays.items() if each.painted is not None or np.size(each.pixels)
+        ]
         return ", ".join(shown)
 
     def lines(self) -> list[str]:

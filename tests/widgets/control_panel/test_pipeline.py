@@ -78,7 +78,7 @@ def test_beside_the_picture_is_the_other_cameras_place():
     panel = make()
     panel.view = "beside"
     assert pinkness(decoded(image(panel, "top"))) > 100 > 20 > pinkness(decoded(image(panel, "bottom")))
-    assert "Your bright of the bottom camera" in panel._controls.captions["top"].value
+    assert "<b>Your bright</b>" in panel._controls.captions["top"].value
 
 
 def test_the_button_goes_round_the_views_and_says_which_it_is():
@@ -141,7 +141,7 @@ def test_the_text_and_the_still_picture_say_what_was_seen():
     ):
         assert line in panel.summary().splitlines()
     drawing = panel.drawing()
-    assert "bottom camera and your bright" in {ax.get_title(loc="left") for ax in drawing.figure.axes}
+    assert "bottom camera, your bright" in {ax.get_title(loc="left") for ax in drawing.figure.axes}
     assert "3 bright" in drawing.alt
     assert "corners" in panel.widget.children[1].value  # the line on top
 
