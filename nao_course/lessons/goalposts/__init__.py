@@ -1,9 +1,24 @@
 """What lesson 02, goal posts, alone uses."""
 
-from nao_course.lessons.goalposts.figures import draw_column, draw_feet, draw_heights, draw_recall
+from nao_course.lessons.goalposts.figures import (
+    draw_column,
+    draw_feet,
+    draw_heights,
+    draw_recall,
+    draw_turning_head,
+)
 from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet, total
 from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
-from nao_course.lessons.goalposts.scenes import PostScene, approach, measure, picture_from, scenes_by_distance
+from nao_course.lessons.goalposts.scenes import (
+    PostScene,
+    approach,
+    measure,
+    picture_from,
+    post_height,
+    robot_before,
+    scenes_by_distance,
+    turning_head,
+)
 
 __all__ = [
     "Feet",
@@ -15,12 +30,16 @@ __all__ = [
     "draw_feet",
     "draw_heights",
     "draw_recall",
+    "draw_turning_head",
     "mark_feet",
     "match_feet",
     "measure",
     "picture_from",
+    "post_height",
+    "robot_before",
     "scenes_by_distance",
     "total",
+    "turning_head",
 ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from matplotlib.patches import Rectangle
 
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.goalposts.measuring import FootMatch, total, wilson_interval
+from nao_course.lessons.goalposts.scenes import turning_head
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_picture
 from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import label_keys, legend_below
@@ -85,6 +86,12 @@ def draw_feet(
     return Drawing(
         figure, f"{say_count(len(found), 'picture')} with the feet found in them. {said}.", photo=True
     )
+
+
+def draw_turning_head(find: Callable[[Any], Any]) -> Drawing:
+    """Draw what the robot sees while it turns its head, with the feet that `find(pixels)` finds in each picture."""
+    pictures = turning_head()
+    return draw_feet(pictures, [find(pixels.copy()) for pixels in pictures.values()])
 
 
 def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 10) -> Drawing:

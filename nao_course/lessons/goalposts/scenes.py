@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.goalposts.measuring import REACH, Feet, FootMatch, match_feet
-from nao_course.sim import NAO_V4, Field, Reality, render
+from nao_course.sim import NAO_V4, CameraView, Field, Reality, SimulatedNao, render
 from nao_course.sim.nao import TorsoTilt
 
 HEAD_PITCH = float(np.radians(-24.6))  # as in the standard scenes: the bottom camera looks 15.1 degrees down
@@ -62,7 +63,7 @@ def picture_from(pose: Pose, reality: Reality, rng: np.random.Generator, **angle
     return PostScene(pixels, truth.labels, Feet.of(truth, FIELD))
 
 
-def scenes_by_distance(number: int = 40, seed: int = 0) -> list[PostScene]:
+def scenes_by_distance(number: int = 28, seed: int = 0) -> list[PostScene]:
     """Take pictures of posts from 0.6 to 6 m, evenly spread, in several rooms: the same at every call.
 
     Parameters
@@ -107,6 +108,56 @@ def approach(distances: npt.ArrayLike, reality: Reality | None = None) -> list[P
         picture_from(Pose(float(x - distance), float(y), 0.0), reality, np.random.default_rng([703, i]))
         for i, distance in enumerate(np.asarray(distances, dtype=float))
     ]
+
+
+def turning_head(degrees: Sequence[float] = (30.0, 10.0, -10.0, -30.0)) -> dict[str, npt.NDArray[np.uint8]]:
+    """Take a picture of the goal for each yaw of the head, in degrees to the left; by a title that says it."""
+    nao = SimulatedNao(Field(2012), Pose(1.0, -0.1, 0.0), rng=8)
+    pictures = {}
+    for yaw in degrees:
+        nao.look(yaw=float(np.radians(yaw)), pitch=HEAD_PITCH)
+        side = "left" if yaw > 0 else "right"
+        pictures[f"head {abs(yaw):.0f}° to the {side}"] = nao.take_picture("bottom").pixels
+    return pictures
+
+
+def robot_before(pixels: npt.NDArray[np.uint8], foot: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Return a copy of a picture with a grey robot, roughly drawn, that hides what stands at (u, v)."""
+    shown = pixels.copy()
+    size = len(shown) / 240
+    u, v = (round(float(each)) for each in np.asarray(foot))
+    for (dx, dy), (width, height), grey in (
+        ((0, -8), (26, 34), 205),
+        ((-14, 22), (9, 16), 185),
+        ((14, 22), (9, 16), 185),
+        ((0, -50), (15, 13), 225),
+    ):
+        centre, axes = (
+            (round(u + dx * size), round(v + dy * size)),
+            (round(width * size), round(height * size)),
+        )
+        cv2.ellipse(shown, centre, axes, 0, 0, 360, (grey, grey, grey), -1, cv2.LINE_AA)
+    return shown
+
+
+def post_height(
+    distance: npt.ArrayLike, view: CameraView, height: float = FIELD.dimensions.post_height
+) -> FloatArray:
+    """Compute how many pixels high a goal post is in the middle of the picture, equation 2.1 of the lesson.
+
+    Parameters
+    ----------
+    distance : array_like
+        From below the camera to the post, metres.
+    view : CameraView
+        Its focal length, height and pitch count.
+    height : float
+        Of the post, metres.
+    """
+    d, h, p = np.asarray(distance, dtype=float), view.height, view.pitch
+    depth_foot = d * np.cos(p) + h * np.sin(p)
+    depth_top = d * np.cos(p) + (h - height) * np.sin(p)
+    return np.asarray(view.focal[1] * height * d / (depth_foot * depth_top))
 
 
 def measure(find: Callable[[Any], Any], scenes: Sequence[PostScene]) -> list[FootMatch]:
