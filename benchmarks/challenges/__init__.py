@@ -14,6 +14,7 @@ import numpy as np
 
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
+from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
 from nao_course.challenges import Challenge, Run
 from nao_course.challenges.finding import declared
@@ -23,6 +24,7 @@ from nao_course.challenges.running import run
 ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "00_meet_the_nao": SLALOM_ENTRIES,
     "01_hsl_filtering": COLOUR_ENTRIES,
+    "02_goalposts": POST_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

@@ -18,7 +18,7 @@ from nao_course.lessons.goalposts.scenes import turning_head
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_picture
 from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import HALO
+from nao_course.plotting.style import GREY, HALO
 from nao_course.sim import LABELS
 
 FOOT, CANDIDATE = "#ff3b81", "#7a2cff"  # of what was found; apart from carpet, posts and lines
@@ -64,14 +64,14 @@ def draw_feet(
         )
     columns = min(columns, len(pictures))
     rows = -(-len(pictures) // columns)
-    width = 4.8 if columns == 2 else 9.9 / columns
+    width = {1: 5.6, 2: 4.1}.get(columns, 9.9 / columns)
     with course_style():
         figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.35) + 0.4))
         grid = list(figure.subplots(rows, columns, squeeze=False).flat)
         for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
             plot_picture(np.asarray(picture), ax, ticks=False)
             ax.plot(*near.T, ".", color=CANDIDATE, ms=4, path_effects=HALO)
-            ax.plot(*points.T, "o", mfc="none", mec=FOOT, ms=13, mew=2.4, path_effects=HALO)
+            plot_feet(points, ax)
             ax.set_title(title, fontsize=11)
         for ax in grid[len(pictures) :]:
             ax.set_axis_off()
@@ -86,6 +86,12 @@ def draw_feet(
     return Drawing(
         figure, f"{say_count(len(found), 'picture')} with the feet found in them. {said}.", photo=True
     )
+
+
+def plot_feet(points: FloatArray, ax: Axes, size: float = 13) -> None:
+    """Mark points (K, 2), (u, v) px, with rings that stand out from any picture."""
+    for colour, width in (("white", 4.6), (FOOT, 2.4)):
+        ax.plot(*points.T, "o", color=colour, mfc="none", ms=size, mew=width)
 
 
 def draw_turning_head(find: Callable[[Any], Any]) -> Drawing:
@@ -129,6 +135,7 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     edges = np.flatnonzero(np.diff(column)) + 1
     for first, last in zip((0, *edges), (*edges, height), strict=True):
         ax.add_patch(Rectangle((0, first - 0.5), 1, last - first, fc=LABEL_COLOURS[column[first]], ec="none"))
+    ax.add_patch(Rectangle((0, -0.5), 1, height, fill=False, ec=GREY, lw=1))
     ax.set(xlim=(-0.15, 1.15), ylim=(height - 0.5, -0.5), xticks=[])
     ax.set_title(f"column {u}", fontsize=11, loc="center")
     yellow = np.flatnonzero(column == LABELS.index("yellow"))
@@ -139,7 +146,7 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     others = np.flatnonzero(column[:foot] != LABELS.index("yellow"))
     run = foot - (int(others[-1]) if len(others) else -1)
     ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOOT, lw=2))
-    ax.plot(0.5, foot, "o", mfc="none", mec=FOOT, ms=10, mew=2.2, path_effects=HALO)
+    plot_feet(np.array([[0.5, foot]]), ax, size=10)
     ax.set_xlabel(f"foot {foot}\n{green} of {look_down} green\nrun {run} px")
     return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
 

@@ -12,12 +12,13 @@ import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.goalposts.measuring import REACH, Feet, FootMatch, match_feet
-from nao_course.sim import NAO_V4, CameraView, Field, Reality, SimulatedNao, render
+from nao_course.sim import NAO_V4, CameraView, Field, PictureTruth, Reality, SimulatedNao, render
 from nao_course.sim.nao import TorsoTilt
+from nao_course.sim.render import YELLOW
 
 HEAD_PITCH = float(np.radians(-24.6))  # as in the standard scenes: the bottom camera looks 15.1 degrees down
 FIELD = Field(2012, half=False)  # the whole one: there a post can be 6 m away
-_ROOMS = 8  # pictures in one room
+_ROOMS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +33,28 @@ class PostScene:
         The true ones: 0 other, 1 green, 2 yellow, 3 white.
     feet : Feet
         The truth.
+    view : CameraView
+        The camera's true view.
     """
 
     pixels: npt.NDArray[np.uint8]
     labels: npt.NDArray[np.uint8]
     feet: Feet
+    view: CameraView
+
+    @classmethod
+    def of(cls, pixels: npt.NDArray[np.uint8], truth: PictureTruth, field: Field) -> PostScene:
+        """Make it of a picture and its truth; `field` is the one it was taken on."""
+        return cls(pixels, truth.labels, Feet.of(truth, field), truth.view)
+
+    @property
+    def nearest(self) -> FloatArray:
+        """(u, v) of the nearest foot in the picture."""
+        return self.feet.pixels[self.feet.distances.argmin()]
+
+    def post_pixels(self) -> int:
+        """Count the yellow pixels of the nearest foot's column."""
+        return int((self.labels[:, round(self.nearest[0])] == YELLOW).sum())
 
     def match(self, points: npt.ArrayLike) -> FootMatch:
         """Hold points (N, 2) against the true feet, within 8 pixels at 240 rows."""
@@ -60,10 +78,10 @@ def picture_from(pose: Pose, reality: Reality, rng: np.random.Generator, **angle
     angles = {"yaw": 0.0, "pitch": HEAD_PITCH, **angles}
     view = NAO_V4.view("bottom", angles.pop("yaw"), angles.pop("pitch"), (320, 240), **angles)
     pixels, truth = render(FIELD, pose, view, reality, rng)
-    return PostScene(pixels, truth.labels, Feet.of(truth, FIELD))
+    return PostScene.of(pixels, truth, FIELD)
 
 
-def scenes_by_distance(number: int = 28, seed: int = 0) -> list[PostScene]:
+def scenes_by_distance(number: int = 40, seed: int = 0) -> list[PostScene]:
     """Take pictures of posts from 0.6 to 6 m, evenly spread, in several rooms: the same at every call.
 
     Parameters
@@ -73,23 +91,27 @@ def scenes_by_distance(number: int = 28, seed: int = 0) -> list[PostScene]:
     seed : int
         Which rooms and places.
     """
+    distances = np.linspace(0.6, 6.0, number)
+    return [
+        _scene(distances[i], Reality(seed=720 + 50 * seed + room), np.random.default_rng([702, seed, i]))
+        for room in range(_ROOMS)
+        for i in range(room, number, _ROOMS)  # a room after the other: to furnish one takes longest
+    ]
+
+
+def _scene(distance: float, reality: Reality, rng: np.random.Generator) -> PostScene:
+    """A picture of a post at a distance, by a robot that leans without knowing it."""
     lean = TorsoTilt()
-    scenes = []
-    for i, distance in enumerate(np.linspace(0.6, 6.0, number)):
-        rng = np.random.default_rng([702, seed, i])
-        pose, yaw = _place(distance, rng)
-        scenes.append(
-            picture_from(
-                pose,
-                Reality(seed=720 + 50 * seed + i % _ROOMS),
-                rng,
-                yaw=yaw,
-                pitch=rng.normal(HEAD_PITCH, np.radians(1.0)),
-                torso_pitch=rng.normal(0.0, lean.pitch),
-                torso_roll=rng.normal(0.0, lean.roll),
-            )
-        )
-    return scenes
+    pose, yaw = _place(distance, rng)
+    return picture_from(
+        pose,
+        reality,
+        rng,
+        yaw=yaw,
+        pitch=rng.normal(HEAD_PITCH, np.radians(1.0)),
+        torso_pitch=rng.normal(0.0, lean.pitch),
+        torso_roll=rng.normal(0.0, lean.roll),
+    )
 
 
 def approach(distances: npt.ArrayLike, reality: Reality | None = None) -> list[PostScene]:
