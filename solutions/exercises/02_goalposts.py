@@ -687,7 +687,7 @@ def _feet_by_blobs(labels: Any) -> Array:
     """Blobs of yellow, the middle of their lowest row, green below it."""
     labels = np.asarray(labels).astype(np.uint8)
     height = labels.shape[0]
-    number, names, stats, _ = cv2.connectedComponentsWithStats(
+    number, names, _, _ = cv2.connectedComponentsWithStats(
         (labels == YELLOW).astype(np.uint8), connectivity=4
     )
     feet = []

@@ -1,0 +1,61 @@
+"""The challenge of lesson 02: what is scored, and what is said of wrong answers."""
+
+import numpy as np
+import pytest
+
+from nao_course.challenges import CaseResult, Run
+from nao_course.lessons.goalposts.challenge import CHALLENGE, ROOMS, SCENES_PER_ROOM, as_feet, judge
+from nao_course.lessons.goalposts.measuring import Feet
+from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.sim import NAO_V4
+
+SCENE = PostScene(
+    np.zeros((240, 320, 3), dtype=np.uint8),
+    np.zeros((240, 320), dtype=np.uint8),
+    Feet(np.array([[50.0, 90.0], [200.0, 80.0]]), np.array([2.0, 2.5]), np.array([[-5.0, 70.0]])),
+    NAO_V4.view("bottom"),
+)
+
+
+def test_the_truth_scores_one_and_nothing_scores_nothing():
+    assert judge(SCENE.feet.pixels, SCENE).score == judge([(50, 90), (200, 80)], SCENE).score == 1.0
+    assert judge(np.zeros((0, 2)), SCENE).score == 0.0
+
+
+def test_a_missed_foot_and_a_false_point_cost_and_are_told():
+    scored = judge([(50, 90), (120, 30), (-5, 70)], SCENE)
+    assert scored.score == pytest.approx(2 * 1 / (2 + 2))
+    assert scored.columns == {"feet missed": 1.0, "false points": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "returns None"),
+        ("feet", "got str"),
+        ([1.0, 2.0], r"got shape \(2,\)"),
+        (np.zeros((2, 3)), r"none as \(0, 2\)"),
+        ([(np.nan, 1.0)], "NaN or infinite"),
+        (np.zeros((1001, 2)), "at most 1000"),
+        ([[1, 2], [3]], "got list"),
+    ],
+)
+def test_what_is_no_feet_is_said(answer, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        as_feet(answer)
+
+
+def test_every_room_has_its_scenes_with_names_of_their_own():
+    names = [CHALLENGE.name_of(place) for place in CHALLENGE.seeds]
+    assert len(set(names)) == len(names) == SCENES_PER_ROOM * sum(map(len, ROOMS.values()))
+    assert names[0] == "dark 1" and names[-1] == "harsh 15"
+
+
+def test_the_figure_shows_the_worst_scenes():
+    answers = ([], [(50, 90)], SCENE.feet.pixels)
+    scored = [judge(np.array(each, dtype=float).reshape(-1, 2), SCENE) for each in answers]
+    results = tuple(
+        CaseResult(name, name, each.score, each.columns, each.kept)
+        for name, each in zip(("dark 1", "dark 2", "dark 3"), scored, strict=True)
+    )
+    assert "The worst are dark 1 with 0.00, dark 2 with 0.67" in CHALLENGE.figure(Run(CHALLENGE, results)).alt

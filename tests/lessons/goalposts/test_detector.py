@@ -1,0 +1,79 @@
+"""The lesson's detector by law, on the simulator's pictures, and on a real robot's."""
+
+import numpy as np
+import pytest
+
+from nao_course.datasets import read_pictures
+from nao_course.exercises import load_definitions
+from nao_course.lessons.goalposts.measuring import Feet, match_feet, total
+from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.sim import Field, standard_scenes
+from tests.paths import PROJECT
+
+COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
+OWN = load_definitions(PROJECT / "solutions" / "02_goalposts.ipynb")
+GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)  # as in the lesson
+
+
+def find(picture):
+    lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
+    labels = COLOURS["color_labels"](picture, GREEN, YELLOW, COLOURS["white_threshold"](lightness.mean()))
+    return OWN["find_goalposts"](labels)
+
+
+def on_real(name, folder):
+    matches = []
+    for picture in read_pictures(name, folder):
+        marked = np.array([(p.u, p.v) for p in picture.points if p.kind == "post_foot"]).reshape(-1, 2)
+        matches.append(
+            match_feet(find(picture.pixels), Feet(marked, np.full(len(marked), np.nan), np.zeros((0, 2))))
+        )
+    return total(matches)
+
+
+def test_the_limits_are_those_of_the_lesson():
+    assert f"GREEN, YELLOW = {GREEN}, {YELLOW}" in (PROJECT / "solutions" / "02_goalposts.md").read_text()
+
+
+def test_on_the_64_real_scenes_36_of_39_feet_are_found_and_at_most_one_is_false(data_dir):
+    match = on_real("scenes", data_dir)
+    assert len(match.found) == 39 and match.found.sum() >= 36 and match.false <= 1
+
+
+def test_on_the_real_walk_every_foot_is_found(data_dir):
+    match = on_real("straightwalk", data_dir)
+    assert len(match.found) == 47 and match.found.all() and match.false == 0
+
+
+@pytest.mark.slow
+def test_on_the_reporting_set_95_percent_of_the_feet_are_found():
+    scenes = [PostScene.of(s.pixels, s.truth, Field(2012)) for s in standard_scenes("report")]
+    match = total(scene.match(find(scene.pixels)) for scene in scenes)
+    assert match.recall >= 0.95 and match.precision >= 0.95
+
+
+def test_a_mirrored_picture_has_mirrored_feet(rng):
+    labels = rng.choice(4, (48, 64), p=[0.1, 0.6, 0.2, 0.1]).astype(np.uint8)
+    labels[:30, [10, 11, 12, 50, 51]] = 2
+    labels[30:] = 1
+    feet, mirrored = (OWN["find_goalposts"](each) for each in (labels, labels[:, ::-1]))
+    assert len(feet) == 2
+    assert np.allclose(np.sort(feet[:, 0]), np.sort(63 - mirrored[:, 0]))
+
+
+def test_clusters_are_the_same_in_any_order_and_moved_points_move_them(rng):
+    points = rng.uniform(0, 100, (40, 2))
+
+    def clusters(given):
+        found = OWN["cluster_points"](given, 9.0)
+        return found[np.lexsort(found.T)]
+
+    assert np.allclose(clusters(points), clusters(rng.permutation(points)))
+    assert np.allclose(clusters(points) + (5, -7), clusters(points + (5, -7)))
+
+
+@pytest.mark.parametrize("label", range(4))
+@pytest.mark.parametrize("shape", [(1, 1), (3, 40), (48, 64)])
+def test_pictures_of_one_label_have_no_posts(label, shape):
+    found = OWN["find_goalposts"](np.full(shape, label, dtype=np.uint8))
+    assert found.shape == (0, 2)

@@ -1,0 +1,60 @@
+"""Figures of lesson 02: what they say is what they show."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.goalposts.figures import (
+    draw_column,
+    draw_feet,
+    draw_heights,
+    draw_recall,
+    precision_counts,
+    recall_counts,
+)
+from nao_course.lessons.goalposts.measuring import FootMatch
+
+BLACK = np.zeros((24, 32, 3), dtype=np.uint8)
+MATCHES = [
+    FootMatch(np.array([0.5, 1.5]), np.array([True, False]), 1),
+    FootMatch(np.array([1.2]), np.array([True]), 0),
+    FootMatch(np.zeros(0), np.zeros(0, dtype=bool), 2),
+]
+
+
+def test_feet_are_named_by_picture():
+    drawing = draw_feet({"left": BLACK, "right": BLACK}, [[(3, 4)], np.zeros((0, 2))])
+    assert drawing.alt.endswith("left: 1 foot at (3, 4); right: 0 feet.") and drawing.photo
+    with pytest.raises(ValueError, match="2 pictures need as many sets"):
+        draw_feet({"left": BLACK, "right": BLACK}, [[(3, 4)]])
+
+
+def test_candidates_have_a_key_only_where_they_are_drawn():
+    def keys(drawing):
+        return [text.get_text() for legend in drawing.figure.legends for text in legend.get_texts()]
+
+    assert keys(draw_feet({"a": BLACK}, [[(3, 4)]])) == ["foot found"]
+    assert keys(draw_feet({"a": BLACK}, [[(3, 4)]], [[(3, 4)]])) == ["candidate", "foot found"]
+
+
+def test_a_column_says_its_foot_its_green_and_its_run():
+    labels = np.array([[0, 2, 2, 2, 1, 3, 1, 1], [0] * 8, [2, 2, 0, 2, 0, 0, 1, 1]], dtype=np.uint8).T
+    said = draw_column(labels, [0, 1, 2], look_down=3).alt
+    assert "Column 0: lowest yellow at 3, 2 of 3 pixels below it green, run of 3 pixels." in said
+    assert "Column 1 has no yellow." in said
+    assert "Column 2: lowest yellow at 3, 1 of 3 pixels below it green, run of 1 pixels." in said
+
+
+def test_the_height_says_where_it_meets_its_limits():
+    line = np.linspace(1, 8, 701)
+    drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": 40})
+    assert drawing.alt.endswith("Equation 2.1 meets a fifth at 5.0 m, a tenth at 6.0 m.")
+
+
+def test_recall_counts_feet_and_precision_points_by_distance():
+    assert recall_counts(MATCHES) == {0: (1, 1), 1: (1, 2)}
+    assert precision_counts(MATCHES) == {0: (1, 2), 1: (1, 1)}
+    assert recall_counts(MATCHES, width=2.0) == {0: (2, 3)}
+
+
+def test_recall_says_the_sums():
+    assert draw_recall({"yours": MATCHES}).alt.endswith("yours: 2 of 3 feet found, 3 false.")

@@ -1,0 +1,70 @@
+"""The posts panel: its values reach the student's functions, and what is missing is named."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.goalposts.measuring import Feet
+from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
+from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.sim import NAO_V4
+
+LABELS = np.zeros((24, 32), dtype=np.uint8)
+
+
+def scene(foot):
+    return PostScene(
+        np.full((24, 32, 3), 90, dtype=np.uint8),
+        LABELS,
+        Feet(np.array([foot], dtype=float), np.array([1.0]), np.zeros((0, 2))),
+        NAO_V4.view("bottom"),
+    )
+
+
+def panel(
+    candidates=lambda *given: np.array([[5.0, 6.0], [7.0, 6.0]]), cluster=lambda points, gap: points[:1]
+):
+    return PostPanel({"a": scene((5, 6)), "b": scene((30, 20))}, lambda pixels: LABELS, candidates, cluster)
+
+
+def test_every_slider_reaches_its_function():
+    got = []
+    shown = panel(
+        lambda labels, *values: got.append(values) or np.zeros((0, 2)),
+        lambda points, gap: got.append(gap) or points,
+    )
+    shown.set(min_green=3, look_down=7, min_height=0.25, max_distance=31)
+    assert got[-2:] == [(3, 7, 0.25), 31]
+
+
+def test_it_says_what_was_found_in_the_chosen_scene():
+    shown = panel()
+    assert "2 candidates in 1 clusters: 1 of 1 feet found, 0 false." in shown.summary()
+    shown.set(scene="b")
+    assert "0 of 1 feet found, 1 false." in shown.summary()
+
+
+def test_what_is_not_written_is_named_and_the_rest_is_shown():
+    def blank(*given):
+        raise NotImplementedError
+
+    first = panel(candidates=blank)
+    assert "Finish exercise 2.1" in first.summary() and "Your labels" in first.shown.pictures
+    second = panel(cluster=blank)
+    assert "Finish exercise 2.2" in second.summary()
+    assert (second.shown.pictures["Your labels"] != first.shown.pictures["Your labels"]).any()
+
+
+def test_marks_lie_at_their_pixels_on_a_copy():
+    picture = np.full((240, 320, 3), 90, dtype=np.uint8)
+    marked = mark_feet(picture, [(100, 50)], [(200, 150)])
+    changed = np.argwhere((marked != picture).any(axis=2))
+    rings, dots = changed[changed[:, 1] < 150], changed[changed[:, 1] >= 150]
+    assert rings.mean(axis=0) == pytest.approx([50, 100], abs=0.5) and dots.mean(axis=0) == pytest.approx(
+        [150, 200]
+    )
+    assert (picture == 90).all() and (marked[50, 100] == 90).all(), "the foot itself stays visible"
+
+
+def test_there_is_something_to_choose():
+    with pytest.raises(ValueError, match="at least one scene"):
+        PostPanel({}, lambda pixels: LABELS, lambda *given: given, lambda *given: given)
