@@ -12,7 +12,7 @@ from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
 from nao_course.lessons.goalposts.scenes import (
     PostScene,
     approach,
-    measure,
+    match_scenes,
     picture_from,
     post_height,
     robot_before,
@@ -33,7 +33,7 @@ __all__ = [
     "draw_turning_head",
     "mark_feet",
     "match_feet",
-    "measure",
+    "match_scenes",
     "picture_from",
     "post_height",
     "robot_before",

@@ -39,7 +39,7 @@ class Feet:
         clear = [mark for mark in seen if not mark.occluded]
         everywhere = truth.view.project(field.posts, truth.pose)
         known = as_points([mark.pixel for mark in clear])
-        apart = ~np.isclose(everywhere[:, None], known[None], atol=1e-6).all(axis=2).any(axis=1)
+        apart = (_between(everywhere, known) > 1e-6).all(axis=1)
         return cls(known, np.array([mark.distance for mark in clear]), everywhere[apart])
 
 

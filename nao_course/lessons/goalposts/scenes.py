@@ -61,7 +61,15 @@ class PostScene:
         return match_feet(points, self.feet, REACH * len(self.pixels) / 240)
 
 
-def picture_from(pose: Pose, reality: Reality, rng: np.random.Generator, **angles: float) -> PostScene:
+def picture_from(
+    pose: Pose,
+    reality: Reality,
+    rng: np.random.Generator,
+    yaw: float = 0.0,
+    pitch: float = HEAD_PITCH,
+    torso_pitch: float = 0.0,
+    torso_roll: float = 0.0,
+) -> PostScene:
     """Take a picture of the whole field of 2012 with the bottom camera.
 
     Parameters
@@ -72,11 +80,12 @@ def picture_from(pose: Pose, reality: Reality, rng: np.random.Generator, **angle
         How real it looks.
     rng : numpy.random.Generator
         Of the sensor's noise.
-    **angles : float
-        Head's yaw and pitch, torso's pitch and roll (``yaw``, ``pitch``, ``torso_pitch``, ``torso_roll``), rad.
+    yaw, pitch : float
+        Of the head, rad; positive to the left, and down.
+    torso_pitch, torso_roll : float
+        How the body leans, rad.
     """
-    angles = {"yaw": 0.0, "pitch": HEAD_PITCH, **angles}
-    view = NAO_V4.view("bottom", angles.pop("yaw"), angles.pop("pitch"), (320, 240), **angles)
+    view = NAO_V4.view("bottom", yaw, pitch, (320, 240), torso_pitch=torso_pitch, torso_roll=torso_roll)
     pixels, truth = render(FIELD, pose, view, reality, rng)
     return PostScene.of(pixels, truth, FIELD)
 
@@ -182,7 +191,7 @@ def post_height(
     return np.asarray(view.focal[1] * height * d / (depth_foot * depth_top))
 
 
-def measure(find: Callable[[Any], Any], scenes: Sequence[PostScene]) -> list[FootMatch]:
+def match_scenes(find: Callable[[Any], Any], scenes: Sequence[PostScene]) -> list[FootMatch]:
     """Run a detector on pictures: `find(pixels)` returns feet (K, 2)."""
     return [scene.match(find(scene.pixels.copy())) for scene in scenes]
 
