@@ -204,11 +204,12 @@ def _candidates_hidden(rng: np.random.Generator) -> list[Case]:
         Case((goal, 8, 10, 0.125)),
         *(
             Case((scattered(rng, rows, 60), int(rng.integers(1, 5)), int(rng.integers(5, 9)), 0.125))
-            for rows in (24, 32, 40, 48)
+            for rows in (24, 28, 40, 44)
         ),
         Case((scattered(rng, 40, 30), 0, 5, 0.125)),
         Case((scattered(rng, 20, 64), 2, 2, 0.25)),
         Case((scattered(rng, 64, 20), 3, 30, 0.0625)),
+        Case((stand(field(20, 30, 6), int(rng.integers(4, 20)), 3, 4, 11), 0, 4, 0.0)),
         Case(
             (
                 _columns("ooyyyygg", "oooyyyyg", "ooooyyyy", "ogyyyygw", "yyyygggw"),
@@ -338,6 +339,15 @@ POST_CANDIDATES = Exercise(
         "a loop over columns, whole numbers": _candidates_list,
         "all columns, row after row": _candidates_by_rows,
         "cumulative sums": _candidates_by_sums,
+    },
+    equivalents={
+        "green = (labels[np.minimum(below, height - 1), columns[:, None]] == 1) * (below < height)": "* of two boolean arrays is their &",
+        "green = (labels[np.minimum(below, height - 1), columns[:, None]] == 1) // (below < height)": "1 // 1 is 1, and all other quotients of NumPy's booleans are 0",
+        "good = (green.sum(axis=1) >= min_green) * yellow.all(axis=1)": "* of two boolean arrays is their &",
+        "below = foot[:, None] + np.arange(0, look_down + 1)": "the foot itself is yellow, so it adds no green",
+        "return np.column_stack([columns[good], foot[good]])": "whole numbers are the same points",
+        "run = foot[:, None] - np.arange(min_height * height, dtype=int)": "np.arange has as many numbers below a stop that is not whole as below the next whole one",
+        "green = (labels[np.minimum(height - 1, below), columns[:, None]] == 1) & (below < height)": "the smaller of two numbers does not depend on their order",
     },
 )
 
@@ -646,6 +656,13 @@ CLUSTER_POINTS = Exercise(
         "powers of a matrix, float32": _clusters_closure,
         "union-find": _clusters_union,
     },
+    equivalents={
+        "return np.array(means).reshape(~1, 2)": "NumPy finds out any length that is negative",
+        "return np.array(means).reshape(-2, 2)": "NumPy finds out any length that is negative",
+        "near = np.linalg.norm(points[:, None] - points, axis=1 - 2) <= max_distance": "-1 is the last axis, which is 2",
+        "while not np.array_equal(before, names):": "equal is equal in both directions",
+        "near = np.linalg.norm(points - points[:, None], axis=2) <= max_distance": "a difference is as long as its opposite",
+    },
 )
 
 
@@ -770,6 +787,14 @@ def _near_edge(rows: int, below: float) -> Array:
     return stand(labels, rows // 2, max(rows // 12, 3), 0, rows - 1 - round(below * rows))
 
 
+def _narrow(rows: int, left: int) -> Array:
+    """A goal seen from the side: its posts are a fifth of the height apart."""
+    labels, width = field(rows, rows * 4 // 3, rows // 4), max(rows // 24, 2)
+    for shift in (0, -(-rows // 5) + width):
+        stand(labels, left + shift, width, 0, rows // 2)
+    return labels
+
+
 def _posts_public() -> list[Case]:
     rng = np.random.default_rng(23)
     cut = _near_edge(48, 0.0)
@@ -780,6 +805,7 @@ def _posts_public() -> list[Case]:
         Case((_goal(rng, 48, left=0.12, right=0.78),), "a goal, a bag behind the field and a banana peel"),
         Case((_near_edge(48, 0.09),), "a post near the lower edge"),
         Case((cut,), "a post whose foot is below the picture"),
+        Case((_narrow(48, 21),), "a goal seen from the side"),
         Case((one,), "one post"),
         Case((nothing,), "a bag and no post"),
         Case((np.repeat(np.repeat(_goal(rng, 24, left=0.2, right=0.7), 2, 0), 2, 1),), "another goal"),
@@ -793,6 +819,7 @@ def _posts_hidden(rng: np.random.Generator) -> list[Case]:
         Case((_near_edge(48, 0.085),)),
         Case((_near_edge(240, 0.06),)),
         Case((_near_edge(480, 0.0),)),
+        *(Case((_narrow(rows, int(rng.integers(5, rows))),)) for rows in (48, 72, 240)),
         Case((field(120, int(rng.integers(100, 160)), 40),)),
     ]
 
@@ -858,6 +885,21 @@ FIND_GOALPOSTS = Exercise(
         "other values, cumulative sums and scipy": _feet_by_sums,
         "the lowest row of each cluster": _feet_lowest,
     },
+    equivalents=dict.fromkeys(
+        (
+            "scale = len(labels) / 241",
+            "scale = len(labels) / 239",
+            "min_green, look_down = np.ceil([9 * scale, 10 * scale]).astype(int)",
+            "min_green, look_down = np.ceil([7 * scale, 10 * scale]).astype(int)",
+            "min_green, look_down = np.ceil([8 * scale, 11 * scale]).astype(int)",
+            "min_green, look_down = np.ceil([8 * scale, 9 * scale]).astype(int)",
+            "min_green, look_down = np.ceil([scale, 10 * scale]).astype(int)",
+            "min_green, look_down = np.floor([8 * scale, 10 * scale]).astype(int)",
+            "return cluster_points(candidates, 21 * scale)",
+            "return cluster_points(candidates, 19 * scale)",
+        ),
+        "a value of one's own: what the text demands leaves room for it",
+    ),
 )
 
 
