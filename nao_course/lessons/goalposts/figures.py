@@ -97,7 +97,7 @@ def plot_feet(points: FloatArray, ax: Axes, size: float = 13) -> None:
 def draw_turning_head(find: Callable[[Any], Any]) -> Drawing:
     """Draw what the robot sees while it turns its head, with the feet that `find(pixels)` finds in each picture."""
     pictures = turning_head()
-    return draw_feet(pictures, [find(pixels.copy()) for pixels in pictures.values()])
+    return draw_feet(pictures, [find(pixels.copy()) for pixels in pictures.values()], columns=3)
 
 
 def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 10) -> Drawing:

@@ -141,14 +141,14 @@ def approach(distances: npt.ArrayLike, reality: Reality | None = None) -> list[P
     ]
 
 
-def turning_head(degrees: Sequence[float] = (30.0, 10.0, -10.0, -30.0)) -> dict[str, npt.NDArray[np.uint8]]:
+def turning_head(degrees: Sequence[float] = (25.0, 0.0, -25.0)) -> dict[str, npt.NDArray[np.uint8]]:
     """Take a picture of the goal for each yaw of the head, in degrees to the left; by a title that says it."""
     nao = SimulatedNao(Field(2012), Pose(1.0, -0.1, 0.0), rng=8)
     pictures = {}
     for yaw in degrees:
         nao.look(yaw=float(np.radians(yaw)), pitch=HEAD_PITCH)
-        side = "left" if yaw > 0 else "right"
-        pictures[f"head {abs(yaw):.0f}° to the {side}"] = nao.take_picture("bottom").pixels
+        title = f"head {abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'}" if yaw else "head straight ahead"
+        pictures[title] = nao.take_picture("bottom").pixels
     return pictures
 
 
