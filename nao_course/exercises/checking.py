@@ -22,7 +22,7 @@ from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
-from nao_course.exercises.trying import RUN_ABOVE, Message, explain_unknown_names, try_out
+from nao_course.exercises.trying import Message, explain_unknown_names, try_out
 
 CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
@@ -49,7 +49,8 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
-    "' is not defined": f"The notebook does not know that name. {RUN_ABOVE}",
+    "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
+    "started? The grader runs what you define, and no demonstrations.",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _SIGNS = {
