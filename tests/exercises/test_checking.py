@@ -1,6 +1,5 @@
 """What a student reads below a cell: each state told apart, each mistake its own message, never an answer."""
 
-import json
 import os
 import signal
 import subprocess
@@ -21,10 +20,8 @@ from nao_course.exercises import (
     Exact,
     Points,
     checking,
-    prediction,
     running,
 )
-from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicExercise
@@ -309,53 +306,6 @@ def test_a_check_starts_without_what_it_does_not_need():
     assert run.stdout.strip() == "[]"
 
 
-# Questions and predictions
-
-
-def test_every_choice_has_its_reply(plan, public):
-    question = public.questions[0]
-    for number, (choice, text) in enumerate(question.choices.items(), start=1):
-        sign = "✔ Right." if choice == question.right else "✘ Not quite."
-        assert repr(reply(question, choice)) == repr(reply(question, str(number))) == f"{sign} {text}"
-    for neither in ("", "0", "3", "no idea", "²"):
-        assert "1. Safety, 2. Speed" in repr(reply(question, neither))
-
-
-def test_buttons_answer_each_choice(public):
-    question = public.questions[0]
-    _, buttons, answer = ask(question).children
-    assert buttons.value is None
-    assert answer.value == ""
-    for choice, text in question.choices.items():
-        buttons.value = choice
-        assert text in answer.value
-    buttons.value = None
-    assert answer.value == ""
-
-
-def test_a_question_is_text_where_no_widget_lives(check):
-    bundle = check.question("why")._repr_mimebundle_()
-    assert bundle["text/plain"] == "Why clamp?\n  1. Safety\n  2. Speed"
-    json.dumps(bundle)
-    assert "Not quite" in repr(check.question("why", 2))
-    assert prediction("How far?")._repr_mimebundle_()["text/plain"] == "Predict: How far?"
-
-
-def test_a_prediction_is_written_down_once():
-    box = prediction("How far will it drift?", unit="cm")
-    field, unit, button = box.children[1].children
-    assert unit.value == "cm"
-    button.click()
-    assert box.prediction is None
-    assert "guess" in box.children[2].value
-    field.value = " 12 "
-    button.click()
-    assert box.prediction == "12"
-    assert "You predicted: 12 cm. Now" in box.children[2].value
-    assert field.disabled
-    assert button.disabled
-
-
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
 def test_a_loop_that_never_ends_and_swallows_exceptions_is_stopped_and_the_clock_is_put_back():
     def endless(value):
@@ -432,3 +382,29 @@ def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(m
     for seconds, most in ((1.0, 20), (10.0, 20), (45.0, 90)):
         assert f"stopped after {most} seconds" in grade_public(replace(public, seconds=seconds), abs).lines[0]
     assert waited == [20, 20, 90]
+
+
+# The payoff
+
+
+def test_a_payoff_is_drawn_by_what_the_student_wrote(check):
+    def clamp(x, low, high):
+        return min(max(x, low), high)
+
+    assert check.payoff(lambda clamp: clamp(5, 0, 3), clamp=clamp) == 3
+
+
+def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
+    assert repr(check.payoff(lambda clamp: clamp(5, 0, 3), clamp=unwritten)) == (
+        "This figure needs your exercise 90.1: write and check first, then run this."
+    )
+
+
+def test_a_payoff_that_fails_although_all_is_right_says_how(check):
+    assert "ZeroDivisionError" in repr(check.payoff(lambda clamp: 1 / 0, clamp=np.clip))
+
+
+def test_a_name_that_is_not_known_gets_advice_after_the_complaint(check):
+    report = repr(check("clamp", lambda x, low, high: lowest))  # noqa: F821
+    assert "name 'lowest' is not defined" in report
+    assert "since the kernel was started? The grader runs what you define" in report

@@ -4,6 +4,7 @@ A new lesson is tested as soon as its text is there.
 """
 
 import ast
+import base64
 import json
 import os
 import re
@@ -31,6 +32,7 @@ from tests.paths import PROJECT
 
 COURSE = load_course(PROJECT)
 NAMES = COURSE.names()
+UNFINISHED = {"01_hsl_filtering"}  # its text is being lifted to rules 19, 23 and 24; empty, once it is
 LONG = {"07", "09", "11", "12"}  # lessons of three hours
 FEWEST_MUTANTS = 15  # of an exercise: fewer say nothing about its cases
 EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
@@ -314,11 +316,9 @@ def test_rubric_12_a_panel_or_question_leaves_words_where_no_widget_lives(name):
 def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer_every_choice(name):
     sources = [cell.source for cell in solved(name).cells]
     predicted = [
-        number
-        for number, source in enumerate(sources)
-        if source.startswith("prediction(") or re.search(r"\*\*Predict, and write it down", source)
+        number for number, source in enumerate(sources) if re.search(r"^(\w+ = )?prediction\(", source)
     ]
-    assert predicted and "**Predict" in "".join(sources[predicted[0] - 1 : predicted[0] + 1])
+    assert predicted and "**Predict" in sources[predicted[0] - 1]
     asked = {
         each.name: list(each.choices.values())
         for each in read_public(name).questions
@@ -354,6 +354,107 @@ def test_rubric_15_it_ends_with_what_is_built_what_is_missing_and_references(nam
     assert titles[-2].startswith("What you have") and titles[-1] == "References"
     references = prose(solved(name)).split("## References")[1]
     assert len(re.findall(r"^- ", references, re.MULTILINE)) >= 3
+
+
+def payoff_of(notebook):
+    """The cell that draws the figure of the lesson's beginning, and its place."""
+    cells = lesson_text.code_cells(notebook, "payoff")
+    if not cells and notebook.metadata.nao_course.lesson in UNFINISHED:
+        pytest.xfail("this lesson's payoff is still to be written")
+    (found,) = cells
+    return found
+
+
+@each_lesson
+def test_rubric_19_it_opens_with_the_picture_that_the_students_code_draws_at_its_end(name):
+    notebook = executed(name)
+    place, cell = payoff_of(notebook)
+    shown = "".join(str(output.get("data", {}).get("text/html", "")) for output in cell.outputs)
+    ((kind, data),) = re.findall(r'src="data:image/(\w+);base64,([^"]+)"', shown)
+    image = f"images/{name[:2]}_payoff.{kind}"
+    for folder in ("solutions", "notebooks"):
+        assert (PROJECT / folder / image).read_bytes() == base64.b64decode(data), "run `make build`"
+    opening = "\n\n".join(cell.source for cell in notebook.cells[:2]).split("## What you will")[0]
+    (alt,) = re.findall(rf"!\[([^\]]+)\]\({re.escape(image)}\)", opening)
+    assert len(alt) >= 40
+    assert place > max(ordinal for ordinal, _ in lesson_text.code_cells(notebook, "check"))
+    names = {each.id for each in ast.walk(ast.parse(cell.source)) if isinstance(each, ast.Name)}
+    assert names & {each.name for each in COURSE.plan(name).exercises}, (
+        "it is drawn by the student's functions"
+    )
+
+
+def calls(cell, function):
+    """Calls of a function in a cell, by its name or as a method of that name."""
+    return [
+        node
+        for node in ast.walk(ast.parse(lesson_text.python(cell)))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == function
+    ]
+
+
+def is_last_line(cell, call):
+    """Whether a cell shows what a call gives: the call, or the name that it was given, is the last line."""
+    *_, last = ast.parse(lesson_text.python(cell)).body
+    return isinstance(last, ast.Expr) and last.end_lineno >= call.end_lineno
+
+
+@each_lesson
+def test_rubric_21_a_lesson_with_a_challenge_opens_it_behind_its_exercises(name):
+    if not (PROJECT / "nao_course" / "lessons" / name[3:] / "challenge.py").is_file():
+        pytest.skip("this lesson has no challenge yet")
+    code = lesson_text.code_cells(solved(name))
+    ((place, opening),) = [(place, cell) for place, cell in code if calls(cell, "challenge")]
+    assert is_last_line(opening, calls(opening, "challenge")[0])
+    assert place > max(place for place, cell in code if lesson_text.role(cell) == "check")
+
+
+@each_lesson
+def test_rubric_22_a_lesson_with_my_nao_ends_by_driving_it(name):
+    code = lesson_text.code_cells(solved(name))
+    driven = [(place, cell) for place, cell in code if calls(cell, "my_nao")]
+    if not driven:
+        pytest.skip("this lesson has no robot of the student's own yet")
+    place, cell = driven[-1]
+    assert place > max(place for place, cell in code if lesson_text.role(cell) == "check")
+    assert is_last_line(cell, calls(cell, "my_nao")[0])
+
+
+@each_lesson
+def test_rubric_23_only_cells_that_merely_show_something_are_folded(name):
+    for notebook in (student_copy(name), executed(name)):
+        for _, cell in lesson_text.code_cells(notebook):
+            hidden = cell.metadata.get("jupyter", {}).get("source_hidden", False)
+            assert hidden is (lesson_text.role(cell) == "display"), cell.source
+
+
+@each_lesson
+def test_rubric_23_what_can_be_found_out_is_answered_in_a_fold(name):
+    for cell in solved(name).cells:
+        if re.search(r"things to (try|find)", cell.source, re.IGNORECASE):
+            if name in UNFINISHED and "<details>" not in cell.source:
+                pytest.xfail("this lesson's answers are still to be folded")
+            task, answer = cell.source.split("<details>", 1)
+            assert "1." in task and "1." in answer
+    assert all(
+        cell.source.count("<details>") == cell.source.count("</details>") for cell in solved(name).cells
+    )
+
+
+@each_lesson
+def test_rubric_24_a_prediction_says_what_it_can_be_and_is_laid_beside_what_came_out(name):
+    assert "____" not in prose(solved(name)), "a prediction has a field to write into"
+    code = [cell for _, cell in lesson_text.code_cells(solved(name))]
+    for number, cell in enumerate(code):
+        for call in calls(cell, "prediction"):
+            assigned = re.match(r"(\w+) = prediction\(", cell.source)
+            if name in UNFINISHED and not assigned:
+                pytest.xfail("this lesson's predictions are still to be laid beside the results")
+            assert {each.arg for each in call.keywords} & {"unit", "choices", "low", "high"}
+            beside = f"{assigned[1]}.beside("
+            later = [each for each in code[number + 1 :] if beside in each.source]
+            assert later, f"{assigned[1]} is never resolved"
+            assert all(is_last_line(each, calls(each, "beside")[0]) for each in later)
 
 
 @pytest.mark.slow

@@ -7,9 +7,10 @@ import nbformat
 import pytest
 
 from nao_course import cli
-from nao_course.instructor.authoring import build
+from nao_course.instructor.authoring import build, lesson_text
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_plan, reference
+from nao_course.plotting import image_tag
 from tests.toy import course as toy_course
 from tests.toy import toy
 
@@ -29,9 +30,19 @@ def right(solutions):
     return reference("90", solutions)
 
 
-NO_KERNEL = mock.patch(
-    "nao_course.instructor.authoring.execute.execute", lambda solved, root: nbformat.from_dict(solved)
-)
+PICTURE = b"what the payoff drew"
+
+
+def not_run(solved, root):
+    """The lesson as if it had run, with nothing shown but its payoff."""
+    notebook = nbformat.from_dict(solved)
+    for _, cell in lesson_text.code_cells(notebook, "payoff"):
+        shown = {"text/plain": "a figure", "text/html": image_tag(PICTURE, "a figure", "png")}
+        cell.outputs = [nbformat.v4.new_output("display_data", shown)]
+    return notebook
+
+
+NO_KERNEL = mock.patch("nao_course.instructor.authoring.execute.execute", not_run)
 
 
 @pytest.fixture

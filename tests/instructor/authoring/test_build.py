@@ -9,6 +9,8 @@ import pytest
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import build, lesson_text
+from nao_course.instructor.authoring.course import LessonError
+from tests.instructor.authoring.conftest import PICTURE
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
 
 
@@ -147,12 +149,32 @@ BROKEN = {
         "mistake 'squared': no public case tells",
     ),
     "a name used twice": (PLAN, "[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
-    "a declaration that does not run": (PLAN, "points=1,", "points=1, colour=2,", r"01_toy.py: line 3: TypeError"),
+    "a declaration that does not run": (
+        PLAN,
+        "points=1,",
+        "points=1, colour=2,",
+        r"01_toy.py: line 3: TypeError",
+    ),
 }
 BROKEN |= {
-    "stars of seven": (PLAN, "points=1,", "points=1, stars=7,", "01_toy.py: double: stars must be 1, 2 or 3, got 7"),
-    "no tuple": (PLAN, "Case((2.0,))", "Case((2.0))", r"01_toy.py, 01_toy.md, cell 4 .*public case 1: args must be"),
-    "an error in hidden cases": (PLAN, "(-10, 10, 6)", "(-10, 10, -6)", "its hidden cases: line 7: ValueError"),
+    "stars of seven": (
+        PLAN,
+        "points=1,",
+        "points=1, stars=7,",
+        "01_toy.py: double: stars must be 1, 2 or 3, got 7",
+    ),
+    "no tuple": (
+        PLAN,
+        "Case((2.0,))",
+        "Case((2.0))",
+        r"01_toy.py, 01_toy.md, cell 4 .*public case 1: args must be",
+    ),
+    "an error in hidden cases": (
+        PLAN,
+        "(-10, 10, 6)",
+        "(-10, 10, -6)",
+        "its hidden cases: line 7: ValueError",
+    ),
 }
 
 
@@ -186,7 +208,11 @@ def test_what_is_wrong_with_the_declarations_of_all_lessons_is_said_at_once(cour
     course.text("02_toy").write_text(course.text("01_toy").read_text())
     course.declaration("02_toy").write_text("PLAN = 3")
     said = run("build").output
-    for problem in ("01_toy.py: double: points must be", "01_toy.py: double: hints must be two", "02_toy.py: it must"):
+    for problem in (
+        "01_toy.py: double: points must be",
+        "01_toy.py: double: hints must be two",
+        "02_toy.py: it must",
+    ):
         assert f"solutions/exercises/{problem}" in said
 
 
@@ -214,6 +240,78 @@ def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
     write(course.text("01_toy"), "Words", "![a post](images/a.png) Words")
     assert run("build").exit_code == 0
     assert Path("notebooks/images/a.png").read_bytes() == b"png"
+
+
+OPENING = "# A toy\n\n![what it shows](images/01_payoff.png)"
+PAYOFF = """
+```{code-cell} ipython3
+:role: payoff
+
+check.payoff(print, double=double)
+```
+"""
+
+
+def with_a_payoff(course):
+    write(course.text("01_toy"), "# A toy", OPENING)
+    with course.text("01_toy").open("a") as text:
+        text.write(PAYOFF)
+
+
+def test_the_picture_that_a_lesson_opens_with_is_the_one_that_its_payoff_drew(course):
+    with_a_payoff(course)
+    assert run("build").exit_code == 0
+    for folder in ("notebooks", "solutions"):
+        assert (course.root / folder / "images" / "01_payoff.png").read_bytes() == PICTURE
+    assert "Nothing has changed." in run("build").output
+    course.text("01_toy").unlink()
+    assert run("build").exit_code == 0
+    assert not list(course.root.glob("*/images/01_payoff.png"))
+
+
+def test_a_lesson_is_built_before_its_payoff_has_ever_run_but_not_released(course):
+    with_a_payoff(course)
+    assert run("build", "--no-execute").exit_code == 0
+    with pytest.raises(LessonError, match=r"solutions/images/01_payoff.png does not exist"):
+        build.build(course, solutions=False)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ((OPENING, "# A toy"), "does not open with its picture"),
+        (("01_payoff.png", "01_payoff.jpeg"), "does not open with its picture"),
+        ((PAYOFF, PAYOFF * 2), "one cell with :role: payoff is enough"),
+    ],
+)
+def test_a_payoff_that_the_lesson_does_not_open_with_is_refused(course, change, said):
+    with_a_payoff(course)
+    write(course.text("01_toy"), *change)
+    assert said in run("build").output
+
+
+def test_a_payoff_without_a_picture_is_refused(course):
+    notebook = lesson_text.read_lesson(course.text("01_toy"), lesson_text.HEADER + OPENING + PAYOFF)
+    with pytest.raises(LessonError, match="a payoff shows one picture, this one shows 0"):
+        build.payoff_files(notebook)
+
+
+def test_cells_that_only_show_something_are_folded_and_nothing_of_it_goes_back_into_the_text(course):
+    write(
+        course.text("01_toy"),
+        ":role: display",
+        ":role: example\n\n1\n```\n\n```{code-cell} ipython3\n:role: display",
+    )
+    assert run("build").exit_code == 0
+    for folder in ("notebooks", "solutions"):
+        notebook = nbformat.read(course.root / folder / "01_toy.ipynb", as_version=4)
+        folded = [lesson_text.role(cell) for cell in notebook.cells if "jupyter" in cell.metadata]
+        assert folded == ["display"]
+        assert notebook.cells[-1].metadata.jupyter == {"source_hidden": True}
+    assert lesson_text.write_lesson(notebook) == course.text("01_toy").read_text()
+    notebook.cells[-1].metadata.jupyter["source_hidden"] = False  # opened in JupyterLab: no edit
+    nbformat.write(notebook, course.solutions / "01_toy.ipynb")
+    assert run("build").exit_code == 0
 
 
 SECOND = """
