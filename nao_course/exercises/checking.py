@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from html import escape
@@ -61,6 +62,8 @@ _SIGNS = {
     "raised": "✘",
     "interrupted": "■",
 }
+_AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that somebody has begun
+_SECONDS_FOR_A_REASON = 2.0  # wall clock of a case of another exercise that is looked at
 _DATA = "checks"
 
 
@@ -150,7 +153,7 @@ def unpack(data: bytes) -> PublicLesson:
     return lesson
 
 
-def grade_public(exercise: PublicExercise, function: Any) -> Report:
+def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:
     """Run an exercise's public cases on a function.
 
     Parameters
@@ -159,6 +162,8 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
         What is asked for.
     function : callable
         What the student wrote.
+    most_seconds : float
+        Wall clock that a case gets, where that is less than what the exercise gives.
 
     Returns
     -------
@@ -173,12 +178,31 @@ def grade_public(exercise: PublicExercise, function: Any) -> Report:
         )
         return Report(exercise.name, "wrong", (text,))
     answer = partial(judging.answer, exercise.comparison)
-    seconds = max(running.SECONDS, 2 * exercise.seconds)
+    seconds = min(max(running.SECONDS, 2 * exercise.seconds), most_seconds)
     with watching(exercise.earlier) as calls:
         outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
         report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
     stood_in = [f"{why} Recorded answers stood in for it." for why in calls.answered.values()]
     return replace(report, lines=(*report.lines, *stood_in))
+
+
+def with_the_reason(exercise: PublicExercise, report: Report, others: Mapping[str, Report]) -> Report:
+    """Say of an exercise that is not right which exercise of the same lesson, one that it uses, is wrong itself.
+
+    Parameters
+    ----------
+    exercise : PublicExercise
+        Whose report it is.
+    report : Report
+        What its check found.
+    others : mapping of str to Report
+        What the checks of other exercises of the lesson found, by name, in the lesson's order.
+    """
+    if report.state not in _AT_FAULT:
+        return report
+    wrong = [name for name, other in others.items() if name in exercise.uses and other.state in _AT_FAULT]
+    lines = [f"It uses {name}, which does not pass its own check: begin with that one." for name in wrong[:1]]
+    return replace(report, lines=(*report.lines, *lines))
 
 
 def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
@@ -357,12 +381,24 @@ class Checks:
             If it is not right, and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
         """
         try:
-            report: Report | Message = grade_public(self.exercise(name), function)
+            report: Report | Message = self._report(self.exercise(name), function)
         except ValueError as error:
             report = Message(str(error))
         if strict() and not (isinstance(report, Report) and report):
             raise CheckFailed(repr(report))
         return report
+
+    def _report(self, exercise: PublicExercise, function: Any) -> Report:
+        report = grade_public(exercise, function)
+        if report.state not in _AT_FAULT:
+            return report
+        beside = _defined_beside(function)
+        others = {
+            each.name: grade_public(each, beside[each.name], _SECONDS_FOR_A_REASON)
+            for each in self.lesson.exercises
+            if each.name in exercise.uses and each.name in beside
+        }
+        return with_the_reason(exercise, report, others)
 
     def hint(self, name: str) -> Message:
         """Give an exercise's first hint, and the second when asked again."""
@@ -424,6 +460,13 @@ class Checks:
         return Message(
             f"This figure needs your {some} {', '.join(missing)}: write and check first, then run this."
         )
+
+
+def _defined_beside(function: Any) -> Mapping[str, Any]:
+    """What is defined in the notebook in which a function, or class, is."""
+    module = sys.modules.get(str(getattr(function, "__module__", "")))
+    found = getattr(function, "__globals__", None) or vars(module or object)
+    return found if isinstance(found, Mapping) else {}
 
 
 def strict() -> bool:

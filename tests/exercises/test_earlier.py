@@ -5,7 +5,6 @@ import ast
 import numpy as np
 import pytest
 
-from nao_course import student
 from nao_course.exercises import checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
@@ -20,6 +19,7 @@ from nao_course.exercises.earlier import (
     watching,
 )
 from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
+from nao_course.student import notebooks as student
 from tests.toy import pair, toy
 
 
@@ -89,6 +89,21 @@ def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, so
         found["quadruple"](1.5)
     shown = try_out(lambda: found["quadruple"](1.5))
     assert str(shown).startswith("double of your lesson 80 is not usable yet")
+
+
+def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named(tmp_path, lessons):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
+    pair.write(
+        tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": "def quadruple(x):\n    return 3 * x"}
+    )
+    reason = "It uses quadruple, which does not pass its own check: begin with that one."
+    found = student.functions(pair.SECOND, tmp_path)
+    said = {report.name: report.lines for report in found.reports}
+    assert said["walk"][-1] == said["Walker"][-1] == reason and reason not in said["quadruple"]
+    own = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
+    check = checking.Checks(lessons[pair.SECOND])
+    assert check("walk", own["walk"]).lines[-1] == check("Walker", own["Walker"]).lines[-1] == reason
+    assert len(check("alone", own["alone"]).lines) == 2
 
 
 def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, lessons):

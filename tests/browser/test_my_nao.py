@@ -1,0 +1,82 @@
+"""The student's robot in a real browser: their labels over the picture, beside it and off, by mouse and keyboard."""
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.browser.filter_page import reference
+from tests.browser.lab import browser_page, wait_for
+from tests.paths import PROJECT
+
+pytestmark = pytest.mark.browser
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+SCREENSHOTS = PROJECT / "build" / "screenshots"
+GREEN = np.array([0x3F, 0x9B, 0x55])  # of the label, in all figures
+
+
+@pytest.fixture
+def page(lab, chromium):
+    lab.console.clear()
+    with browser_page(chromium) as opened:
+        yield opened
+    assert lab.our_errors() == []
+
+
+def looked_at(page, camera):
+    """What stands in a camera's place, as the page shows it."""
+    shot = page.locator(f"img.nao-image-{camera}").screenshot()
+    return cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_COLOR)[8:-8, 8:-8, ::-1].astype(int)
+
+
+def painted_green(page, camera):
+    """What part of it has the colour of the green label."""
+    return float(np.mean(np.abs(looked_at(page, camera) - GREEN).max(axis=2) < 12))
+
+
+def words(page):
+    return page.locator(".nao-panel .nao-status").inner_text()
+
+
+def expect(page, said):
+    if not wait_for(lambda: said in words(page), None, 60):
+        pytest.fail(f"{said!r} is not in the panel's words, which are {words(page)!r}")
+
+
+def test_the_students_own_labels_drive_along(lab, page):
+    lab.write(
+        "mine.ipynb",
+        "import numpy as np\nfrom nao_course.student import my_nao, so_far\nso_far()",
+        reference(),
+        "panel = my_nao(time_limit=60)\npanel",
+    )
+    lab.open(page, "mine.ipynb")
+    lab.run_all(page)
+    assert lab.errors(page) == []
+    strip = page.locator(".nao-strip").text_content()
+    assert strip.startswith("Your NAO so far: nothing yet · next: labels (01)"), "nothing was saved"
+    page.locator(".nao-panel").wait_for(timeout=60_000)
+    expect(page, "labels: green")
+    assert "✔ labels (01)" in page.locator(".nao-ready").text_content()
+    page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'end'})")
+    over = looked_at(page, "bottom")
+
+    page.locator(".nao-do-view").click()
+    wait_for(lambda: painted_green(page, "top") > 0.3, "labels beside the picture", 30)
+    assert painted_green(page, "bottom") < 0.2 < np.abs(looked_at(page, "bottom") - over).mean()
+
+    page.locator(".nao-keys").click()
+    before = page.locator("img.nao-image-top").get_attribute("src")
+    page.keyboard.press("w")
+    expect(page, "Walk 0.20 m ahead: done")
+    assert page.locator("img.nao-image-top").get_attribute("src") != before
+    assert painted_green(page, "top") > 0.3, "the labels follow the drive"
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=SCREENSHOTS / "my_nao.png")
+
+    page.keyboard.press("v")
+    wait_for(lambda: painted_green(page, "top") < 0.2, "the top camera's own picture", 30)
+    assert "labels: " not in words(page)
+    page.keyboard.press("v")
+    expect(page, "labels: green")
