@@ -93,6 +93,11 @@ def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
     assert "0.0 drawn" in repr(report)
 
 
+def test_the_words_of_a_challenge_are_text_on_a_page(tmp_path):
+    shown = Board(replace(CHALLENGE, task="Find x < 3 & <b>."), tmp_path)._repr_html_()
+    assert "Find x &lt; 3 &amp; &lt;b&gt;." in shown
+
+
 def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
     board = Board(CHALLENGE, tmp_path)
     first = board.example(3)
