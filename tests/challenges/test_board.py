@@ -41,10 +41,18 @@ def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
     assert "It is your first. It beats nothing (0.00); next is the reference (0.75)." in repr(report)
     better = board.enter(double)
     assert "That is your best so far; it was 0.50. It beats the reference (0.75)." in repr(better)
+    again = board.enter(double)
+    assert "as good as your best so far" in repr(again) and "this entry" not in names(again.table())
     worse = board.enter(lambda numbers: 2.75 * numbers)
     assert names(worse.table()) == ["nothing", "this entry", "the reference", "you, best so far"]
     assert "Your best so far stays 1.00." in repr(worse)
     assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
+
+
+def test_a_score_that_is_shown_as_another_is_level_with_it(tmp_path):
+    report = Board(CHALLENGE, tmp_path).enter(lambda numbers: 2.5001 * numbers)
+    assert report.score == pytest.approx(0.74995)
+    assert "It beats nothing (0.00); it is level with the reference (0.75)." in repr(report)
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
