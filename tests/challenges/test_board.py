@@ -114,8 +114,3 @@ def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
     assert board.example(3).tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(ValueError, match="from 1 to 3, got 0"):
         board.example(0)
-
-
-def test_a_challenge_that_no_board_can_show_is_refused():
-    with pytest.raises(ValueError, match="no seeds"):
-        replace(CHALLENGE, seeds=())
