@@ -31,7 +31,8 @@ def files():
 def test_the_zip_has_what_make_lab_needs_and_nothing_of_the_instructors(files):
     assert {"Makefile", "pyproject.toml", "requirements.lock", "LICENSE", "README.md"} <= files.keys()
     assert {"nao_course/cli.py", "nao_course/homework.py", "nao_course/geometry.py", NOTEBOOK} <= files.keys()
-    assert "nao_course/lessons/hsl_filtering/panel.py" in files
+    room = "nao_course/lessons/hsl_filtering"
+    assert {f"{room}/panel.py", f"{room}/challenge.json"} <= files.keys(), "a board without rows says nothing"
     parts = {part for name in files for part in Path(name).parts}
     assert not parts & {"instructor", "solutions", "tests", "benchmarks", "__pycache__", "course.toml"}
     assert not [name for name in files if name.startswith("notebooks/")], "students work there"
