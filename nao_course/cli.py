@@ -99,7 +99,8 @@ def check(
     console.print(table)
     for each in found.skipped:
         _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
-    _say(progress(notebook.parent).total(lesson))
+    with _plainly():
+        _say(progress(notebook.parent).total(lesson))
     raise typer.Exit(0 if found.complete else 1)
 
 

@@ -24,10 +24,19 @@ LAYERS = (
     {"datasets", "metrics"},
     {"plotting"},
     {"widgets"},
+    {"challenges"},
     {"lessons"},
 )
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
-WORLD = {"sim", "datasets", "metrics", "plotting", "widgets", "lessons"}  # sim and all that stands on it
+WORLD = {
+    "sim",
+    "datasets",
+    "metrics",
+    "plotting",
+    "widgets",
+    "challenges",
+    "lessons",
+}  # sim and all that stands on it
 
 MOST_MODULES = 11  # of a folder, its __init__ and the folders in it not counted
 MOST_LINES = 500  # of a module
@@ -269,7 +278,10 @@ def test_a_long_module_and_a_crowded_folder_are_found_out():
 
 # What tab completion shows
 
-FACING = ("geometry", "slam", "datasets", "student", "homework", "sim", "plotting", "widgets", "exercises")
+FACING = (
+    *("geometry", "slam", "datasets", "student", "homework", "sim", "plotting", "widgets", "challenges"),
+    "exercises",
+)
 
 
 def test_every_package_says_what_is_public():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
@@ -142,7 +141,7 @@ class EntryReport:
         mine = None
         if self.run.complete:
             mine = Best(self.score, self.run.worst.score, self.run.columns)
-            if best is None or self.run.challenge.beats(mine.score, best.score):
+            if best is None or not self.run.challenge.beats(best.score, mine.score):
                 best, mine = mine, None
         return standings(self.run.challenge, best=best, entry=mine)
 
@@ -153,6 +152,8 @@ class EntryReport:
             said += " It is your first."
         elif challenge.beats(score, self.before.score):
             said += f" That is your best so far; it was {challenge.say(self.before.score)}."
+        elif score == self.before.score:
+            said += " That is as good as your best so far."
         else:
             said += f" Your best so far stays {challenge.say(self.before.score)}."
         return f"{said} {_neighbours(challenge, score)}".strip()
@@ -202,18 +203,17 @@ def _beside(challenge: Challenge, row: Row) -> list[str]:
 
 
 def _neighbours(challenge: Challenge, score: float) -> str:
-    """Which recorded rows stand just below and just above a score."""
-    rows: Sequence[Row] = sorted(
-        challenge.rows, key=lambda row: row.score, reverse=not challenge.higher_is_better
-    )
-    behind = [row for row in rows if challenge.beats(score, row.score)]
-    ahead = [row for row in rows if challenge.beats(row.score, score)]
-    said = []
-    if behind:
-        said.append(f"It beats {behind[-1].name} ({challenge.say(behind[-1].score)})")
-    if ahead:
-        said.append(f"{'n' if behind else 'N'}ext is {ahead[0].name} ({challenge.say(ahead[0].score)})")
-    return f"{'; '.join(said)}." if said else ""
+    """Which recorded rows stand just below, level with and just above a score, by the digits that are shown."""
+    shown = {row.name: round(row.score, challenge.digits) for row in challenge.rows}
+    mine = round(score, challenge.digits)
+    rows = sorted(challenge.rows, key=lambda row: shown[row.name], reverse=not challenge.higher_is_better)
+    behind = [row for row in rows if challenge.beats(mine, shown[row.name])]
+    level = [row for row in rows if shown[row.name] == mine]
+    ahead = [row for row in rows if challenge.beats(shown[row.name], mine)]
+    places = (("it beats", behind[-1:]), ("it is level with", level[:1]), ("next is", ahead[:1]))
+    said = [f"{words} {row.name} ({challenge.say(row.score)})" for words, found in places for row in found]
+    first = "; ".join(said)
+    return f"{first[0].upper()}{first[1:]}." if said else ""
 
 
 def _head(challenge: Challenge) -> tuple[str, str, str]:

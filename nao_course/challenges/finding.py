@@ -8,6 +8,7 @@ import pkgutil
 
 from nao_course.challenges.board import Board
 from nao_course.challenges.declaration import Challenge
+from nao_course.exercises.checking import lessons
 from nao_course.exercises.lesson_names import meant
 
 LESSONS = "nao_course.lessons"  # by name: its folders import this package
@@ -31,19 +32,25 @@ def challenge(lesson: str | int) -> Board:
     ValueError
         If there is no such challenge.
     """
-    there = declared()
-    found = meant(str(lesson), there)
-    if len(found) != 1:
-        raise ValueError(f"there is no challenge {lesson!r}; there are {', '.join(there)}")
-    return Board(there[found[0]])
+    for name in meant(str(lesson), lessons()):
+        if made := _declared_in(name.partition("_")[2]):
+            return Board(made)
+    raise ValueError(f"there is no challenge {lesson!r}; there are {', '.join(declared())}")
 
 
 def declared() -> dict[str, Challenge]:
     """Return all challenges by their lessons: each lesson's folder may have a `challenge` module with a `CHALLENGE`."""
-    found: dict[str, Challenge] = {}
-    for folder in pkgutil.iter_modules(importlib.import_module(LESSONS).__path__):
-        name = f"{LESSONS}.{folder.name}.challenge"
-        if importlib.util.find_spec(name) is not None:
-            made: Challenge = importlib.import_module(name).CHALLENGE
-            found[made.lesson] = made
-    return dict(sorted(found.items()))
+    folders = pkgutil.iter_modules(importlib.import_module(LESSONS).__path__)
+    found = [_declared_in(folder.name) for folder in folders if folder.ispkg]
+    return {made.lesson: made for made in sorted(filter(None, found), key=lambda each: each.lesson)}
+
+
+def _declared_in(folder: str) -> Challenge | None:
+    """The challenge of a lesson's folder; only that one is imported."""
+    name = f"{LESSONS}.{folder}.challenge"
+    try:
+        there = importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:  # not even the folder
+        return None
+    made: Challenge | None = importlib.import_module(name).CHALLENGE if there else None
+    return made

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from html import escape
@@ -22,7 +23,7 @@ from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
-from nao_course.exercises.trying import RUN_ABOVE, Message, explain_unknown_names, try_out
+from nao_course.exercises.trying import Message, explain_unknown_names, try_out
 
 CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
@@ -49,7 +50,8 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
-    "' is not defined": f"The notebook does not know that name. {RUN_ABOVE}",
+    "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
+    "started? The grader runs what you define, and no demonstrations.",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _SIGNS = {
@@ -60,6 +62,8 @@ _SIGNS = {
     "raised": "✘",
     "interrupted": "■",
 }
+_AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that somebody has begun
+_SECONDS_FOR_A_REASON = 2.0  # wall clock of a case of another exercise that is looked at
 _DATA = "checks"
 
 
@@ -180,6 +184,25 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
         report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
     stood_in = [f"{why} Recorded answers stood in for it." for why in calls.answered.values()]
     return replace(report, lines=(*report.lines, *stood_in))
+
+
+def with_the_reason(exercise: PublicExercise, report: Report, others: Mapping[str, Report]) -> Report:
+    """Say of an exercise that is not right which exercise of the same lesson, one that it uses, is wrong itself.
+
+    Parameters
+    ----------
+    exercise : PublicExercise
+        Whose report it is.
+    report : Report
+        What its check found.
+    others : mapping of str to Report
+        What the checks of other exercises of the lesson found, by name, in the lesson's order.
+    """
+    if report.state not in _AT_FAULT:
+        return report
+    wrong = [name for name, other in others.items() if name in exercise.uses and other.state in _AT_FAULT]
+    lines = [f"It uses {name}, which does not pass its own check: begin with that one." for name in wrong[:1]]
+    return replace(report, lines=(*report.lines, *lines))
 
 
 def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
@@ -358,12 +381,24 @@ class Checks:
             If it is not right, and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
         """
         try:
-            report: Report | Message = grade_public(self.exercise(name), function)
+            report: Report | Message = self._report(self.exercise(name), function)
         except ValueError as error:
             report = Message(str(error))
         if strict() and not (isinstance(report, Report) and report):
             raise CheckFailed(repr(report))
         return report
+
+    def _report(self, exercise: PublicExercise, function: Any) -> Report:
+        report = grade_public(exercise, function)
+        if report.state not in _AT_FAULT:
+            return report
+        beside = _defined_beside(function)
+        others = {
+            each.name: grade_public(each, beside[each.name], _SECONDS_FOR_A_REASON)
+            for each in self.lesson.exercises
+            if each.name in exercise.uses and each.name in beside
+        }
+        return with_the_reason(exercise, report, others)
 
     def hint(self, name: str) -> Message:
         """Give an exercise's first hint, and the second when asked again."""
@@ -425,6 +460,13 @@ class Checks:
         return Message(
             f"This figure needs your {some} {', '.join(missing)}: write and check first, then run this."
         )
+
+
+def _defined_beside(function: Any) -> Mapping[str, Any]:
+    """What is defined in the notebook in which a function, or class, is."""
+    module = sys.modules.get(str(getattr(function, "__module__", "")))
+    found = getattr(function, "__globals__", None) or vars(module or object)
+    return found if isinstance(found, Mapping) else {}
 
 
 def strict() -> bool:

@@ -222,6 +222,8 @@ class PublicExercise:
         As in Exercise.
     earlier : list of EarlierCall
         Calls of earlier lessons' functions that the reference makes in these cases.
+    uses : list of str
+        As in Exercise.
     """
 
     name: str
@@ -236,6 +238,7 @@ class PublicExercise:
     in_place: bool
     seconds: float = SECONDS
     earlier: list[EarlierCall] = field(default_factory=list)
+    uses: list[str] = field(default_factory=list)
 
 
 @register

@@ -33,7 +33,7 @@ class Message:
         return f'<div role="note" style="{style}">{escape(self.text)}</div>'
 
 
-RUN_ABOVE = (
+_RUN_ABOVE = (
     "If the kernel was restarted, first run the cells above: menu Run, Run All Above Selected Cell. "
     "Else look at its spelling."
 )
@@ -41,7 +41,7 @@ RUN_ABOVE = (
 
 def not_known(error: NameError) -> str:
     """Say what to do about a name that the notebook does not know."""
-    return f"This notebook does not know {error.name or 'a name'!r} yet. {RUN_ABOVE}"
+    return f"This notebook does not know {error.name or 'a name'!r} yet. {_RUN_ABOVE}"
 
 
 def _is_unknown(error: Exception) -> TypeGuard[NameError]:

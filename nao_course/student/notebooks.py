@@ -13,7 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.checking import CheckState, Report, grade_public, lessons, read_public
+from nao_course.exercises.checking import (
+    CheckState,
+    Report,
+    grade_public,
+    lessons,
+    read_public,
+    with_the_reason,
+)
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
@@ -133,7 +140,8 @@ def functions(
     path = notebooks_folder(folder) / f"{lesson}.ipynb"
     notebook = _read(path, most_seconds)
     found = notebook.found
-    reports = {each.name: _report(each, notebook, most_seconds) for each in public.exercises}
+    alone = {each.name: _report(each, notebook, most_seconds) for each in public.exercises}
+    reports = {each.name: with_the_reason(each, alone[each.name], alone) for each in public.exercises}
     right = {name: found[name] for name, report in reports.items() if report}
     unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
     wrong = tuple(report for report in reports.values() if not report)

@@ -230,7 +230,8 @@ def time_limit(seconds: float) -> Iterator[None]:
 
     Sliders and buttons are served by a thread of the kernel that "Interrupt the kernel" does not reach, so an
     endless loop there could only be ended with the kernel. One call into C ends before it is stopped. A loop whose
-    `except:` takes everything is told again and again; one that sleeps inside of it may hear of it never.
+    `except:` takes everything is told again and again, until it hears it outside of its `try`; one that spends its
+    time in calls may hear it late, or never.
     """
     bell = _Bell(threading.get_ident(), seconds)
     bell.start()

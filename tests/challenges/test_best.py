@@ -47,7 +47,7 @@ def test_of_a_cost_the_smallest_is_the_best(tmp_path):
         b'{"score": 1' + b"0" * 400 + b', "worst": 0, "columns": {}}',
         b'{"score": 1' + b"0" * 9000 + b', "worst": 0, "columns": {}}',
         b"[" * 90_000,
-        b" " * 200_000,
+        b'{"score": 1, "worst": 0, "columns": {}}' + b" " * 200_000,
     ],
     ids=lambda content: str(content[:24]),
 )

@@ -41,10 +41,18 @@ def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
     assert "It is your first. It beats nothing (0.00); next is the reference (0.75)." in repr(report)
     better = board.enter(double)
     assert "That is your best so far; it was 0.50. It beats the reference (0.75)." in repr(better)
+    again = board.enter(double)
+    assert "as good as your best so far" in repr(again) and "this entry" not in names(again.table())
     worse = board.enter(lambda numbers: 2.75 * numbers)
     assert names(worse.table()) == ["nothing", "this entry", "the reference", "you, best so far"]
     assert "Your best so far stays 1.00." in repr(worse)
     assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
+
+
+def test_a_score_that_is_shown_as_another_is_level_with_it(tmp_path):
+    report = Board(CHALLENGE, tmp_path).enter(lambda numbers: 2.5001 * numbers)
+    assert report.score == pytest.approx(0.74995)
+    assert "It beats nothing (0.00); it is level with the reference (0.75)." in repr(report)
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
@@ -93,6 +101,11 @@ def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
     assert "0.0 drawn" in repr(report)
 
 
+def test_the_words_of_a_challenge_are_text_on_a_page(tmp_path):
+    shown = Board(replace(CHALLENGE, task="Find x < 3 & <b>."), tmp_path)._repr_html_()
+    assert "Find x &lt; 3 &amp; &lt;b&gt;." in shown
+
+
 def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
     board = Board(CHALLENGE, tmp_path)
     first = board.example(3)
@@ -101,8 +114,3 @@ def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
     assert board.example(3).tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(ValueError, match="from 1 to 3, got 0"):
         board.example(0)
-
-
-def test_a_challenge_that_no_board_can_show_is_refused():
-    with pytest.raises(ValueError, match="no seeds"):
-        replace(CHALLENGE, seeds=())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nao_course.challenges import challenge
+from nao_course.challenges import challenge, finding
 from nao_course.challenges.finding import declared
 
 
@@ -16,6 +16,13 @@ def test_a_number_or_a_name_finds_a_lessons_challenge(word):
 def test_what_is_no_lesson_with_a_challenge_is_said():
     with pytest.raises(ValueError, match="no challenge '99'; there are 00_meet_the_nao, 01_hsl_filtering"):
         challenge("99")
+
+
+def test_a_lesson_without_a_challenge_or_without_a_folder_has_none(monkeypatch):
+    monkeypatch.setattr(finding, "lessons", lambda: ["01_hsl_filtering", "98_nowhere", "99_challenges"])
+    for word in ("98", "99"):
+        with pytest.raises(ValueError, match="there is no challenge"):
+            challenge(word)
 
 
 def test_every_challenge_stands_in_the_folder_of_its_lesson_and_has_rows_for_nothing_and_the_reference():

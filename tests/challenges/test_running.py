@@ -104,6 +104,13 @@ def test_the_time_for_all_cases_is_limited_too():
     assert "0.2 s are for all" in " ".join(came.problems())
 
 
+def test_a_case_that_takes_too_long_leaves_the_others_their_time():
+    patient = replace(CHALLENGE, seconds=0.1, seconds_in_all=30.0)
+    came = run(patient, lambda numbers: forever(numbers) if len(numbers) == 2 else double(numbers))
+    assert [each.score for each in came.results] == [1.0, 0.0, 1.0]
+    assert "after 0.1 s" in came.problems()[0]
+
+
 def test_an_endless_entry_ends_in_another_thread_too():
     came = []
     thread = threading.Thread(

@@ -402,3 +402,9 @@ def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
 
 def test_a_payoff_that_fails_although_all_is_right_says_how(check):
     assert "ZeroDivisionError" in repr(check.payoff(lambda clamp: 1 / 0, clamp=np.clip))
+
+
+def test_a_name_that_is_not_known_gets_advice_after_the_complaint(check):
+    report = repr(check("clamp", lambda x, low, high: lowest))  # noqa: F821
+    assert "name 'lowest' is not defined" in report
+    assert "since the kernel was started? The grader runs what you define" in report

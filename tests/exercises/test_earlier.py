@@ -91,6 +91,21 @@ def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, so
     assert str(shown).startswith("double of your lesson 80 is not usable yet")
 
 
+def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named(tmp_path, lessons):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
+    pair.write(
+        tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": "def quadruple(x):\n    return 3 * x"}
+    )
+    reason = "It uses quadruple, which does not pass its own check: begin with that one."
+    found = student.functions(pair.SECOND, tmp_path)
+    said = {report.name: report.lines for report in found.reports}
+    assert said["walk"][-1] == said["Walker"][-1] == reason and reason not in said["quadruple"]
+    own = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
+    check = checking.Checks(lessons[pair.SECOND])
+    assert check("walk", own["walk"]).lines[-1] == check("Walker", own["Walker"]).lines[-1] == reason
+    assert len(check("alone", own["alone"]).lines) == 2
+
+
 def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, lessons):
     def quadruple(x):
         return stand_in("80:double", not_usable("80:double", "why."))(7 * x)

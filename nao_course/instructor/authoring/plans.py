@@ -359,6 +359,7 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
         in_place=exercise.in_place,
         seconds=float(exercise.seconds),
         earlier=list({encode(each): each for each in calls.made}.values()),
+        uses=list(exercise.uses),
     )
 
 

@@ -22,6 +22,7 @@ from nao_course.instructor.autograding.grader import SubmissionGrader, grade
 from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.submissions import Files, Submission
 from nao_course.student import notebooks as student
+from nao_course.student import overview
 from tests.toy import values
 
 AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine
@@ -38,8 +39,9 @@ def assignment(tmp_path_factory):
 def public(assignment, monkeypatch):
     """The lesson as a student's copy reads it."""
     lesson = unpack(pack(PublicLesson(values.LESSON, [task.public for task in assignment.tasks], [])))
-    for module in (student, checking, cli):
+    for module in (student, checking, cli, overview):
         monkeypatch.setattr(module, "read_public", {values.LESSON: lesson}.__getitem__)
+    monkeypatch.setattr(overview, "lessons", lambda: [values.LESSON])
     return lesson
 
 

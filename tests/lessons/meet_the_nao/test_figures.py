@@ -3,38 +3,23 @@
 import numpy as np
 import pytest
 
-from nao_course.lessons.meet_the_nao import draw_cameras, draw_drift, draw_frames
-from nao_course.sim import Field, repeat_drive
-from nao_course.slam import Motion
+from nao_course.lessons.meet_the_nao import draw_cameras, draw_frames, draw_ground_steps
+from nao_course.sim import NAO_V4
 from tests.drawings import assert_same_bytes_with_words
 from tests.plotting.examples import walked
 
-
-def drift():
-    paths = repeat_drive([Motion(0.5, 0.3)] * 2, 5, np.random.default_rng(1))
-    return draw_drift(paths, Field(), commanded=paths[0])
+VIEW = NAO_V4.view("bottom", pitch=float(np.radians(-31.0)))
 
 
-@pytest.mark.parametrize("make", [drift, draw_frames, lambda: draw_cameras(walked()[0])])
+@pytest.mark.parametrize(
+    "make", [draw_frames, lambda: draw_cameras(walked()[0]), lambda: draw_ground_steps(VIEW)]
+)
 def test_the_same_drawing_is_the_same_bytes_with_its_words(make):
     assert_same_bytes_with_words(make)
 
 
-def test_the_axes_of_a_drift_name_their_units():
-    assert [ax.get_xlabel() for ax in drift().figure.axes] == ["x (m)"]
-
-
-def test_one_robot_and_no_command_are_enough_for_a_drift():
-    assert "1 robot" in draw_drift(np.zeros((1, 1, 3))).alt
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: draw_drift(np.zeros((4, 3))), "robots, steps"),
-        (lambda: draw_drift(np.zeros((0, 4, 3))), "at least one robot"),
-    ],
-)
-def test_a_wrong_value_is_refused_in_words(call, said):
-    with pytest.raises(ValueError, match=said):
-        call()
+def test_a_step_on_the_ground_is_as_many_pixels_as_its_ends_are_apart():
+    (curve, *_), far = draw_ground_steps(VIEW).figure.axes[0].lines, 2.0
+    rows = VIEW.project([[far, 0.0], [far + 0.1, 0.0]])[:, 1]
+    assert np.interp(far, *curve.get_data()) == pytest.approx(rows[0] - rows[1])
+    assert "3.1 at 2 m" in draw_ground_steps(VIEW).alt

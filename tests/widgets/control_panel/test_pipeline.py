@@ -1,5 +1,7 @@
 """The student's vision while the robot drives: what a stage shows, and that nothing it does stops the drive."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Picture, Truth
 from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
 from nao_course.widgets.control_panel import pipeline as module
+from tests.paths import PROJECT
 from tests.widgets.robots import all_widgets, clean_nao, decoded, press
 
 
@@ -153,6 +156,19 @@ def test_without_stages_there_is_no_button_and_no_view_to_choose():
         panel.view = "over"
     with pytest.raises(ValueError, match=r"view must be one of \['picture', 'over', 'beside'\], got 'under'"):
         make().view = "under"
+
+
+def test_the_stage_of_the_documentation_is_made_of_ten_lines_and_marks_what_is_found():
+    page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
+    _, example = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len([line for line in example.splitlines() if line.strip()]) <= 10
+    room = {"Overlay": Overlay, "Stage": Stage}
+    exec(example, room)
+    labels = Stage("labels", "01_hsl_filtering", (), lambda *_: lambda sight: Overlay(result="labels"))
+    functions = {"find_goalposts": lambda labels: [(5.0, 6.0), (7.0, 8.0)]}
+    seen = pipeline_of(labels, room["STAGE"], **functions).look(PICTURE)
+    assert seen.complaints == () and seen.lines() == ["goal posts: 2 found"]
+    assert np.array_equal(seen.overlays["goal posts"].pixels, [(5, 6), (7, 8)]) and seen.names == "goal posts"
 
 
 # --- at arm's length ---

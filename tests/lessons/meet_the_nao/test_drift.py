@@ -1,0 +1,66 @@
+"""Drift: a distance from where commands lead, the growth of it with the way, and its figures."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.meet_the_nao import commanded, draw_drift, draw_growth, measure_drift
+from nao_course.sim import Field, OdometryNoise, repeat_drive
+from nao_course.slam import Motion
+from tests.drawings import assert_same_bytes_with_words
+
+SQUARE = [Motion(1.0, np.pi / 2)] * 4
+
+
+def drift():
+    paths = repeat_drive([Motion(0.5, 0.3)] * 2, 5, np.random.default_rng(1))
+    return draw_drift(paths, Field(), commanded=paths[0])
+
+
+@pytest.mark.parametrize("make", [drift, lambda: draw_growth({"square": SQUARE}, seed=1)])
+def test_the_same_drawing_is_the_same_bytes_with_its_words(make):
+    assert_same_bytes_with_words(make)
+
+
+def test_the_axes_of_a_drift_name_their_units():
+    assert [ax.get_xlabel() for ax in drift().figure.axes] == ["x (m)"]
+
+
+def test_one_robot_and_no_command_are_enough_for_a_drift():
+    assert "1 robot" in draw_drift(np.zeros((1, 1, 3))).alt
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: draw_drift(np.zeros((4, 3))), "robots, steps"),
+        (lambda: draw_drift(np.zeros((0, 4, 3))), "at least one robot"),
+    ],
+)
+def test_a_wrong_value_is_refused_in_words(call, said):
+    with pytest.raises(ValueError, match=said):
+        call()
+
+
+def test_commands_lead_where_they_say():
+    assert np.allclose(commanded(SQUARE)[:, :2], [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+
+
+def test_without_noise_nothing_drifts_and_at_the_start_nothing_has():
+    assert np.allclose(measure_drift(SQUARE, 1, OdometryNoise(0, 0, 0, 0)), 0.0)
+    assert np.allclose(measure_drift(SQUARE, 1)[:, 0], 0.0)
+
+
+def test_drift_along_and_across_is_what_the_noise_says():
+    """One metre ahead: the mean square of the distance is the sum of both variances."""
+    noise = OdometryNoise(along=0.06, across=0.04, turn=0.0, turn_per_turn=0.0)
+    measured = measure_drift([Motion(1.0, 0.0)], 1, noise)[:, -1]
+    assert np.mean(measured**2) == pytest.approx(0.06**2 + 0.04**2, rel=0.1)
+
+
+def test_straight_ahead_drift_grows_faster_than_on_squares():
+    """What lesson 00 says: four times the way is twice the drift on squares, seven times straight ahead."""
+    on_squares = np.median(measure_drift(SQUARE * 4, 4), axis=0)
+    ahead = np.median(measure_drift([Motion(1.0, 0.0)] * 16, 4), axis=0)
+    assert on_squares[16] / on_squares[4] == pytest.approx(2, rel=0.15)
+    assert ahead[16] / ahead[4] == pytest.approx(7, rel=0.15)
+    assert ahead[4] == pytest.approx(0.25, abs=0.01)
