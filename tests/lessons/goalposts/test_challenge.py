@@ -23,9 +23,9 @@ def test_the_truth_scores_one_and_nothing_scores_nothing():
 
 
 def test_a_missed_foot_and_a_false_point_cost_and_are_told():
-    scored = judge([(50, 90), (120, 30), (-5, 70)], SCENE)
-    assert scored.score == pytest.approx(2 * 1 / (2 + 2))
-    assert scored.columns == {"feet missed": 1.0, "false points": 1.0}
+    scored = judge([(50, 90), (120, 30), (130, 30), (-5, 70)], SCENE)
+    assert scored.score == pytest.approx(2 * 1 / (2 + 3))
+    assert scored.columns == {"feet missed": 1.0, "false points": 2.0}
 
 
 @pytest.mark.parametrize(

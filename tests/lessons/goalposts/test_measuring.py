@@ -32,7 +32,7 @@ def test_one_point_finds_one_foot_and_two_points_find_a_foot_once():
 
 
 def test_the_nearest_pair_goes_first():
-    match = match_feet([(17, 10), (11, 10)], feet((10, 10), (18, 10)))
+    match = match_feet([(14, 10), (10, 10)], feet((10, 10), (21, 10)))
     assert match.found.all() and match.false == 0
 
 
