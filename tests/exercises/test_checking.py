@@ -1,6 +1,5 @@
 """What a student reads below a cell: each state told apart, each mistake its own message, never an answer."""
 
-import json
 import os
 import signal
 import subprocess
@@ -21,10 +20,8 @@ from nao_course.exercises import (
     Exact,
     Points,
     checking,
-    prediction,
     running,
 )
-from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicExercise
@@ -307,53 +304,6 @@ def test_a_check_starts_without_what_it_does_not_need():
     code = f"import sys, nao_course.exercises; print([name for name in {HEAVY} if name in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
-
-
-# Questions and predictions
-
-
-def test_every_choice_has_its_reply(plan, public):
-    question = public.questions[0]
-    for number, (choice, text) in enumerate(question.choices.items(), start=1):
-        sign = "✔ Right." if choice == question.right else "✘ Not quite."
-        assert repr(reply(question, choice)) == repr(reply(question, str(number))) == f"{sign} {text}"
-    for neither in ("", "0", "3", "no idea", "²"):
-        assert "1. Safety, 2. Speed" in repr(reply(question, neither))
-
-
-def test_buttons_answer_each_choice(public):
-    question = public.questions[0]
-    _, buttons, answer = ask(question).children
-    assert buttons.value is None
-    assert answer.value == ""
-    for choice, text in question.choices.items():
-        buttons.value = choice
-        assert text in answer.value
-    buttons.value = None
-    assert answer.value == ""
-
-
-def test_a_question_is_text_where_no_widget_lives(check):
-    bundle = check.question("why")._repr_mimebundle_()
-    assert bundle["text/plain"] == "Why clamp?\n  1. Safety\n  2. Speed"
-    json.dumps(bundle)
-    assert "Not quite" in repr(check.question("why", 2))
-    assert prediction("How far?")._repr_mimebundle_()["text/plain"] == "Predict: How far?"
-
-
-def test_a_prediction_is_written_down_once():
-    box = prediction("How far will it drift?", unit="cm")
-    field, unit, button = box.children[1].children
-    assert unit.value == "cm"
-    button.click()
-    assert box.prediction is None
-    assert "guess" in box.children[2].value
-    field.value = " 12 "
-    button.click()
-    assert box.prediction == "12"
-    assert "You predicted: 12 cm. Now" in box.children[2].value
-    assert field.disabled
-    assert button.disabled
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
