@@ -1,0 +1,154 @@
+"""The filter panel's two instruments, painted at once for each frame: a histogram of lightness and a circle of hues."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import hsv_to_rgb, to_rgb
+from matplotlib.figure import Figure
+
+from nao_course.lessons.hsl_filtering.light import BINS, MARKS
+from nao_course.plotting.style import LABEL_COLOURS, course_style
+
+Pixels = npt.NDArray[np.uint8]
+
+WIDTH, HEIGHT = 480, 360  # px
+LEFT, RIGHT, TOP, BOTTOM = 14, 466, 10, 306  # of the histogram's axes, px
+CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 45, 132  # of the circle's bars, px
+PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
+_WEDGE = 3  # degrees of a bar on the circle
+
+
+def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> Pixels:
+    """Paint a histogram of lightness, (HEIGHT, WIDTH, 3).
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (4, BINS)
+        Pixels by label and lightness, as `lightness_counts` gives them.
+    marks : mapping of str to float
+        Lightnesses to mark, named as in `MARKS`.
+    """
+    picture = _histogram_paper().copy()
+    stacked = np.cumsum(counts[[1, 0, 2, 3]], axis=0)
+    most = 1.15 * max(
+        1.0, float(np.sort(stacked[-1])[-2])
+    )  # the brightest bin may be far higher: it is cut off
+    edges = np.linspace(LEFT, RIGHT, BINS + 1).round().astype(int)
+    tops = BOTTOM - np.minimum((BOTTOM - TOP) * stacked / most, BOTTOM - TOP).round().astype(int)
+    for k in range(BINS):
+        below = BOTTOM
+        for label, top in zip((1, 0, 2, 3), tops[:, k], strict=True):
+            picture[top:below, edges[k] : edges[k + 1]] = _rgb(LABEL_COLOURS[label])
+            below = min(below, top)
+    outline = np.repeat(tops[-1], 2), np.ravel(np.column_stack((edges[:-1], edges[1:])))
+    cv2.polylines(picture, [np.column_stack(outline[::-1]).astype(np.int32)], False, (51, 51, 51), 1)
+    for name, at in marks.items():
+        u = round(LEFT + (RIGHT - LEFT) * min(max(at, 0.0), 255.0) / 256)
+        cv2.line(picture, (u, TOP), (u, BOTTOM), _rgb(MARKS[name][0]), 3)
+    return picture
+
+
+def circle_picture(
+    hues: npt.NDArray[Any],
+    arcs: Mapping[str, tuple[float, float]],
+    pixel: float | None = None,
+    added: Iterable[float] = (),
+) -> Pixels:
+    """Paint which hues there are, and intervals of them, on their circle, (HEIGHT, WIDTH, 3).
+
+    Parameters
+    ----------
+    hues : ndarray of float
+        Degrees [0, 360), of all pixels that have a colour.
+    arcs : mapping of str to (low, high)
+        Limits in degrees by colour, such as "#f2c413"; low > high goes through 0.
+    pixel : float, optional
+        Hue of the chosen pixel.
+    added : iterable of float
+        Hues that were added to an example.
+    """
+    picture = _circle_paper().copy()
+    counts = np.bincount((hues // _WEDGE).astype(np.intp) % (360 // _WEDGE), minlength=360 // _WEDGE)
+    lengths = INNER + (OUTER - INNER) * np.sqrt(counts / max(1, counts.max()))
+    for wedge in np.flatnonzero(counts):
+        angles = _WEDGE * wedge + np.array([0.0, _WEDGE, _WEDGE, 0.0])
+        radii = np.array([INNER, INNER, lengths[wedge], lengths[wedge]])
+        cv2.fillPoly(picture, [_places(angles, radii)], _hue_colour(_WEDGE * (wedge + 0.5)), cv2.LINE_AA)
+    for number, (colour, (low, high)) in enumerate(arcs.items()):
+        angles = np.linspace(low, low + (high - low) % 360, 120)
+        line = [_places(angles, np.full(120, OUTER + 8.0 + 10 * number))]
+        cv2.polylines(picture, line, False, (51, 51, 51), 8, cv2.LINE_AA)
+        cv2.polylines(picture, line, False, _rgb(colour), 5, cv2.LINE_AA)
+    for hue in added:
+        cv2.circle(picture, _place(hue, OUTER + 13.0), 5, _rgb(PIXEL), -1, cv2.LINE_AA)
+    if pixel is not None:
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 26.0), (255, 255, 255), 5, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 26.0), _rgb(PIXEL), 2, cv2.LINE_AA)
+    return picture
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = (round(255 * part) for part in to_rgb(colour))
+    return red, green, blue
+
+
+@cache
+def _hue_colour(hue: float) -> tuple[int, int, int]:
+    red, green, blue = np.round(255 * hsv_to_rgb([hue / 360, 0.75, 0.8])).astype(int).tolist()
+    return red, green, blue
+
+
+def _places(hues: npt.ArrayLike, radii: npt.ArrayLike) -> npt.NDArray[np.int32]:
+    """Points (N, 2) of the circle's picture; hues go round against the clock, from the right."""
+    angles = np.radians(np.asarray(hues, dtype=float))
+    points = np.column_stack((np.cos(angles), -np.sin(angles))) * np.asarray(radii, dtype=float)[:, None]
+    return np.round(points + CENTRE).astype(np.int32)
+
+
+def _place(hue: float, radius: float) -> tuple[int, int]:
+    u, v = _places([hue], [radius])[0].tolist()
+    return u, v
+
+
+@cache
+def _histogram_paper() -> Pixels:
+    """What lies below each histogram: its axis."""
+    with course_style():
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="none")
+        ax = figure.add_axes(
+            (LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT)
+        )
+        ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
+        ax.set_xlabel("lightness", fontsize=14)
+        ax.tick_params(labelsize=13)
+        ax.spines["left"].set_visible(False)
+        return _painted(figure)
+
+
+@cache
+def _circle_paper() -> Pixels:
+    """What lies below each circle: the pure colours and their degrees."""
+    with course_style():
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="none")
+        for degrees in range(0, 360, 60):
+            u, v = _place(degrees, OUTER + 40.0)
+            side = {0: "left", 180: "right"}.get(degrees, "center")
+            figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=13, ha=side, va="center")
+        paper = _painted(figure)
+    for degrees in range(0, 360, 2):
+        line = [_places([degrees, degrees + 2], [INNER - 8.0] * 2)]
+        cv2.polylines(paper, line, False, _hue_colour(degrees + 1.0), 10)
+    return paper
+
+
+def _painted(figure: Figure) -> Pixels:
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())[:, :, :3].copy()
