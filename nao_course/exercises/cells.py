@@ -5,6 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+SHOWN = (
+    "display",
+    "example",
+    "payoff",
+)  # roles of cells that show something; nothing in them is a definition
+
 
 def metadata(part: Mapping[str, Any], key: str) -> dict[str, Any]:
     """Return what the metadata of a cell or notebook holds under a key.

@@ -22,7 +22,7 @@ from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
-from nao_course.exercises.trying import Message
+from nao_course.exercises.trying import RUN_ABOVE, Message, explain_unknown_names, try_out
 
 CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
@@ -49,6 +49,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
+    "' is not defined": f"The notebook does not know that name. {RUN_ABOVE}",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _SIGNS = {
@@ -396,6 +397,33 @@ class Checks:
             f"there is no question {name!r}; there are {[each.name for each in self.lesson.questions]}"
         )
 
+    def payoff(self, draw: Callable[..., object], **functions: Any) -> object:
+        """Draw a lesson's figure with what you wrote; where something is missing, say which exercises.
+
+        Parameters
+        ----------
+        draw : callable
+            Takes the functions by their names.
+        **functions : callable
+            Yours, by the names of their exercises.
+
+        Returns
+        -------
+        object
+            What `draw` returned, or a `Message`.
+        """
+        shown = try_out(partial(draw, **functions))
+        if not isinstance(shown, Message):
+            return shown
+        exercises = [self.exercise(name) for name in functions]
+        missing = [each.number for each in exercises if not grade_public(each, functions[each.name])]
+        if not missing:
+            return shown
+        some = "exercise" if len(missing) == 1 else "exercises"
+        return Message(
+            f"This figure needs your {some} {', '.join(missing)}: write and check first, then run this."
+        )
+
 
 def strict() -> bool:
     """Whether a check that is not passed must raise: under nbgrader, and in tests."""
@@ -422,5 +450,6 @@ def lesson(name: str) -> tuple[Checks, Callable[[str], Message]]:
     ValueError
         If there is no such lesson.
     """
+    explain_unknown_names()
     checks = Checks(read_public(name))
     return checks, checks.hint

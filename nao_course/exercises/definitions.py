@@ -16,7 +16,7 @@ from types import CodeType, ModuleType
 from typing import Any
 
 from nao_course.exercises import earlier as earlier_lessons
-from nao_course.exercises.cells import grade_id, is_graded, is_solution, metadata, source_of
+from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, metadata, source_of
 from nao_course.exercises.running import REFERENCE, describe
 
 MOST_BYTES = 50 * 2**20
@@ -171,7 +171,7 @@ def load_definitions(
     skipped: list[Skipped] = []
     flags = 0
     for number, (role, source) in enumerate([("setup", setup), *text.cells, ("instead", "pass")]):
-        if role in ("check", "display") or not source.strip():
+        if role in ("check", *SHOWN) or not source.strip():
             continue
         file = f"<{Path(path).stem}, cell {number}>"
         linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
+from typing import Any, TypeGuard
 
 from nao_course.exercises.earlier import EarlierNotUsable
 
@@ -29,6 +31,43 @@ class Message:
         """The text in a quiet box."""
         style = "border-left: 4px solid #888; padding: 0.4em 0.8em; margin: 0.3em 0"
         return f'<div role="note" style="{style}">{escape(self.text)}</div>'
+
+
+RUN_ABOVE = (
+    "If the kernel was restarted, first run the cells above: menu Run, Run All Above Selected Cell. "
+    "Else look at its spelling."
+)
+
+
+def not_known(error: NameError) -> str:
+    """Say what to do about a name that the notebook does not know."""
+    return f"This notebook does not know {error.name or 'a name'!r} yet. {RUN_ABOVE}"
+
+
+def _is_unknown(error: Exception) -> TypeGuard[NameError]:
+    """Whether a name is missing in the notebook, and not only in a function that assigns it later."""
+    return isinstance(error, NameError) and not isinstance(error, UnboundLocalError)
+
+
+def _said_of(error: Exception) -> str:
+    return not_known(error) if _is_unknown(error) else f"{type(error).__name__}: {error}"
+
+
+def explain_unknown_names() -> None:
+    """Add that sentence to each NameError of this notebook; outside of Jupyter, nothing happens."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    if shell is None:
+        return
+
+    def show(self: Any, kind: type[BaseException], error: Any, trace: Any, tb_offset: int | None = None) -> None:
+        self.showtraceback((kind, error, trace), tb_offset=tb_offset)
+        if _is_unknown(error):
+            from IPython.display import display  # it takes long to import
+
+            display(Message(not_known(error)))
+
+    shell.set_custom_exc((NameError,), show)
 
 
 def try_out(
@@ -60,4 +99,4 @@ def try_out(
     except (FileNotFoundError, EarlierNotUsable) as error:  # recorded data or earlier work that not everybody has
         return Message(str(error))
     except Exception as error:  # noqa: BLE001 - whatever a student's code raises is what it is about
-        return Message(f"{type(error).__name__}: {error}")
+        return Message(_said_of(error))

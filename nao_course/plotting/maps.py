@@ -74,7 +74,7 @@ def plot_field(field: Field, ax: Axes, landmarks: bool = False) -> None:
     if landmarks:
         known = [mark for mark in field.landmarks if mark.kind != "cross"]
         positions = field.pose.to_parent([(mark.x, mark.y) for mark in known])
-        plot_landmarks(positions, [mark.kind for mark in known], ax, colour=GREY, size=5)
+        plot_landmarks(positions, [mark.kind for mark in known], ax, colour=GREY, size=9)
     corners = field.pose.to_parent([(x, y) for x in (x0, x1) for y in (y0, y1)])
     metric_axes(ax, corners)
 

@@ -18,6 +18,26 @@ from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
 PRESETS = ("clean", "lab", "dark", "harsh")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
 _STANDING = tuple(name for name in Reality.effects() if name != "motion")  # nothing shakes in this picture
+_MEANINGS = {  # of the sliders; said where one is, and below the picture while it is moved
+    "tilt": "leans the whole robot forwards or backwards",
+    "grain": "the carpet's brightness from fibre to fibre",
+    "mottle": "the carpet's brightness from patch to patch",
+    "seams": "joints between the carpet's strips",
+    "specks": "pale and dark specks on the carpet",
+    "crumbs": "clusters of crumbs on the carpet",
+    "tape": "dark tape along the outer lines",
+    "pile": "the carpet is darker and greener from above than from the side",
+    "glare": "lamps and windows shine back from the ground",
+    "clutter": "how much stands and lies behind the field",
+    "litter": "things that lie on the carpet beyond the lines",
+    "gradient": "one end of the field gets less light",
+    "white_balance": "the camera takes the light for redder or bluer than it is",
+    "exposure": "the camera makes every picture equally bright on average",
+    "overexposure": "white is beyond the brightest that the camera can show",
+    "vignette": "corners of the picture are darker than its middle",
+    "blur": "lens and sensor smear the picture",
+    "noise": "the sensor adds random numbers to each pixel",
+}
 _TILT = float(np.radians(3.0))  # the largest on the slider, rad
 
 
@@ -46,7 +66,7 @@ class RealityDial:
         """Begin with the laboratory's picture."""
         self.field, self.pose, self.seed = field or Field(), pose or Pose(0.6, -0.5, 0.2), seed
         self.reality, self.tilt = Reality.lab(), 0.0
-        self._moving_sliders, self._newest = False, Newest(self._show)
+        self._moving_sliders, self._moved, self._newest = False, "", Newest(self._show)
         self._image = LabelledImage(format="jpeg", layout=ipywidgets.Layout(width="480px"))
         self._said = ipywidgets.HTML()
         self._sliders = {name: self._slider(name) for name in _STANDING}
@@ -137,7 +157,7 @@ class RealityDial:
             step=(high - low) / 1000,  # a browser rounds to it: fine enough for every preset
             description=name,
             readout_format=".2f",
-            tooltip=f"{name}, {low:g} to {high:g}",
+            tooltip=f"{name}: {_MEANINGS[name.split()[0]]}; from {low:g} to {high:g}",
             style={"description_width": "8em"},
             layout=ipywidgets.Layout(height="24px", width="340px"),
         )
@@ -147,16 +167,16 @@ class RealityDial:
     def _slid(self, name: str, change: Any) -> None:
         if not self._moving_sliders:
             changes: dict[str, Any] = {name: float(change["new"])}
-            self.reality = replace(self.reality, **changes)
+            self.reality, self._moved = replace(self.reality, **changes), name
             self._newest.ask()
 
     def _tilted(self, change: Any) -> None:
-        self.tilt = float(np.radians(change["new"]))
+        self.tilt, self._moved = float(np.radians(change["new"])), "tilt"
         self._newest.ask()
 
     def _put(self, reality: Reality) -> None:
         """Take on effects, and move the sliders without a picture for each."""
-        self.reality, self._moving_sliders = reality, True
+        self.reality, self._moving_sliders, self._moved = reality, True, ""
         for name, slider in self._sliders.items():
             slider.value = getattr(reality, name)
         self._moving_sliders = False
@@ -165,4 +185,5 @@ class RealityDial:
     def _show(self) -> None:
         self._image.value = jpeg(self.pixels)
         self._image.alt = repr(self)
-        self._said.value = f'<div role="status">{self.summary()}</div>'
+        meaning = f"<b>{self._moved}</b>: {_MEANINGS[self._moved]}<br>" if self._moved else ""
+        self._said.value = f'<div role="status">{meaning}{self.summary()}</div>'

@@ -44,6 +44,11 @@ TO_RADIANS = Exercise(
             "It is half of what it should be: a full turn is 2 pi radians, not pi.",
         ),
         Mistake(
+            "wrapped",
+            lambda angle_deg: (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi,
+            "You have put it into (-pi, pi]. That is for directions; this is an amount of turning, and a whole turn is 2 pi.",
+        ),
+        Mistake(
             "pi is about 3",
             lambda angle_deg: angle_deg * 3 / 180.0,
             "That is nearly right. Take pi with all its digits: np.pi.",

@@ -1,8 +1,11 @@
 """Demonstration cells never stop a notebook."""
 
-import pytest
+from unittest import mock
 
-from nao_course.exercises import try_out
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from nao_course.exercises import try_out, trying
 
 
 def test_what_works_is_shown_as_it_is():
@@ -31,3 +34,26 @@ def test_an_interrupt_goes_through():
 
     with pytest.raises(KeyboardInterrupt):
         try_out(interrupted)
+
+
+def test_a_name_that_a_restarted_kernel_does_not_know_is_told_apart_from_a_slip_in_a_function():
+    def slip():
+        value = value + 1  # noqa: F821, F841
+
+    assert "does not know 'field' yet. If the kernel was restarted" in repr(try_out(lambda: field))  # noqa: F821
+    assert repr(try_out(slip)).startswith("UnboundLocalError")
+
+
+def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(capsys):
+    shell = InteractiveShell()
+    try:
+        with mock.patch.object(trying.sys.modules["IPython"], "get_ipython", return_value=shell):
+            trying.explain_unknown_names()
+        result = shell.run_cell("field")
+        assert isinstance(result.error_in_exec, NameError)
+        said = capsys.readouterr().out
+        assert "NameError" in said and "does not know 'field' yet" in said
+        shell.run_cell("1 / 0")
+        assert "does not know" not in capsys.readouterr().out
+    finally:
+        InteractiveShell.clear_instance()

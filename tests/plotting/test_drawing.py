@@ -51,3 +51,14 @@ def test_a_table_is_text_and_html_with_nothing_unescaped():
     )
     with pytest.raises(ValueError, match="row 2 has 1 values for 2 columns"):
         table(["a", "b"], [[1, 2], [3]])
+
+
+def test_a_notebook_gets_a_smaller_picture_that_looks_the_same():
+    drawing = a_map()
+    shown = base64.b64decode(re.search(r'base64,([^"]+)"', drawing._repr_html_())[1])
+    small, large = (
+        np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int) for data in (shown, drawing.image())
+    )
+    assert len(shown) < 0.7 * len(drawing.image())
+    assert np.abs(small - large).mean() < 0.5
+    assert (small[0, 0] == 255).all()  # white stays white

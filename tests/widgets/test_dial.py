@@ -82,3 +82,16 @@ def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
     assert 1 <= len(shown) <= 3
     assert shown[-1] == jpeg(dial.pixels)
     assert "noise 2" in dial._said.value
+
+
+def test_every_slider_says_what_it_does_where_it_is_and_while_it_is_moved():
+    dial = RealityDial()
+    sliders = [*dial._sliders.values(), dial._tilt]
+    assert len(sliders) == 18
+    for slider in sliders:
+        slider.value = slider.max / 2
+        dial._show()
+        name, meaning = slider.tooltip.split("; from")[0].split(": ")
+        assert f"<b>{name.split()[0]}</b>: {meaning}<br>" in dial._said.value
+    dial.preset("clean")
+    assert "<b>" not in dial._said.value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from base64 import b64decode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,7 @@ from nao_course.instructor.authoring.stamps import edited, stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
+_DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)")
 
 
@@ -126,9 +128,10 @@ def build(
         for name, notebook in solved.items():
             tell(name, "student copy")
             files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(student_copy(notebook))
-            files |= _images(course, name, notebook)
+            files |= _images(course, name, notebook, to_come=solutions)
         ran = execute_all(solved, stage, tell) if execute and solutions else solved.items()
         for name, notebook in ran if solutions else ():
+            files |= payoff_files(notebook) if execute else {}
             kept = stamp(course, name, sources[name], solved[name], executed=execute)
             notebook.metadata.nao_course.update(kept)
             files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
@@ -276,8 +279,48 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
     return notebook
 
 
-def _images(course: Course, name: str, notebook: NotebookNode) -> dict[Path, bytes]:
-    """Pictures that a lesson's text shows, for the folder of the student copies.
+def payoff_files(ran: NotebookNode) -> dict[Path, bytes]:
+    """Return the picture that a lesson opens with, beside both notebooks: the one that its payoff cell drew.
+
+    Parameters
+    ----------
+    ran : NotebookNode
+        The lesson with its solutions and outputs.
+
+    Returns
+    -------
+    dict of Path to bytes
+        Empty where no cell is the payoff.
+
+    Raises
+    ------
+    LessonError
+        If the cell shows no picture, or the text does not open with it.
+    """
+    name = ran.metadata.nao_course.lesson
+    for ordinal, cell in lesson_text.code_cells(ran, "payoff"):
+        where = lesson_text.place(f"{name}.md", ran, ordinal)
+        shown = "".join(str(output.get("data", {}).get("text/html", "")) for output in cell.outputs)
+        pictures = _DRAWN.findall(shown)
+        if len(pictures) != 1:
+            raise LessonError(f"{where}: a payoff shows one picture, this one shows {len(pictures)}")
+        kind, data = pictures[0]
+        image = f"{payoff_image(name)}.{kind}"
+        if f"]({image})" not in "".join(cell.source for cell in ran.cells[:2]):
+            raise LessonError(
+                f"{where}: the lesson does not open with its picture: ![what it shows]({image})"
+            )
+        return {Path(folder, image): b64decode(data) for folder in ("notebooks", "solutions")}
+    return {}
+
+
+def payoff_image(name: str) -> str:
+    """Return how a lesson's text calls the picture that it opens with, without the suffix."""
+    return f"images/{lesson_names.number_of(name)}_payoff"
+
+
+def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool) -> dict[Path, bytes]:
+    """Pictures that a lesson's text shows, for the folder of the student copies; `to_come`: or will, once it runs.
 
     Raises
     ------
@@ -294,6 +337,8 @@ def _images(course: Course, name: str, notebook: NotebookNode) -> dict[Path, byt
             if "://" in image or not image.startswith("images/"):
                 raise LessonError(f"{where}: {image} must be a file in solutions/images/, named images/NAME")
             if not (course.solutions / image).is_file():
+                if to_come and image.startswith(payoff_image(name)):
+                    continue
                 raise LessonError(f"{where}: solutions/{image} does not exist")
             found[Path("notebooks", image)] = (course.solutions / image).read_bytes()
     return found
@@ -303,12 +348,20 @@ def _stale(course: Course) -> tuple[Path, ...]:
     """Generated files of lessons that have no text any more."""
     names = set(course.names())
     folders = ((Path("notebooks"), ".ipynb"), (Path("solutions"), ".ipynb"), (CHECKS, ".bin"))
-    return tuple(
+    made = [
         path.relative_to(course.root)
         for folder, suffix in folders
         for path in sorted((course.root / folder).glob(f"{lesson_names.PATTERN}{suffix}"))
         if path.stem not in names
-    )
+    ]
+    openings = {payoff_image(name) for name in names}
+    made += [
+        path.relative_to(course.root)
+        for folder in ("notebooks", "solutions")
+        for path in sorted((course.root / folder).glob("images/[0-9][0-9]_payoff.*"))
+        if f"images/{path.stem}" not in openings
+    ]
+    return tuple(made)
 
 
 def text_from_notebook(course: Course, name: str) -> str:

@@ -14,7 +14,7 @@ from IPython.core.inputtransformer2 import TransformerManager
 from nbformat import NotebookNode
 
 from nao_course.exercises import lesson_names
-from nao_course.exercises.cells import grade_id, metadata
+from nao_course.exercises.cells import SHOWN, grade_id, metadata
 from nao_course.instructor.authoring.course import LessonError
 from nao_course.instructor.authoring.stamps import VOLATILE
 
@@ -34,7 +34,8 @@ KERNEL = {
     "language_info": {"name": "python"},
 }
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
-ROLES = ("setup", "display")
+ROLES = ("setup", *SHOWN)
+FOLDED = {"source_hidden": True}  # JupyterLab's: a bar stands where the code is, and its output below it
 OPTIONS = ("exercise", "check", "role")  # a code cell of the text has exactly one of them
 WRITTEN = "written"  # the option of a text cell that holds the answer to a written question
 
@@ -89,7 +90,7 @@ def _with_grading(options: dict[str, Any]) -> NotebookNode:
     given = [name for name in OPTIONS if name in options]
     if len(given) != 1:
         raise LessonError(
-            f"a code cell needs one of :exercise: NAME, :check: NAME, :role: setup and :role: display; "
+            f"a code cell needs one of :exercise: NAME, :check: NAME and :role: {' or '.join(ROLES)}; "
             f"it has {given or 'none'}"
         )
     option = given[0]
@@ -103,6 +104,8 @@ def _with_grading(options: dict[str, Any]) -> NotebookNode:
         metadata["nbgrader"] = _nbgrader("setup", locked=True)
     elif value not in ROLES:
         raise LessonError(f"there is no role {value!r}; there are {' and '.join(ROLES)}")
+    elif value == "display":
+        metadata["jupyter"] = FOLDED
     return nbformat.from_dict(metadata)
 
 
@@ -131,7 +134,7 @@ def _nbgrader(
 
 
 def role(cell: NotebookNode) -> str:
-    """Return exercise, check, setup or display of a code cell, written of an answer; of any other, nothing."""
+    """Return exercise, check or one of `ROLES` of a code cell, written of an answer; of any other, nothing."""
     return str(metadata(cell, "nao_course").get("role", ""))
 
 
@@ -216,6 +219,8 @@ def lesson_problems(
     elif f'lesson("{name}")' not in setups[0][1].source:
         ordinal = setups[0][0]
         yield f'{place(file, notebook, ordinal)}: the set-up says check, hint = lesson("{name}")'
+    if len(code_cells(notebook, "payoff")) > 1:
+        yield f"{file}: one cell with :role: payoff is enough; its picture is the one that the lesson opens with"
     exercises = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "exercise"))
     checks = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "check"))
     for what, names in (("exercise", exercises), ("check", checks)):

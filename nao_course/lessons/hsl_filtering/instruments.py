@@ -18,11 +18,14 @@ from nao_course.plotting.style import LABEL_COLOURS, course_style
 
 Pixels = npt.NDArray[np.uint8]
 
-WIDTH, HEIGHT = 480, 360  # px
-LEFT, RIGHT, TOP, BOTTOM = 14, 466, 10, 306  # of the histogram's axes, px
-CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 45, 132  # of the circle's bars, px
+WIDTH, HEIGHT = 400, 300  # px
+LEFT, RIGHT, TOP, BOTTOM = 10, 390, 8, 250  # of the histogram's axes, px
+CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bars, px
 PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
 _WEDGE = 3  # degrees of a bar on the circle
+_STACKED = (1, 0, 2, 3)  # labels, from the bottom up
+_BAR_COLOURS = np.array([to_rgb(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0)]) * 255
+_BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
 
 
 def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> Pixels:
@@ -36,19 +39,17 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
         Lightnesses to mark, named as in `MARKS`.
     """
     picture = _histogram_paper().copy()
-    stacked = np.cumsum(counts[[1, 0, 2, 3]], axis=0)
+    stacked = np.cumsum(counts[list(_STACKED)], axis=0)
     most = 1.15 * max(
         1.0, float(np.sort(stacked[-1])[-2])
     )  # the brightest bin may be far higher: it is cut off
-    edges = np.linspace(LEFT, RIGHT, BINS + 1).round().astype(int)
-    tops = BOTTOM - np.minimum((BOTTOM - TOP) * stacked / most, BOTTOM - TOP).round().astype(int)
-    for k in range(BINS):
-        below = BOTTOM
-        for label, top in zip((1, 0, 2, 3), tops[:, k], strict=True):
-            picture[top:below, edges[k] : edges[k + 1]] = _rgb(LABEL_COLOURS[label])
-            below = min(below, top)
-    outline = np.repeat(tops[-1], 2), np.ravel(np.column_stack((edges[:-1], edges[1:])))
-    cv2.polylines(picture, [np.column_stack(outline[::-1]).astype(np.int32)], False, (51, 51, 51), 1)
+    heights = np.minimum(stacked / most, 1.0)[:, (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)]
+    level = (BOTTOM - np.arange(TOP, BOTTOM))[:, None] / (BOTTOM - TOP)
+    bars = np.sum(level[None] > heights[:, None, :], axis=0)  # how many of the labels a pixel is above of
+    picture[TOP:BOTTOM, LEFT:RIGHT] = _BAR_COLOURS[bars]
+    tops = (BOTTOM - np.round(heights[-1] * (BOTTOM - TOP))).astype(np.int32)
+    outline = np.column_stack((np.arange(LEFT, RIGHT, dtype=np.int32), tops))
+    cv2.polylines(picture, [outline], False, (51, 51, 51), 1)
     for name, at in marks.items():
         u = round(LEFT + (RIGHT - LEFT) * min(max(at, 0.0), 255.0) / 256)
         cv2.line(picture, (u, TOP), (u, BOTTOM), _rgb(MARKS[name][0]), 3)
@@ -77,20 +78,22 @@ def circle_picture(
     picture = _circle_paper().copy()
     counts = np.bincount((hues // _WEDGE).astype(np.intp) % (360 // _WEDGE), minlength=360 // _WEDGE)
     lengths = INNER + (OUTER - INNER) * np.sqrt(counts / max(1, counts.max()))
+    ends = _places(np.arange(0, 360 + _WEDGE, _WEDGE)[:, None], np.array([[INNER]]))[:, 0]
+    starts = _WEDGE * np.arange(len(counts))[:, None] + np.array([[0, _WEDGE]])
+    outer = _places(starts, lengths[:, None])
     for wedge in np.flatnonzero(counts):
-        angles = _WEDGE * wedge + np.array([0.0, _WEDGE, _WEDGE, 0.0])
-        radii = np.array([INNER, INNER, lengths[wedge], lengths[wedge]])
-        cv2.fillPoly(picture, [_places(angles, radii)], _hue_colour(_WEDGE * (wedge + 0.5)), cv2.LINE_AA)
+        corners = np.array([ends[wedge], *outer[wedge], ends[wedge + 1]])
+        cv2.fillConvexPoly(picture, corners, _hue_colour(_WEDGE * (wedge + 0.5)), cv2.LINE_AA)
     for number, (colour, (low, high)) in enumerate(arcs.items()):
-        angles = np.linspace(low, low + (high - low) % 360, 120)
-        line = [_places(angles, np.full(120, OUTER + 8.0 + 10 * number))]
+        angles = np.linspace(low, low + (high - low) % 360, 90)
+        line = [_places(angles, OUTER + 7.0 + 9 * number)]
         cv2.polylines(picture, line, False, (51, 51, 51), 8, cv2.LINE_AA)
         cv2.polylines(picture, line, False, _rgb(colour), 5, cv2.LINE_AA)
     for hue in added:
-        cv2.circle(picture, _place(hue, OUTER + 13.0), 5, _rgb(PIXEL), -1, cv2.LINE_AA)
+        cv2.circle(picture, _place(hue, OUTER + 11.0), 4, _rgb(PIXEL), -1, cv2.LINE_AA)
     if pixel is not None:
-        cv2.line(picture, CENTRE, _place(pixel, OUTER + 26.0), (255, 255, 255), 5, cv2.LINE_AA)
-        cv2.line(picture, CENTRE, _place(pixel, OUTER + 26.0), _rgb(PIXEL), 2, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), (255, 255, 255), 5, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), _rgb(PIXEL), 2, cv2.LINE_AA)
     return picture
 
 
@@ -106,14 +109,14 @@ def _hue_colour(hue: float) -> tuple[int, int, int]:
 
 
 def _places(hues: npt.ArrayLike, radii: npt.ArrayLike) -> npt.NDArray[np.int32]:
-    """Points (N, 2) of the circle's picture; hues go round against the clock, from the right."""
+    """Points (..., 2) of the circle's picture; hues go round against the clock, from the right."""
     angles = np.radians(np.asarray(hues, dtype=float))
-    points = np.column_stack((np.cos(angles), -np.sin(angles))) * np.asarray(radii, dtype=float)[:, None]
+    points = np.stack((np.cos(angles), -np.sin(angles)), axis=-1) * np.asarray(radii, dtype=float)[..., None]
     return np.round(points + CENTRE).astype(np.int32)
 
 
 def _place(hue: float, radius: float) -> tuple[int, int]:
-    u, v = _places([hue], [radius])[0].tolist()
+    u, v = _places(hue, radius).tolist()
     return u, v
 
 
@@ -126,8 +129,8 @@ def _histogram_paper() -> Pixels:
             (LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT)
         )
         ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
-        ax.set_xlabel("lightness", fontsize=14)
-        ax.tick_params(labelsize=13)
+        ax.set_xlabel("lightness", fontsize=12)
+        ax.tick_params(labelsize=11)
         ax.spines["left"].set_visible(False)
         return _painted(figure)
 
@@ -138,12 +141,12 @@ def _circle_paper() -> Pixels:
     with course_style():
         figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="none")
         for degrees in range(0, 360, 60):
-            u, v = _place(degrees, OUTER + 40.0)
+            u, v = _place(degrees, OUTER + 34.0)
             side = {0: "left", 180: "right"}.get(degrees, "center")
-            figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=13, ha=side, va="center")
+            figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=11.5, ha=side, va="center")
         paper = _painted(figure)
     for degrees in range(0, 360, 2):
-        line = [_places([degrees, degrees + 2], [INNER - 8.0] * 2)]
+        line = [_places([degrees, degrees + 2], INNER - 7.0)]
         cv2.polylines(paper, line, False, _hue_colour(degrees + 1.0), 10)
     return paper
 

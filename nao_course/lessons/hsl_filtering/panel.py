@@ -265,7 +265,7 @@ class FilterPanel(FunctionPanel):
         scores = self.scores
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
-            figure = Figure(figsize=(8.2, 6.9))
+            figure = Figure(figsize=(7.0, 6.0))
             for ax, (title, pixels) in zip(
                 figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False
             ):

@@ -1,8 +1,25 @@
 """What lesson 00, Meet the NAO, alone uses."""
 
-from nao_course.lessons.meet_the_nao.figures import draw_cameras, draw_drift, draw_frames, plot_footprint
+from nao_course.lessons.meet_the_nao.drift import commanded, draw_drift, draw_growth, measure_drift
+from nao_course.lessons.meet_the_nao.figures import (
+    draw_cameras,
+    draw_frames,
+    draw_ground_steps,
+    plot_footprint,
+)
+from nao_course.lessons.meet_the_nao.lost import draw_lost_and_found
 
-__all__ = ["draw_cameras", "draw_drift", "draw_frames", "plot_footprint"]
+__all__ = [
+    "commanded",
+    "draw_cameras",
+    "draw_drift",
+    "draw_frames",
+    "draw_ground_steps",
+    "draw_growth",
+    "draw_lost_and_found",
+    "measure_drift",
+    "plot_footprint",
+]
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,4 @@
-"""Figures of lesson 00: frames and angles, what both cameras see, and how far robots drift."""
+"""Figures of lesson 00: frames and angles, what both cameras see, and how finely."""
 
 from __future__ import annotations
 
@@ -8,101 +8,19 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Patch, Rectangle, Wedge
 
 from nao_course.geometry import FloatArray, Pose
-from nao_course.plotting.drawing import Drawing, say_angle, say_count, say_place
-from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
-from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.maps import metric_axes, plot_field, say_field
-from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose
+from nao_course.plotting.drawing import Drawing, say_angle
+from nao_course.plotting.legends import legend_below
+from nao_course.plotting.maps import plot_field, say_field
+from nao_course.plotting.paths import plot_pose
 from nao_course.plotting.pictures import plot_picture
-from nao_course.plotting.style import CARPET, HALO, STYLES, YELLOW, course_style
+from nao_course.plotting.style import CARPET, HALO, STYLES, course_style
 from nao_course.sim import NAO_V4, CameraView, Field, Landmark, SimulatedNao
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-
-
-def draw_drift(
-    paths: npt.ArrayLike,
-    field: Field | None = None,
-    *,
-    start: Pose | None = None,
-    commanded: PathLike | None = None,
-    title: str | None = None,
-) -> Drawing:
-    """Draw robots that got the same commands, and where they went.
-
-    Parameters
-    ----------
-    paths : array_like, shape (N, M + 1, 3)
-        Each robot's poses, such as `nao_course.sim.repeat_drive` gives.
-    field : Field, optional
-        Drawn below them.
-    start : Pose, optional
-        Where the paths' origin is in the world.
-    commanded : Pose, sequence of Pose, or array_like of shape (M + 1, 2) or (M + 1, 3), optional
-        Where the commands lead without any error, from the same origin: each robot's odometry.
-    title : str, optional
-        Over the figure.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text gives the spread at the end.
-
-    Raises
-    ------
-    ValueError
-        For another shape.
-    """
-    array = np.asarray(paths, dtype=float)
-    if array.ndim != 3 or array.shape[2] != 3 or not array.shape[0] or not array.shape[1]:
-        raise ValueError(
-            f"paths must have shape (robots, steps + 1, 3), with at least one robot; got {array.shape}"
-        )
-    origin = start or Pose()
-    robots, ends = len(array), origin.to_parent(array[:, -1, :2])
-    believed = None if commanded is None else as_path(commanded, "commanded")
-    truth = STYLES["truth"]
-    keys: list[Artist] = [
-        Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=5, label="true paths, ends")
-    ]
-    with course_style():
-        figure = Figure(figsize=(6.4, 6.9) if field is None or field.half else (9.2, 6.6))
-        ax = figure.add_subplot()
-        everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
-        metric_axes(ax, everywhere, margin=0.4)
-        if field is None:
-            ax.grid(color="#e3e5e8")
-        if field is not None:
-            plot_field(field, ax)
-        for path in array:
-            ax.plot(*origin.to_parent(path[:, :2]).T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
-        ax.plot(*ends.T, truth.marker, color=truth.colour, ms=5, mec="white", mew=0.7, zorder=5)
-        if robots >= 3:
-            outline = ellipse_outlines(ends.mean(axis=0), np.cov(ends.T)[None])
-            ax.add_collection(filled_outlines(outline, truth.colour))
-            keys.append(Patch(facecolor="#d4d4d4", edgecolor=truth.colour, label="95 % of the ends"))
-        if believed is not None and len(believed):
-            placed = np.column_stack([origin.to_parent(believed[:, :2]), believed[:, 2] + origin.theta])
-            plot_path(placed, ax, "odometry")
-            keys.append(source_key("odometry", "what each believes"))
-        ax.plot(origin.x, origin.y, "*", color=YELLOW, mec="black", ms=13, zorder=7)
-        keys.append(Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"))
-        legend_below(figure, keys, columns=2 if field is None or field.half else 4)
-        ax.set_title(title or "")
-    spread = ends.std(axis=0, ddof=1) if robots > 1 else np.zeros(2)
-    words = (
-        f"{title or 'Drift'}: {say_count(robots, 'robot')}, the same {say_count(array.shape[1] - 1, 'command')} each. "
-        f"They end around ({ends[:, 0].mean():.2f}, {ends[:, 1].mean():.2f}) m, with standard deviations "
-        f"{spread[0]:.2f} m in x and {spread[1]:.2f} m in y."
-    )
-    if believed is not None and len(believed):
-        words += f" Each believes it is at {say_place(placed[-1])}."
-    return Drawing(figure, words)
+    pass
 
 
 def _inside(view: CameraView, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -198,6 +116,40 @@ def _say_footprint(camera: str, view: CameraView) -> str:
         return f"The {camera} camera sees no ground."
     far = "the horizon" if seen[-1] > 19.9 else f"{seen[-1]:.1f} m"
     return f"The {camera} camera sees the ground from {seen[0]:.1f} m to {far} before it."
+
+
+def draw_ground_steps(view: CameraView, title: str | None = None) -> Drawing:
+    """Draw how many pixels a step of 10 cm on the ground is, by its distance straight ahead.
+
+    Parameters
+    ----------
+    view : CameraView
+        Of a camera that looks ahead; only what it sees is drawn.
+    title : str, optional
+        Over the figure.
+
+    Returns
+    -------
+    Drawing
+        A curve over the distance.
+    """
+    ahead = np.arange(0.3, 4.01, 0.05)
+    near, far = (view.project(np.column_stack([ahead + more, 0 * ahead])) for more in (0.0, 0.1))
+    steps = near[:, 1] - far[:, 1]
+    seen = view.contains(near) & view.contains(far)
+    with course_style():
+        figure = Figure(figsize=(7.4, 3.6))
+        ax = figure.add_subplot()
+        ax.plot(ahead[seen], steps[seen], color=_CAMERA_COLOURS["bottom"], lw=2)
+        for distance in (1.0, 2.0, 3.0):
+            height = float(np.interp(distance, ahead, steps))
+            ax.plot(distance, height, "o", color=_CAMERA_COLOURS["bottom"], ms=7, mec="white")
+            ax.annotate(f"{height:.1f}", (distance, height), (6, 6), textcoords="offset points")
+        ax.set(xlabel="distance straight ahead (m)", ylabel="pixels for 10 cm", ylim=0)
+        ax.grid(color="#e3e5e8")
+        ax.set_title(title or "")
+    at = ", ".join(f"{np.interp(each, ahead, steps):.1f} at {each:.0f} m" for each in (1, 2, 3))
+    return Drawing(figure, f"{title or 'Ground and pixels'}. 10 cm on the ground are so many pixels: {at}.")
 
 
 def _arrow(
@@ -310,9 +262,9 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
     plot_pose(robot, ax, "ekf", length=0.05)
     _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
     _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.4 * unit, _FIELD_FRAME, r" heading $\theta$")
-    _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, " bearing")
+    _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, r" bearing $\varphi$")
     middle = robot.to_parent(0.62 * local)[0]
-    _name(ax, middle + (-0.1, 0.05), "range", _SIGHT, ha="right")
+    _name(ax, middle + (-0.1, 0.05), "range $r$", _SIGHT, ha="right")
     _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _SIGHT, ha="center")
     return f"corner at bearing {say_angle(bearing)} and range {distance:.1f} m"
 
