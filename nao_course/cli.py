@@ -14,10 +14,10 @@ from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from nao_course import homework, student
+from nao_course import homework
 from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
-from nao_course.exercises.definitions import load_definitions
+from nao_course.student import notebooks, progress
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
@@ -65,15 +65,21 @@ def _say(text: str) -> None:
 
 @app.command()
 def check(
-    lesson_or_file: str = typer.Argument(..., metavar="LESSON", help="A number, or a notebook."),
+    lesson_or_file: str = typer.Argument(
+        "", metavar="[LESSON]", help="A number, or a notebook; without it, a table of all lessons."
+    ),
 ) -> None:
     """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
+    if not lesson_or_file:
+        _say(repr(progress(_notebooks())))
+        return
     with _plainly():
         notebook = _notebook(lesson_or_file)
         lesson = notebook.stem
         public = read_public(lesson)
-        skipped = load_definitions(notebook, earlier=student.earlier_in(notebook.parent)).skipped
-        found = student.functions(lesson, notebook.parent)
+        found = notebooks.functions(lesson, notebook.parent)
+        if found.problem:
+            raise ValueError(found.problem)
     reports = {report.name: report for report in found.reports}
     table = Table("exercise", "points", "result", "what the check says", title=lesson)
     for exercise in public.exercises:
@@ -91,9 +97,9 @@ def check(
             sign = "● written"
         table.add_row(f"{question.number} in your own words", f"{question.points:g}", sign, said)
     console.print(table)
-    for each in skipped:
-        if each.reason != "not a definition":
-            _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
+    for each in found.skipped:
+        _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
+    _say(progress(notebook.parent).total(lesson))
     raise typer.Exit(0 if found.complete else 1)
 
 
@@ -132,7 +138,7 @@ def submit(
 def _state_of(lesson: str, folder: Path) -> str:
     """Say how much of a lesson is done, as far as the public checks can tell."""
     try:
-        public, found = read_public(lesson), student.functions(lesson, folder)
+        public, found = read_public(lesson), notebooks.functions(lesson, folder)
     except ValueError as error:
         return f"{lesson}: {error}"
     missing = [f"{report.name} ({report.state})" for report in found.reports]

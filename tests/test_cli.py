@@ -13,6 +13,7 @@ import pytest
 
 from nao_course import cli
 from nao_course.instructor.authoring import lesson_text
+from nao_course.student import progress
 from tests.paths import PROJECT
 from tests.toy.course import contents, run
 
@@ -52,6 +53,16 @@ def test_check_names_what_went_wrong(tmp_path):
     shutil.copy(path, tmp_path / "x.ipynb")
     assert "there is no lesson 'x'" in run("check", str(tmp_path / "x.ipynb")).output
     assert "is no folder" in run("submit", str(path), "--out", str(tmp_path)).output
+
+
+def test_check_ends_with_the_sum_that_progress_gives_and_alone_shows_all_lessons(monkeypatch):
+    solved = str(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
+    last = run("check", solved).output.splitlines()[-1]
+    total = progress(PROJECT / "solutions").total("01_hsl_filtering")
+    assert last == total and total.startswith("01_hsl_filtering: 13 of 13 points pass their public checks")
+    monkeypatch.chdir(PROJECT)
+    result = run("check")
+    assert result.exit_code == 0 and result.output.strip() == repr(progress(PROJECT / "notebooks"))
 
 
 @pytest.mark.parametrize("word", ["0", "00", "00_meet_the_nao"])

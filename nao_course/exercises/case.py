@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from nao_course.exercises.codec import decode, encode, register
+
+
+def copied(value: Any) -> Any:
+    """Return an array's copy, and anything else as it is: what a function is given that may change its arguments."""
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 @register

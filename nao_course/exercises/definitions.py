@@ -17,7 +17,7 @@ from typing import Any
 
 from nao_course.exercises import earlier as earlier_lessons
 from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, metadata, source_of
-from nao_course.exercises.running import REFERENCE, describe
+from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
 MOST_WRITTEN = 2**16  # characters of a written answer
@@ -161,6 +161,8 @@ def load_definitions(
         If there is no such file.
     ValueError
         If it is no notebook; the message says what is wrong.
+    TimeIsUp
+        If the time of an `alarm` around it is up.
     """
     text = read_notebook(path)
     missing = dict(instead or {})
@@ -201,7 +203,7 @@ def load_definitions(
                 code = _compile(statement, origin, flags)
                 flags |= code.co_flags & __future__.annotations.compiler_flag
                 exec(code, namespace)
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, TimeIsUp):
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
                 skipped.append(Skipped(number, statement.lineno, describe(error)))

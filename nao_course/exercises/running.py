@@ -8,6 +8,7 @@ import re
 import signal
 import sysconfig
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -114,9 +115,9 @@ def call_all(
     outcomes: list[Outcome] = []
     for case in cases:
         try:
-            with _alarm(seconds):
+            with alarm(seconds):
                 outcome = answer(lambda each: call(function, each, driver), case)
-        except _TimeIsUp:  # it rang while the answer was being copied
+        except TimeIsUp:  # it rang while the answer was being copied
             outcome = Outcome("timed out")
         outcomes.append(outcome)
         if outcomes[-1].status in ("not attempted", "interrupted", "timed out"):
@@ -159,27 +160,38 @@ def find_driver(name: str) -> Callable[..., Any]:
     return _DRIVERS[function]
 
 
-class _TimeIsUp(BaseException):
-    """Raised into a function that runs too long; no `except Exception` of a student's stops it."""
+class TimeIsUp(BaseException):
+    """Raised into a student's code that runs too long; no `except Exception` of theirs stops it."""
 
 
 @contextmanager
-def _alarm(seconds: float) -> Iterator[None]:
-    """Raise _TimeIsUp in the block after a time."""
+def alarm(seconds: float) -> Iterator[None]:
+    """Raise TimeIsUp in the block after a time; one that is in another rings no later than that.
+
+    Where there is no alarm clock (Windows, or another thread than the main one), there is no limit.
+    """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
 
-    def ring(*_: object) -> None:
-        raise _TimeIsUp
+    over = False
 
+    def ring(*_: object) -> None:
+        if not over:
+            raise TimeIsUp
+
+    outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 where this one is in no other
+    began = time.monotonic()
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, min(seconds, outer) if outer else seconds)
     try:
         yield
     finally:
+        over = True  # it may ring between here and the next line
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        if outer:
+            signal.setitimer(signal.ITIMER_REAL, max(outer - (time.monotonic() - began), 1e-3))
 
 
 def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
@@ -197,7 +209,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
         return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
         return Outcome("interrupted")
-    except _TimeIsUp:
+    except TimeIsUp:
         return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)

@@ -1,9 +1,9 @@
 """Panels to drive the robot and to try a function with; each leaves a picture and a text where no widget can live."""
 
+from nao_course.widgets.control_panel import ControlPanel
 from nao_course.widgets.dial import RealityDial
 from nao_course.widgets.function_panel import FunctionPanel
 from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider, Toggle
-from nao_course.widgets.panel import ControlPanel
 from nao_course.widgets.shown import Legend
 
 __all__ = [

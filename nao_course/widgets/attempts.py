@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TextIO, TypeVar
 
-import numpy as np
+from nao_course.exercises.case import copied
 
 TIME_LIMIT = 10.0  # s for one call of a student's code before it is given up
 KEPT_LETTERS = 1000  # of what it prints, the last ones
@@ -164,15 +164,11 @@ class StudentCode(Mapping[str, Callable[..., Any]]):
     def _call(self, name: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
         self.running, began = name, time.perf_counter()
         try:
-            value = function(*map(_copied, given), **{key: _copied(each) for key, each in named.items()})
+            value = function(*map(copied, given), **{key: copied(each) for key, each in named.items()})
         finally:
             self.seconds += time.perf_counter() - began
         self.running, self.last = "", name
         return value
-
-
-def _copied(value: Any) -> Any:
-    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 def newest_definition(function: Callable[..., Any]) -> Callable[..., Any]:

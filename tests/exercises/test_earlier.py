@@ -5,7 +5,6 @@ import ast
 import numpy as np
 import pytest
 
-from nao_course import student
 from nao_course.exercises import checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
@@ -20,6 +19,7 @@ from nao_course.exercises.earlier import (
     watching,
 )
 from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
+from nao_course.student import notebooks as student
 from tests.toy import pair, toy
 
 

@@ -1,12 +1,13 @@
-"""Drivers are found by their name, from wherever they are registered."""
+"""Drivers are found by their name, from wherever they are registered; what takes too long is stopped."""
 
 import linecache
+import signal
 import sys
 from types import ModuleType
 
 import pytest
 
-from nao_course.exercises import Case, call, register_driver
+from nao_course.exercises import Case, call, register_driver, running
 from nao_course.exercises.comparisons.jacobians import jacobian
 from nao_course.exercises.running import find_driver
 
@@ -68,3 +69,29 @@ def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_rai
     outcome = call(cell(source, name), Case((0,)))
     number = len(source.splitlines())
     assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"
+
+
+# --- time ---
+
+
+def endless():
+    while True:
+        pass
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+def test_an_alarm_within_another_rings_no_later_and_leaves_the_outer_one_on():
+    def inner_then_endless():
+        with running.alarm(60.0):
+            pass
+        endless()
+
+    with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+        inner_then_endless()
+    with pytest.raises(running.TimeIsUp), running.alarm(0.05), running.alarm(60.0):
+        endless()
+    with running.alarm(60.0):
+        with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+            endless()
+        assert 0.0 < signal.getitimer(signal.ITIMER_REAL)[0] <= 60.0
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.case import Case
+from nao_course.exercises.case import Case, copied
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison, Verdict, as_text, with_article
 from nao_course.exercises.comparisons.structure import as_numbers
@@ -35,11 +35,7 @@ def each_seed(function: Callable[..., Any], *given: Any) -> list[Any]:
         One answer for each seed.
     """
     *args, seeds = given
-    return [function(*map(_copied, args), np.random.default_rng(seed)) for seed in seeds]
-
-
-def _copied(value: Any) -> Any:
-    return value.copy() if isinstance(value, np.ndarray) else value
+    return [function(*map(copied, args), np.random.default_rng(seed)) for seed in seeds]
 
 
 @register

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from nao_course import cli, student
+from nao_course import cli
 from nao_course.exercises import Close, checking
 from nao_course.exercises.checking import Checks, pack, unpack
 from nao_course.exercises.definitions import load_definitions
@@ -21,6 +21,7 @@ from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
 from nao_course.instructor.autograding.lock import ReadWriteLock
 from nao_course.instructor.collecting.submissions import Files, Submission
+from nao_course.student import notebooks as student
 from tests.toy import values
 
 AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine

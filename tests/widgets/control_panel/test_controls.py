@@ -4,7 +4,7 @@ import ipywidgets
 import pytest
 
 from nao_course.widgets import ControlPanel
-from nao_course.widgets.controls import KEYS
+from nao_course.widgets.control_panel.controls import KEYS
 from nao_course.widgets.keyboard import key_names
 from tests.widgets.robots import all_widgets, clean_nao
 

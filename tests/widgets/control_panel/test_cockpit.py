@@ -6,7 +6,7 @@ import pytest
 from nao_course.geometry import Pose
 from nao_course.sim import Truth
 from nao_course.slam import Motion
-from nao_course.widgets.cockpit import STEP, TURN_STEP, Cockpit, pieces
+from nao_course.widgets.control_panel.cockpit import STEP, TURN_STEP, Cockpit, pieces
 from tests.widgets.robots import Recorder, clean_nao
 
 

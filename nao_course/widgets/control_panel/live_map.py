@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from nao_course.slam import KINDS, Estimate, Measurement, measured_points
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
 HEADING = 0.32  # m, length of the line that shows where a robot looks
+POINT_MARKER = "*"  # of what the student's code found; landmarks have others
 _NO_POINTS = np.empty((0, 2))
 
 
@@ -47,12 +48,15 @@ class MapContents:
         Drawn from the robot of `observer`.
     observer : str
         Which source's robot measured.
+    points : ndarray, shape (N, 2)
+        In the frame of that robot, m: what the student's own code found.
     """
 
     paths: Mapping[str, Sequence[Pose]]
     estimate: Estimate | None = None
     seen: Sequence[Measurement] = ()
     observer: str = "odometry"
+    points: FloatArray = field(default_factory=lambda: _NO_POINTS)
 
 
 class LiveMap:
@@ -116,6 +120,7 @@ class LiveMap:
             robot.show(as_path(list(contents.paths.get(source, ()))))
         observer = contents.paths.get(contents.observer) or [Pose()]
         self._sight.show(contents.seen, observer[-1], contents.observer)
+        self._sight.show_points(contents.points, observer[-1], contents.observer)
         self._canvas.restore_region(self._background)
         for artist in self._artists:
             self._ax.draw_artist(artist)
@@ -194,7 +199,8 @@ class _SightArtists:
             kind: Line2D([], [], marker=LANDMARK_MARKERS[kind], ls="", ms=9, mfc="none", mew=1.4)
             for kind in KINDS
         }
-        self.all: list[Any] = [self._rays, *self._ends.values()]
+        self._points = Line2D([], [], marker=POINT_MARKER, ls="", ms=9, mec="white", mew=0.8)
+        self.all: list[Any] = [self._rays, *self._ends.values(), self._points]
 
     def show(self, seen: Sequence[Measurement], pose: Pose, source: str) -> None:
         """Show measurements taken at `pose`, in their observer's colour."""
@@ -204,3 +210,7 @@ class _SightArtists:
         self._rays.set(data=rays.reshape(-1, 2).T, color=colour)
         for kind, marks in self._ends.items():
             marks.set(data=_of_kind(ends, [each.kind for each in seen], kind).T, markeredgecolor=colour)
+
+    def show_points(self, points: FloatArray, pose: Pose, source: str) -> None:
+        """Show points (N, 2) of the robot frame at `pose`, in their observer's colour."""
+        self._points.set(data=pose.to_parent(points).T, markerfacecolor=style_of(source).colour)

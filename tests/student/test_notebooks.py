@@ -1,27 +1,15 @@
 """The student's own functions of an earlier lesson: those that are right, and a sentence about the rest."""
 
 import os
+import signal
 
 import pytest
 
-from nao_course import student
-from nao_course.exercises import checking
-from nao_course.exercises.definitions import load_definitions
-from nao_course.instructor.authoring.plans import load_plan, publish
+from nao_course.student import notebooks as student
 from tests.toy import toy
 
 WRONG = "def clamp(x, low, high):\n    return x"
 BLANK = "def mean_of_positive(values):\n    raise NotImplementedError"
-
-
-@pytest.fixture(autouse=True)
-def lesson(tmp_path_factory, monkeypatch):
-    """There is a lesson 90_toy; the course's own lessons are left as they are."""
-    solved = load_definitions(toy.solutions(tmp_path_factory.mktemp("course") / "s") / "90_toy.ipynb")
-    public = publish("90_toy", load_plan(toy.HERE / "exercises" / "90_toy.py"), solved)
-    monkeypatch.setattr(student, "read_public", {"90_toy": public}.__getitem__)
-    monkeypatch.setattr(checking, "read_public", {"90_toy": public}.__getitem__)
-    monkeypatch.delenv("NAO_COURSE_NOTEBOOKS", raising=False)
 
 
 def test_right_functions_are_handed_on(tmp_path):
@@ -55,7 +43,7 @@ def test_one_right_one_is_enough_to_go_on(tmp_path):
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (None, "cannot be read"),
+        (None, "90.1 clamp: 90_toy.ipynb is not in your folder test_a_missing"),
         ("{", "not a notebook"),
         ("", "not a notebook"),
     ],
@@ -107,3 +95,59 @@ def test_what_an_earlier_notebook_prints_is_not_shown_in_a_later_one(tmp_path, c
 def test_an_interrupt_of_an_endless_function_is_a_report(tmp_path):
     toy.write(tmp_path / "90_toy.ipynb", "def clamp(x, low, high):\n    raise KeyboardInterrupt")
     assert "clamp (interrupted)" in repr(student.functions("90_toy", tmp_path))
+
+
+needs_alarm = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+ENDLESS = "if True:\n    for _ in iter(int, 1):\n        pass"
+
+
+@needs_alarm
+def test_a_notebook_that_never_ends_is_given_up_with_a_sentence(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
+    own = student.functions("90_toy", tmp_path, most_seconds=0.2)
+    assert own.problem.startswith("90_toy.ipynb takes longer than 0.2 s: does a loop outside a function")
+    assert len(own) == 0 and "takes longer than" in own.reports[0].lines[0]
+
+
+@needs_alarm
+def test_a_function_that_never_ends_costs_no_more_than_its_time(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", "def clamp(x, low, high):\n    while True:\n        pass", toy.MEAN)
+    own = student.functions("90_toy", tmp_path, most_seconds=0.2)
+    assert "clamp (interrupted)" in repr(own)
+
+
+# --- one function, from here or there ---
+
+
+def clamp(x, low, high):
+    return max(low, min(high, x))
+
+
+def test_a_right_function_at_hand_is_taken_before_the_saved_one(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    assert student.own_function("90:clamp", {"clamp": clamp}, tmp_path) == (clamp, "")
+    saved = student.functions("90_toy", tmp_path)["clamp"]
+    for at_hand in ({}, {"clamp": lambda *given: 0.0}, {"clamp": 3}):
+        assert student.own_function("90:clamp", at_hand, tmp_path) == (saved, "")
+
+
+@pytest.mark.parametrize(
+    ("cell", "why"),
+    [
+        (WRONG, "clamp of lesson 90 does not pass its check yet"),
+        ("def clamp(x, low, high):\n    raise NotImplementedError", "clamp of lesson 90 is not written yet"),
+        ("def clamp(x, low, high):\n    return 1 / 0", "clamp of lesson 90 does not pass its check yet"),
+        (BLANK, "clamp of lesson 90 is not written yet"),
+        (None, "90_toy.ipynb is not in your folder work"),
+    ],
+)
+def test_why_there_is_no_right_function_is_said_in_words(tmp_path, cell, why):
+    (tmp_path / "work").mkdir()
+    if cell is not None:
+        toy.write(tmp_path / "work" / "90_toy.ipynb", cell)
+    assert student.own_function("90:clamp", {}, tmp_path / "work") == (None, why)
+
+
+def test_what_is_wrong_at_hand_is_said_where_nothing_is_saved(tmp_path):
+    _, why = student.own_function("90:clamp", {"clamp": lambda *given: 0.0}, tmp_path)
+    assert why == "clamp of lesson 90 does not pass its check yet"

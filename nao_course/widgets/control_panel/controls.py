@@ -7,7 +7,7 @@ from typing import Any
 
 import ipywidgets
 
-from nao_course.widgets.cockpit import CAMERAS
+from nao_course.widgets.control_panel.cockpit import CAMERAS
 from nao_course.widgets.keyboard import key_field, key_names
 from nao_course.widgets.parts import LabelledImage, box, html_line, styles
 
@@ -30,8 +30,10 @@ KEYS = {
     "picture": (" ",),
     "slam": ("m",),
 }
+VIEW_KEYS = {"view": ("v",)}  # only where the student's code looks along
 _KEY_WORDS = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
 _MORE_KEY_WORDS = ", M measures, X stops, H looks ahead"
+_VIEW_KEY_WORDS = ", V changes the view"
 _KEY_HINT = "Keys: click, then WASD, IJKL, space"
 
 _CSS = """
@@ -52,6 +54,7 @@ _CSS = """
 .nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }
 .nao-panel .nao-actions .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
+.nao-panel .nao-ready { margin: 0 0 4px 0; line-height: 18px; }
 .nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
 """
 
@@ -67,6 +70,10 @@ class Controls:
         Whether there is an algorithm to run, and a truth to show.
     show_truth : bool
         Whether the truth is shown at first, if there is one.
+    heading : str
+        HTML of a line above all.
+    has_views : bool
+        Whether there is something to lay over the picture.
 
     Attributes
     ----------
@@ -78,6 +85,8 @@ class Controls:
         Of each camera.
     map, status : widgets with a value
         The map as a PNG file, what happened as HTML.
+    view : ipywidgets.Button or None
+        Whose label says how the picture is shown.
     """
 
     def __init__(
@@ -87,9 +96,12 @@ class Controls:
         has_slam: bool,
         has_truth: bool,
         show_truth: bool,
+        heading: str = "",
+        has_views: bool = False,
     ) -> None:
         """Build the widgets."""
         self._actions = actions
+        self._keys = {**KEYS, **(VIEW_KEYS if has_views else {})}
         self._controls: list[Any] = []
         self.status = ipywidgets.HTML()
         self.images = {
@@ -113,7 +125,8 @@ class Controls:
         )
         main = box("H", "nao-main", left, self.map)
         main.layout.flex_flow = "row wrap"
-        self.widget = box("V", "nao-panel", styles(_CSS), main)
+        above = [html_line(heading, "nao-ready")] if heading else []
+        self.widget = box("V", "nao-panel", styles(_CSS), *above, main)
         self.camera.observe(lambda change: self._mark_camera(), "value")
         self._mark_camera()
 
@@ -123,7 +136,7 @@ class Controls:
             control.disabled = True
 
     def _button(self, name: str, label: str, tooltip: str, icon: str = "") -> Any:
-        tooltip = f"{tooltip} (key: {key_names(KEYS[name])})"
+        tooltip = f"{tooltip} (key: {key_names(self._keys[name])})"
         button = ipywidgets.Button(description=label, tooltip=tooltip, icon=icon)
         button.add_class(f"nao-do-{name}")
         button.on_click(lambda _: self._actions[name]())
@@ -184,15 +197,20 @@ class Controls:
             "Draw where the robot really is" if has_truth else "This panel knows no truth"
         )
         self._controls.append(self.show_truth)
+        has_views = "view" in self._keys
+        more = _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "")
         keys = ipywidgets.HTML(
-            key_field(KEYS, _KEY_WORDS, _MORE_KEY_WORDS, _KEY_HINT, once=("picture", "slam"))
+            key_field(self._keys, _KEY_WORDS, more, _KEY_HINT, once=("picture", "slam", "view"))
         )
         keys.layout.flex = "1 1 200px"
+        tooltip = "Show your code's view of the picture over it, beside it, or not at all"
+        self.view = self._button("view", "View", tooltip, "eye") if has_views else None
         return box(
             "H",
             "nao-actions",
             self._button("picture", "Take picture", "Take a picture and keep it", "camera"),
             self._button("slam", "Run SLAM" if has_slam else "Measure", measure, "crosshairs"),
+            *([self.view] if has_views else []),
             self.show_truth,
             keys,
         )

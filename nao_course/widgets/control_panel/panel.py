@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import html
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -10,26 +11,17 @@ from typing import Any, Literal
 from weakref import WeakSet
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from nao_course.geometry import Pose
-from nao_course.plotting import (
-    Drawing,
-    course_style,
-    plot_estimate,
-    plot_field,
-    plot_measurements,
-    plot_path,
-    plot_picture,
-    style_of,
-)
-from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting import Drawing, style_of
 from nao_course.sim import Picture, SimulatedNao, Truth
 from nao_course.slam import Measurement, Motion, SlamAlgorithm
 from nao_course.widgets.attempts import TIME_LIMIT
-from nao_course.widgets.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure, pieces
-from nao_course.widgets.controls import SIZES, Controls
-from nao_course.widgets.live_map import LiveMap, MapContents
+from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure, pieces
+from nao_course.widgets.control_panel.controls import SIZES, Controls
+from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
+from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, View
+from nao_course.widgets.control_panel.still import draw_still
 from nao_course.widgets.parts import BREATH, PERIOD, bundle, jpeg, png, status_box
 
 HEAD_YAW, HEAD_PITCH = float(np.radians(10)), float(np.radians(5))  # rad for one press
@@ -64,6 +56,8 @@ class ControlPanel:
         Whose colours the estimate gets.
     time_limit : float
         Seconds for each call of your code; one that takes longer is stopped, and the panel says so.
+    pipeline : Pipeline, optional
+        Your own functions, which look at the chosen camera's picture with each step; see `nao_course.student.my_nao`.
 
     Raises
     ------
@@ -95,9 +89,13 @@ class ControlPanel:
         frame: Pose | None = None,
         source: Literal["ekf", "graph"] = "ekf",
         time_limit: float = TIME_LIMIT,
+        pipeline: Pipeline | None = None,
     ) -> None:
         """Take the first pictures and build the widgets."""
         style_of(source)
+        self._pipeline = pipeline
+        self._view: View = "over" if pipeline is not None and pipeline.stages else "picture"
+        self._seen = Seen()
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self.source = source
         self.closed = False
@@ -115,14 +113,17 @@ class ControlPanel:
             has_slam=slam is not None,
             has_truth=truth is not None,
             show_truth=show_truth is None or bool(show_truth),
+            heading="<br>".join(html.escape(f"{each[:1].upper()}{each[1:]}") for each in self._ready()),
+            has_views=pipeline is not None and bool(pipeline.stages),
         )
         self._controls.show_truth.observe(lambda change: self._show(), "value")
+        self._controls.camera.observe(lambda change: self._guarded(self._show_chosen), "value")
         for older in list(_LIVE):
             older.stop()
             if older.cockpit.nao is nao:
                 older.close("A newer panel drives this robot.")
         _LIVE.add(self)
-        self._show()
+        self._show_chosen()
 
     # --- commands: from code they run to the end, buttons start them ---
 
@@ -154,13 +155,13 @@ class ControlPanel:
     def take_picture(self) -> Picture:
         """Take a picture with the chosen camera and size, and keep it."""
         picture = self.cockpit.take_picture(self.camera, self.size)
-        self._show()
+        self._show_chosen()
         return picture
 
     def run_slam(self) -> tuple[Measurement, ...]:
         """Measure with the chosen camera and give the measurements to `slam`; without one, only measure."""
         seen = self.cockpit.observe(self.camera, self.size)
-        self._show()
+        self._show_chosen()
         return seen
 
     def stop(self) -> None:
@@ -246,34 +247,32 @@ class ControlPanel:
             raise ValueError("this panel knows no truth: make it with ControlPanel(nao, truth=Truth(nao))")
         self._controls.show_truth.value = bool(shown)
 
+    @property
+    def view(self) -> View:
+        """How the chosen camera's picture is shown: "picture", or your code's view "over" or "beside" it."""
+        return self._view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        if view not in VIEWS:
+            raise ValueError(f"view must be one of {list(VIEWS)}, got {view!r}")
+        if self._pipeline is None or not self._pipeline.stages:
+            raise ValueError("this panel has none of your functions to look with: make it with my_nao()")
+        self._view = view
+        self._pipeline.wake()
+        self._show_chosen()
+
     def summary(self) -> str:
         """Return what the panel shows, in words."""
-        return self.cockpit.summary(self.show_truth)
+        *facts, status = self.cockpit.summary(self.show_truth).splitlines()
+        return "\n".join([*facts, *self._ready(), *self._seen.lines(), *self._seen.complaints, status])
 
     def drawing(self) -> Drawing:
         """Return what the panel shows as a figure, for where no widget can live."""
-        with course_style():
-            figure = Figure(figsize=(9.6, 5.4))
-            grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
-            for row, camera in enumerate(CAMERAS):
-                ax = figure.add_subplot(grid[row, 0])
-                plot_picture(self.cockpit.pictures[camera], ax, ticks=False)
-                ax.set_title(f"{camera} camera", fontsize=11)
-            ax = figure.add_subplot(grid[:, 1])
-            self._plot_map(ax)
-            keys = [source_key(source, self._names[source]) for source in self._contents().paths]
-            legend_below(figure, keys, columns=3)
-        return Drawing(figure, f"Control panel: {'; '.join(self.summary().splitlines())}", photo=True)
-
-    def _plot_map(self, ax: Any) -> None:
-        contents = self._contents()
-        plot_field(self.cockpit.nao.field, ax)
-        if contents.estimate is not None:
-            plot_estimate(contents.estimate, ax, self.source)
-        for source, path in contents.paths.items():
-            plot_path(list(path), ax, source)
-        if contents.seen:
-            plot_measurements(contents.seen, contents.paths[contents.observer][-1], ax, contents.observer)
+        views = [(camera, *self._shown(camera)) for camera in CAMERAS]
+        pictures = {whose or f"{camera} camera": pixels for camera, pixels, whose in views}
+        alt = f"Control panel: {'; '.join(self.summary().splitlines())}"
+        return draw_still(pictures, self.cockpit.nao.field, self._contents(), self._names, alt)
 
     def __repr__(self) -> str:
         """Say what the panel shows."""
@@ -358,6 +357,8 @@ class ControlPanel:
         """Take both live pictures, the chosen camera's first, and show everything."""
         for camera in sorted(CAMERAS, key=lambda each: each != self.camera):
             self.cockpit.photograph(camera)
+            if camera == self.camera:
+                self._perceive()
             self._show_picture(camera)
         self._show_map()
         self._show_status()
@@ -381,11 +382,45 @@ class ControlPanel:
             "look-ahead": self.look_ahead,
             "picture": self.take_picture,
             "slam": self.run_slam,
+            "view": self._next_view,
         }
+
+    # --- the student's code looks along ---
+
+    def _next_view(self) -> None:
+        views = list(VIEWS)
+        self.view = views[(views.index(self.view) + 1) % len(views)]
+
+    def _perceive(self) -> None:
+        """Let the student's code look at the chosen camera's picture, unless only that is wanted."""
+        if self._pipeline is None or self.view == "picture":
+            self._seen = Seen()
+            return
+        self._seen = self._pipeline.look(self.cockpit.pictures[self.camera])
+        self.cockpit.error = self._seen.error or self.cockpit.error
+
+    def _shown(self, camera: str) -> tuple[Any, str]:
+        """The pixels to show in a camera's place, and what they are where they are not its picture alone."""
+        own, chosen = self.cockpit.pictures[camera].pixels, self.cockpit.pictures[self.camera].pixels
+        names = self._seen.names
+        if names and self.view == "over" and camera == self.camera:
+            return self._seen.over(own), f"{camera} camera and your {names}"
+        if names and self.view == "beside" and camera != self.camera:
+            return self._seen.alone(chosen), f"your {names} of the {self.camera} camera"
+        return own, ""
+
+    def _ready(self) -> list[str]:
+        return [] if self._pipeline is None else self._pipeline.summary()
 
     # --- showing ---
 
+    def _show_chosen(self) -> None:
+        self._perceive()
+        self._show()
+
     def _show(self) -> None:
+        if self._controls.view is not None:
+            self._controls.view.description = VIEWS[self.view]
         for camera in CAMERAS:
             self._show_picture(camera)
         self._show_map()
@@ -394,19 +429,23 @@ class ControlPanel:
     def _show_picture(self, camera: str) -> None:
         picture = self.cockpit.pictures[camera]
         image, caption = self._controls.images[camera], self._controls.captions[camera]
-        image.value = jpeg(picture.pixels)
+        pixels, whose = self._shown(camera)
+        image.value = jpeg(pixels)
         width, height = picture.view.size
         live = "live" if (width, height) == LIVE_SIZE else f"{width} × {height}"
-        caption.value = f"<b>{camera.capitalize()} camera</b>, {live}"
+        said = f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}"
+        if caption.value != said:
+            caption.value = said
 
     def _show_map(self) -> None:
         self._controls.map.value = png(self._map.draw(self._contents()))
 
     def _show_status(self) -> None:
-        cockpit = self.cockpit
-        facts = " · ".join(cockpit.facts(self.show_truth))
-        alarm = cockpit.alarm
-        status = status_box(cockpit.message, facts, alarm=alarm, shows_where=alarm, printed=cockpit.printed)
+        cockpit, seen = self.cockpit, self._seen
+        facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines(), *seen.pace()])
+        alarm = cockpit.alarm or bool(seen.complaints)
+        message, printed = "\n".join([cockpit.message, *seen.complaints]), cockpit.printed + seen.printed
+        status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed)
         if self._controls.status.value != status:
             self._controls.status.value = status
 
@@ -419,7 +458,7 @@ class ControlPanel:
         if cockpit.slam is not None:
             paths[self.source] = cockpit.estimated
         observer = self.source if cockpit.estimated else "odometry"
-        return MapContents(paths, cockpit.estimate, cockpit.seen, observer)
+        return MapContents(paths, cockpit.estimate, cockpit.seen, observer, self._seen.points)
 
     def _refuse_if_closed(self) -> None:
         if self.closed:

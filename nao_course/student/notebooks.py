@@ -11,14 +11,22 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from nao_course.exercises.checking import Report, grade_public, lessons, read_public
-from nao_course.exercises.definitions import NO_DEFINITION, Definitions, load_definitions
+import numpy as np
+
+from nao_course.exercises.checking import CheckState, Report, grade_public, lessons, read_public
+from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
+from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
 
-__all__ = ["StudentFunctions", "earlier", "earlier_in", "functions"]
+SECONDS = 20.0  # wall clock of loading a notebook
+_NOT_RIGHT = {
+    "not attempted": "is not written yet",
+    "not checked": "cannot be checked yet",
+    "interrupted": "takes too long in its check",
+}
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,10 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         Written questions without an answer.
     remarks : mapping of str to tuple of str
         What the checks said of the right ones, besides that they are.
+    problem : str
+        Why the notebook cannot be read, in a sentence; empty where it can.
+    skipped : tuple of Skipped
+        Statements of the notebook that failed.
     """
 
     lesson: str
@@ -44,6 +56,8 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
     reports: tuple[Report, ...] = ()
     unwritten: tuple[str, ...] = ()
     remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    problem: str = ""
+    skipped: tuple[Skipped, ...] = ()
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
         """Return a function.
@@ -91,7 +105,9 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         )
 
 
-def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions:
+def functions(
+    lesson: str, folder: str | Path | None = None, most_seconds: float = np.inf
+) -> StudentFunctions:
     """Load the student's own functions of an earlier lesson.
 
     Parameters
@@ -100,6 +116,8 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
         Such as "01_hsl_filtering".
     folder : str or Path, optional
         Where the notebooks are; by default $NAO_COURSE_NOTEBOOKS, else the working folder.
+    most_seconds : float
+        Wall clock that loading the notebook, and each case of a check, gets at most.
 
     Returns
     -------
@@ -112,14 +130,17 @@ def functions(lesson: str, folder: str | Path | None = None) -> StudentFunctions
         If there is no such lesson.
     """
     public = read_public(lesson)
-    path = _folder(folder) / f"{lesson}.ipynb"
-    found, reasons = _read(path)
-    reports = {each.name: _report(each, path, found, reasons) for each in public.exercises}
+    path = notebooks_folder(folder) / f"{lesson}.ipynb"
+    notebook = _read(path, most_seconds)
+    found = notebook.found
+    reports = {each.name: _report(each, notebook, most_seconds) for each in public.exercises}
     right = {name: found[name] for name, report in reports.items() if report}
     unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
     wrong = tuple(report for report in reports.values() if not report)
     remarks = {name: report.lines[1:] for name, report in reports.items() if report}
-    return StudentFunctions(lesson, right, wrong, tuple(unwritten), remarks)
+    return StudentFunctions(
+        lesson, right, wrong, tuple(unwritten), remarks, notebook.problem, notebook.failed
+    )
 
 
 def earlier(use: str, folder: str | Path | None = None) -> Any:
@@ -147,7 +168,7 @@ def earlier(use: str, folder: str | Path | None = None) -> Any:
     """
     if is_resolved():  # in a declaration of exercises: no student's folder is meant
         return stand_in(use, not_usable(use))
-    made = earlier_in(_folder(folder))(use)
+    made = earlier_in(notebooks_folder(folder))(use)
     if not isinstance(made, type):
         try:
             made.find()
@@ -163,11 +184,10 @@ def earlier_in(folder: Path) -> Callable[[str], Any]:
 
     def find(use: str) -> Any:
         lesson, exercise = _exercise(use)
-        path = folder.resolve() / f"{lesson}.ipynb"
-        found, reasons = _read(path)
-        report = _report(exercise, path, found, reasons)
+        notebook = _read(folder.resolve() / f"{lesson}.ipynb")
+        report = _report(exercise, notebook)
         if report:
-            return stand_in(use, lambda: found[exercise.name])
+            return stand_in(use, lambda: notebook.found[exercise.name])
         return stand_in(use, not_usable(use, " ".join(report.lines)))
 
     return find
@@ -185,28 +205,97 @@ def _exercise(use: str) -> tuple[str, PublicExercise]:
     raise ValueError(f"{use!r}: lesson {found[0]} has no exercise {name!r}")
 
 
-def _folder(folder: str | Path | None) -> Path:
+def notebooks_folder(folder: str | Path | None = None) -> Path:
+    """Return where the student's notebooks are: as said, else $NAO_COURSE_NOTEBOOKS, else the working folder."""
     return Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".").resolve()
 
 
-def _read(path: Path) -> tuple[Definitions, list[str]]:
-    """A notebook's definitions, and why some of them are missing."""
+def own_function(
+    use: str, given: Mapping[str, Any], folder: Path, most_seconds: float = np.inf
+) -> tuple[Any, str]:
+    """Return the student's own function, if it passes its public checks.
+
+    Parameters
+    ----------
+    use : str
+        Lesson and function: "01:color_labels".
+    given : mapping of str to object
+        Functions at hand, by name; one of them that is right is taken.
+    folder : Path
+        Of the saved notebooks, for the others.
+    most_seconds : float
+        As in `functions`.
+
+    Returns
+    -------
+    function : object
+        None where there is none that is right.
+    why : str
+        Then the reason, in words: "color_labels of lesson 01 is not written yet".
+    """
+    lesson, exercise = _exercise(use)
+    reports = []
+    if exercise.name in given:
+        reports.append(_quietly_graded(exercise, given[exercise.name], most_seconds))
+        if reports[0]:
+            return given[exercise.name], ""
+    notebook = _read(folder / f"{lesson}.ipynb", most_seconds)
+    reports.append(_report(exercise, notebook, most_seconds))
+    if reports[-1]:
+        return notebook.found[exercise.name], ""
+    if notebook.problem and len(reports) == 1:
+        return None, notebook.problem.rstrip(".")
+    state = _NOT_RIGHT.get(reports[0].state, "does not pass its check yet")
+    return None, f"{exercise.name} of lesson {number_of(lesson)} {state}"
+
+
+@dataclass(frozen=True)
+class _Notebook:
+    """A notebook's definitions, and why some of them, or all, are missing."""
+
+    path: Path
+    found: Definitions
+    problem: str = ""
+
+    @property
+    def failed(self) -> tuple[Skipped, ...]:
+        return tuple(each for each in self.found.skipped if each.reason != NO_DEFINITION)
+
+
+def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
+    seconds = min(SECONDS, most_seconds)
     try:
         times = tuple(each.stat().st_mtime_ns for each in sorted(path.parent.glob(f"{PATTERN}.ipynb")))
-        found = _definitions(path, path.stat().st_mtime_ns, times)
-    except (OSError, ValueError) as error:
-        return Definitions({}), [f"{path.name} cannot be read: {error}."]
-    reasons = [f"Cell {each.cell}: {each.reason}." for each in found.skipped if each.reason != NO_DEFINITION]
-    return found, reasons
+        with alarm(seconds):
+            return _Notebook(path, _definitions(path, path.stat().st_mtime_ns, times))
+    except FileNotFoundError:
+        problem = f"{path.name} is not in your folder {path.parent.name}."
+    except OSError as error:
+        problem = f"{path.name} cannot be read: {error.strerror or error}."
+    except ValueError as error:  # it names the file
+        problem = f"{error}."
+    except TimeIsUp:
+        problem = f"{path.name} takes longer than {seconds:g} s: does a loop outside a function never end?"
+    return _Notebook(path, Definitions({}), problem)
 
 
-def _report(exercise: PublicExercise, path: Path, found: Definitions, reasons: list[str]) -> Report:
-    """What the public checks say of an exercise in a notebook; nothing that it prints is shown."""
-    if exercise.name not in found:
-        lines = (f"{exercise.number} {exercise.name}: not found in {path.name}.", *reasons)
+def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float = np.inf) -> Report:
+    """What the public checks say of an exercise in a notebook."""
+    title = f"{exercise.number} {exercise.name}"
+    if notebook.problem:
+        state: CheckState = "raised" if notebook.path.exists() else "not attempted"
+        return Report(exercise.name, state, (f"{title}: {notebook.problem}",))
+    if exercise.name not in notebook.found:
+        reasons = [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
+        lines = (f"{title}: not found in {notebook.path.name}.", *reasons)
         return Report(exercise.name, "raised" if reasons else "not attempted", lines)
+    return _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
+
+
+def _quietly_graded(exercise: PublicExercise, function: Any, most_seconds: float) -> Report:
+    """What the public checks say of a function; nothing that it prints is shown."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-        return grade_public(exercise, found[exercise.name])
+        return grade_public(exercise, function, most_seconds)
 
 
 def _blank(answer: str) -> bool:
@@ -224,8 +313,3 @@ def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitio
 
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         return load_definitions(path, earlier=before_this)
-
-
-def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
-    return __all__

@@ -15,8 +15,8 @@ from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import DeadReckoning, Estimate, Measurement, SlamAlgorithm
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.attempts import TooSlow
-from nao_course.widgets.cockpit import STEP
-from nao_course.widgets.panel import PERIOD
+from nao_course.widgets.control_panel.cockpit import STEP
+from nao_course.widgets.control_panel.panel import PERIOD
 from tests.widgets.robots import Failing, Recorder, clean_nao, press
 
 # --- commands ---

@@ -1,0 +1,13 @@
+"""The student's side of the course: their own functions, the robot that they drive, and how far they are."""
+
+from nao_course.student.notebooks import earlier, functions
+from nao_course.student.overview import progress
+from nao_course.student.robot import my_nao
+from nao_course.student.strip import so_far
+
+__all__ = ["earlier", "functions", "my_nao", "progress", "so_far"]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

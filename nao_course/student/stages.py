@@ -1,0 +1,104 @@
+"""Which stages the student's robot has, lesson by lesson, and which of them the student's own functions make ready."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nao_course.exercises.checking import lessons
+from nao_course.exercises.lesson_names import number_of
+from nao_course.student.notebooks import own_function
+
+if TYPE_CHECKING:  # it brings the panels along, which take long to import
+    from nao_course.widgets.control_panel import Stage
+
+# What comes when, in the course's order. A lesson NN_name brings its stage as nao_course/lessons/name/stage.py: STAGE.
+PLANNED = {
+    "01": "labels",
+    "02": "goal posts",
+    "03": "corners",
+    "04": "points on the map",
+    "11": "the estimate",
+}
+
+
+@dataclass(frozen=True)
+class Readiness:
+    """What of the robot's stages is ready.
+
+    Parameters
+    ----------
+    stages : tuple of Stage
+        Those that can run.
+    functions : mapping of str to callable
+        The student's own, that they call.
+    missing : mapping of str to str
+        The name of each other stage that there is, and why it cannot run, in a sentence.
+    """
+
+    stages: tuple[Stage, ...] = ()
+    functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
+
+
+def all_stages() -> list[Stage]:
+    """Return the stages of all lessons that there are, in the lessons' order."""
+    modules = (f"nao_course.lessons.{lesson.partition('_')[2]}" for lesson in lessons())
+    return [
+        importlib.import_module(f"{module}.stage").STAGE
+        for module in modules
+        if find_spec(module) and find_spec(f"{module}.stage")
+    ]
+
+
+def readiness(stages: Sequence[Stage], given: Mapping[str, Any], folder: Path) -> Readiness:
+    """Find out which stages can run.
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+        All that there are.
+    given : mapping of str to object
+        Functions at hand, by name, such as those of the present notebook. One that does not pass its public checks
+        gives way to that of the saved notebook.
+    folder : Path
+        Of the saved notebooks.
+    """
+    found = Readiness()
+    for stage in stages:
+        found = add_ready(found, stage, given, folder)
+    return found
+
+
+def add_ready(
+    found: Readiness, stage: Stage, given: Mapping[str, Any], folder: Path, most_seconds: float = np.inf
+) -> Readiness:
+    """Return what is ready with one more stage; `most_seconds` as in `nao_course.student.functions`."""
+    lacking = next((f"{name} would come first" for name in stage.after if name in found.missing), "")
+    functions: dict[str, Any] = {}
+    for use in () if lacking else stage.uses:
+        full = use if ":" in use else f"{number_of(stage.lesson)}:{use}"
+        function, lacking = own_function(full, given, folder, most_seconds)
+        if lacking:
+            break
+        functions[full.partition(":")[2]] = function
+    if lacking:
+        return replace(found, missing={**found.missing, stage.name: lacking})
+    return replace(found, stages=(*found.stages, stage), functions={**found.functions, **functions})
+
+
+def next_planned(ready: Sequence[Stage]) -> tuple[str, str] | None:
+    """Number of the lesson, and name, of what the robot gets next; None when it has all."""
+    there = {number_of(stage.lesson) for stage in ready}
+    return next(((number, name) for number, name in PLANNED.items() if number not in there), None)
+
+
+def names_of(stages: Sequence[Stage]) -> list[str]:
+    """Names of stages with the numbers of their lessons: "labels (01)"."""
+    return [f"{stage.name} ({number_of(stage.lesson)})" for stage in stages]

@@ -1,0 +1,76 @@
+"""The line on top of a lesson: what the student's robot has so far, and what comes next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from nao_course.exercises.checking import strict
+from nao_course.exercises.running import TimeIsUp, alarm
+from nao_course.student.notebooks import notebooks_folder
+from nao_course.student.stages import Readiness, add_ready, all_stages, names_of, next_planned
+
+SECONDS = 0.45  # for looking at the notebooks: a lesson begins with this
+_TOO_LONG = "looking at your notebooks takes longer: progress() takes its time"
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A line about the robot.
+
+    Parameters
+    ----------
+    ready : tuple of str
+        What it has: "labels (01)".
+    coming : str
+        What comes next: "goal posts (02)"; empty when nothing does.
+    why : str
+        What that still lacks, in a sentence; empty where its lesson has not been begun.
+    """
+
+    ready: tuple[str, ...] = ()
+    coming: str = ""
+    why: str = ""
+
+    def __repr__(self) -> str:
+        """The line as text."""
+        there = ", ".join(f"✔ {name}" for name in self.ready) or "nothing yet"
+        why = f" ({self.why})" if self.why else ""
+        coming = f"next: {self.coming}{why}" if self.coming else "that is all the course gives it"
+        return f"Your NAO so far: {there} · {coming}"
+
+    def _repr_html_(self) -> str:
+        """The line in a quiet box."""
+        style = "border-left: 4px solid #0b5fa5; padding: 0.2em 0.8em; margin: 0.3em 0; font-size: 90%"
+        return f'<div role="note" class="nao-strip" style="{style}">{escape(repr(self))}</div>'
+
+
+def so_far(seconds: float | None = None) -> Strip:
+    """Say what your robot has so far, by your saved notebooks, and what comes next; `my_nao` lets you drive it.
+
+    Parameters
+    ----------
+    seconds : float, optional
+        Wall clock for looking at the notebooks; by default less than half a second.
+
+    Returns
+    -------
+    Strip
+        To be the last line of a set-up cell.
+    """
+    if seconds is None:
+        seconds = np.inf if strict() else SECONDS  # a built lesson says the same on a busy machine
+    stages, folder, found, late = all_stages(), notebooks_folder(), Readiness(), ""
+    try:
+        with alarm(min(seconds, 3600.0)):
+            for stage in stages:
+                found = add_ready(found, stage, {}, folder, seconds)
+    except TimeIsUp:
+        late = _TOO_LONG
+    coming = next_planned(found.stages)
+    if coming is None:
+        return Strip(tuple(names_of(found.stages)))
+    number, name = coming
+    return Strip(tuple(names_of(found.stages)), f"{name} ({number})", found.missing.get(name, late))

@@ -1,0 +1,71 @@
+"""The control panel as a figure, for where no widget can live."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from nao_course.plotting import (
+    Drawing,
+    course_style,
+    plot_estimate,
+    plot_field,
+    plot_measurements,
+    plot_path,
+    plot_picture,
+    style_of,
+)
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.sim import Field
+from nao_course.widgets.control_panel.live_map import POINT_MARKER, MapContents
+
+
+def draw_still(
+    pictures: Mapping[str, Any], field: Field, contents: MapContents, names: Mapping[str, str], alt: str
+) -> Drawing:
+    """Draw the cameras' pictures, one below the other, beside the map.
+
+    Parameters
+    ----------
+    pictures : mapping of str to ndarray of uint8, shape (H, W, 3)
+        What each place shows, by its title.
+    field : Field
+        The ground.
+    contents : MapContents
+        What is on it.
+    names : mapping of str to str
+        For the legend, by source; the last one's colours are the estimate's.
+    alt : str
+        All of it in words.
+    """
+    with course_style():
+        figure = Figure(figsize=(9.6, 5.4))
+        grid = figure.add_gridspec(len(pictures), 2, width_ratios=(1.0, 1.25))
+        for row, (title, pixels) in enumerate(pictures.items()):
+            ax = figure.add_subplot(grid[row, 0])
+            plot_picture(pixels, ax, ticks=False)
+            ax.set_title(title, fontsize=11)
+        ax = figure.add_subplot(grid[:, 1])
+        plot_field(field, ax)
+        _plot_contents(contents, list(names)[-1], ax)
+        keys = [source_key(source, names[source]) for source in contents.paths]
+        legend_below(figure, keys, columns=3)
+    return Drawing(figure, alt, photo=True)
+
+
+def _plot_contents(contents: MapContents, estimator: str, ax: Axes) -> None:
+    if contents.estimate is not None:
+        plot_estimate(contents.estimate, ax, estimator)
+    for source, path in contents.paths.items():
+        plot_path(list(path), ax, source)
+    observer = contents.paths[contents.observer][-1]
+    if len(contents.points):
+        colour = style_of(contents.observer).colour
+        ax.plot(
+            *observer.to_parent(contents.points).T, POINT_MARKER, ms=11, color=colour, mec="white", mew=0.8
+        )
+    if contents.seen:
+        plot_measurements(contents.seen, observer, ax, contents.observer)

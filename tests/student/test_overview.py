@@ -1,0 +1,94 @@
+"""The table of all lessons: points by public checks, written answers, and a sentence for each notebook that is none."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from nao_course.exercises.exercise import ANSWER_HERE, PublicWritten
+from nao_course.student import notebooks, overview, progress
+from tests.student.test_notebooks import BLANK, ENDLESS, needs_alarm
+from tests.toy import toy
+
+
+@pytest.fixture
+def written(public, monkeypatch):
+    """The lesson has a written question, too."""
+    asked = replace(public, written=[PublicWritten("why", "90.W1", 2.0)])
+    for module in (overview, notebooks):
+        monkeypatch.setattr(module, "read_public", {"90_toy": asked}.__getitem__)
+
+
+def answer(path, text):
+    """Put a written answer into a notebook."""
+    notebook = json.loads(path.read_text())
+    metadata = {"nbgrader": {"grade_id": "why", "grade": True, "solution": True}}
+    notebook["cells"].append({"id": "w", "cell_type": "markdown", "metadata": metadata, "source": text})
+    path.write_text(json.dumps(notebook))
+
+
+def last_lines(found):
+    return repr(found).splitlines()[-2:]
+
+
+def test_a_lesson_that_is_done(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    row = repr(progress(tmp_path)).splitlines()[1]
+    assert row.split("  ")[0] == "90_toy" and "✔ done" in row and "2 of 2" in row and "5 of 5" in row
+    total, upcoming = last_lines(progress(tmp_path))
+    assert total == f"All lessons: 5 of 5 points pass their public checks. {overview.HONESTLY}"
+    assert upcoming == "Next: nothing is left."
+
+
+def test_a_lesson_that_is_begun_says_what_comes_next(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
+    found = progress(tmp_path)
+    assert "begun" in repr(found) and "1 of 2" in repr(found)
+    assert last_lines(found)[1] == "Next: exercise 90.2 mean_of_positive (not attempted), in 90_toy."
+
+
+def test_written_answers_are_counted_apart_and_named_when_blank(tmp_path, written):
+    path = toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    answer(path, ANSWER_HERE)
+    assert "0 of 1 written answer filled in (2 more, marked by a person)" in repr(progress(tmp_path))
+    assert last_lines(progress(tmp_path))[1] == "Next: 90.W1, in your own words, in 90_toy."
+    toy.write(path, *toy.SOLUTION)
+    answer(path, "Because.")
+    assert "1 of 1 filled in" in repr(progress(tmp_path)) and "✔ done" in repr(progress(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "90_toy.ipynb is not in your folder work."),
+        ("{", "90_toy.ipynb: not a notebook of format 4"),
+        ("", "90_toy.ipynb: not a notebook of format 4"),
+    ],
+)
+def test_a_notebook_that_is_missing_or_broken_is_a_sentence(tmp_path, content, said):
+    (tmp_path / "work").mkdir()
+    if content is not None:
+        (tmp_path / "work" / "90_toy.ipynb").write_text(content)
+    found = progress(tmp_path / "work")
+    assert said in repr(found) and said in found._repr_html_()
+    assert f"Next: 90_toy. {said}" in last_lines(found)[1] and "0 of 5 points" in repr(found)
+
+
+@needs_alarm
+def test_a_notebook_that_never_ends_is_a_sentence(tmp_path, monkeypatch):
+    toy.write(tmp_path / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
+    monkeypatch.setattr(overview, "SECONDS", 0.2)
+    assert "90_toy.ipynb takes longer than 0.2 s" in repr(progress(tmp_path))
+
+
+def test_the_sum_of_one_lesson_stands_before_that_of_all(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
+    total = progress(tmp_path).total("90_toy")
+    assert total.startswith("90_toy: 2 of 5 points pass their public checks. All lessons: 2 of 5 points")
+    assert total.endswith("the grader has others, with other inputs.")
+
+
+def test_the_table_is_a_table_for_screen_readers_too(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    page = progress(tmp_path)._repr_html_()
+    assert page.count('scope="col"') == 5 and page.count('scope="row"') == 1

@@ -1,0 +1,91 @@
+"""The student's robot: their own functions, from this notebook or a saved one, and words for what is missing."""
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from nao_course.student import my_nao, stages
+from nao_course.widgets.control_panel import Stage
+from tests.toy import toy
+from tests.widgets.robots import clean_nao
+
+
+def clamp(x, low, high):
+    return max(low, min(high, x))
+
+
+def mean_of_positive(values):
+    return float(values[values > 0].mean()) if (values > 0).any() else 0.0
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch, stage):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def drive(**own):
+    return my_nao(clean_nao(), time_limit=60.0, **own)
+
+
+def test_saved_functions_look_along(here):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    panel = drive()
+    panel.forward(0.05)
+    assert "your NAO so far: ✔ distances (90)\ndistances: 1.0 m away" in panel.summary()
+    assert np.allclose(panel._contents().points, [(1.0, 0.0), (1.0, 0.5)])
+
+
+def test_functions_of_this_notebook_need_not_be_saved(monkeypatch):
+    shell = SimpleNamespace(user_ns={"clamp": clamp, "mean_of_positive": mean_of_positive, "nao": 3})
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    assert "✔ distances (90)" in drive().summary()
+    shell.user_ns["clamp"] = 3
+    assert "not yet: distances, for 90_toy.ipynb is not in your folder" in drive().summary()
+
+
+def test_functions_can_be_handed_over_by_name():
+    assert "✔ distances (90)" in drive(clamp=clamp, mean_of_positive=mean_of_positive).summary()
+    with pytest.raises(ValueError, match="my_nao uses clamp, mean_of_positive; got colour_labels"):
+        drive(colour_labels=clamp)
+
+
+def test_what_is_missing_or_wrong_is_named_and_the_robot_drives(here):
+    toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
+    panel = drive()
+    panel.forward(0.1)
+    assert (
+        "not yet: distances, for mean_of_positive of lesson 90 does not pass its check yet" in panel.summary()
+    )
+    assert "Walk 0.10 m ahead: done." in panel.summary() and panel.error is None
+
+
+def test_what_a_function_prints_when_it_is_checked_is_not_shown(here, capsys):
+    toy.write(
+        here / "90_toy.ipynb", toy.CLAMP.replace("    return", "    print('noise')\n    return"), toy.MEAN
+    )
+    drive()
+    assert capsys.readouterr().out == ""
+
+
+def test_a_later_stage_waits_for_the_one_that_it_needs(here, stage):
+    toy.write(here / "90_toy.ipynb", toy.CLAMP)
+    later = Stage("map", "90_toy", ("clamp",), stage.wire, after=("distances",))
+    found = stages.readiness([stage, later], {}, here)
+    assert found.stages == () and found.missing["map"] == "distances would come first"
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    assert stages.readiness([stage, later], {}, here).stages == (stage, later)
+
+
+def test_a_stage_may_use_functions_of_earlier_lessons(here, stage):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    later = Stage("map", "91_other", ("90:clamp",), stage.wire)
+    assert list(stages.readiness([later], {}, here).functions) == ["clamp"]
+
+
+def test_the_default_robot_is_the_same_each_time_and_its_truth_is_known():
+    first, second = my_nao(time_limit=60.0), my_nao(time_limit=60.0)
+    assert np.array_equal(first.cockpit.pictures["bottom"].pixels, second.cockpit.pictures["bottom"].pixels)
+    assert first.cockpit.truth is not None and drive().cockpit.truth is None

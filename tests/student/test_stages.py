@@ -1,0 +1,38 @@
+"""The stages of the robot are those of the course's lessons."""
+
+import pytest
+
+from nao_course import exercises
+from nao_course.exercises import checking
+from nao_course.exercises.lesson_names import number_of
+from nao_course.student import stages
+
+LESSONS, READ = checking.lessons, checking.read_public
+
+
+@pytest.fixture(autouse=True)
+def real(lesson, monkeypatch):
+    monkeypatch.setattr(stages, "lessons", LESSONS)
+
+
+def test_each_lessons_stage_is_found_by_its_folder_and_is_planned():
+    found = stages.all_stages()
+    assert [each.lesson for each in found][:1] == ["01_hsl_filtering"]
+    for each in found:
+        assert stages.PLANNED[number_of(each.lesson)] == each.name
+
+
+def test_stages_use_exercises_that_there_are_and_come_after_those_that_they_need():
+    before = set()
+    for each in stages.all_stages():
+        names = {exercise.name for exercise in READ(each.lesson).exercises}
+        assert {use for use in each.uses if ":" not in use} <= names
+        assert set(each.after) <= before
+        before.add(each.name)
+
+
+def test_what_comes_next_is_the_first_that_is_not_ready():
+    (labels, *_) = stages.all_stages()
+    assert stages.next_planned([]) == ("01", "labels")
+    assert stages.next_planned([labels]) == ("02", "goal posts")
+    assert exercises.lesson is checking.lesson  # what a set-up cell calls stays light: no panel comes with it

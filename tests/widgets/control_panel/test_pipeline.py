@@ -1,0 +1,268 @@
+"""The student's vision while the robot drives: what a stage shows, and that nothing it does stops the drive."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import NAO_V4, Picture, Truth
+from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
+from nao_course.widgets.control_panel import pipeline as module
+from tests.widgets.robots import all_widgets, clean_nao, decoded, press
+
+
+def brightest(picture):
+    return np.argwhere(picture.mean(axis=2) > 240)[:3, ::-1]
+
+
+def paint(student, nao):
+    """A stage that paints what is bright in pink, and hands on where that is."""
+
+    def look(sight):
+        pixels = student.brightest(sight.picture.pixels)
+        painted = np.full(sight.picture.pixels.shape, (255, 0, 200), np.uint8)
+        return Overlay(pixels, painted, pixels=pixels, text=f"{len(pixels)} bright")
+
+    return look
+
+
+def ahead(student, nao):
+    """A stage that puts two points on the map: what a later lesson makes of the pixels of an earlier one."""
+
+    def look(sight):
+        points = student.to_ground(sight.results["bright"], sight.picture.view)
+        return Overlay(points=points, text=f"{len(points)} on the ground")
+
+    return look
+
+
+BRIGHT = Stage("bright", "90_toy", ("brightest",), paint)
+GROUND = Stage("points", "91_toy", ("to_ground",), ahead, after=("bright",))
+
+
+def to_ground(pixels, view):
+    return [(1.0, 0.0), (1.0, 0.5)]
+
+
+def make(stages=(BRIGHT, GROUND), *, pose=None, missing=None, time_limit=60.0, **functions):
+    functions = {"brightest": brightest, "to_ground": to_ground, **functions}
+    nao = clean_nao(pose=pose or Pose(0.6, 0.5, -0.25))
+    return ControlPanel(nao, Truth(nao), pipeline=Pipeline(stages, functions, nao, missing, time_limit))
+
+
+def image(panel, name):
+    return next(each for each in all_widgets(panel.widget) if f"nao-image-{name}" in each._dom_classes)
+
+
+def status(panel):
+    return panel._controls.status.value
+
+
+def pinkness(pixels):
+    """How much redder and bluer than green a picture is on the whole."""
+    red, green, blue = pixels.reshape(-1, 3).mean(axis=0)
+    return (red + blue) / 2 - green
+
+
+# --- what is shown ---
+
+
+def test_what_a_stage_paints_lies_over_the_chosen_cameras_picture_only():
+    panel = make()
+    assert panel.view == "over"
+    assert pinkness(decoded(image(panel, "bottom"))) > 60 > 20 > pinkness(decoded(image(panel, "top")))
+    panel.camera = "top"
+    assert pinkness(decoded(image(panel, "top"))) > 60 > 20 > pinkness(decoded(image(panel, "bottom")))
+
+
+def test_beside_the_picture_is_the_other_cameras_place():
+    panel = make()
+    panel.view = "beside"
+    assert pinkness(decoded(image(panel, "top"))) > 100 > 20 > pinkness(decoded(image(panel, "bottom")))
+    assert "Your bright of the bottom camera" in panel._controls.captions["top"].value
+
+
+def test_the_button_goes_round_the_views_and_says_which_it_is():
+    panel = make()
+    seen = []
+    for _ in range(3):
+        press(panel, "view")
+        seen.append((panel.view, panel._controls.view.description))
+    assert seen == [(view, module.VIEWS[view]) for view in ("beside", "picture", "over")]
+    assert "arrowup" in panel.widget.children[-1].children[0].children[2].children[-1].value  # the keys
+    assert "V changes the view" in panel.widget.children[-1].children[0].children[2].children[-1].value
+
+
+def test_in_the_view_of_the_picture_alone_the_students_code_is_not_asked():
+    calls = []
+    panel = make(brightest=lambda picture: calls.append(1) or brightest(picture))
+    panel.view = "picture"
+    calls.clear()
+    panel.forward(0.1)
+    assert calls == [] and panel._contents().points.shape == (0, 2)
+
+
+def test_each_step_of_a_drive_is_looked_at_once_with_the_picture_that_is_shown():
+    looked = []
+    panel = make(brightest=lambda picture: looked.append(picture) or brightest(picture))
+    looked.clear()
+    panel.forward(0.15)
+    assert len(looked) == 3
+    assert np.array_equal(looked[-1], panel.cockpit.pictures["bottom"].pixels)
+
+
+def test_points_of_a_later_stage_stand_on_the_map_in_front_of_the_odometrys_robot():
+    panel = make(pose=Pose(0.5, 0.0, np.pi / 2))
+    bare = make(pose=Pose(0.5, 0.0, np.pi / 2))
+    bare.view = "picture"
+    assert np.allclose(panel._contents().points, [(1.0, 0.0), (1.0, 0.5)])
+    assert not np.array_equal(decoded(image(panel, "map")), decoded(image(bare, "map")))
+    (marks,) = [each for each in panel._map._artists if getattr(each, "get_marker", str)() == "*"]
+    assert np.allclose(np.transpose(marks.get_data()), [(0.5, 1.0), (0.0, 1.0)])
+
+
+def test_a_pipeline_changes_nothing_about_the_drive():
+    plain, seeing = make(stages=()), make()
+    for panel in (plain, seeing):
+        panel.forward(0.2)
+        panel.left(0.3)
+    assert np.array_equal(plain.cockpit.pictures["top"].pixels, seeing.cockpit.pictures["top"].pixels)
+    assert plain.cockpit.truth.pose == seeing.cockpit.truth.pose
+
+
+def test_the_text_and_the_still_picture_say_what_was_seen():
+    panel = make(missing={"corners": "find_corners of lesson 03 is not written yet"})
+    panel.forward(0.05)
+    for line in (
+        "your NAO so far: ✔ bright (90), ✔ points (91)",
+        "not yet: corners, for find_corners of lesson 03 is not written yet",
+        "bright: 3 bright",
+        "points: 2 on the ground",
+        "status: Walk 0.05 m ahead: done.",
+    ):
+        assert line in panel.summary().splitlines()
+    drawing = panel.drawing()
+    assert "bottom camera and your bright" in {ax.get_title(loc="left") for ax in drawing.figure.axes}
+    assert "3 bright" in drawing.alt
+    assert "corners" in panel.widget.children[1].value  # the line on top
+
+
+def test_without_stages_there_is_no_button_and_no_view_to_choose():
+    panel = make(stages=(), missing={"labels": "it is not there"})
+    assert panel._controls.view is None and "nothing yet" in panel.summary()
+    with pytest.raises(ValueError, match="make it with my_nao"):
+        panel.view = "over"
+    with pytest.raises(ValueError, match=r"view must be one of \['picture', 'over', 'beside'\], got 'under'"):
+        make().view = "under"
+
+
+# --- at arm's length ---
+
+
+def failing(picture):
+    raise IndexError("index 9 is out of bounds")
+
+
+PICTURE = Picture(np.full((240, 320, 3), 250, np.uint8), NAO_V4.view("bottom", 0.0, 0.0), "bottom")
+
+
+def pipeline_of(*stages, time_limit=60.0, **functions):
+    functions = {"brightest": brightest, "to_ground": to_ground, **functions}
+    return Pipeline(stages or (BRIGHT, GROUND), functions, None, None, time_limit)
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (failing, "Without bright: IndexError in brightest(), line"),
+        (lambda picture: None, "the panel, which uses what brightest() returned"),
+        (lambda picture: "nonsense", "the panel, which uses what brightest() returned"),
+        (lambda picture: [(np.nan, 1.0)], "pixels must be finite numbers"),
+        (lambda picture: np.zeros((2, 3)), "pixels must have shape (N, 2), got (2, 3)"),
+    ],
+)
+def test_what_a_stage_does_wrong_is_said_and_those_after_it_are_named(function, said):
+    seen = pipeline_of(brightest=function).look(PICTURE)
+    assert said in seen.complaints[0] and seen.error is not None
+    assert seen.complaints[1] == "Without points: bright would come first."
+    assert not seen.overlays and np.array_equal(seen.over(PICTURE.pixels), PICTURE.pixels)
+
+
+def test_a_drive_goes_on_without_what_fails():
+    panel = make(brightest=failing)
+    panel.forward(0.1)
+    assert "Walk 0.10 m ahead: done." in panel.summary() and "nao-alarm" in status(panel)
+    assert "raise panel.error" in status(panel) and isinstance(panel.error, IndexError)
+    assert pinkness(decoded(image(panel, "bottom"))) < 20
+
+
+def test_a_painting_of_another_size_is_refused_in_words():
+    small = Stage(
+        "small", "90_toy", (), lambda *_: lambda sight: Overlay(painted=np.zeros((2, 2, 3), np.uint8))
+    )
+    (said,) = pipeline_of(small).look(PICTURE).complaints
+    assert "shape (2, 2) does not fit the picture's, (240, 320)" in said
+
+
+def test_one_bad_picture_costs_that_picture_only():
+    results = iter([IndexError("dark"), None])
+
+    def sometimes(picture):
+        if error := next(results):
+            raise error
+        return brightest(picture)
+
+    pipeline = pipeline_of(brightest=sometimes)
+    assert "Without bright" in pipeline.look(PICTURE).complaints[0]
+    assert pipeline.look(PICTURE).complaints == ()
+
+
+def test_a_function_that_never_ends_is_left_out_until_the_view_is_changed():
+    calls = []
+
+    def endless(picture):
+        calls.append(1)
+        while len(calls) == 1:
+            pass
+        return brightest(picture)
+
+    panel = make(brightest=endless, time_limit=1.0)
+    assert "Time is up: brightest()" in panel.summary() and "press V" in panel.summary()
+    panel._pipeline.time_limit = 60.0
+    panel.forward(0.1)
+    assert len(calls) == 1 and "Walk 0.10 m ahead: done." in panel.summary()
+    press(panel, "view")
+    assert len(calls) == 2 and "Without bright" not in panel.summary()
+
+
+def test_a_calibration_that_fails_is_not_repeated_with_each_picture():
+    tried = []
+
+    def wire(student, nao):
+        tried.append(1)
+        raise ValueError("no carpet")
+
+    pipeline = pipeline_of(Stage("bright", "90_toy", (), wire))
+    first, second = (pipeline.look(PICTURE).complaints for _ in range(2))
+    assert len(tried) == 1 and first == second and "Without bright: ValueError in the bright" in first[0]
+    pipeline.wake()
+    pipeline.look(PICTURE)
+    assert len(tried) == 2
+
+
+def test_a_stage_cannot_change_the_picture_that_is_shown():
+    def vandal(picture):
+        picture[:] = 0
+        return []
+
+    assert not pipeline_of(brightest=vandal).look(PICTURE).complaints and PICTURE.pixels.min() == 250
+
+
+def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(capsys):
+    panel = make(brightest=lambda picture: print("<seen>") or brightest(picture))
+    assert "&lt;seen&gt;" in status(panel) and capsys.readouterr().out == ""
+
+
+def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prints(monkeypatch):
+    monkeypatch.setattr(module, "SLOW", -1.0)
+    panel = make()
+    assert "the drive follows slowly" in status(panel) and " ms " not in panel.summary()
