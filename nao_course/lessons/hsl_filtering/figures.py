@@ -20,6 +20,8 @@ from nao_course.sim import LABELS
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
 
+_PIXEL_TEXT: Any = {"color": "#c84b00", "ha": "center"}
+
 
 def draw_hsl(
     picture: npt.ArrayLike, hue: npt.ArrayLike, saturation: npt.ArrayLike, lightness: npt.ArrayLike
@@ -56,7 +58,7 @@ def draw_hsl(
     shown = (array, np.round(255 * painted).astype(np.uint8), channels[1], channels[2])
     titles = ("picture", "hue (degrees, as pure colours)", "saturation (0 to 1)", "lightness (0 to 255)")
     with course_style():
-        figure = Figure(figsize=(9.9, 8.0))
+        figure = Figure(figsize=(7.8, 6.3))
         for ax, image, title, largest in zip(
             figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
         ):
@@ -175,9 +177,9 @@ def draw_stray_pixel(
         axes[1].plot(pixel[1], pixel[0], "o", ms=11, mew=2, mfc="none", mec="#c84b00")
         ax = axes[2]
         ax.hist(100 * parts, bins=np.arange(0, 101, 10), color=YELLOW, ec="white")
-        ax.axvline(100 * share, color="#c84b00", lw=2)
-        ax.annotate(
-            f" this pixel: {share:.0%}", (100 * share, ax.get_ylim()[1] * 1.08), color="#c84b00", ha="center"
+        ax.axvline(100 * share, ymax=0.88, color="#c84b00", lw=2)
+        ax.text(
+            100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT
         )
         ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
         ax.set(xlabel="carpet called yellow (%)", ylabel=f"of {len(parts)} stray pixels")
@@ -185,8 +187,8 @@ def draw_stray_pixel(
         legend_below(figure, label_keys(LABELS))
     low, middle, high = np.percentile(100 * parts, (5, 50, 95))
     words = (
-        f"Labels with a clean example of the goal and with one pixel of grass in it: {share:.0%} of the carpet is called "
-        f"yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of them), "
-        f"{middle:.0f} % in the middle."
+        f"Labels with a clean example of the goal and with one pixel of grass in it: {share:.0%} of the carpet is "
+        f"called yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
+        f"them), {middle:.0f} % in the middle."
     )
     return Drawing(figure, words)

@@ -77,7 +77,7 @@ class FilterPanel(FunctionPanel):
     min_saturation : float
         At the start, 0 to 1.
     threshold : callable, optional
-        ``threshold(mean, beta)``, the lightness above which a pixel is white; without it the histogram has no such mark.
+        ``threshold(mean, beta)``, the lightness above which a pixel is white; without it there is no such mark.
     calibrate : callable, optional
         ``calibrate(hue, saturation, epsilon)`` returns limits (low, high) of hues (N,).
     examples : mapping of str to index, optional
