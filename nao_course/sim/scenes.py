@@ -83,12 +83,27 @@ def standard_scenes(
     scenes = []
     for i in range(_SCENES):
         room = replace(reality or Reality(), seed=first_room + i * _ROOMS // _SCENES)
-        scenes.append(_scene(size, room, np.random.default_rng([first_room, i, 5])))
+        scenes.append(random_scene(size, room, np.random.default_rng([first_room, i, 5])))
     return tuple(scenes)
 
 
-def _scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
-    """One picture of some place on the field from another, that shows a corner or a post."""
+def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
+    """Take a picture of some place on half a field of 2012 from another; it shows a corner or a post.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height.
+    reality : Reality
+        How real it looks, and which room.
+    rng : numpy.random.Generator
+        Where from and where to.
+
+    Returns
+    -------
+    Scene
+        With its truth.
+    """
     field, lean = Field(2012), TorsoTilt()
     while True:
         (x, y), towards = rng.uniform((0.0, -1.9), (2.9, 1.9), (2, 2))

@@ -25,7 +25,8 @@ _LIBRARIES = (
     str(Path(__file__).parents[1]),
     *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
 )
-
+_OWN_FRAMES = (__file__, contextlib.__file__)
+_PAUSE = 0.01  # s between two rings
 
 Value = TypeVar("Value")
 Words = str | Callable[[], str]  # a function is asked when it is over
@@ -228,25 +229,39 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Raise TooSlow in the block after a time, in whichever thread it runs.
 
     Sliders and buttons are served by a thread of the kernel that "Interrupt the kernel" does not reach, so an
-    endless loop there could only be ended with the kernel. One call into C ends before it is stopped.
+    endless loop there could only be ended with the kernel. One call into C ends before it is stopped. A loop whose
+    `except:` takes everything is told again and again; one that sleeps inside of it may hear of it never.
     """
-    thread, lock, over = ctypes.c_ulong(threading.get_ident()), threading.Lock(), False
-
-    def ring() -> None:
-        with lock:
-            if not over:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(TooSlow))
-
-    timer = threading.Timer(seconds, ring)
-    timer.daemon = True
-    timer.start()
+    bell = _Bell(threading.get_ident(), seconds)
+    bell.start()
     try:
         yield
     finally:
-        with lock:
-            over = True
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)  # if it rang just now, it rings no more
-        timer.cancel()
+        bell.over = True  # before anything that it could ring in
+        bell.wake.set()
+        bell.join()
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(bell.thread, None)  # if it rang just now, it rings no more
+
+
+class _Bell(threading.Thread):
+    """Rings in a thread from a time on, until it is over; never in this module's own frames, which clean up."""
+
+    def __init__(self, thread: int, seconds: float) -> None:
+        super().__init__(daemon=True)
+        self.thread, self.over, self.wake = ctypes.c_ulong(thread), False, threading.Event()
+        self._seconds = seconds
+
+    def run(self) -> None:
+        self.wake.wait(self._seconds)
+        while not self.over:
+            self._ring()
+            self.wake.wait(_PAUSE)
+
+    def _ring(self) -> None:
+        """Ask where the thread is and ring there: nothing else runs in between, and it hears it where it was seen."""
+        frame = sys._current_frames().get(self.thread.value)
+        if frame is not None and not self.over and frame.f_code.co_filename not in _OWN_FRAMES:
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(self.thread, ctypes.py_object(TooSlow))
 
 
 def complaint(what: str, error: BaseException) -> str:

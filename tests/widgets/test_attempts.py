@@ -26,6 +26,18 @@ def test_a_time_limit_that_was_kept_is_forgotten():
         endless()
 
 
+def test_a_loop_that_catches_everything_is_stopped_too():
+    def stubborn():
+        count = 0
+        while True:
+            try:  # noqa: SIM105
+                count += sum(range(10))
+            except:  # noqa: E722 - a beginner's
+                pass
+
+    assert "Time is up" in attempt(stubborn, "your code", limit=0.05).message
+
+
 def test_code_that_comes_to_its_end_gives_its_value():
     tried = attempt(lambda: 7, "your code")
     assert (tried.value, tried.done, tried.message, tried.error) == (7, True, "", None)

@@ -1,0 +1,73 @@
+"""Scores of nothing, the paper, the reference and better on each challenge's board; code of entries stays in here.
+
+``python -m benchmarks challenges`` writes the rows beside each challenge's declaration, where the board reads them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks import ROOT, Result, Table
+from benchmarks.challenges.colours import COLOUR_ENTRIES
+from benchmarks.challenges.slalom import SLALOM_ENTRIES
+from nao_course.challenges import Challenge, Run
+from nao_course.challenges.finding import declared
+from nao_course.challenges.running import run
+
+# By lesson: what each row's name enters.
+ENTRIES: Mapping[str, Mapping[str, Any]] = {
+    "00_meet_the_nao": SLALOM_ENTRIES,
+    "01_hsl_filtering": COLOUR_ENTRIES,
+}
+DRAWS = 10_000  # of the bootstrap
+
+
+def row(name: str, came: Run) -> dict[str, Any]:
+    """What a board needs of a run, rounded to what it can show."""
+    if problems := came.problems():
+        raise ValueError(f"{came.challenge.lesson}, {name}: {problems[0]}")
+    columns = {key: round(value, 4) for key, value in came.columns.items()}
+    cases = [round(each.score, 4) for each in came.results]
+    return {"name": name, "score": round(came.score, 4), "columns": columns, "cases": cases}
+
+
+def rows_file(challenge: Challenge) -> Path:
+    """Where a challenge's rows are read from."""
+    folder = challenge.lesson.partition("_")[2]
+    return ROOT / "nao_course" / "lessons" / folder / "challenge.json"
+
+
+def margin(better: list[float], worse: list[float]) -> tuple[float, float, float]:
+    """Mean difference of two entries' cases, with a 95 % bootstrap interval over the cases, in pairs."""
+    difference = np.subtract(better, worse)
+    draws = np.random.default_rng(0).choice(difference, (DRAWS, len(difference))).mean(axis=1)
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return float(difference.mean()), float(low), float(high)
+
+
+def main() -> Result:
+    """Run all entries on all challenges, and write the boards' rows."""
+    values, tables, notes = dict[str, Any](), list[Table](), list[str]()
+    for lesson, challenge in declared().items():
+        rows = [row(name, run(challenge, entry)) for name, entry in ENTRIES[lesson].items()]
+        rows_file(challenge).write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+        columns = [column.name for column in challenge.columns]
+        cells = tuple(
+            (each["name"], each["score"], *(each["columns"][name] for name in columns)) for each in rows
+        )
+        tables.append(Table(challenge.title, ("", "score", *columns), cells))
+        cases = {each["name"]: each["cases"] for each in rows}
+        better = next(name for name in cases if name.startswith("a better"))
+        values[lesson] = {each["name"]: each["score"] for each in rows}
+        for other in (name for name in cases if name != better):
+            mean, low, high = margin(cases[better], cases[other])
+            values[lesson][f"{better} beats {other} by"] = [mean, low, high]
+            notes.append(
+                f"{lesson}: {better} beats {other} by {mean:.2f}; 95 % interval {low:.2f} to {high:.2f}"
+            )
+    return Result("challenges", values, tuple(tables), tuple(notes))

@@ -1,0 +1,135 @@
+"""The challenge of lesson 01: labels in dark and harsh rooms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
+from nao_course.lessons.hsl_filtering.challenge_figure import draw_lost_points
+from nao_course.sim import LABELS, Reality, Scene
+from nao_course.sim.scenes import random_scene
+
+SIZE = (320, 240)
+ENOUGH = 300  # pixels of white and of yellow that every scene has at least
+ROOMS = {"dark": (601, 602, 603), "harsh": (604, 605, 606)}  # by preset; parameters are tuned in others
+SCENES_PER_ROOM = 5
+YELLOW, WHITE = LABELS.index("yellow"), LABELS.index("white")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which scene: a preset of `Reality`, the seed of its room, and its number in that room."""
+
+    preset: str
+    room: int
+    number: int
+
+    def __str__(self) -> str:
+        """Such as "dark 7": the seventh of the dark scenes."""
+        before = ROOMS[self.preset].index(self.room) * SCENES_PER_ROOM
+        return f"{self.preset} {before + self.number + 1}"
+
+
+def make_scene(place: Place) -> Scene:
+    """Take the picture of a place: one of those that show both enough white and enough yellow."""
+    reality = getattr(Reality, place.preset)(seed=place.room)
+    rng = np.random.default_rng([place.room, place.number])
+    while True:
+        scene = random_scene(SIZE, reality, rng)
+        if min((scene.truth.labels == label).sum() for label in (WHITE, YELLOW)) >= ENOUGH:
+            return scene
+
+
+def on_the_field(truth: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
+    """From the far edge of the carpet down, column by column: bool (H, W)."""
+    return np.logical_or.accumulate((truth == LABELS.index("green")) | (truth == WHITE), axis=0)
+
+
+def f1(called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> float:
+    """The harmonic mean of precision and recall, twice both / (called + there); 0 where nothing is either."""
+    both, total = int((called & there).sum()), int(called.sum() + there.sum())
+    return 2 * both / total if total else 0.0
+
+
+def as_labels(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
+    """Return an answer as labels of a picture's shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is something else; the message is for the student.
+    """
+    if answer is None:
+        raise TypeError("Your entry returns None: does it end with return labels?")
+    try:
+        labels = np.array(answer, subok=False)
+    except (TypeError, ValueError):
+        labels = np.array(None)
+    if labels.dtype.kind not in "biuf":
+        raise TypeError(f"Your entry must return an array of labels, got {type(answer).__name__}.")
+    if labels.shape != shape:
+        raise ValueError(
+            f"Your entry must return one label a pixel, shape {shape}; got shape {labels.shape}."
+        )
+    if not np.isfinite(labels).all():
+        raise ValueError("Your entry returns labels that are NaN or infinite.")
+    if not np.isin(labels, range(len(LABELS))).all():
+        raise ValueError(
+            f"Labels are 0 other, 1 green, 2 yellow, 3 white; got {labels.min():g} to {labels.max():g}."
+        )
+    return labels.astype(np.int64)
+
+
+def judge(answer: Any, scene: Scene) -> CaseScore:
+    """Score the labels of a scene: the mean of F1 of white, on the field, and of yellow, everywhere."""
+    truth = scene.truth.labels
+    labels, field = as_labels(answer, truth.shape), on_the_field(truth)
+    is_white, is_yellow = (labels == WHITE) & field, labels == YELLOW
+    white, yellow = f1(is_white, truth == WHITE), f1(is_yellow, truth == YELLOW)
+    columns = {
+        "white": white,
+        "yellow": yellow,
+        "false white": 100 * float((is_white & (truth != WHITE))[field].mean()),
+        "false yellow": 100 * float((is_yellow & (truth != YELLOW)).mean()),
+        "white behind": 100 * float((labels == WHITE)[~field].mean())
+        if not field.all()
+        else np.nan,
+    }
+    return CaseScore((white + yellow) / 2, columns, (scene.pixels, labels, truth, field))
+
+
+CHALLENGE = Challenge(
+    lesson="01_hsl_filtering",
+    title="Challenge 01: dark and harsh rooms",
+    task="Label thirty pictures, fifteen in dark rooms and fifteen in harsh ones, with one function of the picture: "
+    "labels (H, W), 0 other, 1 green, 2 yellow, 3 white.",
+    scoring="the mean of F1 of white and F1 of yellow, over all scenes. F1 is 2 both / (called + there), in pixels. "
+    "White counts from the far edge of the carpet down, yellow in the whole picture; every scene shows 300 pixels of "
+    "each at least.",
+    seeds=tuple(
+        Place(preset, room, number)
+        for preset, rooms in ROOMS.items()
+        for room in rooms
+        for number in range(SCENES_PER_ROOM)
+    ),
+    make=make_scene,
+    given=lambda scene: (scene.pixels,),
+    judge=judge,
+    figure=draw_lost_points,
+    columns=(
+        Column("white"),
+        Column("yellow"),
+        Column("false white", " %", 1),
+        Column("false yellow", " %", 1),
+        Column("white behind", " %", 0),
+    ),
+    rows=recorded_rows(Path(__file__).with_suffix(".json")),
+    name_of=lambda place: (
+        f"{place.preset} {(place.room - ROOMS[place.preset][0]) * SCENES_PER_ROOM + place.number + 1}"
+    ),
+)

@@ -1,0 +1,42 @@
+"""The boards' rows are what their entries score: recorded numbers, computed again in a few cases."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.challenges import ENTRIES, margin
+from nao_course.challenges.finding import declared
+from nao_course.challenges.running import run
+
+CHALLENGES = declared()
+ROWS = [(lesson, name) for lesson, entries in ENTRIES.items() for name in entries]
+AGAIN = 2  # cases; a new room takes a second
+
+
+def test_every_challenge_has_a_row_for_each_entry():
+    assert list(CHALLENGES) == list(ENTRIES)
+    for lesson, challenge in CHALLENGES.items():
+        assert [row.name for row in challenge.rows] == list(ENTRIES[lesson])
+
+
+@pytest.mark.parametrize(("lesson", "name"), ROWS)
+def test_a_recorded_row_is_what_its_entry_scores(lesson, name):
+    challenge = CHALLENGES[lesson]
+    recorded = next(row for row in challenge.rows if row.name == name)
+    came = run(replace(challenge, seeds=challenge.seeds[:AGAIN], make=challenge.scene), ENTRIES[lesson][name])
+    assert [each.score for each in came.results] == pytest.approx(recorded.cases[:AGAIN], abs=2e-3)
+    assert recorded.score == pytest.approx(np.mean(recorded.cases), abs=1e-3)
+
+
+def test_a_better_rule_beats_the_paper_and_the_reference_by_a_margin_that_is_not_luck():
+    cases = {row.name: row.cases for row in CHALLENGES["01_hsl_filtering"].rows}
+    for other in ("the paper's rule", "the reference"):
+        mean, low, high = margin(cases["a better rule"], cases[other])
+        assert 0.05 < low < mean < high
+
+
+def test_the_margin_of_equal_entries_is_nothing():
+    assert margin([0.5, 0.7], [0.5, 0.7]) == (0.0, 0.0, 0.0)

@@ -1,0 +1,93 @@
+"""The best score so far: kept in a file that may have become anything."""
+
+from __future__ import annotations
+
+import json
+import os
+
+import pytest
+
+from nao_course.challenges.best import Best, BestFile
+from tests.challenges.example import CHALLENGE, COST
+
+
+@pytest.fixture
+def file(tmp_path):
+    return BestFile(CHALLENGE, tmp_path)
+
+
+def test_the_best_is_kept_and_a_worse_one_changes_nothing(file):
+    assert file.read() == (None, "")
+    for score in (0.5, 0.8, 0.6):
+        assert file.keep(Best(score, 0.1, {"off": 0.2})) == ""
+    assert file.read() == (Best(0.8, 0.1, {"off": 0.2}), "")
+    assert [each.name for each in file.path.parent.iterdir()] == ["77_doubling.challenge.json"]
+
+
+def test_of_a_cost_the_smallest_is_the_best(tmp_path):
+    file = BestFile(COST, tmp_path)
+    for score in (0.5, 0.8, 0.4):
+        file.keep(Best(score, 1.0, {}))
+    assert file.read()[0].score == 0.4
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\xff\xfe\x00",
+        b"no json",
+        b"[1, 2]",
+        b'{"score": 1}',
+        b'{"score": NaN, "worst": 0, "columns": {}}',
+        b'{"score": 1e999, "worst": 0, "columns": {}}',
+        b'{"score": true, "worst": 0, "columns": {}}',
+        b'{"score": "1", "worst": 0, "columns": {}}',
+        b'{"score": 0.5, "worst": 0, "columns": {"off": "<script>"}}',
+        b'{"score": 1' + b"0" * 400 + b', "worst": 0, "columns": {}}',
+        b'{"score": 1' + b"0" * 9000 + b', "worst": 0, "columns": {}}',
+        b"[" * 90_000,
+        b" " * 200_000,
+    ],
+    ids=lambda content: str(content[:24]),
+)
+def test_a_file_that_holds_something_else_is_set_aside_and_nothing_is_lost(file, content):
+    file.path.write_bytes(content)
+    best, remark = file.read()
+    aside = file.path.with_name("77_doubling.challenge.json.broken-1")
+    assert best is None and aside.name in remark and aside.read_bytes() == content
+    file.keep(Best(0.5, 0.1, {}))
+    file.path.write_bytes(content)
+    assert "broken-2" in file.read()[1]
+
+
+def test_columns_that_no_challenge_has_are_not_read(file):
+    file.path.write_text(json.dumps({"score": 1, "worst": 0, "columns": {"<b>": "hello", "off": 0.5}}))
+    assert file.read() == (Best(1.0, 0.0, {"off": 0.5}), "")
+
+
+def test_a_folder_or_a_pipe_in_its_place_is_set_aside(file):
+    file.path.mkdir()
+    assert "it is no file" in file.read()[1]
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(file.path)
+        assert "it is no file" in file.read()[1]
+    assert file.keep(Best(0.5, 0.1, {})) == "" and file.read()[0].score == 0.5
+
+
+def test_where_nothing_can_be_written_it_is_said(tmp_path):
+    file = BestFile(CHALLENGE, tmp_path / "nowhere")
+    assert "could not be kept" in file.keep(Best(0.5, 0.1, {}))
+
+
+def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
+    other = BestFile(CHALLENGE, file.path.parent)
+    file.read()
+    other.keep(Best(0.9, 0.1, {}))
+    file.keep(Best(0.5, 0.1, {}))
+    assert file.read()[0].score == 0.9
+
+
+def test_it_stands_beside_the_notebook(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert BestFile(CHALLENGE).path == tmp_path / "77_doubling.challenge.json"

@@ -1,0 +1,106 @@
+"""The board: rows in order, an entry beside them, the best so far."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from matplotlib.figure import Figure
+
+from nao_course.challenges import Board
+from nao_course.challenges.best import SUFFIX
+from nao_course.plotting import Drawing
+from tests.challenges.example import CHALLENGE, COST, double
+
+
+def names(table):
+    return [row[0] for row in table.rows]
+
+
+def test_a_board_says_task_score_rows_and_that_it_is_not_graded(tmp_path):
+    board = Board(CHALLENGE, tmp_path)
+    for shown in (repr(board), board._repr_html_()):
+        for words in (
+            "Double what is given.",
+            "one less the mean error",
+            "not graded",
+            "0.75",
+            "worst scene",
+        ):
+            assert words in shown
+        assert "you, best so far" in shown and "enter(my_function)" in shown
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
+    board = Board(CHALLENGE, tmp_path)
+    assert names(board.table()) == ["nothing", "the reference", "you, best so far"]
+    assert board.table().rows[-1][1] == "-"
+    report = board.enter(lambda numbers: numbers)
+    assert report.score == 0.5 and names(board.table()) == ["nothing", "you, best so far", "the reference"]
+    assert "It is your first. It beats nothing (0.00); next is the reference (0.75)." in repr(report)
+    better = board.enter(double)
+    assert "That is your best so far; it was 0.50. It beats the reference (0.75)." in repr(better)
+    worse = board.enter(lambda numbers: 2.75 * numbers)
+    assert names(worse.table()) == ["nothing", "this entry", "the reference", "you, best so far"]
+    assert "Your best so far stays 1.00." in repr(worse)
+    assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
+
+
+def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
+    board = Board(COST, tmp_path)
+    assert "next is the reference (0.25 m)" in repr(board.enter(lambda numbers: numbers))
+    assert names(board.table()) == ["nothing", "you, best so far", "the reference"]
+
+
+def test_the_columns_say_what_was_honest_about_a_score(tmp_path):
+    table = Board(CHALLENGE, tmp_path).enter(lambda numbers: numbers).table()
+    assert table.columns == ("", "score", "worst scene", "off")
+    assert table.rows[1] == ("you, best so far", "0.50", "0.00", "0.5 m")
+
+
+def test_an_entry_that_is_interrupted_leaves_the_best_as_it_was(tmp_path):
+    board = Board(CHALLENGE, tmp_path)
+    board.enter(double)
+    kept = (tmp_path / f"77_doubling{SUFFIX}").read_bytes()
+
+    def entry(numbers):
+        raise KeyboardInterrupt
+
+    report = board.enter(entry)
+    assert "Interrupted after 0 of 3 scenes" in repr(report) and "stays 1.00" in repr(report)
+    assert (tmp_path / f"77_doubling{SUFFIX}").read_bytes() == kept and report.figure is None
+
+
+def test_a_broken_file_is_said_on_the_board_and_in_the_report(tmp_path):
+    (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
+    assert "kept as 77_doubling.challenge.json.broken-1" in repr(Board(CHALLENGE, tmp_path))
+    (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
+    assert "broken-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
+
+
+def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
+    drawn = replace(CHALLENGE, figure=lambda run: Drawing(Figure(figsize=(1, 1)), f"{run.score} drawn"))
+
+    def entry(numbers):
+        raise ValueError("<script>")
+
+    report = Board(drawn, tmp_path).enter(entry)
+    shown = report._repr_html_()
+    assert "<script>" not in shown and "&lt;script&gt;" in shown and 'alt="0.0 drawn"' in shown
+    assert "0.0 drawn" in repr(report)
+
+
+def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
+    board = Board(CHALLENGE, tmp_path)
+    first = board.example(3)
+    assert first.tolist() == [0.0, 1.0, 2.0]
+    first[:] = 7
+    assert board.example(3).tolist() == [0.0, 1.0, 2.0]
+    with pytest.raises(ValueError, match="from 1 to 3, got 0"):
+        board.example(0)
+
+
+def test_a_challenge_that_no_board_can_show_is_refused():
+    with pytest.raises(ValueError, match="no seeds"):
+        replace(CHALLENGE, seeds=())

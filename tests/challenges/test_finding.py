@@ -1,0 +1,26 @@
+"""Which challenge a word means."""
+
+from __future__ import annotations
+
+import pytest
+
+from nao_course.challenges import challenge
+from nao_course.challenges.finding import declared
+
+
+@pytest.mark.parametrize("word", ["01_hsl_filtering", "01", "1", 1])
+def test_a_number_or_a_name_finds_a_lessons_challenge(word):
+    assert challenge(word).challenge.lesson == "01_hsl_filtering"
+
+
+def test_what_is_no_lesson_with_a_challenge_is_said():
+    with pytest.raises(ValueError, match="no challenge '99'; there are 00_meet_the_nao, 01_hsl_filtering"):
+        challenge("99")
+
+
+def test_every_challenge_stands_in_the_folder_of_its_lesson_and_has_rows_for_nothing_and_the_reference():
+    for lesson, each in declared().items():
+        assert each.judge.__module__.split(".")[2] == lesson.partition("_")[2]
+        assert len(each.rows) >= 3 and "the reference" in [row.name for row in each.rows]
+        names = {column.name for column in each.columns}
+        assert all(len(row.cases) == len(each.seeds) and set(row.columns) == names for row in each.rows)

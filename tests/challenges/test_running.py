@@ -1,0 +1,168 @@
+"""Whatever an entry does, each case has a score or a sentence."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.challenges import CaseScore
+from nao_course.challenges.running import run
+from tests.challenges.example import CHALLENGE, COST, double
+
+
+def forever(numbers):
+    while True:
+        pass
+
+
+def forever_whatever_happens(numbers):
+    count = 0
+    while True:
+        try:  # noqa: SIM105
+            count += sum(range(10))
+        except:  # noqa: E722
+            pass
+
+
+class NoException(BaseException):
+    pass
+
+
+def raises(error):
+    def entry(numbers):
+        raise error
+
+    return entry
+
+
+def test_an_entry_has_the_mean_of_its_cases_and_of_their_columns():
+    came = run(CHALLENGE, double)
+    assert came.complete and came.score == 1.0 and came.columns == {"off": 0.0} and came.problems() == []
+    came = run(CHALLENGE, lambda numbers: numbers)
+    assert came.score == pytest.approx(np.mean([1.0, 0.5, 0.0])) and came.worst.name == "case 3"
+    assert came.columns["off"] == pytest.approx(0.5)
+
+
+def test_the_worst_case_of_a_cost_is_the_largest():
+    came = run(COST, lambda numbers: numbers)
+    assert came.worst.name == "case 3" and came.score == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        (lambda numbers: None, "must return shape"),
+        (lambda numbers: np.zeros(7), "must return shape (1,), got (7,)"),
+        (lambda numbers: "abc", "could not convert"),
+        (raises(KeyError("white")), "KeyError in your entry"),
+        (raises(SystemExit(1)), "SystemExit"),
+        (raises(NoException()), "NoException in your entry."),
+        (raises(GeneratorExit()), "GeneratorExit"),
+        (raises(NotImplementedError("soon")), "not written yet"),
+        (lambda numbers: sys.setrecursionlimit(-1), "ValueError"),
+        (lambda: 0, "TypeError in your entry"),
+        (forever, "Time is up"),
+        (forever_whatever_happens, "Time is up"),
+    ],
+)
+def test_an_answer_that_cannot_be_used_scores_as_nothing_and_the_sentence_says_why(entry, said):
+    came = run(replace(CHALLENGE, seeds=(1,)), entry)
+    words = " ".join([came.stopped, *came.problems()]).replace("Not written", "not written")
+    assert said in words and (came.stopped or came.score == 0.0)
+
+
+def test_what_cannot_be_used_costs_what_nothing_does():
+    assert run(COST, lambda numbers: None).score == 9.0
+
+
+def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_scene():
+    def entry(numbers):
+        numbers *= 2
+        return numbers
+
+    came = run(CHALLENGE, entry)
+    assert [each.score for each in came.results] == [1.0, 0.0, 0.0]  # twice 0 is 0
+    assert "work on a copy" in came.problems()[0]
+    assert run(CHALLENGE, double).score == 1.0
+
+
+def test_a_score_that_is_no_number_is_nothing():
+    broken = replace(CHALLENGE, judge=lambda answer, scene: CaseScore(float("nan")))
+    came = run(broken, double)
+    assert came.score == 0.0 and "no number" in came.problems()[0]
+
+
+def test_the_time_for_all_cases_is_limited_too():
+    hurried = replace(CHALLENGE, seeds=tuple(range(1, 40)), seconds=10.0, seconds_in_all=0.2)
+    came = run(hurried, lambda numbers: time.sleep(0.15) or double(numbers))
+    assert came.complete and came.results[0].score == 1.0 and came.results[-1].score == 0.0
+    assert "0.2 s are for all" in " ".join(came.problems())
+
+
+def test_an_endless_entry_ends_in_another_thread_too():
+    came = []
+    thread = threading.Thread(
+        target=lambda: came.append(run(replace(CHALLENGE, seeds=(1,)), forever)), daemon=True
+    )
+    thread.start()
+    thread.join(60)
+    assert came and came[0].score == 0.0
+
+
+def test_an_interrupted_entry_has_no_score():
+    calls = []
+
+    def entry(numbers):
+        calls.append(1)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return double(numbers)
+
+    came = run(CHALLENGE, entry)
+    assert not came.complete and np.isnan(came.score) and "after 1 of 3 scenes" in came.stopped
+
+
+def test_a_blank_exercise_stops_an_entry_at_once():
+    came = run(CHALLENGE, raises(NotImplementedError()))
+    assert came.results == () and came.stopped.startswith("Not written yet")
+
+
+def test_what_is_no_function_is_refused_unless_values_are_taken():
+    assert "without brackets" in run(CHALLENGE, np.zeros(3)).stopped
+    assert "NoneType" in run(replace(CHALLENGE, takes_values=True), None).stopped
+    one = replace(CHALLENGE, seeds=(1,), takes_values=True)
+    assert run(one, [0.0]).score == 1.0
+
+
+def test_an_entry_prints_nowhere(capsys):
+    run(CHALLENGE, lambda numbers: print("hello") or double(numbers))
+    assert capsys.readouterr() == ("", "")
+
+
+def test_an_entry_is_given_no_part_of_the_scene_that_is_not_meant_for_it():
+    scene = {"seen": np.ones(2), "truth": np.zeros(2)}
+    seen = []
+    secret = replace(
+        CHALLENGE,
+        seeds=(1,),
+        make=lambda seed: scene,
+        given=lambda scene: (scene["seen"],),
+        judge=lambda answer, scene: CaseScore(1.0),
+    )
+    run(secret, lambda *given, **named: seen.append((given, named)))
+    ((numbers,), named) = seen[0]
+    assert not named and numbers is not scene["seen"] and numbers.base is None
+
+
+def test_scenes_are_made_when_they_are_needed_and_once():
+    made = []
+    lazy = replace(CHALLENGE, make=lambda seed: made.append(seed) or np.arange(float(seed)))
+    assert made == []
+    run(lazy, double)
+    run(lazy, double)
+    assert made == [1, 2, 3]

@@ -1,0 +1,139 @@
+"""The challenge of lesson 01: what is scored, what is said of wrong answers, and where points are lost."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from nao_course.challenges import CaseResult, Run
+from nao_course.lessons.hsl_filtering.challenge import (
+    CHALLENGE,
+    ENOUGH,
+    ROOMS,
+    as_labels,
+    f1,
+    judge,
+    on_the_field,
+)
+
+TRUTH = np.array([[0, 0, 2, 0], [1, 0, 2, 3], [3, 1, 2, 1], [1, 1, 1, 1]], dtype=np.uint8)
+SCENE = SimpleNamespace(
+    pixels=np.zeros((4, 4, 3), dtype=np.uint8), truth=SimpleNamespace(labels=TRUTH, pose=None, view=None)
+)
+
+
+def judged(labels):
+    return judge(labels, SCENE)
+
+
+def test_the_truth_scores_one_and_nothing_scores_nothing():
+    assert judged(TRUTH).score == 1.0
+    assert judged(TRUTH.tolist()).score == 1.0 and judged(TRUTH.astype(float)).score == 1.0
+    assert judged(np.zeros_like(TRUTH)).score == 0.0
+    assert judged(np.full_like(TRUTH, 3)).columns["yellow"] == 0.0
+
+
+def test_f1_is_the_harmonic_mean_of_precision_and_recall(rng):
+    called, there = rng.random((2, 30, 40)) < [[[0.4]], [[0.2]]]
+    precision, recall = (called & there).sum() / called.sum(), (called & there).sum() / there.sum()
+    assert f1(called, there) == pytest.approx(2 * precision * recall / (precision + recall))
+
+
+def test_white_behind_the_field_costs_nothing_and_is_told():
+    labels = TRUTH.copy()
+    labels[0, 0] = 3
+    assert judged(labels).score == 1.0
+    assert judged(labels).columns["white behind"] == pytest.approx(100 / 7)
+    labels[3, 3] = 3
+    assert judged(labels).score < 1.0 and judged(labels).columns["false white"] == pytest.approx(100 / 9)
+
+
+def test_yellow_counts_everywhere():
+    labels = TRUTH.copy()
+    labels[0, 0] = 2
+    assert judged(labels).columns["yellow"] == pytest.approx(6 / 7)
+    assert judged(labels).columns["false yellow"] == pytest.approx(100 / 16)
+
+
+def test_the_field_begins_at_the_far_edge_of_the_carpet_in_each_column():
+    assert on_the_field(TRUTH).astype(int).tolist() == [
+        [0, 0, 0, 0],
+        [1, 0, 0, 1],
+        [1, 1, 0, 1],
+        [1, 1, 1, 1],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "returns None"),
+        ("labels", "got str"),
+        ({"a": 1}, "got dict"),
+        ([[1, 2], [3]], "got list"),
+        (np.zeros((4, 4, 3)), r"got shape \(4, 4, 3\)"),
+        (TRUTH.T[:2], r"shape \(4, 4\); got shape \(2, 4\)"),
+        (np.where(TRUTH == 1, np.nan, TRUTH), "NaN"),
+        (TRUTH + 0.5, "0 other, 1 green, 2 yellow, 3 white"),
+        (TRUTH.astype(int) - 1, "got -1 to 2"),
+        (TRUTH.astype(complex), "array of labels"),
+    ],
+)
+def test_what_are_no_labels_is_said_in_a_sentence(answer, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        as_labels(answer, TRUTH.shape)
+
+
+def test_an_array_of_the_students_own_kind_never_meets_the_truth():
+    met = []
+
+    class Spy(np.ndarray):
+        def __array_ufunc__(self, ufunc, method, *inputs, **named):
+            met.extend(inputs)
+            return super().__array_ufunc__(ufunc, method, *inputs, **named)
+
+    assert judged(TRUTH.view(Spy)).score == 1.0 and met == []
+
+
+def test_thirty_scenes_half_of_them_dark_with_names_of_their_own():
+    names = [str(seed) for seed in CHALLENGE.seeds]
+    assert (
+        len(set(names)) == 30 and names[0] == "dark 1" and names[20] == "harsh 6" and names[-1] == "harsh 15"
+    )
+    rooms = [room for rooms in ROOMS.values() for room in rooms]
+    assert len(set(rooms)) == len(rooms) and not set(rooms) & set(range(900, 918))  # those that were tuned on
+
+
+def test_a_scene_is_the_same_each_time_shows_both_colours_and_gives_only_its_picture():
+    place = CHALLENGE.seeds[3]
+    first, second = CHALLENGE.make(place), CHALLENGE.make(place)
+    assert (first.pixels == second.pixels).all()
+    assert min((first.truth.labels == label).sum() for label in (2, 3)) >= ENOUGH
+    (given,) = CHALLENGE.given(first)
+    assert given is first.pixels
+
+
+def run_of(*labels):
+    scores = [judged(each) for each in labels]
+    results = [
+        CaseResult(seed, str(seed), each.score, each.columns, each.kept)
+        for seed, each in zip((CHALLENGE.seeds[0], CHALLENGE.seeds[20]), scores, strict=True)
+    ]
+    return Run(CHALLENGE, tuple(results))
+
+
+def test_the_figure_shows_what_each_colour_cost_and_the_worst_scene():
+    drawing = CHALLENGE.figure(run_of(TRUTH, np.where(TRUTH == 3, 1, TRUTH)))
+    bars, *pictures = drawing.figure.axes
+    assert len(pictures) == 3 and pictures[0].get_title(loc="left") == "worst: harsh 6, 0.50"
+    heights = np.array([bar.get_height() for bar in bars.patches]).reshape(3, 2)
+    assert heights.sum(axis=0) == pytest.approx(1.0) and heights[1].tolist() == [0.0, 0.5]
+    assert "harsh 6 with 0.50" in drawing.alt
+
+
+def test_an_entry_without_one_usable_answer_has_a_figure_too():
+    results = tuple(CaseResult(seed, str(seed), 0.0, message="no") for seed in CHALLENGE.seeds)
+    drawing = CHALLENGE.figure(Run(CHALLENGE, results))
+    assert len(drawing.figure.axes) == 1 and "0.00 on average" in drawing.alt
