@@ -213,11 +213,14 @@ def _progress() -> Progress:
 @app.command(hidden=_STUDENTS)
 def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
-    with _plainly():
+    with _plainly(), _progress() as progress:
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.authoring.release import make_release
 
-        path = make_release(load_course(), out)
+        doing = progress.add_task("release", total=None, step="")
+        path = make_release(
+            load_course(), out, lambda lesson, step: progress.update(doing, description=lesson, step=step)
+        )
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
 
 

@@ -129,11 +129,23 @@ def test_a_students_copy_says_that_it_has_no_instructors_side(tmp_path):
     assert " submit " in help_ and " regrade " not in help_
 
 
-HEAVY = ("scipy", "matplotlib", "cv2", "IPython", "jupytext", "nbgrader", "nbclient", "sympy", "ipywidgets")
+HEAVY = (
+    "scipy",
+    "matplotlib",
+    "cv2",
+    "IPython",
+    "jupytext",
+    "nbgrader",
+    "nbclient",
+    "nbformat",
+    "sympy",
+    "ipywidgets",
+)
 
 
-def test_the_command_line_starts_without_what_only_some_commands_need():
-    code = "import sys, nao_course.cli\nprint(*{name.split('.')[0] for name in sys.modules})"
+@pytest.mark.parametrize("module", ["nao_course.cli", "nao_course.instructor.commands"])
+def test_the_command_line_and_grading_start_without_what_only_some_commands_need(module):
+    code = f"import sys, {module}\nprint(*{{name.split('.')[0] for name in sys.modules}})"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
     )

@@ -111,5 +111,7 @@ class Sampled(Comparison):
 
 
 def _is_number(answer: Any) -> bool:
+    if type(answer) is float:  # nearly always
+        return True
     number = as_numbers(answer, "your answer")
     return not isinstance(number, Verdict) and number.shape == () and number.dtype.kind != "b"

@@ -133,6 +133,9 @@ class Exact(Comparison):
         return elements.differences((wanted != have) & counted, self.allowed, size)
 
 
+_NOWHERE = 1e9  # stands for a coordinate that is no number: it is near to nothing else
+
+
 @register
 @dataclass(frozen=True)
 class Points(Comparison):
@@ -170,9 +173,12 @@ class Points(Comparison):
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """As above; a mistake's answer may be no points at all."""
-        points = getattr(answer, "ndim", 0) == 2
-        return bool((self if points else Close()).compare(answer, got))
+        """As above; a mistake's answer may be no points at all, or have NaN among them."""
+        if getattr(answer, "ndim", 0) != 2 or getattr(got, "dtype", np.dtype(object)).kind not in "iuf":
+            return bool(Close().compare(answer, got))
+        return bool(
+            self.compare(*(np.nan_to_num(np.asarray(each, float), nan=_NOWHERE) for each in (answer, got)))
+        )
 
 
 @register

@@ -13,6 +13,7 @@ from nao_course.homework import NOTEBOOKS, RELEASE, zipped
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CHECKS, build
 from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 
@@ -25,9 +26,10 @@ AS_THEY_ARE = (
 )
 README = "docs/for_students.md"
 _KINDS = {".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
+ALL_LESSONS = "all lessons"  # what is told of when it is no single one
 
 
-def make_release(course: Course, out: Path) -> Path:
+def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: None) -> Path:
     """Write the zip of a release.
 
     Parameters
@@ -36,6 +38,8 @@ def make_release(course: Course, out: Path) -> Path:
         Its chosen lessons must be built.
     out : Path
         Folder for the zip.
+    tell : callable
+        Called with a lesson's name and what is done to it.
 
     Returns
     -------
@@ -49,10 +53,11 @@ def make_release(course: Course, out: Path) -> Path:
     """
     names = course.names(course.chosen)
     refuse_what_is_not_built(course, names, executed=True)
-    unbuilt = build(course, names, solutions=False).changes()
+    unbuilt = build(course, names, solutions=False, tell=tell).changes()
     if unbuilt:
         listed = ", ".join(path.as_posix() for path in unbuilt)
         raise LessonError(f"not what the lessons' texts say: {listed}; run `nao-course build` first")
+    tell(ALL_LESSONS, "looked through for solutions")
     files = contents(course, names)
     problems = release_problems(course, files)
     if problems:

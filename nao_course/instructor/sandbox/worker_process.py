@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import io
 import os
@@ -23,6 +24,8 @@ from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
 from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUTPUT, REPLY
+
+_NO_MEMORY = "MemoryError"  # how the reason begins of a statement that found none left
 
 
 def _places(told: list[list[int]]) -> set[tuple[int, int]]:
@@ -51,7 +54,11 @@ class RequestLoop:
     """The worker: it answers until nobody asks any more."""
 
     def __init__(self, requests: int, replies: int, *, private: bool = True) -> None:
-        self.requests, self.replies, self.private = requests, replies, private  # private: its folder is its own
+        self.requests, self.replies, self.private = (
+            requests,
+            replies,
+            private,
+        )  # private: its folder is its own
         self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
         self.process = self.getpid()
         self.lock = threading.RLock()
@@ -82,14 +89,18 @@ class RequestLoop:
                 (folder / name).write_bytes(text)
             notebook = folder / f"{lesson}.ipynb"
             notebook.write_bytes(content[0])
-            found = load_definitions(notebook, self.before(left_out), setup, self.stand_in)
-            self.earlier[number_of(lesson)] = found
+            self.earlier[number_of(lesson)] = self.loaded(notebook, left_out, setup, {})
         if not self.private:
             shutil.rmtree(folder, ignore_errors=True)
         self.say(encode("loaded"))
 
     def load(
-        self, notebook: Path, content: Any, setup: str, left_out: set[tuple[int, int]], instead: dict[str, str]
+        self,
+        notebook: Path,
+        content: Any,
+        setup: str,
+        left_out: set[tuple[int, int]],
+        instead: dict[str, str],
     ) -> None:
         """Load a notebook."""
         try:
@@ -98,8 +109,7 @@ class RequestLoop:
                 for name, text in content[1].items():
                     Path(name).write_bytes(text)
             with _captured():
-                before = self.before(left_out)
-                self.definitions = load_definitions(notebook, before, setup, self.stand_in, instead)
+                self.definitions = self.loaded(notebook, left_out, setup, instead)
         except (OSError, ValueError) as error:
             self.say(encode(("refused", str(error))))
             return
@@ -108,6 +118,23 @@ class RequestLoop:
         skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
         found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version)
         self.say(encode(("found", *found)))
+
+    def loaded(
+        self, notebook: Path, left_out: set[tuple[int, int]], setup: str, instead: dict[str, str]
+    ) -> Definitions:
+        """Load a notebook's definitions; once more without statements that took all memory, for they may hold it."""
+        found = load_definitions(notebook, self.before(left_out), setup, self.stand_in, instead)
+        greedy = {
+            (each.cell, each.line): each for each in found.skipped if each.reason.startswith(_NO_MEMORY)
+        }
+        if not greedy:
+            return found
+        found.namespace.clear()
+        del found
+        gc.collect()
+        found = load_definitions(notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead)
+        skipped = (greedy.get((each.cell, each.line), each) for each in found.skipped)
+        return replace(found, skipped=tuple(skipped))
 
     def before(self, left_out: set[tuple[int, int]]) -> Callable[[int, int], bool]:
         """Return what tells each statement before it runs, for it may be the last."""
@@ -157,7 +184,9 @@ class RequestLoop:
                 self.say(encode(("ask", name, args, kwargs), REPLY))
                 _, outcome = decode(self.read(), trusted=True)
             if outcome.status != "value":
-                raise RuntimeError(f"{name} gives no answer to this: {outcome.status} {outcome.text}".rstrip())
+                raise RuntimeError(
+                    f"{name} gives no answer to this: {outcome.status} {outcome.text}".rstrip()
+                )
             return outcome.value
 
         lent.__name__ = lent.__qualname__ = split_use(name)[1]

@@ -207,6 +207,9 @@ def test_a_wrong_answer_of_a_mistake_is_known_again():
     assert not Points().alike(None, POINTS)
     assert Points().alike(POINTS, POINTS[::-1])
     assert Points().alike(3.0, 3.0)
+    above = np.array([[1.0, 2.0], [nan, nan]])  # beyond the horizon
+    assert Points().alike(above, above[::-1])
+    assert not Points().alike(above, np.array([[1.0, 2.0], [3.0, 4.0]]))
     assert Close().alike("text", "text")
     assert not Close().alike(1.0, None)
 

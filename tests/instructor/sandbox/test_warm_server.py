@@ -20,11 +20,12 @@ from nao_course.exercises import Case
 from nao_course.instructor.sandbox import warm_server as module
 from nao_course.instructor.sandbox.confinement import Bounds
 from nao_course.instructor.sandbox.layers import Layer, Sandbox, SandboxError, probe
-from nao_course.instructor.sandbox.protocol import ServerEnded
+from nao_course.instructor.sandbox.protocol import EarlierNotebook, ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only, quickly
+from tests.toy import toy
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="the warm server forks on Linux alone"
@@ -207,6 +208,25 @@ def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     assert outcome.status == "raised"
     assert outcome.text.startswith(("MemoryError", "_ArrayMemoryError"))
     assert attempt(worker, "1").value == "1"
+
+
+HOARD = "held = []\nfor _ in iter(int, 1): held.append(bytearray(2**26))\n"
+LARGE = "def large(): return len(bytearray(256 * 2**20))"
+
+
+@pytest.mark.parametrize("whose", ["its own", "an earlier lesson's"])
+def test_a_statement_that_takes_all_memory_leaves_some_to_the_rest_of_the_notebook(tmp_path, server, whose):
+    own = HOARD + LARGE if whose == "its own" else LARGE
+    notebook = toy.write(tmp_path / "02_own.ipynb", own)
+    earlier = toy.write(tmp_path / "01_before.ipynb", HOARD)
+    before = [EarlierNotebook("01_before", earlier.read_bytes())]
+    with Worker(
+        notebook, seconds=AMPLE, server=server, earlier=before if whose != "its own" else ()
+    ) as worker:
+        assert worker.call("large", Case(())).value == 256 * 2**20
+        assert worker.deaths == 0
+        reasons = [each.reason for each in worker.definitions.skipped]
+    assert [reason.split(":")[0] for reason in reasons] == (["MemoryError"] if whose == "its own" else [])
 
 
 PRIVATE, SHARED = "bytearray(300 * 2**20)", "__import__('mmap').mmap(-1, 300 * 2**20)"
