@@ -610,7 +610,7 @@ HUE_MASK = Exercise(
         Mistake(
             "limits excluded",
             lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
-            "Pixels that lie exactly on a limit are left out. Equations 1.5 and 1.6 include both.",
+            "Pixels that lie exactly on a limit are left out. Equations 1.6 and 1.7 include both.",
         ),
         Mistake(
             "equal limits for all hues",

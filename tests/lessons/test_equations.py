@@ -49,7 +49,7 @@ def test_the_threshold_for_white_climbs_from_beta_to_the_maximum_in_a_straight_l
         assert np.allclose(at, [beta, (beta + most) / 2, most])
 
 
-@pytest.mark.asserts("eq-1-5", "eq-1-6")
+@pytest.mark.asserts("eq-1-6", "eq-1-7")
 def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(hsl, rng):
     for low, width in rng.integers((0, 1), (360, 300), (40, 2)):
         inside = (low + np.arange(width + 1)) % 360
@@ -59,7 +59,7 @@ def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(hsl, rng):
         assert not hsl["hue_mask"](outside.astype(float), *limits).any()
 
 
-@pytest.mark.asserts("eq-1-7")
+@pytest.mark.asserts("eq-1-5")
 def test_at_the_factor_of_the_light_that_the_equation_gives_a_lightness_is_its_own_threshold(hsl):
     for lightness, mean in ((255.0, 119.3), (152.0, 119.3), (200.0, 60.0)):
         factor = 120 / (lightness - (255 - 120) * mean / 255)

@@ -58,7 +58,7 @@ def draw_hsl(
     shown = (array, np.round(255 * painted).astype(np.uint8), channels[1], channels[2])
     titles = ("picture", "hue (degrees, as pure colours)", "saturation (0 to 1)", "lightness (0 to 255)")
     with course_style():
-        figure = Figure(figsize=(7.8, 6.3))
+        figure = Figure(figsize=(6.2, 5.0))
         for ax, image, title, largest in zip(
             figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
         ):

@@ -154,7 +154,7 @@ class FilterPanel(FunctionPanel):
 
     def _pixel_control(self) -> Pixel:
         height, width = next(iter(self._scenes.values()))[0].shape[:2]
-        return Pixel("pixel", "Pixel", (width, height), picture=SCENE)
+        return Pixel("pixel", "Pixel", (width, height), (width // 2, 5 * height // 6), picture=SCENE)
 
     def _adders(self) -> list[Action]:
         return [
@@ -265,7 +265,7 @@ class FilterPanel(FunctionPanel):
         scores = self.scores
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
-            figure = Figure(figsize=(7.0, 6.0))
+            figure = Figure(figsize=(6.4, 5.5))
             for ax, (title, pixels) in zip(
                 figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False
             ):

@@ -70,7 +70,7 @@ def _labelled(picture: Pixels, green: Any, yellow: Any, own: Exercises) -> Pixel
 
 def _figure(pictures: Sequence[Pixels], labelled: Sequence[Pixels], lines: npt.NDArray[np.bool_]) -> Drawing:
     with course_style():
-        figure = Figure(figsize=(8.4, 4.9))
+        figure = Figure(figsize=(7.6, 4.4))
         rows = figure.subplots(2, len(LIGHTS))
         for (above, below), name, picture, labels in zip(rows.T, LIGHTS, pictures, labelled, strict=True):
             plot_picture(picture, above, ticks=False)
