@@ -277,9 +277,9 @@ class FilterPanel(FunctionPanel):
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def say_pace(self, seconds: float) -> str:
-        """Say how long the latest picture took, and why the panel lags if it does."""
+        """Say where the sliders stand, how long the latest picture took, and why the panel lags if it does."""
         self._seconds = seconds or self._seconds  # nothing is asked where only "Show" has changed
-        facts = f"Your code labels a picture in {1000 * self._seconds:.0f} ms."
+        facts = f"{self.say_values()}. Your code labels a picture in {1000 * self._seconds:.0f} ms."
         if self._seconds > SLOW:
             facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
         return facts
