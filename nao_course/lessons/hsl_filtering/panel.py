@@ -47,9 +47,12 @@ _CSS = """
 @media (min-width: 900px) {
   .nao-filter.nao-panel { display: grid; max-width: 1100px; column-gap: 14px;
     grid-template-columns: minmax(0, 1.9fr) minmax(310px, 1fr); align-content: start; }
-  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 2 / span 3; display: grid;
+  .nao-filter > .widget-html:first-child { position: absolute; }
+  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 1 / span 3; display: grid;
     grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); align-content: start; }
-  .nao-filter > .nao-choices, .nao-filter > .nao-below, .nao-filter > .nao-status-line { grid-column: 2; }
+  .nao-filter > .nao-choices { grid-column: 2; grid-row: 1; }
+  .nao-filter > .nao-below { grid-column: 2; grid-row: 2; }
+  .nao-filter > .nao-status-line { grid-column: 2; grid-row: 3; }
 }
 """
 
@@ -265,7 +268,7 @@ class FilterPanel(FunctionPanel):
         scores = self.scores
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
-            figure = Figure(figsize=(6.4, 5.5))
+            figure = Figure(figsize=(6.4, 5.9))
             for ax, (title, pixels) in zip(
                 figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False
             ):
@@ -273,7 +276,7 @@ class FilterPanel(FunctionPanel):
                 ax.set_title(title, fontsize=11)
                 if title == SCENE:
                     ax.plot(*self.values.pixel, "o", ms=9, mew=2, mfc="none", mec="#c84b00")
-            legend_below(figure, label_keys(texts), columns=2)
+            legend_below(figure, label_keys(texts), columns=1)
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def say_pace(self, seconds: float) -> str:
