@@ -124,7 +124,8 @@ def _place(hue: float, radius: float) -> tuple[int, int]:
 def _histogram_paper() -> Pixels:
     """What lies below each histogram: its axis."""
     with course_style():
-        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="none")
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+        figure.set_layout_engine("none")
         ax = figure.add_axes(
             (LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT)
         )
@@ -139,7 +140,8 @@ def _histogram_paper() -> Pixels:
 def _circle_paper() -> Pixels:
     """What lies below each circle: the pure colours and their degrees."""
     with course_style():
-        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="none")
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+        figure.set_layout_engine("none")
         for degrees in range(0, 360, 60):
             u, v = _place(degrees, OUTER + 34.0)
             side = {0: "left", 180: "right"}.get(degrees, "center")

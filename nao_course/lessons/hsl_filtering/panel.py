@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -216,7 +215,7 @@ class FilterPanel(FunctionPanel):
             self._take(dict(self._values))
             self._error, self._refused = found.error or self._error, found.message
         else:
-            changed = replace(self.settings, **{colour: found.value})
+            changed = FilterSettings(**{**vars(self.settings), colour: found.value})
             self._take(self._checked(changed.by_slider()))
         self._newest.ask()
 

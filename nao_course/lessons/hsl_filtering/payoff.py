@@ -51,7 +51,9 @@ def draw_payoff(**functions: Callable[..., Any]) -> Drawing:
 def payoff_scene() -> tuple[Pixels, Pixels]:
     """Return a picture (H, W, 3) of the goal from near by, and its true labels (H, W); the same at every call."""
     nao = SimulatedNao(Field(2012), Pose(1.1, 0.9, -0.42), rng=7)
-    return nao.take_picture("bottom").pixels, Truth(nao).picture.labels
+    pixels, truth = nao.take_picture("bottom").pixels, Truth(nao).picture
+    assert truth is not None  # a picture was taken
+    return pixels, truth.labels
 
 
 def _calibrated(picture: Pixels, truth: Pixels, own: Exercises) -> tuple[Any, Any]:
