@@ -43,11 +43,12 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
     most = 1.15 * max(
         1.0, float(np.sort(stacked[-1])[-2])
     )  # the brightest bin may be far higher: it is cut off
-    heights = np.minimum(stacked / most, 1.0)[:, (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)]
+    heights = np.minimum(stacked / most, 1.0)
     level = (BOTTOM - np.arange(TOP, BOTTOM))[:, None] / (BOTTOM - TOP)
     bars = np.sum(level[None] > heights[:, None, :], axis=0)  # how many of the labels a pixel is above of
-    picture[TOP:BOTTOM, LEFT:RIGHT] = _BAR_COLOURS[bars]
-    tops = (BOTTOM - np.round(heights[-1] * (BOTTOM - TOP))).astype(np.int32)
+    columns = (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)
+    picture[TOP:BOTTOM, LEFT:RIGHT] = _BAR_COLOURS[bars[:, columns]]
+    tops = (BOTTOM - np.round(heights[-1, columns] * (BOTTOM - TOP))).astype(np.int32)
     outline = np.column_stack((np.arange(LEFT, RIGHT, dtype=np.int32), tops))
     cv2.polylines(picture, [outline], False, (51, 51, 51), 1)
     for name, at in marks.items():
