@@ -52,6 +52,10 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
     "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
     "started? The grader runs what you define, and no demonstrations.",
+    "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "
+    "all of them: say values[mask] there, too, or np.where(mask, values, others).",
+    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1. rng.integers(0, n) stays below n by "
+    "itself.",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _SIGNS = {
