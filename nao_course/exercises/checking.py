@@ -23,7 +23,7 @@ from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.running import Outcome
-from nao_course.exercises.trying import Message, explain_unknown_names, try_out
+from nao_course.exercises.trying import Message, advice_on, explain_unknown_names, try_out
 
 CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
@@ -42,17 +42,6 @@ _WRONG = {
     "value": "Wrong value",
     "law": "Not as it has to be",
     "no error": "No exception",
-}
-_BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
-_ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
-    "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "
-    "between comparisons in brackets, or np.where.",
-    "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
-    "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
-    "unsupported operand type(s) for &": f"& {_BRACKETS}",
-    "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
-    "started? The grader runs what you define, and no demonstrations.",
-    "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _SIGNS = {
     "right": "✔",
@@ -278,7 +267,7 @@ def _explain(
         state, lines = "raised", [f"{title}: {passed}; {_raises(outcome.text)}{about}."]
         lines += [outcome.line] if outcome.line else []
         lines += [f"Here {wanted} has to be raised."] if (wanted := exercise.cases[first].raises) else []
-        lines += [advice for start, advice in _ADVICE.items() if start in outcome.text]
+        lines += advice_on(outcome.text)
         if re.search(rf"[ .](?:{exercise.name}(?:\.\w+)?|<lambda>)\(\) .*positional argument", outcome.text):
             lines.append(
                 "Keep the function's first line as it was given: the check calls it with those arguments."

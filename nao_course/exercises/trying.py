@@ -33,10 +33,36 @@ class Message:
         return f'<div role="note" style="{style}">{escape(self.text)}</div>'
 
 
+_BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
+_ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
+    "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "
+    "between comparisons in brackets, or np.where.",
+    "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
+    "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
+    "unsupported operand type(s) for &": f"& {_BRACKETS}",
+    "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
+    "started? The grader runs what you define, and no demonstrations.",
+    "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "
+    "all of them: say values[mask] there, too, or np.where(mask, values, others).",
+    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1. rng.integers(0, n) stays below n by "
+    "itself.",
+    "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
+}
 _RUN_ABOVE = (
     "If the kernel was restarted, first run the cells above: menu Run, Run All Above Selected Cell. "
     "Else look at its spelling."
 )
+
+
+def advice_on(complaint: str) -> list[str]:
+    """Say what to do about an exception whose own words do not help a beginner.
+
+    Examples
+    --------
+    >>> advice_on("ValueError: high <= 0")
+    ['The upper end of rng.integers is not included: say the size itself, not one less.']
+    """
+    return [advice for start, advice in _ADVICE.items() if start in complaint]
 
 
 def not_known(error: NameError) -> str:
@@ -60,7 +86,9 @@ def explain_unknown_names() -> None:
     if shell is None:
         return
 
-    def show(self: Any, kind: type[BaseException], error: Any, trace: Any, tb_offset: int | None = None) -> None:
+    def show(
+        self: Any, kind: type[BaseException], error: Any, trace: Any, tb_offset: int | None = None
+    ) -> None:
         self.showtraceback((kind, error, trace), tb_offset=tb_offset)
         if _is_unknown(error):
             from IPython.display import display  # it takes long to import
@@ -96,7 +124,10 @@ def try_out(
         return action()
     except NotImplementedError:
         return Message(unfinished)
-    except (FileNotFoundError, EarlierNotUsable) as error:  # recorded data or earlier work that not everybody has
+    except (
+        FileNotFoundError,
+        EarlierNotUsable,
+    ) as error:  # recorded data or earlier work that not everybody has
         return Message(str(error))
     except Exception as error:  # noqa: BLE001 - whatever a student's code raises is what it is about
         return Message(_said_of(error))

@@ -88,6 +88,32 @@ def _grey_nan(picture: Array) -> tuple[Array, Array, Array]:
     return hue, saturation, lightness
 
 
+def _two_at_once(picture: Array) -> tuple[Array, Array, Array]:
+    """No modulo, and 0 divided by 0 where a pixel is grey."""
+    _, saturation, lightness = _grey_nan(picture)
+    return _hsl(picture, negative=True)[0], saturation, lightness
+
+
+def _two_at_once_in_grey(picture: Array) -> tuple[Array, Array, Array]:
+    """The same without the scaffold's divisor: a grey pixel's hue is 0 / 0, too."""
+    _, saturation, lightness = _grey_nan(picture)
+    grey = picture.max(axis=2) == picture.min(axis=2)
+    return np.where(grey, np.nan, _hsl(picture, negative=True)[0]), saturation, lightness
+
+
+def _divisor_above(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    return hue, np.where(picture.max(axis=2) == picture.min(axis=2), 1.0, saturation), lightness
+
+
+def _divisor_above_and_nothing_below(picture: Array) -> tuple[Array, Array, Array]:
+    hue, saturation, lightness = _hsl(picture)
+    grey = picture.max(axis=2) == picture.min(axis=2)
+    room = 1 - np.abs(2 * lightness / 255 - 1)
+    with np.errstate(divide="ignore"):
+        return hue, np.where(grey, 1.0 / room, saturation), lightness
+
+
 def _hue_divisor(picture: Array) -> tuple[Array, Array, Array]:
     hue, saturation, lightness = _hsl(picture)
     return hue, (saturation > 0).astype(float), lightness
@@ -155,7 +181,7 @@ def _hsl_float32(picture: Array) -> tuple[Array, Array, Array]:
 
 RGB_TO_HSL = Exercise(
     name="rgb_to_hsl",
-    points=3,
+    points=2,
     stars=1,
     public=lambda: [
         Case((primaries(),), "pure colours and greys"),
@@ -227,6 +253,30 @@ RGB_TO_HSL = Exercise(
             "Your hues are in radians. Hues are the one kind of angle that this course has in degrees, 0 to 360, as the field does.",
         ),
         Mistake(
+            "no modulo, and 0 divided by 0",
+            _two_at_once,
+            "Two things. Some hues are negative: take the hue modulo 360. And the saturation of black and white is NaN: their divisor "
+            "1 - |M + m - 1| is 0, so put a 1 there where a pixel is grey.",
+        ),
+        Mistake(
+            "no modulo, and grey divided by zero",
+            _two_at_once_in_grey,
+            "Two things. Some hues are negative: take the hue modulo 360. And hues or saturations of grey pixels are NaN: you divide 0 "
+            "by 0. The divisor of the scaffold has a 1 there, and equation 1.2 needs the like.",
+        ),
+        Mistake(
+            "the scaffold's divisor in the numerator",
+            _divisor_above,
+            "Grey pixels have the saturation 1. In divisor a grey pixel has a 1, so that one can divide by it: it stands below the "
+            "fraction of the hue. Above the fraction of equation 1.2 stands largest - smallest itself.",
+        ),
+        Mistake(
+            "the scaffold's divisor in the numerator, and 0 below",
+            _divisor_above_and_nothing_below,
+            "Grey pixels have a saturation of 1 and more. In divisor a grey pixel has a 1, so that one can divide by it: above the "
+            "fraction of equation 1.2 stands largest - smallest itself. Below it put a 1 where a pixel is grey.",
+        ),
+        Mistake(
             "the hue's divisor",
             _hue_divisor,
             "That is divided by the hue's divisor, M - m. The saturation has one of its own: 1 - |M + m - 1|, equation 1.2.",
@@ -265,7 +315,7 @@ RGB_TO_HSL = Exercise(
         Mistake(
             "lightness in 0..1",
             lambda picture: _hsl(picture, unit=True),
-            "Your lightness lies in 0..1. The paper's equation 4.1 has 255 as its maximum, so this course's lightness "
+            "Your lightness lies in 0..1. Equation 1.4 has 255 as its maximum, so this course's lightness "
             "goes from 0 to 255.",
         ),
     ],
@@ -364,6 +414,20 @@ AVERAGE_LIGHTNESS = Exercise(
             "The last pixel is never drawn: the upper end of rng.integers is not included, so it is lightness.size itself.",
         ),
         Mistake(
+            "the first pixel never drawn",
+            lambda lightness, n_samples, rng: float(
+                lightness.ravel()[rng.integers(1, max(lightness.size, 2), n_samples)].mean()
+            ),
+            "The first pixel is never drawn: Python counts from 0, and so does rng.integers(0, n).",
+        ),
+        Mistake(
+            "one index too many",
+            lambda lightness, n_samples, rng: float(
+                lightness.ravel()[rng.integers(0, lightness.size + 1, n_samples)].mean()
+            ),
+            "The last index of n pixels is n - 1, and rng.integers(0, n) draws 0 to n - 1 by itself: say lightness.size, without + 1.",
+        ),
+        Mistake(
             "whole rows drawn",
             lambda lightness, n_samples, rng: float(rng.choice(lightness, n_samples).mean()),
             "Whole rows are drawn: rng.choice takes elements along the first axis. Make one long row of it first, with ravel().",
@@ -426,7 +490,7 @@ WHITE_THRESHOLD = Exercise(
         Case((90.0,), kwargs={"max_lightness": 240.0}),
     ],
     hints=(
-        "It is one line: equation 4.1 with mean_lightness for the average and max_lightness for the maximum.",
+        "It is one line: equation 1.4 with mean_lightness for the average and max_lightness for the maximum.",
         "The mean decides how far the threshold climbs from beta towards the maximum: beta plus a fraction of (max_lightness "
         "- beta).",
     ),
@@ -546,7 +610,7 @@ HUE_MASK = Exercise(
         Mistake(
             "limits excluded",
             lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
-            "Pixels that lie exactly on a limit are left out. Equations 4.2 and 4.3 include both.",
+            "Pixels that lie exactly on a limit are left out. Equations 1.6 and 1.7 include both.",
         ),
         Mistake(
             "equal limits for all hues",
@@ -559,6 +623,24 @@ HUE_MASK = Exercise(
             "hues above 180 moved",
             _mask_about_0,
             "Right for narrow intervals through 0. One from 170 through 0 to 10 is allowed, too: its hues of 175 are above low.",
+        ),
+        Mistake(
+            "low minus 360",
+            lambda hue, low, high: (hue >= (low - 360 if low > high else low)) & (hue <= high),
+            "With low - 360 the hues from 0 to high are in, but those from low to 359 are not: they were not moved with it. No limit "
+            "needs to move: above low *or* below high.",
+        ),
+        Mistake(
+            "high plus 360",
+            lambda hue, low, high: (hue >= low) & (hue <= (high + 360 if low > high else high)),
+            "With high + 360 the hues from low to 359 are in, but those from 0 to high are not: they were not moved with it. No limit "
+            "needs to move: above low *or* below high.",
+        ),
+        Mistake(
+            "limits swapped",
+            lambda hue, low, high: (hue >= min(low, high)) & (hue <= max(low, high)),
+            "Where low is above high you have swapped them: that marks what lies between them the other way round, through 180. "
+            "Such limits go through 0: above low *or* below high.",
         ),
         Mistake(
             "or for and",
@@ -599,232 +681,7 @@ HUE_MASK = Exercise(
 )
 
 
-# --- 1.5 calibrate_hue ---
-
-
-def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    """Limits on the circle: the widest gap between neighbouring hues is outside."""
-    coloured = np.unique(hue[saturation > 0])
-    gaps = np.diff(coloured, append=coloured[0] + 360)
-    widest = int(gaps.argmax())
-    low, high = coloured[(widest + 1) % len(coloured)], coloured[widest]
-    return float((low - epsilon) % 360), float((high + epsilon) % 360)
-
-
-def _limits_by_steps(hue: Array, saturation: Array, epsilon: float, end: float) -> tuple[float, float]:
-    """With a last step that ends at `end`; with end 0 it goes backwards and is never the largest."""
-    coloured = np.unique(hue[saturation > 0])
-    gaps = np.diff(coloured, append=end)
-    last = int(gaps.argmax())
-    low, high = coloured[(last + 1) % len(coloured)], coloured[last]
-    return float((low - epsilon) % 360), float((high + epsilon) % 360)
-
-
-def _limits_without_modulo(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    coloured = np.unique(hue[saturation > 0])
-    last = int(np.diff(coloured, append=coloured[0] + 360).argmax())
-    return float((coloured[last + 1] - epsilon) % 360), float((coloured[last] + epsilon) % 360)
-
-
-def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    there = sorted({float(h) for h, s in zip(hue.ravel(), saturation.ravel(), strict=True) if s > 0})
-    best, answer = -1.0, (0.0, 0.0)
-    for i, high in enumerate(there):
-        low = there[(i + 1) % len(there)]
-        gap = (low - high) % 360 or 360.0
-        if gap > best:
-            best, answer = gap, ((low - epsilon) % 360, (high + epsilon) % 360)
-    return answer
-
-
-def _limits_about_mean(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    angles = np.radians(hue[saturation > 0])
-    middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
-    offset = (np.degrees(angles) - middle + 180) % 360 - 180
-    return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
-
-
-def _limits_list(hue: Array, saturation: Array, epsilon: float = 0.0) -> list[np.float32]:
-    return [np.float32(limit) for limit in _limits(hue, saturation, epsilon)]
-
-
-def _grass(rng: np.random.Generator, middle: float, width: float) -> tuple[Array, Array]:
-    """Hues about a middle, with grey pixels whose hue, 0, means nothing."""
-    hue, saturation = hues(rng, middle, width, (8, 10)), rng.uniform(0.1, 0.9, (8, 10))
-    grey = rng.random((8, 10)) < 0.2
-    grey[0, 0] = True
-    hue[grey], saturation[grey] = 0.0, 0.0
-    return hue, saturation
-
-
-CALIBRATE_HUE = Exercise(
-    name="calibrate_hue",
-    points=3,
-    stars=2,
-    public=lambda: [
-        Case((*_grass(np.random.default_rng(13), 125, 20), 0.0), "green grass"),
-        Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
-        Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
-        Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
-        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.01]]), 5.0), "epsilon reaches over 0"),
-        Case((np.array([[200.0, 330.0]]), np.array([[0.5, 0.4]]), 0.0), "two hues, 200 and 330"),
-        Case(
-            (np.array([[0.0, 5.0, 10.0]]), np.array([[0.5, 0.4, 0.3]]), 1.0),
-            "pure red, which has the hue 0, and no grey",
-        ),
-        Case(
-            (np.array([[350.0, 355.0, 5.0, 10.0]]), np.full((1, 4), 0.8), 2.0), "the example of the docstring"
-        ),
-    ],
-    hidden=lambda rng: [
-        *(
-            Case((*_grass(rng, float(rng.uniform(60, 300)), float(rng.uniform(8, 30))), e))
-            for e in (0.0, 4.0, 7.5)
-        ),
-        *(Case((*_grass(rng, float(rng.uniform(-6, 6)), float(rng.uniform(10, 30))), e)) for e in (0.0, 4.0)),
-        Case((np.array([[1.0, 8.0, 30.0]]), np.array([[0.5, 0.9, 0.01]]), 5.0)),
-        Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
-        Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
-        Case(_grass(rng, 55.0, 10.0)),
-        Case((np.array([[float(rng.uniform(185, 215)), 340.0]]), np.array([[0.3, 0.02]]))),
-        Case((np.array([[0.0, 7.0, 14.0]]), np.array([[0.5, 0.4, 0.3]]), 2.0)),
-        Case((np.array([[351.0, 356.0, 6.0, 11.0]]), np.full((1, 4), 0.7), 1.5)),
-        *(
-            Case((np.array([[3.0, 3.0 + gap]]), np.full((1, 2), 0.5))) for gap in (179.6, 180.4)
-        ),  # a close race
-    ],
-    comparison=Close(rtol=0, atol=0.02, names=("low", "high")),
-    hints=(
-        "np.diff(hues, append=hues[0] + 360) has the step behind each hue; the last one leads through 0 to the first hue, one turn "
-        "later. Where is the largest? argmax() says.",
-        "If the widest gap is behind hue number k, then high is hue number k and low the one behind the gap, k + 1. Behind the last "
-        "comes the first: index (k + 1) % len(hues). Then epsilon, outwards, and both modulo 360.",
-    ),
-    mistakes=[
-        Mistake(
-            "epsilon inwards",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, -epsilon),
-            "Your limits are narrower than the picture's hues. Make low smaller and high larger by epsilon.",
-        ),
-        Mistake(
-            "grey included",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, np.ones_like(saturation), epsilon),
-            "One of your limits comes from grey pixels. They have saturation 0 and no hue: leave them out.",
-        ),
-        Mistake(
-            "no wrap",
-            lambda hue, saturation, epsilon=0.0: (
-                float((hue[saturation > 0].min() - epsilon) % 360),
-                float((hue[saturation > 0].max() + epsilon) % 360),
-            ),
-            "Right for green. Red lies on both sides of 0: there, smallest and largest hue are neighbours, and everything "
-            "but red is between them.",
-        ),
-        Mistake(
-            "no wrap, no modulo",
-            lambda hue, saturation, epsilon=0.0: (
-                float(hue[saturation > 0].min() - epsilon),
-                float(hue[saturation > 0].max() + epsilon),
-            ),
-            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: look for the widest "
-            "gap instead. And limits below 0 or above 360 are taken modulo 360.",
-        ),
-        Mistake(
-            "no wrap, grey included",
-            lambda hue, saturation, epsilon=0.0: (float(hue.min() - epsilon), float(hue.max() + epsilon)),
-            "These are the smallest and largest hue of all pixels. Grey ones have no hue: leave them out. And hues live on a circle, "
-            "where red is on both sides of 0: look for the widest gap.",
-        ),
-        Mistake(
-            "no wrap, no epsilon",
-            lambda hue, saturation, epsilon=0.0: (
-                float(hue[saturation > 0].min()),
-                float(hue[saturation > 0].max()),
-            ),
-            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0: look for the widest gap. And "
-            "epsilon widens the limits.",
-        ),
-        Mistake(
-            "the last step left out",
-            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 0.0),
-            "The step from the last hue through 0 to the first is missing, or it goes backwards: np.diff(hues, append=hues[0] + 360).",
-        ),
-        Mistake(
-            "the last step ends at 360",
-            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 360.0),
-            "The last step does not end at 360, but at the first hue, one turn later: append=hues[0] + 360.",
-        ),
-        Mistake(
-            "behind the last nothing",
-            _limits_without_modulo,
-            "Behind the last hue comes the first: take the index (k + 1) % len(hues).",
-        ),
-        Mistake(
-            "epsilon for low only",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation, epsilon)[0],
-                _limits(hue, saturation)[1],
-            ),
-            "Epsilon widens the interval on both sides: high becomes larger, too.",
-        ),
-        Mistake(
-            "epsilon on one side",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0],
-                _limits(hue, saturation, epsilon)[1],
-            ),
-            "Epsilon widens the interval on both sides: low becomes smaller, too.",
-        ),
-        Mistake(
-            "swapped before epsilon",
-            lambda hue, saturation, epsilon=0.0: (
-                (_limits(hue, saturation)[1] - epsilon) % 360,
-                (_limits(hue, saturation)[0] + epsilon) % 360,
-            ),
-            "Low and high have changed places: the widest gap is what is outside. Low comes behind it, high before it.",
-        ),
-        Mistake(
-            "swapped",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, epsilon)[::-1],
-            "Low and high have changed places: the widest gap is what is outside, and low comes behind it.",
-        ),
-        Mistake(
-            "epsilon forgotten",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation),
-            "The limits are those of the picture itself: epsilon is not used.",
-        ),
-        Mistake(
-            "modulo forgotten",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0] - epsilon,
-                _limits(hue, saturation)[1] + epsilon,
-            ),
-            "With epsilon a limit leaves [0, 360): take both modulo 360, or hue_mask will miss what lies beyond 0.",
-        ),
-        Mistake(
-            "half degrees",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0] / 2 - epsilon,
-                _limits(hue, saturation)[1] / 2 + epsilon,
-            ),
-            "Your limits are half of what they should be: degrees from 0 to 360, not OpenCV's units of 2 degrees.",
-        ),
-    ],
-    alternatives={
-        "a loop": _limits_loop,
-        "about the mean direction": _limits_about_mean,
-        "a list of float32": _limits_list,
-    },
-    equivalents={
-        "low, high = (hues[last + 1 - len(hues)], hues[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
-        "hues = np.unique(hue[saturation != 0])": "no saturation is below 0",
-        "return ((low - epsilon) % 360, float((high + epsilon) % 360))": "NumPy's float64 is a float",
-        "return (float((low - epsilon) % 360), (high + epsilon) % 360)": "NumPy's float64 is a float",
-    },
-)
-
-
-# --- 1.6 color_labels ---
+# --- 1.5 color_labels ---
 
 
 def _labels(
@@ -998,7 +855,7 @@ COLOR_LABELS = Exercise(
             lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
                 picture, green, yellow, threshold - 1e-9, min_saturation
             ),
-            "Equation 4.1 has >, not >=: a pixel exactly at the threshold is not white.",
+            "Equation 1.4 has >, not >=: a pixel exactly at the threshold is not white.",
         ),
         Mistake(
             "labels swapped",
@@ -1033,21 +890,269 @@ COLOR_LABELS = Exercise(
 )
 
 
+# --- 1.6 calibrate_hue ---
+
+
+def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    """Limits on the circle: the widest gap between neighbouring hues is outside."""
+    coloured = np.unique(hue[saturation > 0])
+    gaps = np.diff(coloured, append=coloured[0] + 360)
+    widest = int(gaps.argmax())
+    low, high = coloured[(widest + 1) % len(coloured)], coloured[widest]
+    return float((low - epsilon) % 360), float((high + epsilon) % 360)
+
+
+def _limits_by_steps(hue: Array, saturation: Array, epsilon: float, end: float) -> tuple[float, float]:
+    """With a last step that ends at `end`; with end 0 it goes backwards and is never the largest."""
+    coloured = np.unique(hue[saturation > 0])
+    gaps = np.diff(coloured, append=end)
+    last = int(gaps.argmax())
+    low, high = coloured[(last + 1) % len(coloured)], coloured[last]
+    return float((low - epsilon) % 360), float((high + epsilon) % 360)
+
+
+def _limits_without_modulo(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    coloured = np.unique(hue[saturation > 0])
+    last = int(np.diff(coloured, append=coloured[0] + 360).argmax())
+    return float((coloured[last + 1] - epsilon) % 360), float((coloured[last] + epsilon) % 360)
+
+
+def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    there = sorted({float(h) for h, s in zip(hue.ravel(), saturation.ravel(), strict=True) if s > 0})
+    best, answer = -1.0, (0.0, 0.0)
+    for i, high in enumerate(there):
+        low = there[(i + 1) % len(there)]
+        gap = (low - high) % 360 or 360.0
+        if gap > best:
+            best, answer = gap, ((low - epsilon) % 360, (high + epsilon) % 360)
+    return answer
+
+
+def _limits_from_each_start(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    """An arc from each hue, as long as it must be to hold all; the shortest of them."""
+    there = np.asarray(hue, dtype=float)[np.asarray(saturation) > 0]
+    low = min(set(there.tolist()), key=lambda start: float(np.max((there - start) % 360)))
+    return (low - epsilon) % 360, (low + float(np.max((there - low) % 360)) + epsilon) % 360
+
+
+def _limits_about_mean(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+    angles = np.radians(hue[saturation > 0])
+    middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
+    offset = (np.degrees(angles) - middle + 180) % 360 - 180
+    return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
+
+
+def _limits_list(hue: Array, saturation: Array, epsilon: float = 0.0) -> list[np.float32]:
+    return [np.float32(limit) for limit in _limits(hue, saturation, epsilon)]
+
+
+def _grass(rng: np.random.Generator, middle: float, width: float) -> tuple[Array, Array]:
+    """Hues about a middle, with grey pixels whose hue, 0, means nothing."""
+    hue, saturation = hues(rng, middle, width, (8, 10)), rng.uniform(0.1, 0.9, (8, 10))
+    grey = rng.random((8, 10)) < 0.2
+    grey[0, 0] = True
+    hue[grey], saturation[grey] = 0.0, 0.0
+    return hue, saturation
+
+
+def _turned(rng: np.random.Generator, hues: tuple[float, ...]) -> Array:
+    """Hues, all turned on the circle by the same angle."""
+    return (np.array([hues]) + rng.integers(1, 720) / 2) % 360
+
+
+CALIBRATE_HUE = Exercise(
+    name="calibrate_hue",
+    points=4,
+    stars=3,
+    public=lambda: [
+        Case((*_grass(np.random.default_rng(13), 125, 20), 0.0), "green grass"),
+        Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
+        Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
+        Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
+        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.01]]), 5.0), "epsilon reaches over 0"),
+        Case((np.array([[200.0, 330.0]]), np.array([[0.5, 0.4]]), 0.0), "two hues, 200 and 330"),
+        Case(
+            (np.array([[0.0, 5.0, 10.0]]), np.array([[0.5, 0.4, 0.3]]), 1.0),
+            "pure red, which has the hue 0, and no grey",
+        ),
+        Case(
+            (np.array([[350.0, 355.0, 5.0, 10.0]]), np.full((1, 4), 0.8), 2.0), "the example of the docstring"
+        ),
+        Case((np.array([[0.0, 0.0, 0.0, 170.0, 200.0]]), np.full((1, 5), 0.8), 0.0), "hues 0, 170 and 200"),
+    ],
+    hidden=lambda rng: [
+        *(
+            Case((*_grass(rng, float(rng.uniform(60, 300)), float(rng.uniform(8, 30))), e))
+            for e in (0.0, 4.0, 7.5)
+        ),
+        *(Case((*_grass(rng, float(rng.uniform(-6, 6)), float(rng.uniform(10, 30))), e)) for e in (0.0, 4.0)),
+        Case((np.array([[1.0, 8.0, 30.0]]), np.array([[0.5, 0.9, 0.01]]), 5.0)),
+        Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
+        Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
+        Case(_grass(rng, 55.0, 10.0)),
+        Case((np.array([[float(rng.uniform(185, 215)), 340.0]]), np.array([[0.3, 0.02]]))),
+        Case((np.array([[0.0, 7.0, 14.0]]), np.array([[0.5, 0.4, 0.3]]), 2.0)),
+        Case((np.array([[351.0, 356.0, 6.0, 11.0]]), np.full((1, 4), 0.7), 1.5)),
+        Case((_turned(rng, (0.0, 0.0, 0.0, 170.0, 200.0)), np.full((1, 5), 0.6))),
+        Case((_turned(rng, (0.0, 100.0, 210.0, 215.0)), np.full((1, 4), 0.6), 3.0)),
+        *(
+            Case((np.array([[3.0, 3.0 + gap]]), np.full((1, 2), 0.5))) for gap in (179.6, 180.4)
+        ),  # a close race
+    ],
+    comparison=Close(rtol=0, atol=0.02, names=("low", "high")),
+    hints=(
+        "Go once around the circle, from each hue to the next; behind the last comes the first again. An arc that holds all hues leaves "
+        "out exactly one of these steps. Which one makes it smallest? (np.unique sorts, and drops what is there twice.)",
+        "np.diff(hues, append=hues[0] + 360) has the step behind each hue, and argmax() the place of the widest. High is the hue before "
+        "it, low the one behind: index (k + 1) % len(hues). Then epsilon, outwards, and both modulo 360.",
+    ),
+    mistakes=[
+        Mistake(
+            "epsilon inwards",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, -epsilon),
+            "Your limits are narrower than the picture's hues. Make low smaller and high larger by epsilon.",
+        ),
+        Mistake(
+            "grey included",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, np.ones_like(saturation), epsilon),
+            "One of your limits comes from grey pixels. They have saturation 0 and no hue: leave them out.",
+        ),
+        Mistake(
+            "no wrap",
+            lambda hue, saturation, epsilon=0.0: (
+                float((hue[saturation > 0].min() - epsilon) % 360),
+                float((hue[saturation > 0].max() + epsilon) % 360),
+            ),
+            "Right for green. Red lies on both sides of 0: there, smallest and largest hue are neighbours, and everything "
+            "but red is between them.",
+        ),
+        Mistake(
+            "no wrap, no modulo",
+            lambda hue, saturation, epsilon=0.0: (
+                float(hue[saturation > 0].min() - epsilon),
+                float(hue[saturation > 0].max() + epsilon),
+            ),
+            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: look for the widest "
+            "gap instead. And limits below 0 or above 360 are taken modulo 360.",
+        ),
+        Mistake(
+            "no wrap, grey included",
+            lambda hue, saturation, epsilon=0.0: (float(hue.min() - epsilon), float(hue.max() + epsilon)),
+            "These are the smallest and largest hue of all pixels. Grey ones have no hue: leave them out. And hues live on a circle, "
+            "where red is on both sides of 0: look for the widest gap.",
+        ),
+        Mistake(
+            "no wrap, no epsilon",
+            lambda hue, saturation, epsilon=0.0: (
+                float(hue[saturation > 0].min()),
+                float(hue[saturation > 0].max()),
+            ),
+            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0: look for the widest gap. And "
+            "epsilon widens the limits.",
+        ),
+        Mistake(
+            "about the mean direction",
+            _limits_about_mean,
+            "Right for hues that are close together. Where they are far apart, what lies opposite their mean need not be the widest gap: "
+            "of 0, 0, 0, 170 and 200 it is between 170 and 200. Look for the gap itself.",
+        ),
+        Mistake(
+            "the last step left out",
+            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 0.0),
+            "The step from the last hue through 0 to the first is missing, or it goes backwards: np.diff(hues, append=hues[0] + 360).",
+        ),
+        Mistake(
+            "the last step ends at 360",
+            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 360.0),
+            "The last step does not end at 360, but at the first hue, one turn later: append=hues[0] + 360.",
+        ),
+        Mistake(
+            "behind the last nothing",
+            _limits_without_modulo,
+            "Behind the last hue comes the first: take the index (k + 1) % len(hues).",
+        ),
+        Mistake(
+            "epsilon for low only",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation, epsilon)[0],
+                _limits(hue, saturation)[1],
+            ),
+            "Epsilon widens the interval on both sides: high becomes larger, too.",
+        ),
+        Mistake(
+            "epsilon on one side",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0],
+                _limits(hue, saturation, epsilon)[1],
+            ),
+            "Epsilon widens the interval on both sides: low becomes smaller, too.",
+        ),
+        Mistake(
+            "swapped before epsilon",
+            lambda hue, saturation, epsilon=0.0: (
+                (_limits(hue, saturation)[1] - epsilon) % 360,
+                (_limits(hue, saturation)[0] + epsilon) % 360,
+            ),
+            "Low and high have changed places: the widest gap is what is outside. Low comes behind it, high before it.",
+        ),
+        Mistake(
+            "swapped",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, epsilon)[::-1],
+            "Low and high have changed places: the widest gap is what is outside, and low comes behind it.",
+        ),
+        Mistake(
+            "epsilon forgotten",
+            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation),
+            "The limits are those of the picture itself: epsilon is not used.",
+        ),
+        Mistake(
+            "modulo forgotten",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0] - epsilon,
+                _limits(hue, saturation)[1] + epsilon,
+            ),
+            "With epsilon a limit leaves [0, 360): take both modulo 360, or hue_mask will miss what lies beyond 0.",
+        ),
+        Mistake(
+            "half degrees",
+            lambda hue, saturation, epsilon=0.0: (
+                _limits(hue, saturation)[0] / 2 - epsilon,
+                _limits(hue, saturation)[1] / 2 + epsilon,
+            ),
+            "Your limits are half of what they should be: degrees from 0 to 360, not OpenCV's units of 2 degrees.",
+        ),
+    ],
+    alternatives={
+        "a loop": _limits_loop,
+        "from each start": _limits_from_each_start,
+        "a list of float32": _limits_list,
+    },
+    equivalents={
+        "low, high = (hues[last + 1 - len(hues)], hues[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
+        "hues = np.unique(hue[saturation != 0])": "no saturation is below 0",
+        "return ((low - epsilon) % 360, float((high + epsilon) % 360))": "NumPy's float64 is a float",
+        "return (float((low - epsilon) % 360), (high + epsilon) % 360)": "NumPy's float64 is a float",
+    },
+)
+
+
 PLAN = LessonPlan(
-    exercises=[RGB_TO_HSL, AVERAGE_LIGHTNESS, WHITE_THRESHOLD, HUE_MASK, CALIBRATE_HUE, COLOR_LABELS],
+    exercises=[RGB_TO_HSL, AVERAGE_LIGHTNESS, WHITE_THRESHOLD, HUE_MASK, COLOR_LABELS, CALIBRATE_HUE],
     questions=[
         Question(
             "why_hsl",
-            "The sun goes behind a cloud and every channel of every pixel is halved. What happens to the carpet's hue?",
+            "The sun goes behind a cloud, and every channel of every pixel is halved. Which of the three survive on the sunlit carpet?",
             {
-                "It is halved, too.": "Hue is a ratio of differences of channels: (g - b) / (M - m). Halve them all, and the "
+                "All three: the colour is the same.": "Lightness is (M + m) / 2, so it is halved. That is what one sees first of a "
+                "cloud.",
+                "Hue and saturation.": "Saturation does so only in dark pixels, where equation 1.2 is (M - m) / (M + m). The carpet is "
+                "brighter than half: there it divides by 2 - (M + m), which grows. From 0.41 it falls to 0.27.",
+                "Hue alone.": "The ratio (g - b) / (M - m) does not notice a common factor. Lightness is halved, and saturation falls "
+                "from 0.41 to 0.27: on a bright pixel it is divided by 2 - (M + m). That is why the paper filters by hue.",
+                "None: all three are halved.": "Hue is a ratio of differences of channels: (g - b) / (M - m). Halve them all, and the "
                 "halves cancel.",
-                "It stays as it is.": "The ratio (g - b) / (M - m) does not notice a common factor. That is why the "
-                "paper filters by hue.",
-                "It goes to 0, because the picture becomes grey.": "Grey means that the channels are equal. They keep their "
-                "proportions, and only the differences shrink.",
             },
-            "It stays as it is.",
+            "Hue alone.",
         ),
         Question(
             "why_epsilon",
@@ -1057,7 +1162,7 @@ PLAN = LessonPlan(
                 "its hue differs a little from place to place. A goal is small, in one place and one light.",
                 "Yellow's example has more pixels, so it shows all of its hues.": "It is the smaller one. What counts is not how many "
                 "pixels an example has, but whether it shows the colour in every light that will occur.",
-                "A wider yellow would take in the carpet's hues.": "Not so soon: from yellow, at 60 degrees, to the carpet it is some "
+                "A wider yellow would take in the carpet's hues.": "It has room: from yellow, at 60 degrees, to the carpet it is some "
                 "50 degrees. You can try it in the panel below.",
             },
             "The carpet is everywhere, and its example shows only one place.",

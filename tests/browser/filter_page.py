@@ -23,7 +23,9 @@ LABEL = """def label(picture, green, yellow, beta, min_saturation):
     mean = average_lightness(rgb_to_hsl(picture)[2], 1000, np.random.default_rng(0))
     return color_labels(picture, green, yellow, white_threshold(mean, beta), min_saturation)
 """
-PANEL = "FilterPanel(scene, truth, label, green=(114.3, 139.4), yellow=(58.7, 61.3))"
+PANEL = """FilterPanel(
+    scene, truth, label, green=(114.3, 139.4), yellow=(58.7, 61.3), threshold=white_threshold, calibrate=calibrate_hue,
+    examples={"green": np.s_[200:, 100:220], "yellow": truth.labels == 2})"""
 
 # In the page's own clock: when each new picture of labels was decoded.
 _WATCH = """() => {
@@ -82,10 +84,10 @@ class FilterPage:
             self.page.mouse.move(x + pixels * np.sin(np.pi * step / steps * 2.5), y)
             self.page.wait_for_timeout(pause)
 
-    def updates(self, steps=240, pause=12):
-        """Drag beta to and fro; return when each new picture of labels was decoded, ms."""
+    def updates(self, steps=240, pause=12, slider="light"):
+        """Drag a slider to and fro; return when each new picture of labels was decoded, ms."""
         self.page.evaluate(_WATCH)
-        self.drag("beta", 120, steps, pause)
+        self.drag(slider, 60, steps, pause)
         self.page.mouse.up()
         self.page.wait_for_timeout(500)
         return np.array(self.page.evaluate("() => window.naoLoads"))

@@ -41,9 +41,25 @@ def test_a_slider_is_dragged_and_labels_and_numbers_follow(lab, page):
     assert len(panel.updates()) > 2  # while it was dragged; `benchmarks panel` says how many a second
     assert panel.source() != picture
     assert panel.numbers() != numbers
-    assert panel.value("beta") > 150
-    panel.expect(f"beta {panel.value('beta'):.0f}")
+    assert panel.value("light") > 1.1
+    panel.expect(f"light {panel.value('light'):.2f}")
     screenshot(page, "filter_panel_dragged")
+
+
+def test_a_pixel_is_clicked_and_added_and_the_arc_and_the_sliders_jump(lab, page):
+    panel = FilterPage(lab, page, "pixel.ipynb")
+    panel.root.locator(".nao-pad-over").click(position={"x": 150, "y": 180})
+    wait_for(lambda: "hue 1" in panel.words(), "a pixel of grass", 10)
+    circle = panel.root.locator("img").nth(3).get_attribute("src")
+    panel.root.locator(".nao-do-to-yellow").click()
+    wait_for(lambda: panel.value("yellow-high") > 100, "yellow up to the grass", 10)
+    wait_for(lambda: panel.root.locator("img").nth(3).get_attribute("src") != circle, "another circle", 10)
+    screenshot(page, "filter_panel_pixel")
+    before = panel.words()
+    pad = panel.root.locator(".nao-pad-over")
+    pad.focus()
+    page.keyboard.press("ArrowLeft")
+    wait_for(lambda: panel.words() != before, "the pixel at its left", 10)
 
 
 def test_arrow_keys_move_every_slider_and_jupyterlab_keeps_its_cells(lab, page):

@@ -328,6 +328,8 @@ def test_what_numpy_says_of_the_commonest_slips_is_said_in_a_beginners_words(che
         (lambda *_: 1 if hues > 1 else 2, "no single True or False"),
         (lambda *_: 0 < hues < 2, "no single True or False"),
         (lambda *_: hues >= 1.0 & hues, "put each comparison in brackets"),
+        (lambda *_: hues.copy().__setitem__(hues > 1, hues), "say values[mask] there, too"),
+        (lambda *_: hues[2], "the last of n is n - 1"),
         (lambda x: x, "Keep the function's first line"),
     ):
         assert advice in check("clamp", slip).lines[-1]

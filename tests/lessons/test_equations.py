@@ -42,14 +42,14 @@ def test_the_worked_example_of_the_lesson_is_right(hsl):
     assert (round(hue, 1), round(saturation, 2), round(lightness)) == (128.6, 0.37, 95)
 
 
-@pytest.mark.asserts("eq-4-1")
+@pytest.mark.asserts("eq-1-4")
 def test_the_threshold_for_white_climbs_from_beta_to_the_maximum_in_a_straight_line(hsl, rng):
     for beta, most in rng.uniform((90, 200), (150, 255), (20, 2)):
         at = [hsl["white_threshold"](share * most, beta, most) for share in (0.0, 0.5, 1.0)]
         assert np.allclose(at, [beta, (beta + most) / 2, most])
 
 
-@pytest.mark.asserts("eq-4-2", "eq-4-3")
+@pytest.mark.asserts("eq-1-6", "eq-1-7")
 def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(hsl, rng):
     for low, width in rng.integers((0, 1), (360, 300), (40, 2)):
         inside = (low + np.arange(width + 1)) % 360
@@ -57,3 +57,10 @@ def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(hsl, rng):
         limits = float(low), float((low + width) % 360)
         assert hsl["hue_mask"](inside.astype(float), *limits).all()
         assert not hsl["hue_mask"](outside.astype(float), *limits).any()
+
+
+@pytest.mark.asserts("eq-1-5")
+def test_at_the_factor_of_the_light_that_the_equation_gives_a_lightness_is_its_own_threshold(hsl):
+    for lightness, mean in ((255.0, 119.3), (152.0, 119.3), (200.0, 60.0)):
+        factor = 120 / (lightness - (255 - 120) * mean / 255)
+        assert np.isclose(hsl["white_threshold"](factor * mean), factor * lightness)

@@ -1,9 +1,23 @@
 """What lesson 01, HSL filtering, alone uses."""
 
-from nao_course.lessons.hsl_filtering.figures import draw_hsl, draw_hue_circle
+from nao_course.lessons.hsl_filtering.figures import draw_hsl, draw_hue_circle, draw_stray_pixel
+from nao_course.lessons.hsl_filtering.light import crossing, draw_light_limits, draw_lightness, in_light
 from nao_course.lessons.hsl_filtering.panel import FilterPanel
+from nao_course.lessons.hsl_filtering.payoff import draw_payoff
+from nao_course.lessons.hsl_filtering.real_pictures import draw_real_pictures
 
-__all__ = ["FilterPanel", "draw_hsl", "draw_hue_circle"]
+__all__ = [
+    "FilterPanel",
+    "crossing",
+    "draw_hsl",
+    "draw_hue_circle",
+    "draw_light_limits",
+    "draw_lightness",
+    "draw_payoff",
+    "draw_real_pictures",
+    "draw_stray_pixel",
+    "in_light",
+]
 
 
 def __dir__() -> list[str]:

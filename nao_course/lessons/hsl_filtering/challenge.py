@@ -96,9 +96,7 @@ def judge(answer: Any, scene: Scene) -> CaseScore:
         "yellow": yellow,
         "false white": 100 * float((is_white & (truth != WHITE))[field].mean()),
         "false yellow": 100 * float((is_yellow & (truth != YELLOW)).mean()),
-        "white behind": 100 * float((labels == WHITE)[~field].mean())
-        if not field.all()
-        else np.nan,
+        "white behind": 100 * float((labels == WHITE)[~field].mean()) if not field.all() else np.nan,
     }
     return CaseScore((white + yellow) / 2, columns, (scene.pixels, labels, truth, field))
 

@@ -1,4 +1,4 @@
-"""Figures of lesson 01: a picture beside its hue, saturation and lightness, and hues on their circle."""
+"""Figures of lesson 01: channels beside their picture, hues on their circle, what one stray pixel does."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.plotting.drawing import Drawing, say_count
-from nao_course.plotting.legends import legend_below
-from nao_course.plotting.pictures import as_pixels, plot_picture
-from nao_course.plotting.style import STYLES, course_style
+from nao_course.plotting.legends import label_keys, legend_below
+from nao_course.plotting.pictures import as_pixels, painted, plot_picture
+from nao_course.plotting.style import STYLES, YELLOW, course_style
+from nao_course.sim import LABELS
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
+
+_PIXEL_TEXT: Any = {"color": "#c84b00", "ha": "center"}
 
 
 def draw_hsl(
@@ -55,7 +58,7 @@ def draw_hsl(
     shown = (array, np.round(255 * painted).astype(np.uint8), channels[1], channels[2])
     titles = ("picture", "hue (degrees, as pure colours)", "saturation (0 to 1)", "lightness (0 to 255)")
     with course_style():
-        figure = Figure(figsize=(9.9, 8.0))
+        figure = Figure(figsize=(6.2, 5.0))
         for ax, image, title, largest in zip(
             figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
         ):
@@ -136,3 +139,56 @@ def draw_hue_circle(
         for name, values in angles.items()
     )
     return Drawing(figure, f"{title or 'Hues on the circle of colours'}. {said}.")
+
+
+def draw_stray_pixel(
+    before: npt.ArrayLike,
+    after: npt.ArrayLike,
+    pixel: tuple[int, int],
+    shares: npt.ArrayLike,
+    share: float,
+) -> Drawing:
+    """Draw labels before and after a pixel got into a calibration, and what other pixels would have done.
+
+    Parameters
+    ----------
+    before, after : array_like of int, shape (H, W)
+        Labels.
+    pixel : (int, int)
+        Row and column of the stray pixel.
+    shares : array_like, shape (N,)
+        Which part of the carpet is called yellow, 0 to 1, for each of N other pixels.
+    share : float
+        The same for this pixel.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the shares.
+    """
+    parts = np.asarray(shares, dtype=float)
+    with course_style():
+        figure = Figure(figsize=(9.9, 3.4))
+        axes = figure.subplots(1, 3, width_ratios=(1, 1, 0.95))
+        titles = ("clean example", "one pixel of grass in it")
+        for ax, labels, title in zip(axes, (before, after), titles, strict=False):
+            plot_picture(painted(labels), ax, ticks=False)
+            ax.set_title(title, fontsize=11)
+        axes[1].plot(pixel[1], pixel[0], "o", ms=11, mew=2, mfc="none", mec="#c84b00")
+        ax = axes[2]
+        ax.hist(100 * parts, bins=np.arange(0, 101, 10), color=YELLOW, ec="white")
+        ax.axvline(100 * share, ymax=0.88, color="#c84b00", lw=2)
+        ax.text(
+            100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT
+        )
+        ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
+        ax.set(xlabel="carpet called yellow (%)", ylabel=f"of {len(parts)} stray pixels")
+        ax.set_title("any pixel of grass", fontsize=11)
+        legend_below(figure, label_keys(LABELS))
+    low, middle, high = np.percentile(100 * parts, (5, 50, 95))
+    words = (
+        f"Labels with a clean example of the goal and with one pixel of grass in it: {share:.0%} of the carpet is "
+        f"called yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
+        f"them), {middle:.0f} % in the middle."
+    )
+    return Drawing(figure, words)

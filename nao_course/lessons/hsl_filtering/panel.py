@@ -1,14 +1,17 @@
-"""The filter panel: the student's colour filter on a picture, its limits on sliders, and how good its labels are."""
+"""The filter panel: the student's colour filter in any light, its limits on sliders or by clicks, and its scores."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from nao_course.lessons.hsl_filtering.instruments import circle_picture, histogram_picture
+from nao_course.lessons.hsl_filtering.light import MARKS, in_light, lightness_counts
 from nao_course.lessons.hsl_filtering.scores import (
     COLOURS,
     ERROR_COLOURS,
@@ -18,30 +21,47 @@ from nao_course.lessons.hsl_filtering.scores import (
     legend,
 )
 from nao_course.lessons.hsl_filtering.settings import FilterSettings, Limits
-from nao_course.plotting import Drawing, course_style, painted, plot_picture
+from nao_course.plotting import LABEL_COLOURS, Drawing, course_style, painted, plot_picture
 from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.sim import LABELS
-from nao_course.widgets import Choice, FunctionPanel
-from nao_course.widgets.attempts import TIME_LIMIT, StudentCode
+from nao_course.widgets import Action, Choice, FunctionPanel, Legend, Pixel
+from nao_course.widgets.attempts import TIME_LIMIT, StudentCode, attempt
 from nao_course.widgets.function_panel import SLOW
 from nao_course.widgets.inputs import Values
 
 Pixels = npt.NDArray[np.uint8]
 Label = Callable[[Pixels, Limits, Limits, float, float], Any]
+Threshold = Callable[[float, float], float]
+Calibrate = Callable[[Any, Any, float], Limits]
 
-FILTER = "your filter"  # the student's function, in messages
-SHOWN = {"Labels": "", **{f"Errors in {colour}": colour for colour in COLOURS}}
-_HUES = """
+FILTER, THRESHOLD, CALIBRATE = "your filter", "white_threshold", "calibrate_hue"  # the student's, in messages
+TRUTH = "True labels"
+SHOWN = {"Labels": "", TRUTH: "", **{f"Errors in {colour}": colour for colour in COLOURS}}
+EPSILON = {"green": 10.0, "yellow": 0.0}  # degrees, as the paper widens limits
+SCENE, LIGHTNESS, HUE = "The scene", "Lightness", "Hue"
+_CSS = """
 .nao-filter .nao-hue .noUi-connects { background: linear-gradient(to right, hsl(0 85% 55%), hsl(60 85% 50%),
   hsl(120 85% 42%), hsl(180 85% 45%), hsl(240 85% 60%), hsl(300 85% 55%), hsl(359 85% 55%)); }
 .nao-filter .nao-hue .noUi-connect { background: none; }
+@media (min-width: 900px) {
+  .nao-filter.nao-panel { display: grid; max-width: 1100px; column-gap: 14px;
+    grid-template-columns: minmax(0, 1.9fr) minmax(310px, 1fr); align-content: start; }
+  .nao-filter > .widget-html:first-child { position: absolute; }
+  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 1 / span 3; display: grid;
+    grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); align-content: start; }
+  .nao-filter > .nao-choices { grid-column: 2; grid-row: 1; }
+  .nao-filter > .nao-below { grid-column: 2; grid-row: 2; }
+  .nao-filter > .nao-status-line { grid-column: 2; grid-row: 3; }
+}
 """
 
 
 class FilterPanel(FunctionPanel):
-    """A picture, the labels your colour filter gives it, and the true ones; sliders for the filter's limits.
+    """A picture in any light, the labels your colour filter gives it, its lightnesses and its hues.
 
-    The panel itself cannot filter: it asks your function, each time with a copy of the picture.
+    Sliders set the light and the filter's limits. A pixel of the picture can be added to a colour's example; your
+    calibration then says where its limits lie. The panel itself cannot filter: it asks your functions, each time
+    with a copy of the picture.
 
     Parameters
     ----------
@@ -58,8 +78,14 @@ class FilterPanel(FunctionPanel):
         At the start, 0 to 255.
     min_saturation : float
         At the start, 0 to 1.
+    threshold : callable, optional
+        ``threshold(mean, beta)``, the lightness above which a pixel is white; without it there is no such mark.
+    calibrate : callable, optional
+        ``calibrate(hue, saturation, epsilon)`` returns limits (low, high) of hues (N,).
+    examples : mapping of str to index, optional
+        Which pixels of the first scene are the examples of "green" and "yellow": a mask or slices.
     unfinished : str
-        What to say while `label` raises NotImplementedError.
+        What to say while a function raises NotImplementedError.
     time_limit : float
         Seconds for one picture; a function that takes longer is stopped, and the panel says so.
 
@@ -74,15 +100,16 @@ class FilterPanel(FunctionPanel):
     >>> def label(picture, green, yellow, beta, min_saturation):
     ...     return np.where(picture[..., 0] > beta, 3, 0).astype(np.uint8)
     >>> panel = FilterPanel(bright, np.full((2, 2), 3), label, green=(105, 150), yellow=(45, 60))
-    >>> panel.set(beta=250)
+    >>> panel.set(light=0.4)
     >>> print(panel.summary())
-    green 105° to 150°, yellow 45° to 60°, beta 250, least saturation 0.16
+    green 105° to 150°, yellow 45° to 60°, beta 120, least saturation 0.16, light 0.40
+    Mean lightness 100. The pixel (1, 1) has lightness 100 and is grey: it has no hue.
     green: precision -, recall -
     yellow: precision -, recall -
     white: precision -, recall 0.0 %
     """
 
-    css = _HUES
+    css = _CSS
 
     def __init__(
         self,
@@ -94,7 +121,10 @@ class FilterPanel(FunctionPanel):
         yellow: Limits,
         beta: float = 120.0,
         min_saturation: float = 0.16,
-        unfinished: str = "Finish exercises 1.1 to 1.6 to move this panel.",
+        threshold: Threshold | None = None,
+        calibrate: Calibrate | None = None,
+        examples: Mapping[str, Any] | None = None,
+        unfinished: str = "Finish exercises 1.1 to 1.5 to move this panel.",
         time_limit: float = TIME_LIMIT,
     ) -> None:
         """Label the first scene and build the widgets."""
@@ -103,25 +133,46 @@ class FilterPanel(FunctionPanel):
         self._scenes = _paired(picture, truth)
         self._known: tuple[Values, Pixels] | None = None  # labels, and where the controls stood
         self._seconds = 0.0
+        self._examples = _examples(examples or {}, next(iter(self._scenes.values()))[0])
+        self._added: list[tuple[str, float, float]] = []  # colour, hue and saturation of each pixel
         scenes = [Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled")]
+        given = {FILTER: label, THRESHOLD: threshold, CALIBRATE: calibrate}
         super().__init__(
             "Filter panel",
             self._label_scene,
             [
                 *(scenes if len(self._scenes) > 1 else ()),
-                Choice("shown", "Show", list(SHOWN), tooltip="What the picture in the middle shows"),
+                Choice("shown", "Show", list(SHOWN), tooltip="What the second picture shows"),
+                self._pixel_control(),
+                *(self._adders() if calibrate else ()),
                 *FilterSettings(green, yellow, beta, min_saturation).sliders(),
             ],
-            student={FILTER: label},
-            unfinished=unfinished,
+            student={name: function for name, function in given.items() if function is not None},
+            unfinished={FILTER: unfinished, THRESHOLD: "Finish exercise 1.3 to see the threshold."},
             time_limit=time_limit,
         )
         self.widget.add_class("nao-filter")
+        self._status.add_class("nao-status-line")
+
+    def _pixel_control(self) -> Pixel:
+        height, width = next(iter(self._scenes.values()))[0].shape[:2]
+        return Pixel("pixel", "Pixel", (width, height), (width // 2, 5 * height // 6), picture=SCENE)
+
+    def _adders(self) -> list[Action]:
+        return [
+            Action(
+                f"to_{colour}",
+                f"Add to {colour}",
+                key=colour[0],
+                tooltip=f"Put this pixel into {colour}'s example and calibrate",
+            )
+            for colour in self._examples
+        ]
 
     # --- from code ---
 
     def set(self, **settings: Any) -> None:
-        """Set some of green, yellow, beta and min_saturation, at once.
+        """Set some of green, yellow, beta, min_saturation, light, pixel, shown and scene, at once.
 
         Raises
         ------
@@ -130,8 +181,59 @@ class FilterPanel(FunctionPanel):
         TypeError
             For a setting that there is not.
         """
+        others = {name: settings.pop(name) for name in ("pixel", "shown", "scene") if name in settings}
         changed = FilterSettings(**{**vars(self.settings), **settings})
-        super().set(**changed.by_slider())
+        super().set(**changed.by_slider(), **others)
+
+    def add(self, colour: str) -> None:
+        """Put the chosen pixel into a colour's example, calibrate anew, and set the limits to what comes of it.
+
+        Parameters
+        ----------
+        colour : "green" or "yellow"
+            One that has an example.
+
+        Raises
+        ------
+        ValueError
+            If there is no such example.
+        """
+        if colour not in self._examples or CALIBRATE not in self._student:
+            raise ValueError(f"there is no example of {colour!r} to add to, but of {list(self._examples)}")
+        hue, saturation, _ = self.chosen_pixel
+        self._added.append((colour, hue, saturation))
+        with self._one_at_a_time:
+            found = attempt(
+                lambda: self._calibrated(colour),
+                f"{CALIBRATE}()",
+                limit=self.time_limit,
+                unfinished="Finish exercise 1.6 to calibrate with this pixel.",
+                quiet=True,
+            )
+        if found.value is None:
+            self._added.pop()
+            self._take(dict(self._values))
+            self._error, self._refused = found.error or self._error, found.message
+        else:
+            changed = FilterSettings(**{**vars(self.settings), colour: found.value})
+            self._take(self._checked(changed.by_slider()))
+        self._newest.ask()
+
+    def reset(self) -> None:
+        """Set all controls back to where they began, and the examples, too."""
+        self._added.clear()
+        super().reset()
+
+    @property
+    def chosen_pixel(self) -> tuple[float, float, float]:
+        """Hue in degrees, saturation and lightness of the chosen pixel, in the light that there is."""
+        u, v = self.values.pixel
+        picture = in_light(self._scene[0], self.settings.light)
+        row, column = min(v, picture.shape[0] - 1), min(u, picture.shape[1] - 1)
+        hue, saturation, lightness = (
+            float(each[0, 0]) for each in _hsl(picture[row : row + 1, column : column + 1])
+        )
+        return hue, saturation, lightness
 
     @property
     def settings(self) -> FilterSettings:
@@ -162,22 +264,24 @@ class FilterPanel(FunctionPanel):
 
     def drawing(self) -> Drawing:
         """Return what the panel shows as a figure, for where no widget can live."""
-        picture, truth = self._scene
         scores = self.scores
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         with course_style():
-            figure = Figure(figsize=(9.6, 3.2 * picture.shape[0] / picture.shape[1] + 0.95))
-            shown = {"scene": picture, "your labels": self._coloured(""), "true labels": painted(truth)}
-            for ax, (title, pixels) in zip(figure.subplots(1, 3), shown.items(), strict=True):
+            figure = Figure(figsize=(6.4, 5.9))
+            for ax, (title, pixels) in zip(
+                figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False
+            ):
                 plot_picture(pixels, ax, ticks=False)
                 ax.set_title(title, fontsize=11)
-            legend_below(figure, label_keys(texts), columns=2)
+                if title == SCENE:
+                    ax.plot(*self.values.pixel, "o", ms=9, mew=2, mfc="none", mec="#c84b00")
+            legend_below(figure, label_keys(texts), columns=1)
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def say_pace(self, seconds: float) -> str:
-        """Say how long the latest picture took, and why the panel lags if it does."""
+        """Say where the sliders stand, how long the latest picture took, and why the panel lags if it does."""
         self._seconds = seconds or self._seconds  # nothing is asked where only "Show" has changed
-        facts = f"Your code labels a picture in {1000 * self._seconds:.0f} ms."
+        facts = f"{self.say_values()}. Your code labels a picture in {1000 * self._seconds:.0f} ms."
         if self._seconds > SLOW:
             facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
         return facts
@@ -186,32 +290,73 @@ class FilterPanel(FunctionPanel):
         """Say what the panel shows."""
         return f"FilterPanel: {self.summary()}"
 
-    # --- the student's filter ---
+    # --- the student's functions ---
 
     @property
     def _scene(self) -> tuple[Pixels, Pixels]:
         return self._scenes[self.values.get("scene", next(iter(self._scenes)))]
 
+    def _pressed(self, action: Action) -> None:
+        colour = action.name.removeprefix("to_")
+        if colour in self._examples:
+            self.add(colour)
+        else:
+            super()._pressed(action)
+
+    def _calibrated(self, colour: str) -> Limits:
+        """Ask for the limits of an example with all that was added to it."""
+        hue, saturation = self._examples[colour]
+        added = np.array([each[1:] for each in self._added if each[0] == colour]).reshape(-1, 2)
+        limits = self._student[CALIBRATE](
+            np.append(hue, added[:, 0]), np.append(saturation, added[:, 1]), EPSILON[colour]
+        )
+        low, high = (float(each) % 360 for each in limits)
+        return low, high
+
     def _label_scene(self, values: Values, student: StudentCode) -> Iterator[Any]:
-        """Show the scene and the truth, then the labels between them; ask anew unless only "Show" has changed."""
+        """Show the scene and its hues, then the threshold and the labels; ask anew only where a limit has changed."""
         known, self._known = self._known, None
-        picture, truth = self._scene
+        settings, (picture, truth) = self.settings, self._scene
+        shown = in_light(picture, settings.light)
+        hue, saturation, lightness = _hsl(shown)
+        counts, mean = lightness_counts(lightness, truth), float(lightness.mean())
         colour, title = SHOWN[values.shown], f"Your {values.shown[0].lower()}{values.shown[1:]}"
-        yield {"The scene": picture, title: self._coloured(colour), "The true labels": painted(truth)}
+        title = TRUTH if values.shown == TRUTH else title
+        marks = {"β": settings.beta, "mean": mean}
+        yield {SCENE: shown, title: self._coloured(colour)}
+        yield {LIGHTNESS: histogram_picture(counts, marks), HUE: self._circle(hue, saturation)}
         yield legend(colour)
+        yield Legend({name: look[0] for name, look in MARKS.items()})
         yield {"Your labels": ScoreTable({})}
-        if (
-            known is not None
-            and known[0].shown != values.shown
-            and known[0] == {**values, "shown": known[0].shown}
-        ):
+        words = f"Mean lightness {mean:.0f}. {self._say_pixel()}"
+        if THRESHOLD in student:
+            marks["threshold"] = float(student[THRESHOLD](mean, settings.beta))
+            yield {LIGHTNESS: histogram_picture(counts, marks)}
+            words = f"Threshold {marks['threshold']:.0f}. {words}"
+        yield words
+        if known is not None and _only_looks_differ(known[0], values):
             self._known = values, known[1]
         else:
-            s = self.settings
-            given = student[FILTER](picture, s.green, s.yellow, s.beta, s.min_saturation)
+            s = settings
+            given = student[FILTER](shown, s.green, s.yellow, s.beta, s.min_saturation)
             self._known = values, _checked(given, truth.shape)
-        yield {title: self._coloured(colour)}
+        yield {title: painted(truth) if values.shown == TRUTH else self._coloured(colour)}
         yield {"Your labels": ScoreTable(self.scores)}
+
+    def _circle(self, hue: npt.NDArray[Any], saturation: npt.NDArray[Any]) -> Pixels:
+        """The hues that are saturated enough, the limits, and the chosen pixel."""
+        settings, chosen = self.settings, self.chosen_pixel
+        enough = (saturation >= settings.min_saturation) & (saturation > 0)
+        arcs = {LABEL_COLOURS[1]: settings.green, LABEL_COLOURS[2]: settings.yellow}
+        return circle_picture(
+            hue[enough], arcs, chosen[0] if chosen[1] > 0 else None, [each[1] for each in self._added]
+        )
+
+    def _say_pixel(self) -> str:
+        (hue, saturation, lightness), (u, v) = self.chosen_pixel, self.values.pixel
+        if not saturation:
+            return f"The pixel ({u}, {v}) has lightness {lightness:.0f} and is grey: it has no hue."
+        return f"The pixel ({u}, {v}) has hue {hue:.0f}°, saturation {saturation:.2f} and lightness {lightness:.0f}."
 
     def _coloured(self, colour: str) -> Pixels:
         """The labels, or the errors in one colour, as a picture; all of class 0 where there are none."""
@@ -222,6 +367,27 @@ class FilterPanel(FunctionPanel):
             return painted(labels)
         label = LABELS.index(colour)
         return painted(error_classes(labels == label, truth == label), ERROR_COLOURS)
+
+
+def _only_looks_differ(before: Values, now: Values) -> bool:
+    """Whether what is shown, or the chosen pixel, has changed, and nothing that the filter is asked with."""
+    looks = ("shown", "pixel")
+    same = all(before[name] == value for name, value in now.items() if name not in looks)
+    return same and any(before[name] != now[name] for name in looks)
+
+
+def _hsl(picture: Pixels) -> tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]:
+    """Hue in degrees, saturation and lightness, (H, W) each: the panel's own, by OpenCV."""
+    hue, lightness, saturation = cv2.split(cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS))
+    return hue, saturation, 255 * lightness
+
+
+def _examples(chosen: Mapping[str, Any], picture: Pixels) -> dict[str, tuple[Any, Any]]:
+    """Hue and saturation, (N,) each, of the pixels of each colour's example."""
+    if unknown := sorted(chosen.keys() - EPSILON.keys()):
+        raise ValueError(f"examples must be of {list(EPSILON)}, got {unknown}")
+    hue, saturation, _ = _hsl(picture)
+    return {name: (hue[index].ravel(), saturation[index].ravel()) for name, index in chosen.items()}
 
 
 def _checked(given: Any, shape: tuple[int, ...]) -> Pixels:

@@ -8,6 +8,7 @@ from nao_course.lessons.meet_the_nao.figures import (
     plot_footprint,
 )
 from nao_course.lessons.meet_the_nao.lost import draw_lost_and_found
+from nao_course.lessons.meet_the_nao.slalom_figure import robots_through
 
 __all__ = [
     "commanded",
@@ -19,6 +20,7 @@ __all__ = [
     "draw_lost_and_found",
     "measure_drift",
     "plot_footprint",
+    "robots_through",
 ]
 
 

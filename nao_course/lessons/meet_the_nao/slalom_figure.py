@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nao_course.challenges import Run
+from nao_course.challenges import EntryReport, Run
 from nao_course.geometry import FloatArray
 from nao_course.lessons.meet_the_nao.slalom import GATES
 from nao_course.plotting.drawing import Drawing
@@ -98,3 +98,21 @@ def _keys() -> list[Line2D]:
         Line2D([], [], color=POLE, marker="o", ls=":", lw=1.2, label="gate"),
         Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"),
     ]
+
+
+def robots_through(gate: int, report: EntryReport) -> int:
+    """Count the robots that passed a gate.
+
+    Parameters
+    ----------
+    gate : int
+        Its number, from 1.
+    report : EntryReport
+        From `challenge("00").enter(...)`; robots without a usable plan passed none.
+
+    Returns
+    -------
+    int
+        How many.
+    """
+    return sum(bool(each.kept[2][gate - 1]) for each in report.run.results if each.kept)

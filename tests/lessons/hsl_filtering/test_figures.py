@@ -1,9 +1,10 @@
-"""The figures of lesson 01: channels beside their picture, hues on their circle."""
+"""The figures of lesson 01: channels beside their picture, hues on their circle, a stray pixel."""
 
 import numpy as np
 import pytest
 
-from nao_course.lessons.hsl_filtering import draw_hsl, draw_hue_circle
+from nao_course.lessons.hsl_filtering import draw_hsl, draw_hue_circle, draw_stray_pixel
+from nao_course.plotting import painted
 
 
 def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
@@ -25,3 +26,19 @@ def test_a_picture_is_drawn_beside_its_hue_saturation_and_lightness(rng):
     assert (shown[..., 1] > 200).all() and (shown[..., [0, 2]] == 0).all()
     with pytest.raises(ValueError, match="saturation must have shape"):
         draw_hsl(picture, np.zeros((6, 8)), np.zeros((6, 7)), np.zeros((6, 8)))
+
+
+def test_a_stray_pixel_stands_between_before_and_after_and_among_all_others(rng):
+    before, after = rng.integers(0, 4, (2, 12, 16))
+    drawing = draw_stray_pixel(before, after, (5, 7), np.linspace(0, 1, 101), 0.56)
+    left, middle, right = drawing.figure.axes
+    assert np.array_equal(left.images[0].get_array(), painted(before))
+    assert np.array_equal(middle.images[0].get_array(), painted(after))
+    (mark,) = middle.lines
+    assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (7, 5)
+    assert sum(bar.get_height() for bar in right.patches) == 101
+    assert (
+        "56% of the carpet" in drawing.alt
+        and "5 % to 95 %" in drawing.alt
+        and "50 % in the middle" in drawing.alt
+    )

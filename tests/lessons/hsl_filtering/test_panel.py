@@ -1,6 +1,7 @@
 """The filter panel: settings reach the student's code, its errors become sentences, its labels become numbers."""
 
 import asyncio
+import colorsys
 import contextlib
 import html
 import threading
@@ -11,7 +12,19 @@ import ipywidgets
 import numpy as np
 import pytest
 
-from nao_course.lessons.hsl_filtering import FilterPanel
+from nao_course.lessons.hsl_filtering import FilterPanel, in_light
+from nao_course.lessons.hsl_filtering.instruments import (
+    BOTTOM,
+    CENTRE,
+    LEFT,
+    OUTER,
+    PIXEL,
+    RIGHT,
+    TOP,
+    circle_picture,
+    histogram_picture,
+)
+from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
 from nao_course.sim import SimulatedNao, Truth
@@ -35,6 +48,12 @@ def hue_only(picture, green, yellow, beta, min_saturation):
     hue = cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS)[..., 0]
     low, high = green
     return ((hue >= low) & (hue <= high) if low <= high else (hue >= low) | (hue <= high)).astype(np.uint8)
+
+
+def widest(hue, saturation, epsilon):
+    """No calibration, but limits that depend on every pixel and on epsilon."""
+    coloured = np.sort(hue[saturation > 0])
+    return float(coloured[0] - epsilon) % 360, float(coloured[-1] + epsilon) % 360
 
 
 def make(rng, label=brightness, **options):
@@ -108,6 +127,7 @@ def test_reset_puts_all_sliders_back_and_asks_once(rng):
         ({"green": (float("nan"), 1)}, "green must be two hues"),
         ({"beta": 256}, "beta must be from 0 to 255, got 256"),
         ({"min_saturation": -0.1}, "min_saturation must be from 0 to 1"),
+        ({"light": 0.2}, "light must be from 0.3 to 1.6, got 0.2"),
     ],
 )
 def test_what_no_slider_can_show_is_refused(rng, settings, said):
@@ -115,8 +135,9 @@ def test_what_no_slider_can_show_is_refused(rng, settings, said):
     with pytest.raises(ValueError, match=said):
         panel.set(**settings)
     assert panel.settings.green == GREEN
-    with pytest.raises(ValueError, match=said):
-        make(rng, **settings)
+    if "light" not in settings:  # it begins at 1
+        with pytest.raises(ValueError, match=said):
+            make(rng, **settings)
 
 
 def test_pictures_and_labels_that_do_not_fit_are_refused(rng):
@@ -168,7 +189,8 @@ def test_labels_keep_their_colours_to_the_pixel(rng):
     panel = make(rng)
     wanted = np.array([colour(each) for each in LABEL_COLOURS])
     assert np.array_equal(decoded(panel._images[1]), wanted[panel.labels])
-    assert np.array_equal(decoded(panel._images[2]), wanted[panel._scene[1]])
+    panel._widgets["shown"].value = "True labels"
+    assert np.array_equal(decoded(panel._images[1]), wanted[panel._scene[1]])
 
 
 def test_errors_of_white_are_where_labels_and_truth_differ_in_white(rng):
@@ -196,6 +218,114 @@ def test_another_scene_is_labelled_with_the_same_settings(rng):
     assert panel._images[0].value != picture
     assert np.array_equal(panel.labels, brightness(night // 3, GREEN, YELLOW, 120, 0.16))
     assert panel.summary() != before
+
+
+# --- light and hue ---
+
+
+def test_in_another_light_the_student_gets_another_picture_and_histogram_and_threshold_follow(rng):
+    got = []
+    panel = make(
+        rng,
+        lambda *arguments: got.append(arguments[0]) or brightness(*arguments),
+        threshold=lambda mean, beta: mean + beta / 10,
+    )
+    picture = panel._scene[0]
+    mean = float(panel.summary().split("Mean lightness ")[1].split(".")[0])
+    before = decoded(panel._images[2])
+    panel.set(light=0.5)
+    assert np.array_equal(got[-1], in_light(picture, 0.5))
+    darker = float(panel.summary().split("Mean lightness ")[1].split(".")[0])
+    assert darker == pytest.approx(mean / 2, abs=1.5)
+    assert f"Threshold {darker + 12:.0f}." in panel.summary()
+    assert not np.array_equal(decoded(panel._images[2]), before)
+
+
+def test_a_histogram_stands_upright_over_its_lightnesses_with_each_mark_where_it_belongs():
+    counts = np.zeros((4, BINS), dtype=int)
+    counts[1, 20], counts[3, 20], counts[0, 40] = 100, 100, 200
+    picture = histogram_picture(counts, {"threshold": 128.0})
+    column = {k: round(LEFT + (RIGHT - LEFT) * (k + 0.5) / BINS) for k in (20, 40)}
+    height = (BOTTOM - TOP) / 1.15
+    assert tuple(picture[BOTTOM - 20, column[20]]) == colour(LABEL_COLOURS[1])
+    assert tuple(picture[int(BOTTOM - 0.75 * height), column[20]]) == colour(LABEL_COLOURS[3])
+    assert tuple(picture[int(BOTTOM - 0.75 * height), column[40]]) == colour(LABEL_COLOURS[0])
+    middle = (LEFT + RIGHT) // 2
+    assert tuple(picture[TOP + 2, middle]) == colour(MARKS["threshold"][0])
+
+
+def test_a_hue_is_on_the_circle_where_its_angle_says_and_its_arc_goes_from_low_to_high():
+    picture = circle_picture(np.full(9, 91.0), {LABEL_COLOURS[2]: (350.0, 20.0)}, pixel=180.0)
+    (u, v), blank = CENTRE, circle_picture(np.empty(0), {})
+    painted = (picture != blank).any(axis=2)
+    assert painted[v - OUTER + 3, u - 2] and not painted[v + OUTER - 3, u]  # 90 degrees are up
+    assert painted[v, u - OUTER] and tuple(picture[v, u - OUTER]) == colour(PIXEL)
+    assert tuple(picture[v - 5, u + OUTER + 7]) == colour(LABEL_COLOURS[2])
+    assert not painted[v + 60, u + OUTER // 2 + 30]
+
+
+def test_a_pixel_that_is_added_to_an_example_is_calibrated_with_and_the_sliders_jump(rng):
+    got = []
+
+    def calibrate(hue, saturation, epsilon):
+        got.append((hue.copy(), saturation.copy(), epsilon))
+        return 100.2, 199.8
+
+    panel = make(rng, calibrate=calibrate, examples={"green": np.s_[:2, :3], "yellow": np.s_[5:6, 5:6]})
+    panel.set(pixel=(7, 9), light=0.8)
+    hue, saturation, _ = panel.chosen_pixel
+    red, green, blue = in_light(panel._scene[0], 0.8)[9, 7] / 255.0
+    wanted = colorsys.rgb_to_hls(red, green, blue)
+    assert (hue / 360, saturation) == pytest.approx((wanted[0], wanted[2]), abs=1e-4)
+    panel.add("green")
+    assert len(got[-1][0]) == 7 and (got[-1][0][-1], got[-1][1][-1]) == pytest.approx((hue, saturation))
+    assert got[-1][2] == 10.0
+    assert panel.settings.green == (100.0, 200.0) and panel.settings.yellow == YELLOW
+    assert panel._widgets["green_low"].value == 100.0
+    panel._widgets["to_yellow"].click()
+    assert len(got[-1][0]) == 2 and got[-1][2] == 0.0 and panel.settings.yellow == (100.0, 200.0)
+    panel.reset()
+    panel.add("green")
+    assert len(got[-1][0]) == 7
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (NotImplementedError(), "Finish exercise 1.6 to calibrate with this pixel."),
+        (IndexError("too far"), "IndexError in calibrate_hue(), line"),
+    ],
+)
+def test_a_calibration_that_fails_is_a_sentence_and_the_pixel_is_not_in_the_example(rng, error, said):
+    def calibrate(hue, saturation, epsilon):
+        if len(hue) > 6:
+            raise error
+        return 1.0, 2.0
+
+    panel = make(rng, calibrate=calibrate, examples={"green": np.s_[:2, :3]})
+    panel._widgets["to_green"].click()
+    assert said in html.unescape(panel._status.value)
+    assert panel.settings.green == GREEN and panel._added == []
+    panel.set(beta=90)
+    assert said not in html.unescape(panel._status.value)
+    with pytest.raises(ValueError, match="no example of 'yellow'"):
+        panel.add("yellow")
+
+
+def test_a_pixel_is_chosen_without_asking_the_filter_again_and_a_grey_one_has_no_hue(rng):
+    calls = []
+    picture, truth = scene(rng)
+    picture[3, 4] = 77
+    panel = FilterPanel(
+        picture,
+        truth,
+        lambda *arguments: calls.append(1) or brightness(*arguments),
+        green=GREEN,
+        yellow=YELLOW,
+    )
+    panel.set(pixel=(4, 3))
+    assert "The pixel (4, 3) has lightness 77 and is grey: it has no hue." in panel.summary()
+    assert len(calls) == 1
 
 
 # --- the student's code ---
@@ -320,13 +450,21 @@ def test_in_a_kernels_loop_only_the_newest_value_is_computed(rng):
 
 def test_every_control_has_a_name_and_a_tooltip(rng):
     picture, truth = scene(rng)
-    panel = FilterPanel({"a": picture, "b": picture[::-1]}, truth, brightness, green=GREEN, yellow=YELLOW)
+    panel = FilterPanel(
+        {"a": picture, "b": picture[::-1]},
+        truth,
+        brightness,
+        green=GREEN,
+        yellow=YELLOW,
+        calibrate=widest,
+        examples={"green": np.s_[:4], "yellow": truth == 2},
+    )
     controls = [
         each
         for each in all_widgets(panel.widget)
         if isinstance(each, ipywidgets.Button | ipywidgets.Dropdown | ipywidgets.FloatSlider)
     ]
-    assert len(controls) == 6 + 2 + 1
+    assert len(controls) == 7 + 2 + 2 + 1
     assert all(each.description and each.tooltip for each in controls)
     assert all(each.tooltip for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.Image))
 

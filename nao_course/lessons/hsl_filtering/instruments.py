@@ -1,0 +1,160 @@
+"""The filter panel's two instruments, painted at once for each frame: a histogram of lightness and a circle of hues."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import hsv_to_rgb, to_rgb
+from matplotlib.figure import Figure
+
+from nao_course.lessons.hsl_filtering.light import BINS, MARKS
+from nao_course.plotting.style import LABEL_COLOURS, course_style
+
+Pixels = npt.NDArray[np.uint8]
+
+WIDTH, HEIGHT = 400, 300  # px
+LEFT, RIGHT, TOP, BOTTOM = 10, 390, 8, 250  # of the histogram's axes, px
+CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bars, px
+PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
+_WEDGE = 3  # degrees of a bar on the circle
+_STACKED = (1, 0, 2, 3)  # labels, from the bottom up
+_BAR_COLOURS = np.array([to_rgb(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0)]) * 255
+_BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
+
+
+def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> Pixels:
+    """Paint a histogram of lightness, (HEIGHT, WIDTH, 3).
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (4, BINS)
+        Pixels by label and lightness, as `lightness_counts` gives them.
+    marks : mapping of str to float
+        Lightnesses to mark, named as in `MARKS`.
+    """
+    picture = _histogram_paper().copy()
+    stacked = np.cumsum(counts[list(_STACKED)], axis=0)
+    most = 1.15 * max(
+        1.0, float(np.sort(stacked[-1])[-2])
+    )  # the brightest bin may be far higher: it is cut off
+    heights = np.minimum(stacked / most, 1.0)
+    level = (BOTTOM - np.arange(TOP, BOTTOM))[:, None] / (BOTTOM - TOP)
+    bars = np.sum(level[None] > heights[:, None, :], axis=0)  # how many of the labels a pixel is above of
+    columns = (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)
+    picture[TOP:BOTTOM, LEFT:RIGHT] = _BAR_COLOURS[bars[:, columns]]
+    tops = (BOTTOM - np.round(heights[-1, columns] * (BOTTOM - TOP))).astype(np.int32)
+    outline = np.column_stack((np.arange(LEFT, RIGHT, dtype=np.int32), tops))
+    cv2.polylines(picture, [outline], False, (51, 51, 51), 1)
+    for name, at in marks.items():
+        u = round(LEFT + (RIGHT - LEFT) * min(max(at, 0.0), 255.0) / 256)
+        cv2.line(picture, (u, TOP), (u, BOTTOM), _rgb(MARKS[name][0]), 3)
+    return picture
+
+
+def circle_picture(
+    hues: npt.NDArray[Any],
+    arcs: Mapping[str, tuple[float, float]],
+    pixel: float | None = None,
+    added: Iterable[float] = (),
+) -> Pixels:
+    """Paint which hues there are, and intervals of them, on their circle, (HEIGHT, WIDTH, 3).
+
+    Parameters
+    ----------
+    hues : ndarray of float
+        Degrees [0, 360), of all pixels that have a colour.
+    arcs : mapping of str to (low, high)
+        Limits in degrees by colour, such as "#f2c413"; low > high goes through 0.
+    pixel : float, optional
+        Hue of the chosen pixel.
+    added : iterable of float
+        Hues that were added to an example.
+    """
+    picture = _circle_paper().copy()
+    counts = np.bincount((hues // _WEDGE).astype(np.intp) % (360 // _WEDGE), minlength=360 // _WEDGE)
+    lengths = INNER + (OUTER - INNER) * np.sqrt(counts / max(1, counts.max()))
+    ends = _places(np.arange(0, 360 + _WEDGE, _WEDGE)[:, None], np.array([[INNER]]))[:, 0]
+    starts = _WEDGE * np.arange(len(counts))[:, None] + np.array([[0, _WEDGE]])
+    outer = _places(starts, lengths[:, None])
+    for wedge in np.flatnonzero(counts):
+        corners = np.array([ends[wedge], *outer[wedge], ends[wedge + 1]])
+        cv2.fillConvexPoly(picture, corners, _hue_colour(_WEDGE * (wedge + 0.5)), cv2.LINE_AA)
+    for number, (colour, (low, high)) in enumerate(arcs.items()):
+        angles = np.linspace(low, low + (high - low) % 360, 90)
+        line = [_places(angles, OUTER + 7.0 + 9 * number)]
+        cv2.polylines(picture, line, False, (51, 51, 51), 8, cv2.LINE_AA)
+        cv2.polylines(picture, line, False, _rgb(colour), 5, cv2.LINE_AA)
+    for hue in added:
+        cv2.circle(picture, _place(hue, OUTER + 11.0), 4, _rgb(PIXEL), -1, cv2.LINE_AA)
+    if pixel is not None:
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), (255, 255, 255), 5, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), _rgb(PIXEL), 2, cv2.LINE_AA)
+    return picture
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = (round(255 * part) for part in to_rgb(colour))
+    return red, green, blue
+
+
+@cache
+def _hue_colour(hue: float) -> tuple[int, int, int]:
+    red, green, blue = np.round(255 * hsv_to_rgb([hue / 360, 0.75, 0.8])).astype(int).tolist()
+    return red, green, blue
+
+
+def _places(hues: npt.ArrayLike, radii: npt.ArrayLike) -> npt.NDArray[np.int32]:
+    """Points (..., 2) of the circle's picture; hues go round against the clock, from the right."""
+    angles = np.radians(np.asarray(hues, dtype=float))
+    points = np.stack((np.cos(angles), -np.sin(angles)), axis=-1) * np.asarray(radii, dtype=float)[..., None]
+    return np.round(points + CENTRE).astype(np.int32)
+
+
+def _place(hue: float, radius: float) -> tuple[int, int]:
+    u, v = _places(hue, radius).tolist()
+    return u, v
+
+
+@cache
+def _histogram_paper() -> Pixels:
+    """What lies below each histogram: its axis."""
+    with course_style():
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+        figure.set_layout_engine("none")
+        ax = figure.add_axes(
+            (LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT)
+        )
+        ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
+        ax.set_xlabel("lightness", fontsize=12)
+        ax.tick_params(labelsize=11)
+        ax.spines["left"].set_visible(False)
+        return _painted(figure)
+
+
+@cache
+def _circle_paper() -> Pixels:
+    """What lies below each circle: the pure colours and their degrees."""
+    with course_style():
+        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+        figure.set_layout_engine("none")
+        for degrees in range(0, 360, 60):
+            u, v = _place(degrees, OUTER + 34.0)
+            side = {0: "left", 180: "right"}.get(degrees, "center")
+            figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=11.5, ha=side, va="center")
+        paper = _painted(figure)
+    for degrees in range(0, 360, 2):
+        line = [_places([degrees, degrees + 2], INNER - 7.0)]
+        cv2.polylines(paper, line, False, _hue_colour(degrees + 1.0), 10)
+    return paper
+
+
+def _painted(figure: Figure) -> Pixels:
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())[:, :, :3].copy()

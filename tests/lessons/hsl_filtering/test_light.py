@@ -1,0 +1,101 @@
+"""Light in lesson 01: a factor of it, where it breaks the threshold, and what figures say of that."""
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import load_definitions
+from nao_course.lessons.hsl_filtering import crossing, draw_light_limits, draw_lightness, in_light
+from nao_course.lessons.hsl_filtering.light import BINS, lightness_counts
+from nao_course.lessons.hsl_filtering.payoff import LIGHTS, draw_payoff, payoff_scene
+from tests.drawings import assert_same_bytes_with_words
+from tests.paths import SOLUTIONS
+
+
+@pytest.fixture(scope="module")
+def hsl():
+    return load_definitions(SOLUTIONS / "01_hsl_filtering.ipynb")
+
+
+def test_in_a_light_of_one_a_picture_is_the_same_and_two_lights_are_one_after_the_other(rng):
+    picture = rng.integers(0, 256, (7, 9, 3), dtype=np.uint8)
+    assert np.array_equal(in_light(picture, 1.0), picture)
+    assert not in_light(picture, 0.0).any()
+    twice = in_light(in_light(picture, 0.8), 0.5).astype(int)
+    assert np.abs(twice - in_light(picture, 0.4)).max() <= 1
+    assert in_light(np.full((1, 1, 3), 150, dtype=np.uint8), 2.0).tolist() == [[[255, 255, 255]]]
+    for wrong in (-0.1, float("nan")):
+        with pytest.raises(ValueError, match="factor must be at least 0"):
+            in_light(picture, wrong)
+
+
+def test_lightnesses_are_counted_by_what_pixels_are_and_none_is_lost(rng):
+    lightness, labels = rng.uniform(0, 255, (30, 40)), rng.integers(0, 4, (30, 40))
+    lightness[0, 0], labels[0, 0] = 255.0, 3
+    counts = lightness_counts(lightness, labels)
+    assert counts.shape == (4, BINS) and counts.sum() == 1200 and counts[3, -1] > 0
+    for label in range(4):
+        wanted, _ = np.histogram(lightness[labels == label], bins=BINS, range=(0, 256))
+        assert np.array_equal(counts[label], wanted)
+
+
+def test_a_level_is_crossed_between_two_factors_at_the_first_or_never():
+    assert crossing([1.0, 2.0, 3.0], [0.0, 0.25, 0.75]) == 2.5
+    assert crossing([1.0, 2.0, 3.0], [0.6, 0.2, 0.9]) == 1.0
+    assert np.isnan(crossing([1.0, 2.0], [0.0, 0.4]))
+
+
+def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_white_a_little_early(hsl):
+    """As the lesson measures it, on another scene than the lesson's."""
+    scene, labels = payoff_scene()
+    lightness = hsl["rgb_to_hsl"](scene)[2]
+    room = 135 * lightness.mean() / 255
+    limits = [120 / (level - room) for level in (255.0, float(np.median(lightness[labels == 1])))]
+    factors = np.linspace(0.4, 1.6, 49)
+    found, false = [], []
+    for factor in factors:
+        lit = hsl["rgb_to_hsl"](in_light(scene, factor))[2]
+        white = lit > hsl["white_threshold"](lit.mean())
+        found.append(white[labels == 3].mean())
+        false.append(white[labels == 1].mean())
+    assert abs(crossing(factors, found) - limits[0]) < 0.04
+    assert limits[1] - 0.12 < crossing(factors, false) <= limits[1]
+    drawing = draw_light_limits(factors, found, false, dark=limits[0], bright=limits[1])
+    assert f"Half of the lines are found from {crossing(factors, found):.2f} on." in drawing.alt
+    assert f"The formula says {limits[0]:.2f} and {limits[1]:.2f}." in drawing.alt
+
+
+def test_figures_of_light_say_their_numbers_and_refuse_what_does_not_fit(rng):
+    lightness, labels = rng.uniform(0, 255, (30, 40)), rng.integers(0, 4, (30, 40))
+    marks = {"beta": 120.0, "mean": 100.0, "threshold": 173.0}
+    assert_same_bytes_with_words(lambda: draw_lightness(lightness, labels, **marks))
+    alt = draw_lightness(lightness, labels, **marks).alt
+    assert "beta 120, mean 100, threshold 173" in alt
+    assert f"{(lightness[labels == 3] > 173).mean():.0%} of white" in alt
+    with pytest.raises(ValueError, match="one shape"):
+        draw_lightness(lightness, labels[1:], **marks)
+    for factors, recall in (([1.0, 1.0], [0.0, 1.0]), ([1.0, 2.0], [0.0])):
+        with pytest.raises(ValueError, match="factors must grow"):
+            draw_light_limits(factors, recall, [0.0, 0.0])
+
+
+def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_found(hsl):
+    own = {
+        name: hsl[name]
+        for name in (
+            "rgb_to_hsl",
+            "average_lightness",
+            "white_threshold",
+            "hue_mask",
+            "color_labels",
+            "calibrate_hue",
+        )
+    }
+    assert draw_payoff(**own).alt.count("100%") == len(LIGHTS)
+    blind = {**own, "color_labels": lambda picture, *_: np.zeros(picture.shape[:2], dtype=np.uint8)}
+    assert draw_payoff(**blind).alt.count(" 0%") == len(LIGHTS)
+
+    def blank(*_):
+        raise NotImplementedError
+
+    with pytest.raises(NotImplementedError):
+        draw_payoff(**{**own, "calibrate_hue": blank})
