@@ -1,4 +1,4 @@
-"""Where an entry to lesson 02's challenge loses points: the six worst scenes, with what was found and what is true."""
+"""Where an entry to lesson 02's challenge loses points: the three worst scenes, with what was found and what is so."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nao_course.plotting import Drawing, course_style, plot_picture
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import HALO
 
-SHOWN = 6
+SHOWN = 3
 
 
 def draw_worst_scenes(run: Run) -> Drawing:
@@ -29,10 +29,10 @@ def draw_worst_scenes(run: Run) -> Drawing:
     """
     worst = sorted((each for each in run.results if each.kept), key=lambda each: each.score)[:SHOWN]
     with course_style():
-        figure = Figure(figsize=(9.9, 5.8 if len(worst) > 3 else 3.2))
+        figure = Figure(figsize=(9.9, 3.2))
         for number, each in enumerate(worst, start=1):
             pixels, points, feet = each.kept
-            ax = figure.add_subplot(2 if len(worst) > 3 else 1, 3, number)
+            ax = figure.add_subplot(1, SHOWN, number)
             plot_picture(pixels, ax, ticks=False)
             ax.plot(*feet.T, "x", color="black", ms=8, mew=2.2, path_effects=HALO)
             plot_feet(points, ax, size=11)

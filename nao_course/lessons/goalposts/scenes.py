@@ -147,7 +147,9 @@ def turning_head(degrees: Sequence[float] = (25.0, 0.0, -25.0)) -> dict[str, npt
     pictures = {}
     for yaw in degrees:
         nao.look(yaw=float(np.radians(yaw)), pitch=HEAD_PITCH)
-        title = f"head {abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'}" if yaw else "head straight ahead"
+        title = (
+            f"head {abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'}" if yaw else "head straight ahead"
+        )
         pictures[title] = nao.take_picture("bottom").pixels
     return pictures
 
