@@ -24,7 +24,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_NAME = 100
-LONGEST_FILE = 255  # characters of a file's name in which a lesson is looked for: file systems take no more
+LONGEST_FILE = 1000  # characters of a file's name in which a lesson is looked for: more than file systems take
 _MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
 _CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
 # What browsers, Jupyter and people put behind a name. Possessive: a student's name of any length costs one pass.
