@@ -21,6 +21,9 @@ from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
 MOST_HELPERS, LARGEST_HELPER = 20, 2**20  # Python files beside a notebook that come along, and bytes of each
+LONGEST_COMMANDED = (
+    20_000  # characters of a cell with commands of IPython, which reads it once for each of them
+)
 MOST_WRITTEN = 2**16  # characters of a written answer
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
@@ -41,7 +44,7 @@ _RUN = (
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
 _FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}  # a table, of a list, set or dict
-_MAGIC = re.compile(r"^([ \t]*+)(?=[%!?]|.*\?[ \t]*$|[\w., ]+=[ \t]*[%!])", re.MULTILINE)
+_CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # those that run the cell as Python
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
 
@@ -306,13 +309,38 @@ def _role(cell: dict[str, Any]) -> str:
 
 
 def _parse(source: str, file: str) -> list[ast.stmt]:
-    """Statements of a cell; where it is no Python as it stands, without IPython's own lines."""
+    """Statements of a cell; where it is no Python as it stands, as IPython reads it, without its own commands."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about a student's escapes in strings: their own kernel tells them
         try:
             return ast.parse(source, file).body
         except SyntaxError:
-            return ast.parse(_MAGIC.sub(r"\1pass  # ", source), file).body
+            if len(source) > LONGEST_COMMANDED or not any(sign in source for sign in "%!?"):
+                raise
+        tree = ast.parse(_as_ipython_reads(source), file)
+        return ast.fix_missing_locations(_WithoutCommands().visit(tree)).body
+
+
+def _as_ipython_reads(source: str) -> str:
+    """Return a cell as Python, its lines where they were."""
+    from IPython.core.inputtransformer2 import TransformerManager  # half a second, and few notebooks need it
+
+    if found := _CELL_MAGIC.match(source):
+        source = (
+            "#\n" * found[0].count("\n") + "#" + source[found.end() :]
+        )  # IPython drops empty lines before all
+    read: str = TransformerManager().transform_cell(source)
+    return read
+
+
+class _WithoutCommands(ast.NodeTransformer):
+    """Commands of IPython do nothing, and what is assigned from one is None."""
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        match node.func:
+            case ast.Attribute(ast.Call(ast.Name("get_ipython"))):
+                return ast.Constant(None)
+        return self.generic_visit(node)
 
 
 def _with_others(
