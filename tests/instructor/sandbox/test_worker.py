@@ -260,7 +260,7 @@ def test_an_answer_is_plain_when_it_arrives(running):
 
 
 def test_a_cell_with_commands_of_ipython_is_read_in_the_sandbox_too(tmp_path, server):
-    source = "%%time\ndef half(x):\n    if x:  # why?\n        return x / 2\n    # so?\n    else:\n        return x\n!ls"
+    source = "%%time\ndef half(x):\n    if x:  # so?\n        return x / 2\n    # ?\n    else:\n        return x\n!ls"
     path = toy.write(tmp_path / "own.ipynb", source)
     with Worker(path, seconds=20.0, server=server) as worker:
         assert worker.call("half", ONE).value == 1.5
