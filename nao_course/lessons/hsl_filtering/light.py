@@ -17,6 +17,8 @@ from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]
 
+_SPANS = {"β": (0.0, 0.55), "mean": (0.62, 0.98), "threshold": (0.0, 0.98)}  # of the height: β and mean may be one
+
 BINS = 64  # of the lightnesses 0 to 255
 MARKS = {  # colour and dashes of what stands in a histogram of lightness
     "β": ("#a14566", (0, (1.2, 1.2))),
@@ -110,18 +112,12 @@ def draw_lightness(
         ax.step([*left, 256], [*below, below[-1]], where="post", color="#333333", lw=0.8)
         top = 1.22 * float(np.sort(below)[-2])  # the brightest bin may be far higher: it is cut off
         for (name, (colour, dashes)), at in zip(MARKS.items(), (beta, mean, threshold), strict=True):
-            ax.axvline(at, color=colour, ls=dashes, lw=2)
-            leftwards = name == "mean" and mean <= beta
-            place = (-2, "right") if leftwards else (2, "left")
-            height = {"threshold": 0.99, "mean": 0.9, "β": 0.99}[name] * top
+            low, high = _SPANS[name]
+            ax.axvline(at, low, high, color=colour, ls=dashes, lw=2)
+            place, side = (-3, "right") if name == "β" else (3, "left")
+            said = f"{name} {at:.0f}"
             ax.text(
-                at + place[0],
-                height,
-                f"{name} {at:.0f}",
-                color=colour,
-                va="top",
-                ha=place[1],
-                path_effects=HALO,
+                at + place, high * top, said, color=colour, va="top", ha=side, path_effects=HALO, fontweight="bold"
             )
         ax.set(xlim=(0, 256), ylim=(0, top), xlabel="lightness (0 to 255)", ylabel="pixels", title=title)
         legend_below(figure, label_keys(LABELS))
