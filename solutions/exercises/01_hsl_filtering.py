@@ -886,7 +886,7 @@ COLOR_LABELS = Exercise(
         Mistake(
             "labels with a point",
             lambda *args: _labels(*args).astype(float),
-            "Labels are whole numbers: say dtype=np.uint8 where you make the array.",
+            "Your labels are right, but they are whole numbers: say dtype=np.uint8 where you make the array.",
         ),
         Mistake(
             "luma",

@@ -19,10 +19,10 @@ import numpy as np
 
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
-from nao_course.exercises.checking import explain
 from nao_course.exercises.definitions import NO_DEFINITION
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.assignment import Assignment, Task

@@ -17,7 +17,11 @@ from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]
 
-_SPANS = {"β": (0.0, 0.55), "mean": (0.62, 0.98), "threshold": (0.0, 0.98)}  # of the height: β and mean may be one
+_SPANS = {
+    "β": (0.0, 0.55),
+    "mean": (0.62, 0.98),
+    "threshold": (0.0, 0.98),
+}  # of the height: β and mean may be one
 
 BINS = 64  # of the lightnesses 0 to 255
 MARKS = {  # colour and dashes of what stands in a histogram of lightness
@@ -117,7 +121,14 @@ def draw_lightness(
             place, side = (-3, "right") if name == "β" else (3, "left")
             said = f"{name} {at:.0f}"
             ax.text(
-                at + place, high * top, said, color=colour, va="top", ha=side, path_effects=HALO, fontweight="bold"
+                at + place,
+                high * top,
+                said,
+                color=colour,
+                va="top",
+                ha=side,
+                path_effects=HALO,
+                fontweight="bold",
             )
         ax.set(xlim=(0, 256), ylim=(0, top), xlabel="lightness (0 to 255)", ylabel="pixels", title=title)
         legend_below(figure, label_keys(LABELS))
