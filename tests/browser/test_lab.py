@@ -108,7 +108,7 @@ def test_buttons_drive_and_bring_new_pictures(lab, page):
     panel.press("slam")
     panel.expect("Measured")
     panel.press("picture")
-    panel.expect("1 kept")
+    panel.expect("1 picture kept")
     panel.screenshot("panel_after_a_drive")
 
 
@@ -126,7 +126,7 @@ def test_keys_drive_and_jupyterlab_keeps_its_cells(lab, page):
         page.keyboard.press(key)
         panel.expect(words)
     page.keyboard.press("Space")
-    panel.expect("1 kept")
+    panel.expect("1 picture kept")
     page.keyboard.press("m")
     panel.expect("Measured")
     for key in "dd" + "abyz" + "00":  # shortcuts of JupyterLab: delete, insert, cut, undo, restart

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -17,10 +18,10 @@ from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]
 
-_SPANS = {
+SPANS = {
     "β": (0.0, 0.55),
-    "mean": (0.62, 0.98),
-    "threshold": (0.0, 0.98),
+    "mean": (0.62, 1.0),
+    "threshold": (0.0, 1.0),
 }  # of the height: β and mean may be one
 
 BINS = 64  # of the lightnesses 0 to 255
@@ -54,7 +55,7 @@ def in_light(picture: npt.ArrayLike, factor: float) -> Pixels:
     if not factor >= 0:
         raise ValueError(f"factor must be at least 0, got {factor!r}")
     bytes_ = np.minimum(np.round(np.arange(256) * factor), 255).astype(np.uint8)
-    return bytes_[np.asarray(picture)]
+    return np.asarray(cv2.LUT(np.asarray(picture), bytes_), dtype=np.uint8)
 
 
 def lightness_counts(lightness: npt.ArrayLike, labels: npt.ArrayLike) -> npt.NDArray[np.intp]:
@@ -116,7 +117,7 @@ def draw_lightness(
         ax.step([*left, 256], [*below, below[-1]], where="post", color="#333333", lw=0.8)
         top = 1.22 * float(np.sort(below)[-2])  # the brightest bin may be far higher: it is cut off
         for (name, (colour, dashes)), at in zip(MARKS.items(), (beta, mean, threshold), strict=True):
-            low, high = _SPANS[name]
+            low, high = SPANS[name]
             ax.axvline(at, low, high, color=colour, ls=dashes, lw=2)
             place, side = (-3, "right") if name == "β" else (3, "left")
             said = f"{name} {at:.0f}"

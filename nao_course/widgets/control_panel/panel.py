@@ -22,6 +22,7 @@ from nao_course.widgets.control_panel.controls import SIZES, Controls
 from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
 from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, View
 from nao_course.widgets.control_panel.still import draw_still
+from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
 from nao_course.widgets.parts import BREATH, PERIOD, bundle, jpeg, png, status_box
 
 HEAD_YAW, HEAD_PITCH = float(np.radians(10)), float(np.radians(5))  # rad for one press
@@ -73,7 +74,7 @@ class ControlPanel:
     NAO V4
     odometry (0.20, 0.00) m, heading 15°
     head yaw 0°, pitch -31°
-    16 pictures, 0 kept
+    no picture kept
     status: Turn 15° left: done.
     """
 
@@ -100,7 +101,7 @@ class ControlPanel:
         self.source = source
         self.closed = False
         self._task: asyncio.Task[None] | None = None
-        self._next: Motion | None = None
+        self._waiting = WaitingMotions()
         self._stopping = False
         self._names = {"truth": "truth"} if truth is not None else {}
         self._names |= {"odometry": "odometry"} | (
@@ -166,7 +167,7 @@ class ControlPanel:
 
     def stop(self) -> None:
         """Stop a drive after its present step, and forget what was to come next."""
-        self._next = None
+        self._waiting.clear()
         self._stopping = self.driving
 
     def close(self, reason: str = "This panel is closed.") -> None:
@@ -292,9 +293,10 @@ class ControlPanel:
             pass
 
     def _press(self, motion: Motion) -> None:
-        """Drive as a task of the kernel's loop, so that the buttons stay live; the newest command waits its turn."""
+        """Drive as a task of the kernel's loop, so that the buttons stay live; further commands wait their turn."""
         if self.driving:
-            self._next = motion
+            self._waiting.add(motion)
+            self._show_status()
             return
         try:
             loop = asyncio.get_running_loop()
@@ -324,7 +326,7 @@ class ControlPanel:
                         self.cockpit.say("Stopped.")
                     self._show_status()
                     return
-            upcoming, self._next = self._next, None
+            upcoming = self._waiting.take()
 
     def _guarded(self, action: Callable[[], object]) -> None:
         """Do what a button asks; a mistake, even one of ours, is a message and leaves the panel alive."""
@@ -341,7 +343,7 @@ class ControlPanel:
 
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""
-        self.cockpit.say(f"{_in_words(motion)} …")
+        self.cockpit.say(f"{in_words(motion)} …")
         self.cockpit.printed = ""
         for part in pieces(motion):
             went_well = self.cockpit.move(part)
@@ -350,7 +352,7 @@ class ControlPanel:
                 return
             yield
         if not self.cockpit.alarm:
-            self.cockpit.say(f"{_in_words(motion)}: done.")
+            self.cockpit.say(f"{in_words(motion)}: done.")
             self._show_status()
 
     def _look(self) -> None:
@@ -444,7 +446,8 @@ class ControlPanel:
         cockpit, seen = self.cockpit, self._seen
         facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines(), *seen.pace()])
         alarm = cockpit.alarm or bool(seen.complaints)
-        message, printed = "\n".join([cockpit.message, *seen.complaints]), cockpit.printed + seen.printed
+        message = "\n".join(filter(None, [cockpit.message, self._waiting.said(), *seen.complaints]))
+        printed = cockpit.printed + seen.printed
         status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed)
         if self._controls.status.value != status:
             self._controls.status.value = status
@@ -467,13 +470,3 @@ class ControlPanel:
 
 def _short(name: str, letters: int = 14) -> str:
     return name if len(name) <= letters else f"{name[: letters - 1]}…"
-
-
-def _in_words(motion: Motion) -> str:
-    """A command in a few words."""
-    parts = []
-    if motion.distance:
-        parts.append(f"Walk {abs(motion.distance):.2f} m {'ahead' if motion.distance > 0 else 'back'}")
-    if motion.turn:
-        parts.append(f"Turn {abs(np.degrees(motion.turn)):.0f}° {'left' if motion.turn > 0 else 'right'}")
-    return ", ".join(parts) or "Stand still"
