@@ -97,6 +97,7 @@ class ControlPanel:
         self._pipeline = pipeline
         self._view: View = "over" if pipeline is not None and pipeline.stages else "picture"
         self._seen = Seen()
+        self._stale: set[str] = set()  # cameras whose latest picture is from before the latest step
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self.source = source
         self.closed = False
@@ -356,9 +357,13 @@ class ControlPanel:
             self._show_status()
 
     def _look(self) -> None:
-        """Take both live pictures, the chosen camera's first, and show everything."""
+        """Take the live pictures that are seen, the chosen camera's first, and show everything."""
         for camera in sorted(CAMERAS, key=lambda each: each != self.camera):
-            self.cockpit.photograph(camera)
+            if self._is_hidden(camera):
+                self._stale.add(camera)
+            else:
+                self.cockpit.photograph(camera)
+                self._stale.discard(camera)
             if camera == self.camera:
                 self._perceive()
             self._show_picture(camera)
@@ -411,12 +416,19 @@ class ControlPanel:
             return self._seen.alone(chosen), f"your {names}"
         return own, ""
 
+    def _is_hidden(self, camera: str) -> bool:
+        """Whether the student's view stands in the place of a camera's picture."""
+        return self.view == "beside" and camera != self.camera and bool(self._seen.names)
+
     def _ready(self) -> list[str]:
         return [] if self._pipeline is None else self._pipeline.summary()
 
     # --- showing ---
 
     def _show_chosen(self) -> None:
+        for camera in sorted(self._stale):
+            self.cockpit.photograph(camera)
+        self._stale.clear()
         self._perceive()
         self._show()
 
