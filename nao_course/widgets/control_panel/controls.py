@@ -44,8 +44,8 @@ _CSS = """
 .nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
   box-sizing: border-box; border: 3px solid transparent; margin: 0; }
 .nao-panel .nao-chosen img { border-color: #0b5fa5; }
-.nao-panel .nao-controls { gap: 12px; flex-wrap: wrap; overflow: visible; }
-.nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 60px); gap: 3px; overflow: visible; }
+.nao-panel .nao-controls { gap: 8px; flex-wrap: wrap; overflow: visible; }
+.nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 62px); gap: 3px; overflow: visible; }
 .nao-panel .nao-pad button, .nao-panel .nao-actions button { margin: 0; width: auto; padding: 0 4px; }
 .nao-panel .nao-pad button { height: 28px; line-height: 28px; font-size: 12px; }
 .nao-panel .nao-settings { gap: 3px; overflow: visible; }

@@ -136,7 +136,7 @@ class LiveMap:
         return figure.legend(
             handles=[self._keys[key] for key in keys],
             loc="outside lower center",
-            ncols=3,
+            ncols=2 if _MEASURED in keys else 3,
             fontsize=9,
             handlelength=1.9,
             handletextpad=0.4,
