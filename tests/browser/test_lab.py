@@ -8,13 +8,13 @@ import psutil
 import pytest
 
 from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.browser.notebook_page import screenshot
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 LESSON = PROJECT / "notebooks" / "00_meet_the_nao.ipynb"
 
 PANEL = """from nao_course.sim import SimulatedNao, Truth
@@ -80,10 +80,8 @@ class Panel:
             pytest.fail(f"{words!r} is not in the panel's words, which are {self.facts()!r}")
 
     def screenshot(self, name):
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
-        self.page.wait_for_timeout(300)
-        self.page.screenshot(path=SCREENSHOTS / f"{name}.png")
+        screenshot(self.page, name)
 
 
 def open_panel(lab, page, name, code):
