@@ -2,7 +2,7 @@
 
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.case import Case
-from nao_course.exercises.checking import CheckFailed, Checks, Report, lesson
+from nao_course.exercises.checking import CheckFailed, Checks, lesson
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register, register_function
 from nao_course.exercises.comparisons import (
     All,
@@ -24,6 +24,7 @@ from nao_course.exercises.comparisons import (
 )
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises.judging import Report
 from nao_course.exercises.running import Outcome, call, register_driver
 from nao_course.exercises.trying import Message, try_out
 

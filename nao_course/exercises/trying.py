@@ -9,6 +9,7 @@ from html import escape
 from typing import Any, TypeGuard
 
 from nao_course.exercises.earlier import EarlierNotUsable
+from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.running import own_line
 
 
@@ -32,6 +33,32 @@ class Message:
         """The text in a quiet box."""
         style = "border-left: 4px solid #888; padding: 0.4em 0.8em; margin: 0.3em 0"
         return f'<div role="note" style="{style}">{escape(self.text)}</div>'
+
+
+@dataclass(frozen=True)
+class Remarked:
+    """Something that is shown, and a sentence above it.
+
+    Parameters
+    ----------
+    text : str
+        What to say.
+    shown : object
+        What stands below it.
+    """
+
+    text: str
+    shown: object
+
+    def __repr__(self) -> str:
+        """Both as text."""
+        return f"{self.text}\n{self.shown!r}"
+
+    def _repr_html_(self) -> str:
+        """Both, one above the other."""
+        html = getattr(self.shown, "_repr_html_", None)
+        below = html() if html else f"<pre>{escape(repr(self.shown))}</pre>"
+        return f"<div>{Message(self.text)._repr_html_()}{below}</div>"
 
 
 _BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
@@ -75,6 +102,8 @@ def not_known(error: NameError) -> str:
     name = error.name or "a name"
     if name in _HOMES:
         return f"This notebook has not imported {name}: from {_HOMES[name]} import {name}"
+    if why := FAILED_CELLS.why_old(name):
+        return f"{why} Mend that cell and run it first."
     line = own_line(error)
     return f"This notebook does not know {name!r} yet{f' ({line})' if line else ''}. {_RUN_ABOVE}"
 

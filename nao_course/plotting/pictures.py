@@ -259,7 +259,7 @@ def painted(labels: npt.ArrayLike, colours: Sequence[str] = LABEL_COLOURS) -> np
         For another shape, or a label that is none of these.
     """
     palette = np.round(255 * np.array([to_rgb(colour) for colour in colours])).astype(np.uint8)
-    return palette[_labels(labels).astype(np.intp)]
+    return np.take(palette, _labels(labels).astype(np.intp), axis=0)
 
 
 def _labels(labels: npt.ArrayLike) -> npt.NDArray[Any]:

@@ -13,17 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.checking import (
-    CheckState,
-    Report,
-    grade_public,
-    lessons,
-    read_public,
-    with_the_reason,
-)
+from nao_course.exercises.checking import grade_public, lessons, read_public
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
+from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import io
+import signal
 import sys
 import sysconfig
 import threading
@@ -15,6 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import FrameType
 from typing import Any, Generic, TextIO, TypeVar
 
 from nao_course.exercises.case import copied
@@ -27,6 +29,8 @@ _LIBRARIES = (
 )
 _OWN_FRAMES = (__file__, contextlib.__file__)
 _PAUSE = 0.01  # s between two rings
+_DEAF = 10  # rings after which it rings by signals, too
+_ALARM = (1e-3, 2.3e-4)  # s until the first of them, and between two: so many that one meets the code outside of a try
 
 Value = TypeVar("Value")
 Words = str | Callable[[], str]  # a function is asked when it is over
@@ -229,19 +233,42 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Raise TooSlow in the block after a time, in whichever thread it runs.
 
     Sliders and buttons are served by a thread of the kernel that "Interrupt the kernel" does not reach, so an
-    endless loop there could only be ended with the kernel. One call into C ends before it is stopped. A loop whose
-    `except:` takes everything is told again and again, until it hears it outside of its `try`; one that spends its
-    time in calls may hear it late, or never.
+    endless loop there could only be ended with the kernel. A loop whose `except:` takes everything is told again and
+    again, until it hears it outside of its `try`. In the main thread, where there is an alarm clock (not on Windows),
+    a call that waits is interrupted, too. A call into C that calculates comes to its end first; elsewhere so does one
+    that waits, and a loop that takes everything around such calls hears it never.
     """
     bell = _Bell(threading.get_ident(), seconds)
-    bell.start()
+    with _alarm_clock(bell):
+        bell.start()
+        try:
+            yield
+        finally:
+            bell.over = True  # before anything that it could ring in
+            bell.wake.set()
+            bell.join()
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(bell.thread, None)  # if it rang just now, it rings no more
+
+
+@contextmanager
+def _alarm_clock(bell: _Bell) -> Iterator[None]:
+    """Let a bell ring by signals, too, where there are any, and nobody else waits for one."""
+    is_main = threading.current_thread() is threading.main_thread()
+    if not (is_main and hasattr(signal, "setitimer")) or any(signal.getitimer(signal.ITIMER_REAL)):
+        yield
+        return
+
+    def ring(_: int, frame: FrameType | None) -> None:
+        if not bell.over and frame is not None and frame.f_code.co_filename not in _OWN_FRAMES:
+            raise TooSlow
+
+    before = signal.signal(signal.SIGALRM, ring)
+    bell.has_clock = True
     try:
         yield
     finally:
-        bell.over = True  # before anything that it could ring in
-        bell.wake.set()
-        bell.join()
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(bell.thread, None)  # if it rang just now, it rings no more
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 class _Bell(threading.Thread):
@@ -250,12 +277,17 @@ class _Bell(threading.Thread):
     def __init__(self, thread: int, seconds: float) -> None:
         super().__init__(daemon=True)
         self.thread, self.over, self.wake = ctypes.c_ulong(thread), False, threading.Event()
+        self.has_clock = False  # whether signals arrive
         self._seconds = seconds
 
     def run(self) -> None:
         self.wake.wait(self._seconds)
+        rings = 0
         while not self.over:
             self._ring()
+            rings += 1
+            if rings == _DEAF and self.has_clock:
+                signal.setitimer(signal.ITIMER_REAL, *_ALARM)
             self.wake.wait(_PAUSE)
 
     def _ring(self) -> None:

@@ -18,26 +18,33 @@ from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
 PRESETS = ("clean", "lab", "dark", "harsh")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
 _STANDING = tuple(name for name in Reality.effects() if name != "motion")  # nothing shakes in this picture
-_MEANINGS = {  # of the sliders; said where one is, and below the picture while it is moved
-    "tilt": "leans the whole robot forwards or backwards",
-    "grain": "the carpet's brightness from fibre to fibre",
-    "mottle": "the carpet's brightness from patch to patch",
-    "seams": "joints between the carpet's strips",
-    "specks": "pale and dark specks on the carpet",
-    "crumbs": "clusters of crumbs on the carpet",
-    "tape": "dark tape along the outer lines",
-    "pile": "the carpet is darker and greener from above than from the side",
-    "glare": "lamps and windows shine back from the ground",
-    "clutter": "how much stands and lies behind the field",
-    "litter": "things that lie on the carpet beyond the lines",
-    "gradient": "one end of the field gets less light",
-    "white_balance": "the camera takes the light for redder or bluer than it is",
-    "exposure": "the camera makes every picture equally bright on average",
-    "overexposure": "white is beyond the brightest that the camera can show",
-    "vignette": "corners of the picture are darker than its middle",
-    "blur": "lens and sensor smear the picture",
-    "noise": "the sensor adds random numbers to each pixel",
+_TILT_WORDS = ("tilt (degrees)", "leans the whole robot forwards or backwards")
+_GROUPS = {  # effect: its slider's label, and what it does; said where it is, and below the picture while it is moved
+    "Carpet": {
+        "grain": ("fibres", "the carpet's brightness from fibre to fibre"),
+        "mottle": ("patches", "the carpet's brightness from patch to patch"),
+        "pile": ("darker from above", "the carpet is darker and greener from above than from the side"),
+        "seams": ("joints", "joints between the carpet's strips"),
+        "specks": ("specks", "pale and dark specks on the carpet"),
+        "crumbs": ("crumbs", "clusters of crumbs on the carpet"),
+        "tape": ("tape", "dark tape along the outer lines"),
+    },
+    "Room and light": {
+        "clutter": ("behind the field", "how much stands and lies behind the field"),
+        "litter": ("beside the field", "things that lie on the carpet beyond the lines"),
+        "glare": ("glare", "lamps and windows shine back from the ground"),
+        "gradient": ("uneven light", "one end of the field gets less light"),
+    },
+    "Camera": {
+        "white_balance": ("wrong colour", "the camera takes the light for redder or bluer than it is"),
+        "exposure": ("auto exposure", "the camera makes every picture equally bright on average"),
+        "overexposure": ("too bright a white", "white is beyond the brightest that the camera can show"),
+        "vignette": ("dark corners", "corners of the picture are darker than its middle"),
+        "blur": ("blur", "lens and sensor smear the picture"),
+        "noise": ("noise", "the sensor adds random numbers to each pixel"),
+    },
 }
+_WORDS = {name: words for group in _GROUPS.values() for name, words in group.items()}
 _TILT = float(np.radians(3.0))  # the largest on the slider, rad
 
 
@@ -66,11 +73,12 @@ class RealityDial:
         """Begin with the laboratory's picture."""
         self.field, self.pose, self.seed = field or Field(), pose or Pose(0.6, -0.5, 0.2), seed
         self.reality, self.tilt = Reality.lab(), 0.0
-        self._moving_sliders, self._moved, self._newest = False, "", Newest(self._show)
+        self._moving_sliders, self._newest = False, Newest(self._show)
+        self._moved: tuple[str, str] | None = None  # words of the slider that was moved last
         self._image = LabelledImage(format="jpeg", layout=ipywidgets.Layout(width="480px"))
         self._said = ipywidgets.HTML()
         self._sliders = {name: self._slider(name) for name in _STANDING}
-        self._tilt = self._made("tilt (degrees)", -3.0, 3.0, self._tilted)
+        self._tilt = self._made(_TILT_WORDS, -3.0, 3.0, self._tilted)
         buttons = [
             ipywidgets.Button(description=name, tooltip=f"Set all effects as {name}") for name in PRESETS
         ]
@@ -79,7 +87,12 @@ class RealityDial:
         shown = ipywidgets.VBox(
             [ipywidgets.HBox(buttons), self._image, self._said], layout=ipywidgets.Layout(width="500px")
         )
-        sliders = ipywidgets.VBox([self._tilt, *self._sliders.values()])
+        folds = ipywidgets.Accordion(
+            [ipywidgets.VBox([self._sliders[name] for name in group]) for group in _GROUPS.values()],
+            titles=[f"{title}: {len(group)} sliders" for title, group in _GROUPS.items()],
+            selected_index=0,
+        )
+        sliders = ipywidgets.VBox([self._tilt, folds])
         self.widget = ipywidgets.HBox([shown, sliders], layout=ipywidgets.Layout(flex_flow="row wrap"))
         self._show()
 
@@ -127,9 +140,8 @@ class RealityDial:
 
     def summary(self) -> str:
         """Say which effects are on."""
-        on = [
-            f"{name} {getattr(self.reality, name):.3g}" for name in _STANDING if getattr(self.reality, name)
-        ]
+        strengths = {label: getattr(self.reality, name) for name, (label, _) in _WORDS.items()}
+        on = [f"{label} {strength:.3g}" for label, strength in strengths.items() if strength]
         lean = round(float(np.degrees(self.tilt)), 1) + 0.0  # no minus before a zero
         return f"the robot leans by {lean:.1f} degrees; on: {', '.join(on) or 'nothing'}"
 
@@ -146,20 +158,21 @@ class RealityDial:
     def _slider(self, name: str) -> Any:
         presets = [getattr(getattr(Reality, preset)(), name) for preset in PRESETS]
         most = 1.0 if name in _FRACTIONS else max(3 * getattr(Reality.lab(), name), *presets)
-        return self._made(name, 0.0, most, partial(self._slid, name), getattr(self.reality, name))
+        return self._made(_WORDS[name], 0.0, most, partial(self._slid, name), getattr(self.reality, name))
 
     @staticmethod
-    def _made(name: str, low: float, high: float, action: Any, value: float = 0.0) -> Any:
+    def _made(words: tuple[str, str], low: float, high: float, action: Any, value: float = 0.0) -> Any:
+        label, meaning = words
         slider = ipywidgets.FloatSlider(
             value=value,
             min=low,
             max=high,
             step=(high - low) / 1000,  # a browser rounds to it: fine enough for every preset
-            description=name,
+            description=label,
             readout_format=".2f",
-            tooltip=f"{name}: {_MEANINGS[name.split()[0]]}; from {low:g} to {high:g}",
-            style={"description_width": "8em"},
-            layout=ipywidgets.Layout(height="24px", width="340px"),
+            tooltip=f"{label}: {meaning}; from {low:g} to {high:g}",
+            style={"description_width": "9.5em"},
+            layout=ipywidgets.Layout(height="24px", width="350px"),
         )
         slider.observe(action, names="value")
         return slider
@@ -167,16 +180,16 @@ class RealityDial:
     def _slid(self, name: str, change: Any) -> None:
         if not self._moving_sliders:
             changes: dict[str, Any] = {name: float(change["new"])}
-            self.reality, self._moved = replace(self.reality, **changes), name
+            self.reality, self._moved = replace(self.reality, **changes), _WORDS[name]
             self._newest.ask()
 
     def _tilted(self, change: Any) -> None:
-        self.tilt, self._moved = float(np.radians(change["new"])), "tilt"
+        self.tilt, self._moved = float(np.radians(change["new"])), _TILT_WORDS
         self._newest.ask()
 
     def _put(self, reality: Reality) -> None:
         """Take on effects, and move the sliders without a picture for each."""
-        self.reality, self._moving_sliders, self._moved = reality, True, ""
+        self.reality, self._moving_sliders, self._moved = reality, True, None
         for name, slider in self._sliders.items():
             slider.value = getattr(reality, name)
         self._moving_sliders = False
@@ -185,5 +198,5 @@ class RealityDial:
     def _show(self) -> None:
         self._image.value = jpeg(self.pixels)
         self._image.alt = repr(self)
-        meaning = f"<b>{self._moved}</b>: {_MEANINGS[self._moved]}<br>" if self._moved else ""
+        meaning = "<b>{}</b>: {}<br>".format(*self._moved) if self._moved else ""
         self._said.value = f'<div role="status">{meaning}{self.summary()}</div>'

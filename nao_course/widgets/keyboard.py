@@ -12,7 +12,11 @@ _HANDLER = """const name = %s[event.key.toLowerCase()];
 if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
 event.preventDefault(); event.stopPropagation();
 const button = this.closest('.nao-panel').querySelector('.nao-do-' + name);
-if (button && !button.disabled && !(event.repeat && %s.includes(name))) button.click();"""
+if (!button || button.disabled || (event.repeat && %s.includes(name))) return;
+if (event.repeat && event.timeStamp - (this.pressed || 0) < %d) return;
+this.pressed = event.timeStamp;
+button.click();"""
+_REPEAT = 350  # ms between two presses by a key that is held: what a panel can follow
 
 
 def key_names(keys: tuple[str, ...]) -> str:
@@ -49,7 +53,7 @@ def key_field(keys: Keys, words: str, more: str, placeholder: str, once: Collect
         To be the value of a widget inside a box with the class ``nao-panel``.
     """
     table = json.dumps({key: name for name, several in keys.items() for key in several})
-    handler = html.escape(_HANDLER % (table, json.dumps(sorted(once))), quote=True)
+    handler = html.escape(_HANDLER % (table, json.dumps(sorted(once)), _REPEAT), quote=True)
     return (
         f'<input class="nao-keys" type="text" autocomplete="off" spellcheck="false" aria-label="{words}{more}" '
         f'title="{words}" placeholder="{placeholder}" oninput="this.value=\'\'" onkeydown="{handler}">'

@@ -54,6 +54,11 @@ TO_RADIANS = Exercise(
             "That is nearly right. Take pi with all its digits: np.pi.",
         ),
         Mistake(
+            "pi is about 3.14",
+            lambda angle_deg: angle_deg * 3.14 / 180.0,
+            "3.14 is pi with three digits, and an answer has to be right to four: np.pi has sixteen.",
+        ),
+        Mistake(
             "sign lost",
             lambda angle_deg: abs(angle_deg) * np.pi / 180.0,
             "Turns to the right are negative, and stay negative.",

@@ -75,6 +75,16 @@ def _hsl(picture: Array, **changed: Any) -> tuple[Array, Array, Array]:
     return hue, saturation, lightness * (1.0 if changed.get("unit") else 255.0)
 
 
+def _no_red_line(picture: Array) -> tuple[Array, Array, Array]:
+    """The scaffold's two lines alone."""
+    _, saturation, lightness = _hsl(picture)
+    red, green, blue = (picture[..., channel] / 255 for channel in range(3))
+    top, bottom = picture.max(axis=2) / 255, picture.min(axis=2) / 255
+    divisor = np.where(top == bottom, 1.0, top - bottom)
+    sixths = np.where(top == green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)
+    return 60 * sixths % 360, saturation, lightness
+
+
 def _overflow(picture: Array) -> tuple[Array, Array, Array]:
     hue, saturation, _ = _hsl(picture)
     return hue, saturation, ((picture.max(axis=2) + picture.min(axis=2)) // 2).astype(float)
@@ -190,10 +200,10 @@ RGB_TO_HSL = Exercise(
     hidden=lambda rng: [Case((primaries()[:, ::-1],)), *(Case((picture(rng, 24, 32),)) for _ in range(3))],
     comparison=Close(rtol=1e-3, atol=2e-3, names=("your hue", "your saturation", "your lightness")),
     hints=(
-        "largest == red says where equation 1.3's first line holds, largest == green where the second does. Write all three lines with "
-        "divisor below the fraction, and choose between them with np.where, one inside the other.",
-        "np.where(largest == red, A, np.where(largest == green, B, C)), times 60, modulo 360. For the saturation, the divisor of equation "
-        "1.2 is 0 for black and white: np.where(grey, 1.0, ...) there, too.",
+        "largest == red says where equation 1.3's first line holds. Write that line with divisor below the fraction, and take it there "
+        "with np.where; elsewhere stay the sixths of the scaffold. Sixths of a circle are 60 degrees each.",
+        "np.where(largest == red, ..., sixths), times 60, modulo 360. For the saturation, the denominator of equation 1.2 is 0 for black "
+        "and white: np.where(grey, 1.0, ...) there, as in divisor.",
     ),
     mistakes=[
         Mistake(
@@ -224,6 +234,12 @@ RGB_TO_HSL = Exercise(
             "negative hue",
             lambda picture: _hsl(picture, negative=True),
             "Some hues are negative. Pinks lie just below 360 degrees: take the hue modulo 360.",
+        ),
+        Mistake(
+            "the red line left out",
+            _no_red_line,
+            "Where red is the largest channel your hues are those of another line: the scaffold has the lines for green and blue, and "
+            "the first line of equation 1.3, for M = r, is yours.",
         ),
         Mistake(
             "grey divided by zero",
@@ -279,7 +295,7 @@ RGB_TO_HSL = Exercise(
         Mistake(
             "the hue's divisor",
             _hue_divisor,
-            "That is divided by the hue's divisor, M - m. The saturation has one of its own: 1 - |M + m - 1|, equation 1.2.",
+            "That is divided by divisor, M - m. The saturation has a denominator of its own: 1 - |M + m - 1|, equation 1.2.",
         ),
         Mistake(
             "60 forgotten",
@@ -326,8 +342,8 @@ RGB_TO_HSL = Exercise(
     },
     equivalents={
         "grey = largest <= smallest": "a largest value is never below a smallest one",
-        "in_blue = np.where(largest <= green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)": "no channel is above the largest one, so at most it equals it",
-        "sixth = np.where(largest <= red, (green - blue) / divisor, in_blue)": "no channel is above the largest one, so at most it equals it",
+        "sixths = np.where(largest <= green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)": "no channel is above the largest one, so at most it equals it",
+        "sixths = np.where(largest <= red, (green - blue) / divisor, sixths)": "no channel is above the largest one, so at most it equals it",
         "divisor = np.where(grey, 2.0, largest - smallest)": "a grey pixel's numerators are 0, whatever they are divided by",
         "saturation = (largest - smallest) / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's spread is 0, whatever it is divided by",
         "largest = np.maximum(blue, np.maximum(red, green))": "the largest of three numbers does not depend on their order",
@@ -430,7 +446,7 @@ AVERAGE_LIGHTNESS = Exercise(
         Mistake(
             "whole rows drawn",
             lambda lightness, n_samples, rng: float(rng.choice(lightness, n_samples).mean()),
-            "Whole rows are drawn: rng.choice takes elements along the first axis. Make one long row of it first, with ravel().",
+            "Whole rows of the picture are drawn, not pixels: its first axis counts rows. Draw from one long row of all its pixels.",
         ),
         Mistake(
             "np.random",
@@ -870,7 +886,7 @@ COLOR_LABELS = Exercise(
         Mistake(
             "labels with a point",
             lambda *args: _labels(*args).astype(float),
-            "Labels are whole numbers: say dtype=np.uint8 where you make the array.",
+            "Your labels are right, but they are whole numbers: say dtype=np.uint8 where you make the array.",
         ),
         Mistake(
             "luma",

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.lab import jupyter_lab
+from tests.browser.lab import browser_page, jupyter_lab
 
 
 @pytest.fixture(scope="module")
@@ -11,3 +11,12 @@ def lab(tmp_path_factory):
     folder = tmp_path_factory.mktemp("notebooks")
     with jupyter_lab(folder, tmp_path_factory.mktemp("jupyter")) as running:
         yield running
+
+
+@pytest.fixture
+def page(lab, chromium):
+    """A page on which nothing of ours may complain."""
+    lab.console.clear()
+    with browser_page(chromium) as opened:
+        yield opened
+    assert lab.our_errors() == []

@@ -5,33 +5,18 @@ import re
 import pytest
 
 from tests.browser.filter_page import LABEL, FilterPage
-from tests.browser.lab import browser_page, wait_for
-from tests.paths import PROJECT
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import screenshot
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 
 SLOW = "import time\ntaken = []\n" + LABEL.replace(
     "    mean", "    taken.append(beta); time.sleep(0.4); print(len(taken), 'pictures')\n    mean"
 )
 ENDLESS = LABEL.replace("    mean", "    while beta > 200: pass\n    mean")
-
-
-@pytest.fixture
-def page(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as opened:
-        yield opened
-    assert lab.our_errors() == []
-
-
-def screenshot(page, name):
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.wait_for_timeout(300)
-    page.screenshot(path=SCREENSHOTS / f"{name}.png")
 
 
 def test_a_slider_is_dragged_and_labels_and_numbers_follow(lab, page):

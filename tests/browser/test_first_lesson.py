@@ -1,32 +1,25 @@
 """In a real browser: lesson 00 opens with its figure and folded cells, and a prediction is typed, kept and resolved."""
 
-import shutil
-
 import pytest
 
-from tests.browser.lab import browser_page, jupyter_lab, wait_for
-from tests.browser.test_student_copy import cell_index, in_sight, select
-from tests.paths import PROJECT
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import cell_index, in_sight, screenshot, select, student_copies
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 NAME = "00_meet_the_nao"
 FIELD = '.widget-text input[placeholder="your prediction"]'
 
 
 def test_it_opens_with_its_figure_and_a_prediction_is_written_with_enter_and_laid_beside(tmp_path, chromium):
-    folder = tmp_path / "notebooks"
-    shutil.copytree(PROJECT / "notebooks", folder)
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    with jupyter_lab(folder, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
+    with student_copies(tmp_path, chromium) as (lab, page):
         lab.open(page, f"{NAME}.ipynb")
         payoff = page.locator('img[alt^="Four maps"]')
         wait_for(lambda: in_sight(payoff), "the figure on the first screen", 30)
         assert payoff.first.evaluate("image => image.naturalWidth") > 600
-        page.screenshot(path=SCREENSHOTS / "lesson_00_first_screen.png")
+        screenshot(page, "lesson_00_first_screen")
         lab.run_all(page, timeout=240)
         assert lab.errors(page) == []
         guess = cell_index(page, "pitch_guess = prediction")
@@ -45,16 +38,16 @@ def test_it_opens_with_its_figure_and_a_prediction_is_written_with_enter_and_lai
         page.keyboard.type("-30 deg")
         page.keyboard.press("Enter")
         wait_for(lambda: "You predicted -30°" in cell.inner_text(), "the prediction, kept", 20)
-        page.screenshot(path=SCREENSHOTS / "lesson_00_prediction.png")
+        screenshot(page, "lesson_00_prediction")
         beside = cell_index(page, "pitch_guess.beside")
         select(page, beside)
         page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-cell').then(() => null)")
         line = page.locator(f'.jp-Cell[data-windowed-list-index="{beside}"]')
-        wait_for(lambda: "You predicted -30°; it is -29°." in line.inner_text(), "both side by side", 30)
-        page.screenshot(path=SCREENSHOTS / "lesson_00_beside.png")
+        wait_for(lambda: "You predicted -30°; it is -30°." in line.inner_text(), "both side by side", 30)
+        screenshot(page, "lesson_00_beside")
         last = cell_index(page, "check.payoff(")
         select(page, last)
         shown = page.locator(f'.jp-Cell[data-windowed-list-index="{last}"]')
         wait_for(lambda: "needs your exercise 0.1" in shown.inner_text(), "which exercise is missing", 20)
-        page.screenshot(path=SCREENSHOTS / "lesson_00_payoff_blank.png")
+        screenshot(page, "lesson_00_payoff_blank")
         assert lab.our_errors() == []

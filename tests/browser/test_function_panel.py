@@ -5,14 +5,13 @@ import re
 import numpy as np
 import pytest
 
-from tests.browser.lab import LAPTOP, browser_page, wait_for
-from tests.paths import PROJECT
+from tests.browser.lab import LAPTOP, wait_for
+from tests.browser.notebook_page import screenshot
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 NARROW = {"width": 800, "height": 768}
 
 STUDENT = """import numpy as np
@@ -54,14 +53,6 @@ _SCROLLED = """root => [...root.querySelectorAll('*')].filter(each => {
 }).map(each => each.className)"""
 
 
-@pytest.fixture
-def page(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as opened:
-        yield opened
-    assert lab.our_errors() == []
-
-
 class Panel:
     """The first function panel of a page."""
 
@@ -89,10 +80,8 @@ class Panel:
             raise AssertionError(f"{words!r} is not in the panel's words, which are {self.words()!r}")
 
     def screenshot(self, name):
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         self.into_view()
-        self.page.wait_for_timeout(300)
-        self.page.screenshot(path=SCREENSHOTS / f"{name}.png")
+        screenshot(self.page, name)
 
 
 def test_mouse_and_keys_set_every_control_and_what_is_shown_follows(lab, page):

@@ -8,13 +8,13 @@ import psutil
 import pytest
 
 from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.browser.notebook_page import screenshot
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 LESSON = PROJECT / "notebooks" / "00_meet_the_nao.ipynb"
 
 PANEL = """from nao_course.sim import SimulatedNao, Truth
@@ -80,10 +80,8 @@ class Panel:
             pytest.fail(f"{words!r} is not in the panel's words, which are {self.facts()!r}")
 
     def screenshot(self, name):
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
-        self.page.wait_for_timeout(300)
-        self.page.screenshot(path=SCREENSHOTS / f"{name}.png")
+        screenshot(self.page, name)
 
 
 def open_panel(lab, page, name, code):
@@ -108,7 +106,7 @@ def test_buttons_drive_and_bring_new_pictures(lab, page):
     panel.press("slam")
     panel.expect("Measured")
     panel.press("picture")
-    panel.expect("1 kept")
+    panel.expect("1 picture kept")
     panel.screenshot("panel_after_a_drive")
 
 
@@ -126,7 +124,7 @@ def test_keys_drive_and_jupyterlab_keeps_its_cells(lab, page):
         page.keyboard.press(key)
         panel.expect(words)
     page.keyboard.press("Space")
-    panel.expect("1 kept")
+    panel.expect("1 picture kept")
     page.keyboard.press("m")
     panel.expect("Measured")
     for key in "dd" + "abyz" + "00":  # shortcuts of JupyterLab: delete, insert, cut, undo, restart

@@ -5,23 +5,14 @@ import numpy as np
 import pytest
 
 from tests.browser.filter_page import reference
-from tests.browser.lab import browser_page, wait_for
-from tests.paths import PROJECT
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import screenshot
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 GREEN = np.array([0x3F, 0x9B, 0x55])  # of the label, in all figures
-
-
-@pytest.fixture
-def page(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as opened:
-        yield opened
-    assert lab.our_errors() == []
 
 
 def looked_at(page, camera):
@@ -69,8 +60,7 @@ def test_the_students_own_labels_drive_along(lab, page):
     expect(page, "Walk 0.20 m ahead: done")
     assert page.locator("img.nao-image-top").get_attribute("src") != before
     assert painted_green(page, "top") > 0.3, "the labels follow the drive"
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SCREENSHOTS / "my_nao.png")
+    screenshot(page, "my_nao")
 
     page.locator(".nao-do-view").click()
     wait_for(lambda: painted_green(page, "top") < 0.2, "the top camera's own picture", 30)

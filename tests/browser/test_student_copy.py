@@ -7,42 +7,15 @@ import pytest
 from nao_course.instructor.authoring import build, lesson_text, stamps
 from nao_course.instructor.authoring.course import load_course
 from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.browser.notebook_page import cell_index, in_sight, into, screenshot, select, student_copies
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
 pytest.importorskip("jupyterlab")
 pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 NAME = "01_hsl_filtering"
 EXERCISE = "rgb_to_hsl"
-
-
-def cell_index(page, text):
-    """Place among all cells of the open notebook of the first one that holds a text."""
-    return page.evaluate(
-        """text => window.jupyterapp.shell.currentWidget.content.model.sharedModel.cells
-        .findIndex(cell => cell.getSource().includes(text))""",
-        text,
-    )
-
-
-def select(page, index):
-    """Scroll to a cell and make it the active one."""
-    page.evaluate(
-        """async index => {
-            const notebook = window.jupyterapp.shell.currentWidget.content;
-            notebook.activeCellIndex = index;
-            notebook.deselectAll();
-            await notebook.scrollToItem(index, 'center');
-        }""",
-        index,
-    )
-
-
-def into(page, index):
-    """Click into a cell that is in sight."""
-    page.locator(f'.jp-Cell[data-windowed-list-index="{index}"] .cm-content').click()
 
 
 def check_state(page, name):
@@ -50,23 +23,15 @@ def check_state(page, name):
     return shown.get_attribute("data-state") if shown.count() else None
 
 
-def in_sight(found):
-    box = found.first.bounding_box() if found.count() else None
-    return box is not None and 0 < box["y"] < 700
-
-
 def test_the_page_that_a_student_opens_has_the_lesson_its_contents_and_nothing_that_distracts(
     tmp_path, chromium
 ):
-    folder = tmp_path / "notebooks"
-    shutil.copytree(PROJECT / "notebooks", folder)
-    with jupyter_lab(folder, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
+    with student_copies(tmp_path, chromium) as (lab, page):
         lab.open(page, f"{NAME}.ipynb")
         page.locator('.jp-SideBar [data-id="table-of-contents"]').click()
         entries = page.locator(".jp-TableOfContents-content .jp-tocItem-content")
         wait_for(lambda: entries.count() > 8, "table of contents", 20)
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-        page.screenshot(path=SCREENSHOTS / "student_page.png")
+        screenshot(page, "student_page")
         sides = page.locator(".jp-SideBar [data-id]").evaluate_all("tabs => tabs.map(tab => tab.dataset.id)")
         assert "filebrowser" in sides and not [each for each in sides if "nbgrader" in each]
         assert page.locator(".Toastify__toast, .jp-Dialog").count() == 0
@@ -96,8 +61,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         wait_for(
             lambda: check_state(page, EXERCISE) == "not attempted", "check that says 'not written yet'", 20
         )
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-        page.screenshot(path=SCREENSHOTS / "student_copy_blank.png")
+        screenshot(page, "student_copy_blank")
 
         exercise = cell_index(page, f"def {EXERCISE}")
         select(page, exercise)
@@ -109,7 +73,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         page.keyboard.press("Shift+Enter")
         wait_for(lambda: check_state(page, EXERCISE) == "right", "check that turns green", 30)
         select(page, check)
-        page.screenshot(path=SCREENSHOTS / "student_copy_one_right.png")
+        screenshot(page, "student_copy_one_right")
         assert lab.errors(page) == []
         assert lab.our_errors() == []
 

@@ -6,7 +6,9 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -402,6 +404,12 @@ def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
     )
 
 
+def test_a_payoff_that_a_wrong_function_draws_says_so_and_shows_it_all_the_same(check):
+    shown = check.payoff(lambda clamp: clamp(5, 0, 3), clamp=lambda x, low, high: x)
+    assert repr(shown) == "This is drawn with your exercise 90.1, which does not pass the public checks.\n5"
+    assert "does not pass" in shown._repr_html_() and "<pre>5</pre>" in shown._repr_html_()
+
+
 def test_a_payoff_that_fails_although_all_is_right_says_how(check):
     assert "ZeroDivisionError" in repr(check.payoff(lambda clamp: 1 / 0, clamp=np.clip))
 
@@ -410,3 +418,32 @@ def test_a_name_that_is_not_known_gets_advice_after_the_complaint(check):
     report = repr(check("clamp", lambda x, low, high: lowest))  # noqa: F821
     assert "name 'lowest' is not defined" in report
     assert "since the kernel was started? The grader runs what you define" in report
+
+
+# What is told beside
+
+
+def test_a_right_function_of_which_numpy_warns_is_told_so_once_and_a_quiet_one_is_not(check):
+    def warns(x, low, high):
+        return np.where(np.float64(0) / np.float64(0) > 0, np.nan, np.clip(x, low, high))
+
+    for _ in range(2):  # a second check says it again
+        report = check("clamp", warns)
+        assert report and repr(report).count("NumPy warns: invalid value") == 1
+    assert "NumPy warns" not in repr(check("clamp", np.clip))
+
+
+def test_another_warning_of_a_function_goes_its_way(check):
+    def old(x, low, high):
+        warnings.warn("do not use this", DeprecationWarning, stacklevel=1)
+        return np.clip(x, low, high)
+
+    with pytest.warns(DeprecationWarning, match="do not use this"):
+        assert check("clamp", old)
+
+
+def test_a_function_whose_new_version_did_not_run_is_not_checked(check):
+    with mock.patch.dict(checking.FAILED_CELLS._why, clamp="SyntaxError, line 2: invalid syntax"):
+        report = check("clamp", np.clip)
+    assert report.state == "not checked" and not report
+    assert report.lines[0] == "The cell that defines clamp did not run: SyntaxError, line 2: invalid syntax."

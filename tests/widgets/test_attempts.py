@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import signal
 import threading
 import time
 
@@ -36,6 +37,39 @@ def test_a_loop_that_catches_everything_is_stopped_too():
                 pass
 
     assert "Time is up" in attempt(stubborn, "your code", limit=0.05).message
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no alarm clock")
+@pytest.mark.parametrize("wait", [0.02, 1000.0])
+def test_a_loop_that_catches_everything_around_calls_that_wait_is_stopped_where_there_is_an_alarm_clock(wait):
+    def stubborn():
+        while True:
+            try:  # noqa: SIM105
+                time.sleep(wait)
+            except:  # noqa: E722
+                pass
+
+    handler = signal.getsignal(signal.SIGALRM)
+    assert "Time is up" in attempt(stubborn, "your code", limit=0.05).message
+    assert signal.getsignal(signal.SIGALRM) is handler
+    assert signal.getitimer(signal.ITIMER_REAL) == (0, 0)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no alarm clock")
+def test_an_alarm_that_somebody_else_has_set_stays_theirs():
+    rung = []
+    before = signal.signal(signal.SIGALRM, lambda *_: rung.append(1))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        assert "Time is up" in attempt(endless_loop, "your code", limit=0.2).message
+        assert rung == [1]
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+def endless_loop():
+    while True:
+        pass
 
 
 def test_code_that_comes_to_its_end_gives_its_value():

@@ -84,6 +84,16 @@ def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
     assert "noise 2" in dial._said.value
 
 
+def test_the_sliders_are_in_groups_that_fold_and_none_is_called_as_only_code_calls_it():
+    dial = RealityDial()
+    (folds,) = [each for each in dial.widget.children[1].children if hasattr(each, "titles")]
+    grouped = [slider for group in folds.children for slider in group.children]
+    assert sorted(map(id, grouped)) == sorted(map(id, dial._sliders.values()))
+    assert not {slider.description for slider in grouped} & {"pile", "mottle", "litter", "grain", "vignette"}
+    dial.set(pile=1.0)
+    assert "darker from above 1" in dial.summary() and "pile" not in dial.summary()
+
+
 def test_every_slider_says_what_it_does_where_it_is_and_while_it_is_moved():
     dial = RealityDial()
     sliders = [*dial._sliders.values(), dial._tilt]
@@ -92,6 +102,6 @@ def test_every_slider_says_what_it_does_where_it_is_and_while_it_is_moved():
         slider.value = slider.max / 2
         dial._show()
         name, meaning = slider.tooltip.split("; from")[0].split(": ")
-        assert f"<b>{name.split()[0]}</b>: {meaning}<br>" in dial._said.value
+        assert f"<b>{name}</b>: {meaning}<br>" in dial._said.value
     dial.preset("clean")
     assert "<b>" not in dial._said.value

@@ -5,7 +5,7 @@ Both are plain, as they come out of the codec: no class of a student's own has a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,9 @@ from nao_course.exercises.comparisons.structure import (
     as_numbers,
     compare_structure,
 )
+
+_NEARLY = 20.0  # times the tolerances: so near a wrong answer is one that was rounded
+_FINE = 0.01  # relative: a coarser tolerance is for what scatters
 
 
 @register
@@ -80,12 +83,26 @@ class Close(Comparison):
             place = f" at {list(at)}{name}" if at else ""
             rest = "" if np.isnan(value) else " where it should be"
             return Verdict("nan", f"{elements.where} is {'' if not rest else 'not '}NaN{place}{rest}", at)
-        near = self._near(elements, wanted, have)
-        same = near | (have == wanted) | (np.isnan(wanted) & np.isnan(have))
-        return elements.differences(~same & counted, self.allowed, size)
+        wrong = self._wrong(elements, wanted, have) & counted
+        verdict = elements.differences(wrong, self.allowed, size)
+        tolerance = self._say_tolerance()
+        if verdict or not tolerance or (self._wrong(elements, wanted, have, _NEARLY) & counted).any():
+            return verdict
+        return replace(verdict, text=f"{verdict.text}; it is close, and has to be right to {tolerance}")
 
-    def _near(self, elements: Elements, wanted: Array, have: Array) -> Any:
-        """Which elements are finite and within the tolerances."""
+    def _say_tolerance(self) -> str:
+        """How far off an answer may be, where that is one small number; else nothing."""
+        if isinstance(self.rtol, tuple) or isinstance(self.atol, tuple) or self.rtol > _FINE:
+            return ""
+        return f"{100 * self.rtol:g} %" if self.rtol else f"{self.atol:g}"
+
+    def _wrong(self, elements: Elements, wanted: Array, have: Array, times: float = 1.0) -> Any:
+        """Which elements are neither within so many times the tolerances nor equal."""
+        near = self._near(elements, wanted, have, times)
+        return ~(near | (have == wanted) | (np.isnan(wanted) & np.isnan(have)))
+
+    def _near(self, elements: Elements, wanted: Array, have: Array, times: float) -> Any:
+        """Which elements are finite and within so many times the tolerances."""
         rtol, atol = elements.of_column(self.rtol, "rtol"), elements.of_column(self.atol, "atol")
         period = np.asarray(elements.of_column(self.period, "period"), dtype=float)
         with np.errstate(all="ignore"):
@@ -94,7 +111,7 @@ class Close(Comparison):
                 whole = np.where(period > 0, period, 1.0)
                 wrapped = np.abs((difference + whole / 2) % whole - whole / 2)
                 difference = np.where(period > 0, wrapped, difference)
-            return (difference <= atol + rtol * np.abs(wanted)) & np.isfinite(wanted)
+            return (difference <= times * (atol + rtol * np.abs(wanted))) & np.isfinite(wanted)
 
 
 @register
@@ -127,7 +144,10 @@ class Exact(Comparison):
     def _elements(self, elements: Elements) -> Verdict:
         wanted, have = elements.wanted, elements.have
         if wanted.dtype.kind in "iu" and have.dtype.kind not in "iu":
-            return Verdict("type", f"{elements.where} holds {KINDS[have.dtype.kind]}, not whole numbers")
+            held = f"{elements.where} holds {KINDS[have.dtype.kind]} (dtype {have.dtype}), not whole numbers"
+            return Verdict(
+                "type", f"{held}: say which where the array is made, as in np.zeros(shape, dtype=int)"
+            )
         counted = elements.counted(self.mask)
         size = int(np.count_nonzero(counted)) if self.mask else None
         return elements.differences((wanted != have) & counted, self.allowed, size)

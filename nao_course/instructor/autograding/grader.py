@@ -19,10 +19,10 @@ import numpy as np
 
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
-from nao_course.exercises.checking import explain
 from nao_course.exercises.definitions import NO_DEFINITION
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.assignment import Assignment, Task
@@ -33,10 +33,13 @@ from nao_course.instructor.autograding.failures import (
     describe_outcome,
 )
 from nao_course.instructor.autograding.lending import (
+    STOOD_IN,
     References,
     handed_in_earlier,
+    how_many_pass,
     in_words,
     notebook_of,
+    recorded,
     where_from,
     with_what_classes_use,
 )
@@ -321,7 +324,14 @@ class SubmissionGrader:
     def public(self, exercise: PublicExercise) -> tuple[list[str], Outcome]:
         """Run an exercise's public cases: what the check says of them, and the last outcome without its value."""
         outcomes = list(self.outcomes(exercise, exercise.cases))
-        return self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
+        lines, last = self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
+        if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
+            self.worker.lend(recorded(exercise))  # as in the notebook, where earlier work is not usable
+            outcomes = list(self.outcomes(exercise, exercise.cases))
+            self.worker.lend({})
+            if how_many_pass(exercise, outcomes) > passed:
+                lines = [*self.explained(exercise, outcomes), STOOD_IN]
+        return lines, last
 
     def result(self, task: Task, lines: Sequence[str], last: Outcome) -> ExerciseResult:
         """Grade one exercise; its public cases have been run."""

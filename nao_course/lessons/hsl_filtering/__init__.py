@@ -1,5 +1,6 @@
 """What lesson 01, HSL filtering, alone uses."""
 
+from nao_course.lessons.hsl_filtering.challenge_figure import harder_rooms
 from nao_course.lessons.hsl_filtering.figures import draw_hsl, draw_hue_circle, draw_stray_pixel
 from nao_course.lessons.hsl_filtering.light import crossing, draw_light_limits, draw_lightness, in_light
 from nao_course.lessons.hsl_filtering.panel import FilterPanel
@@ -16,6 +17,7 @@ __all__ = [
     "draw_payoff",
     "draw_real_pictures",
     "draw_stray_pixel",
+    "harder_rooms",
     "in_light",
 ]
 

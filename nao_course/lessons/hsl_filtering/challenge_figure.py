@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from nao_course.challenges import CaseResult, Run
+from nao_course.challenges import CaseResult, EntryReport, Run
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS, error_classes
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
@@ -41,6 +41,28 @@ def draw_lost_points(run: Run) -> Drawing:
             _plot_worst(shown, [figure.add_subplot(grid[1, column]) for column in range(3)])
         legend_below(figure, _keys(run, with_pixels=shown is not None), columns=3)
     return Drawing(figure, _words(run), photo=True)
+
+
+def harder_rooms(report: EntryReport) -> str:
+    """Say in which rooms an entry loses more: "dark" or "harsh".
+
+    Parameters
+    ----------
+    report : EntryReport
+        From ``challenge("01").enter(...)``.
+
+    Raises
+    ------
+    NotImplementedError
+        If the entry was not run on all scenes, as one that calls a blank exercise.
+    """
+    if not report.run.complete:
+        raise NotImplementedError("an entry with a score is needed")
+    return min(("dark", "harsh"), key=lambda room: _mean_score(report.run, room))
+
+
+def _mean_score(run: Run, room: str) -> float:
+    return float(np.mean([each.score for each in run.results if each.name.startswith(room)]))
 
 
 def _plot_scenes(run: Run, ax: Axes) -> None:
@@ -103,7 +125,7 @@ def _words(run: Run) -> str:
     by_score = sorted(run.results, key=lambda each: each.score)
     lost = ", ".join(f"{each.name} with {each.score:.2f}" for each in by_score[:3])
     means = "; ".join(
-        f"{room} rooms {np.mean([each.score for each in run.results if each.name.startswith(room)]):.2f} on average"
+        f"{room} rooms {_mean_score(run, room):.2f} on average"
         for room in dict.fromkeys(each.name.split()[0] for each in run.results)
     )
     return f"Score of each of {len(run.results)} scenes: {means}. The worst are {lost}."

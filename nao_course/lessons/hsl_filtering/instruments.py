@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import hsv_to_rgb, to_rgb
 from matplotlib.figure import Figure
 
-from nao_course.lessons.hsl_filtering.light import BINS, MARKS
+from nao_course.lessons.hsl_filtering.light import BINS, MARKS, SPANS
 from nao_course.plotting.style import LABEL_COLOURS, course_style
 
 Pixels = npt.NDArray[np.uint8]
@@ -22,7 +22,7 @@ WIDTH, HEIGHT = 400, 300  # px
 LEFT, RIGHT, TOP, BOTTOM = 10, 390, 8, 250  # of the histogram's axes, px
 CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bars, px
 PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
-_WEDGE = 3  # degrees of a bar on the circle
+WEDGE = 3  # degrees of a bar on the circle
 _STACKED = (1, 0, 2, 3)  # labels, from the bottom up
 _BAR_COLOURS = np.array([to_rgb(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0)]) * 255
 _BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
@@ -45,20 +45,35 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
     )  # the brightest bin may be far higher: it is cut off
     heights = np.minimum(stacked / most, 1.0)
     level = (BOTTOM - np.arange(TOP, BOTTOM))[:, None] / (BOTTOM - TOP)
-    bars = np.sum(level[None] > heights[:, None, :], axis=0)  # how many of the labels a pixel is above of
+    bars = np.sum(level[None] > heights[:, None, :], axis=0)  # (rows, BINS): how many labels a place is above of
     columns = (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)
-    picture[TOP:BOTTOM, LEFT:RIGHT] = _BAR_COLOURS[bars[:, columns]]
+    picture[TOP:BOTTOM, LEFT:RIGHT] = np.take(_BAR_COLOURS, bars, axis=0)[:, columns]
     tops = (BOTTOM - np.round(heights[-1, columns] * (BOTTOM - TOP))).astype(np.int32)
     outline = np.column_stack((np.arange(LEFT, RIGHT, dtype=np.int32), tops))
     cv2.polylines(picture, [outline], False, (51, 51, 51), 1)
     for name, at in marks.items():
         u = round(LEFT + (RIGHT - LEFT) * min(max(at, 0.0), 255.0) / 256)
-        cv2.line(picture, (u, TOP), (u, BOTTOM), _rgb(MARKS[name][0]), 3)
+        low, high = (round(BOTTOM - (BOTTOM - TOP) * end) for end in SPANS[name])
+        cv2.line(picture, (u, low), (u, high), _rgb(MARKS[name][0]), 3)
     return picture
 
 
+def hue_counts(hue: npt.NDArray[np.float32], counted: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
+    """Count pixels by hue, (360 / WEDGE,).
+
+    Parameters
+    ----------
+    hue : ndarray of float32, shape (H, W)
+        Degrees [0, 360).
+    counted : ndarray of bool, shape (H, W)
+        Which pixels count.
+    """
+    counts = cv2.calcHist([hue], [0], counted.astype(np.uint8), [360 // WEDGE], [0.0, 360.0])
+    return np.asarray(counts, dtype=np.float32).ravel()
+
+
 def circle_picture(
-    hues: npt.NDArray[Any],
+    counts: npt.NDArray[Any],
     arcs: Mapping[str, tuple[float, float]],
     pixel: float | None = None,
     added: Iterable[float] = (),
@@ -67,8 +82,8 @@ def circle_picture(
 
     Parameters
     ----------
-    hues : ndarray of float
-        Degrees [0, 360), of all pixels that have a colour.
+    counts : ndarray, shape (360 / WEDGE,)
+        Pixels by hue, as `hue_counts` gives them.
     arcs : mapping of str to (low, high)
         Limits in degrees by colour, such as "#f2c413"; low > high goes through 0.
     pixel : float, optional
@@ -77,14 +92,13 @@ def circle_picture(
         Hues that were added to an example.
     """
     picture = _circle_paper().copy()
-    counts = np.bincount((hues // _WEDGE).astype(np.intp) % (360 // _WEDGE), minlength=360 // _WEDGE)
     lengths = INNER + (OUTER - INNER) * np.sqrt(counts / max(1, counts.max()))
-    ends = _places(np.arange(0, 360 + _WEDGE, _WEDGE)[:, None], np.array([[INNER]]))[:, 0]
-    starts = _WEDGE * np.arange(len(counts))[:, None] + np.array([[0, _WEDGE]])
+    ends = _places(np.arange(0, 360 + WEDGE, WEDGE)[:, None], np.array([[INNER]]))[:, 0]
+    starts = WEDGE * np.arange(len(counts))[:, None] + np.array([[0, WEDGE]])
     outer = _places(starts, lengths[:, None])
     for wedge in np.flatnonzero(counts):
         corners = np.array([ends[wedge], *outer[wedge], ends[wedge + 1]])
-        cv2.fillConvexPoly(picture, corners, _hue_colour(_WEDGE * (wedge + 0.5)), cv2.LINE_AA)
+        cv2.fillConvexPoly(picture, corners, _hue_colour(WEDGE * (wedge + 0.5)))
     for number, (colour, (low, high)) in enumerate(arcs.items()):
         angles = np.linspace(low, low + (high - low) % 360, 90)
         line = [_places(angles, OUTER + 7.0 + 9 * number)]

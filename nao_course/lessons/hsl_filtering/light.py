@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -16,6 +17,12 @@ from nao_course.plotting.style import HALO, LABEL_COLOURS, course_style
 from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]
+
+SPANS = {
+    "β": (0.0, 0.55),
+    "mean": (0.62, 1.0),
+    "threshold": (0.0, 1.0),
+}  # of the height: β and mean may be one
 
 BINS = 64  # of the lightnesses 0 to 255
 MARKS = {  # colour and dashes of what stands in a histogram of lightness
@@ -48,7 +55,7 @@ def in_light(picture: npt.ArrayLike, factor: float) -> Pixels:
     if not factor >= 0:
         raise ValueError(f"factor must be at least 0, got {factor!r}")
     bytes_ = np.minimum(np.round(np.arange(256) * factor), 255).astype(np.uint8)
-    return bytes_[np.asarray(picture)]
+    return np.asarray(cv2.LUT(np.asarray(picture), bytes_), dtype=np.uint8)
 
 
 def lightness_counts(lightness: npt.ArrayLike, labels: npt.ArrayLike) -> npt.NDArray[np.intp]:
@@ -110,18 +117,19 @@ def draw_lightness(
         ax.step([*left, 256], [*below, below[-1]], where="post", color="#333333", lw=0.8)
         top = 1.22 * float(np.sort(below)[-2])  # the brightest bin may be far higher: it is cut off
         for (name, (colour, dashes)), at in zip(MARKS.items(), (beta, mean, threshold), strict=True):
-            ax.axvline(at, color=colour, ls=dashes, lw=2)
-            leftwards = name == "mean" and mean <= beta
-            place = (-2, "right") if leftwards else (2, "left")
-            height = {"threshold": 0.99, "mean": 0.9, "β": 0.99}[name] * top
+            low, high = SPANS[name]
+            ax.axvline(at, low, high, color=colour, ls=dashes, lw=2)
+            place, side = (-3, "right") if name == "β" else (3, "left")
+            said = f"{name} {at:.0f}"
             ax.text(
-                at + place[0],
-                height,
-                f"{name} {at:.0f}",
+                at + place,
+                high * top,
+                said,
                 color=colour,
                 va="top",
-                ha=place[1],
+                ha=side,
                 path_effects=HALO,
+                fontweight="bold",
             )
         ax.set(xlim=(0, 256), ylim=(0, top), xlabel="lightness (0 to 255)", ylabel="pixels", title=title)
         legend_below(figure, label_keys(LABELS))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from typing import Any
 
 import cv2
@@ -10,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from nao_course.lessons.hsl_filtering.instruments import circle_picture, histogram_picture
+from nao_course.lessons.hsl_filtering.instruments import circle_picture, histogram_picture, hue_counts
 from nao_course.lessons.hsl_filtering.light import MARKS, in_light, lightness_counts
 from nao_course.lessons.hsl_filtering.scores import (
     COLOURS,
@@ -47,11 +48,12 @@ _CSS = """
   .nao-filter.nao-panel { display: grid; max-width: 1100px; column-gap: 14px;
     grid-template-columns: minmax(0, 1.9fr) minmax(310px, 1fr); align-content: start; }
   .nao-filter > .widget-html:first-child { position: absolute; }
-  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 1 / span 3; display: grid;
+  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 1 / span 2; display: grid;
     grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); align-content: start; }
-  .nao-filter > .nao-choices { grid-column: 2; grid-row: 1; }
-  .nao-filter > .nao-below { grid-column: 2; grid-row: 2; }
-  .nao-filter > .nao-status-line { grid-column: 2; grid-row: 3; }
+  .nao-filter > .nao-choices { grid-column: 2; grid-row: 1; gap: 6px; }
+  .nao-filter > .nao-choices button { padding: 0 8px; }
+  .nao-filter > .nao-below { grid-column: 2; grid-row: 2 / span 2; gap: 4px; }
+  .nao-filter > .nao-status-line { grid-column: 1; grid-row: 3; }
 }
 """
 
@@ -228,11 +230,10 @@ class FilterPanel(FunctionPanel):
     def chosen_pixel(self) -> tuple[float, float, float]:
         """Hue in degrees, saturation and lightness of the chosen pixel, in the light that there is."""
         u, v = self.values.pixel
-        picture = in_light(self._scene[0], self.settings.light)
+        picture = self._scene[0]
         row, column = min(v, picture.shape[0] - 1), min(u, picture.shape[1] - 1)
-        hue, saturation, lightness = (
-            float(each[0, 0]) for each in _hsl(picture[row : row + 1, column : column + 1])
-        )
+        pixel = in_light(picture[row : row + 1, column : column + 1], self.settings.light)
+        hue, saturation, lightness = (float(each[0, 0]) for each in _hsl(pixel))
         return hue, saturation, lightness
 
     @property
@@ -323,16 +324,18 @@ class FilterPanel(FunctionPanel):
         colour, title = SHOWN[values.shown], f"Your {values.shown[0].lower()}{values.shown[1:]}"
         title = TRUTH if values.shown == TRUTH else title
         marks = {"β": settings.beta, "mean": mean}
-        yield {SCENE: shown, title: self._coloured(colour)}
-        yield {LIGHTNESS: histogram_picture(counts, marks), HUE: self._circle(hue, saturation)}
+        yield {SCENE: shown, title: _unlabelled(truth.shape)}  # what follows may fail: then this is shown
+        yield {LIGHTNESS: shown, HUE: self._circle(hue, saturation)}  # the histogram follows in any case
         yield legend(colour)
         yield Legend({name: look[0] for name, look in MARKS.items()})
         yield {"Your labels": ScoreTable({})}
         words = f"Mean lightness {mean:.0f}. {self._say_pixel()}"
-        if THRESHOLD in student:
-            marks["threshold"] = float(student[THRESHOLD](mean, settings.beta))
+        try:
+            if THRESHOLD in student:
+                marks["threshold"] = float(student[THRESHOLD](mean, settings.beta))
+                words = f"Threshold {marks['threshold']:.0f}. {words}"
+        finally:  # it is shown without a threshold where that failed
             yield {LIGHTNESS: histogram_picture(counts, marks)}
-            words = f"Threshold {marks['threshold']:.0f}. {words}"
         yield words
         if known is not None and _only_looks_differ(known[0], values):
             self._known = values, known[1]
@@ -346,10 +349,10 @@ class FilterPanel(FunctionPanel):
     def _circle(self, hue: npt.NDArray[Any], saturation: npt.NDArray[Any]) -> Pixels:
         """The hues that are saturated enough, the limits, and the chosen pixel."""
         settings, chosen = self.settings, self.chosen_pixel
-        enough = (saturation >= settings.min_saturation) & (saturation > 0)
+        counts = hue_counts(hue, (saturation >= settings.min_saturation) & (saturation > 0))
         arcs = {LABEL_COLOURS[1]: settings.green, LABEL_COLOURS[2]: settings.yellow}
         return circle_picture(
-            hue[enough], arcs, chosen[0] if chosen[1] > 0 else None, [each[1] for each in self._added]
+            counts, arcs, chosen[0] if chosen[1] > 0 else None, [each[1] for each in self._added]
         )
 
     def _say_pixel(self) -> str:
@@ -362,11 +365,17 @@ class FilterPanel(FunctionPanel):
         """The labels, or the errors in one colour, as a picture; all of class 0 where there are none."""
         labels, truth = self.labels, self._scene[1]
         if labels is None:
-            return painted(np.zeros_like(truth))
+            return _unlabelled(truth.shape)
         if not colour:
             return painted(labels)
         label = LABELS.index(colour)
         return painted(error_classes(labels == label, truth == label), ERROR_COLOURS)
+
+
+@cache
+def _unlabelled(shape: tuple[int, int]) -> Pixels:
+    """A picture all of class 0."""
+    return painted(np.zeros(shape, dtype=np.uint8))
 
 
 def _only_looks_differ(before: Values, now: Values) -> bool:

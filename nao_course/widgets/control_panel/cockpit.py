@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from nao_course.geometry import Pose
+from nao_course.plotting.drawing import say_count
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
 from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
@@ -218,7 +219,7 @@ class Cockpit:
         if self.slam is not None:
             facts.append(f"{type(self.slam).__name__} {_knows(self.estimate)}")
         facts.append(f"head yaw {yaw:z.0f}°, pitch {pitch:z.0f}°")
-        facts.append(f"{self.frames} pictures, {len(self.album)} kept")
+        facts.append(f"{say_count(len(self.album), 'picture') if self.album else 'no picture'} kept")
         return facts
 
     def summary(self, show_truth: bool = False) -> str:

@@ -34,7 +34,7 @@ VIEW_KEYS = {"view": ("v",)}  # only where the student's code looks along
 _KEY_WORDS = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
 _MORE_KEY_WORDS = ", M measures, X stops, H looks ahead"
 _VIEW_KEY_WORDS = ", V changes the view"
-_KEY_HINT = "Keys: click, then WASD, IJKL, space"
+_KEY_HINT = "Click here, type WASD, IJKL"
 
 _CSS = """
 .nao-panel .nao-main { gap: 10px; align-items: flex-start; overflow: visible; }
@@ -44,12 +44,12 @@ _CSS = """
 .nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
   box-sizing: border-box; border: 3px solid transparent; margin: 0; }
 .nao-panel .nao-chosen img { border-color: #0b5fa5; }
-.nao-panel .nao-controls { gap: 12px; flex-wrap: wrap; overflow: visible; }
+.nao-panel .nao-controls { gap: 8px; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 62px); gap: 3px; overflow: visible; }
 .nao-panel .nao-pad button, .nao-panel .nao-actions button { margin: 0; width: auto; padding: 0 4px; }
 .nao-panel .nao-pad button { height: 28px; line-height: 28px; font-size: 12px; }
 .nao-panel .nao-settings { gap: 3px; overflow: visible; }
-.nao-panel .nao-settings .widget-dropdown { width: 158px; margin: 0; }
+.nao-panel .nao-settings .widget-dropdown { width: 172px; margin: 0; }
 .nao-panel .nao-settings .widget-label { min-width: 54px; width: 54px; }
 .nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }

@@ -29,6 +29,7 @@ from nao_course.slam import KINDS, Estimate, Measurement, measured_points
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
+_MEASURED = "measured"  # key of what was measured, beside those of sources
 HEADING = 0.32  # m, length of the line that shows where a robot looks
 POINT_MARKER = "*"  # of what the student's code found; landmarks have others
 _NO_POINTS = np.empty((0, 2))
@@ -79,19 +80,12 @@ class LiveMap:
             self._ax = figure.add_subplot()
             self._ax.tick_params(labelsize=9)
             plot_field(field, self._ax)
-            keys = [source_key(source, label) for source, label in sources.items()]
-            figure.legend(
-                handles=keys,
-                loc="outside lower center",
-                ncols=3,
-                fontsize=9,
-                handlelength=1.9,
-                handletextpad=0.4,
-                columnspacing=0.9,
-            )
+            self._keys: dict[str, Any] = {name: source_key(name, label) for name, label in sources.items()}
+            self._keys[_MEASURED] = _measured_key()
+            self._legend = self._made_legend(figure, tuple(self._keys))
             self._canvas.draw()
-        self._background = self._canvas.copy_from_bbox(figure.bbox)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine("none")  # the largest legend has its place
+        self._backgrounds: dict[tuple[str, ...], Any] = {}
         self._estimate = _EstimateArtists(style_of(list(sources)[-1]).colour)
         self._robots = {source: _RobotArtists(source) for source in sources}
         self._sight = _SightArtists()
@@ -121,10 +115,39 @@ class LiveMap:
         observer = contents.paths.get(contents.observer) or [Pose()]
         self._sight.show(contents.seen, observer[-1], contents.observer)
         self._sight.show_points(contents.points, observer[-1], contents.observer)
-        self._canvas.restore_region(self._background)
+        shown = [source for source in self._robots if contents.paths.get(source)]
+        self._canvas.restore_region(self._background((*shown, *([_MEASURED] if contents.seen else ()))))
         for artist in self._artists:
             self._ax.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())[:, :, :3]
+
+    def _background(self, keys: tuple[str, ...]) -> Any:
+        """What stands still, with a legend of what is shown; drawn once for each legend."""
+        if keys not in self._backgrounds:
+            figure = self._canvas.figure
+            self._legend.remove()
+            with course_style():
+                self._legend = self._made_legend(figure, keys)
+                self._canvas.draw()
+            self._backgrounds[keys] = self._canvas.copy_from_bbox(figure.bbox)
+        return self._backgrounds[keys]
+
+    def _made_legend(self, figure: Figure, keys: tuple[str, ...]) -> Any:
+        return figure.legend(
+            handles=[self._keys[key] for key in keys],
+            loc="outside lower center",
+            ncols=2 if _MEASURED in keys else 3,
+            fontsize=9,
+            handlelength=1.9,
+            handletextpad=0.4,
+            columnspacing=0.9,
+        )
+
+
+def _measured_key() -> Line2D:
+    """The key of what was measured: open markers, which no map has."""
+    look: Any = {"color": "#4b5563", "lw": 0.8, "marker": LANDMARK_MARKERS["post"], "mfc": "none", "mew": 1.4}
+    return Line2D([], [], label="measured from here", **look)
 
 
 def _agg(figure: Figure) -> Any:
@@ -136,7 +159,7 @@ def _size(field: Field) -> tuple[float, float]:
     """Inches that hold the carpet, the axes' labels and the legend."""
     x0, y0, x1, y1 = field.carpet
     scale = min((LARGEST[0] - 0.55) / (x1 - x0), (LARGEST[1] - 0.85) / (y1 - y0))
-    return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 0.85, 2)
+    return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 1.05, 2)
 
 
 def _of_kind(points: FloatArray, kinds: Sequence[str], kind: str) -> FloatArray:

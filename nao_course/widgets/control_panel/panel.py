@@ -22,6 +22,7 @@ from nao_course.widgets.control_panel.controls import SIZES, Controls
 from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
 from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, View
 from nao_course.widgets.control_panel.still import draw_still
+from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
 from nao_course.widgets.parts import BREATH, PERIOD, bundle, jpeg, png, status_box
 
 HEAD_YAW, HEAD_PITCH = float(np.radians(10)), float(np.radians(5))  # rad for one press
@@ -73,7 +74,7 @@ class ControlPanel:
     NAO V4
     odometry (0.20, 0.00) m, heading 15°
     head yaw 0°, pitch -31°
-    16 pictures, 0 kept
+    no picture kept
     status: Turn 15° left: done.
     """
 
@@ -96,11 +97,12 @@ class ControlPanel:
         self._pipeline = pipeline
         self._view: View = "over" if pipeline is not None and pipeline.stages else "picture"
         self._seen = Seen()
+        self._stale: set[str] = set()  # cameras whose latest picture is from before the latest step
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self.source = source
         self.closed = False
         self._task: asyncio.Task[None] | None = None
-        self._next: Motion | None = None
+        self._waiting = WaitingMotions()
         self._stopping = False
         self._names = {"truth": "truth"} if truth is not None else {}
         self._names |= {"odometry": "odometry"} | (
@@ -166,7 +168,7 @@ class ControlPanel:
 
     def stop(self) -> None:
         """Stop a drive after its present step, and forget what was to come next."""
-        self._next = None
+        self._waiting.clear()
         self._stopping = self.driving
 
     def close(self, reason: str = "This panel is closed.") -> None:
@@ -292,9 +294,10 @@ class ControlPanel:
             pass
 
     def _press(self, motion: Motion) -> None:
-        """Drive as a task of the kernel's loop, so that the buttons stay live; the newest command waits its turn."""
+        """Drive as a task of the kernel's loop, so that the buttons stay live; further commands wait their turn."""
         if self.driving:
-            self._next = motion
+            self._waiting.add(motion)
+            self._show_status()
             return
         try:
             loop = asyncio.get_running_loop()
@@ -324,7 +327,7 @@ class ControlPanel:
                         self.cockpit.say("Stopped.")
                     self._show_status()
                     return
-            upcoming, self._next = self._next, None
+            upcoming = self._waiting.take()
 
     def _guarded(self, action: Callable[[], object]) -> None:
         """Do what a button asks; a mistake, even one of ours, is a message and leaves the panel alive."""
@@ -341,7 +344,7 @@ class ControlPanel:
 
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""
-        self.cockpit.say(f"{_in_words(motion)} …")
+        self.cockpit.say(f"{in_words(motion)} …")
         self.cockpit.printed = ""
         for part in pieces(motion):
             went_well = self.cockpit.move(part)
@@ -350,13 +353,17 @@ class ControlPanel:
                 return
             yield
         if not self.cockpit.alarm:
-            self.cockpit.say(f"{_in_words(motion)}: done.")
+            self.cockpit.say(f"{in_words(motion)}: done.")
             self._show_status()
 
     def _look(self) -> None:
-        """Take both live pictures, the chosen camera's first, and show everything."""
+        """Take the live pictures that are seen, the chosen camera's first, and show everything."""
         for camera in sorted(CAMERAS, key=lambda each: each != self.camera):
-            self.cockpit.photograph(camera)
+            if self._is_hidden(camera):
+                self._stale.add(camera)
+            else:
+                self.cockpit.photograph(camera)
+                self._stale.discard(camera)
             if camera == self.camera:
                 self._perceive()
             self._show_picture(camera)
@@ -409,12 +416,19 @@ class ControlPanel:
             return self._seen.alone(chosen), f"your {names}"
         return own, ""
 
+    def _is_hidden(self, camera: str) -> bool:
+        """Whether the student's view stands in the place of a camera's picture."""
+        return self.view == "beside" and camera != self.camera and bool(self._seen.names)
+
     def _ready(self) -> list[str]:
         return [] if self._pipeline is None else self._pipeline.summary()
 
     # --- showing ---
 
     def _show_chosen(self) -> None:
+        for camera in sorted(self._stale):
+            self.cockpit.photograph(camera)
+        self._stale.clear()
         self._perceive()
         self._show()
 
@@ -444,7 +458,8 @@ class ControlPanel:
         cockpit, seen = self.cockpit, self._seen
         facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines(), *seen.pace()])
         alarm = cockpit.alarm or bool(seen.complaints)
-        message, printed = "\n".join([cockpit.message, *seen.complaints]), cockpit.printed + seen.printed
+        message = "\n".join(filter(None, [cockpit.message, self._waiting.said(), *seen.complaints]))
+        printed = cockpit.printed + seen.printed
         status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed)
         if self._controls.status.value != status:
             self._controls.status.value = status
@@ -467,13 +482,3 @@ class ControlPanel:
 
 def _short(name: str, letters: int = 14) -> str:
     return name if len(name) <= letters else f"{name[: letters - 1]}…"
-
-
-def _in_words(motion: Motion) -> str:
-    """A command in a few words."""
-    parts = []
-    if motion.distance:
-        parts.append(f"Walk {abs(motion.distance):.2f} m {'ahead' if motion.distance > 0 else 'back'}")
-    if motion.turn:
-        parts.append(f"Turn {abs(np.degrees(motion.turn)):.0f}° {'left' if motion.turn > 0 else 'right'}")
-    return ", ".join(parts) or "Stand still"

@@ -250,3 +250,16 @@ def test_labels_are_whole_numbers():
     wanted = np.array([[0, 1], [2, 3]], dtype=np.uint8)
     assert Exact().compare(wanted, wanted.astype(np.int64)) and Exact().compare(wanted, wanted.tolist())
     assert Exact().compare(wanted, wanted.astype(float)).kind == "type"
+
+
+def test_an_answer_that_was_rounded_hears_how_exact_it_has_to_be_and_one_that_is_far_off_does_not():
+    assert "is close, and has to be right to 0.01 %" in Close().compare(np.pi / 2, 3.14 / 2).text
+    assert "is close" not in Close().compare(np.pi / 2, 3 / 2).text
+    assert "is close, and has to be right to 0.02" in Close(rtol=0, atol=0.02).compare(350.0, 350.1).text
+    assert "is close" not in Close(rtol=0.25).compare(1.0, 1.5).text  # what scatters has a coarse tolerance
+    assert "is close" not in Close().compare(np.array([1.0, 2.0]), np.array([1.0002, 3.0])).text
+
+
+def test_whole_numbers_that_came_with_a_point_hear_where_to_say_it():
+    text = Exact().compare(np.zeros(3, dtype=np.uint8), np.zeros(3)).text
+    assert "numbers with a point (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text

@@ -12,7 +12,7 @@ from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import grade, submission_hash
-from nao_course.instructor.autograding.lending import References
+from nao_course.instructor.autograding.lending import STOOD_IN, References
 from nao_course.instructor.collecting.submissions import Submission, with_earlier
 from nao_course.instructor.sandbox.protocol import EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
@@ -74,8 +74,16 @@ def test_without_earlier_work_it_is_judged_with_the_references_and_says_so(marke
         in quadruple.notes[0]
     )
     assert "Of lesson 80 there is no notebook of yours that could be read." in quadruple.notes[0]
-    assert "double of your lesson 80 is not usable yet: there is no notebook" in quadruple.public[0]
-    assert "one raises" not in quadruple.public[0]
+    assert "all 2 public checks pass" in quadruple.public[0]  # as the check says that is run in the notebook
+    assert quadruple.public[-1] == STOOD_IN
+
+
+def test_the_page_says_of_the_public_cases_what_the_check_says_in_the_notebook(marked):
+    wrong_here = {"quadruple": "def quadruple(x):\n    return double(x)"}
+    own = of(marked(wrong_here), "quadruple").public
+    assert "all 2" not in own[0] and STOOD_IN not in own
+    wrong_before = of(marked(first={"double": "def double(x):\n    return x"}), "quadruple").public
+    assert "all 2 public checks pass" in wrong_before[0] and wrong_before[-1] == STOOD_IN
 
 
 def test_wrong_earlier_work_costs_nothing_here_and_a_wrong_function_of_their_own_does(marked):

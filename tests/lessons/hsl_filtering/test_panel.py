@@ -23,6 +23,7 @@ from nao_course.lessons.hsl_filtering.instruments import (
     TOP,
     circle_picture,
     histogram_picture,
+    hue_counts,
 )
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
@@ -255,8 +256,10 @@ def test_a_histogram_stands_upright_over_its_lightnesses_with_each_mark_where_it
 
 
 def test_a_hue_is_on_the_circle_where_its_angle_says_and_its_arc_goes_from_low_to_high():
-    picture = circle_picture(np.full(9, 91.0), {LABEL_COLOURS[2]: (350.0, 20.0)}, pixel=180.0)
-    (u, v), blank = CENTRE, circle_picture(np.empty(0), {})
+    hue = np.full((3, 3), 91.0, dtype=np.float32)
+    everywhere = np.ones((3, 3), dtype=bool)
+    picture = circle_picture(hue_counts(hue, everywhere), {LABEL_COLOURS[2]: (350.0, 20.0)}, pixel=180.0)
+    (u, v), blank = CENTRE, circle_picture(hue_counts(hue, ~everywhere), {})
     painted = (picture != blank).any(axis=2)
     assert painted[v - OUTER + 3, u - 2] and not painted[v + OUTER - 3, u]  # 90 degrees are up
     assert painted[v, u - OUTER] and tuple(picture[v, u - OUTER]) == colour(PIXEL)

@@ -25,3 +25,19 @@ def test_the_live_map_forgets_what_it_drew_before():
     )
     assert not np.array_equal(full, empty)
     assert np.array_equal(chart.draw(MapContents({})), empty)
+
+
+def test_the_legend_names_what_is_shown_and_nothing_else():
+    chart = LiveMap(Field(), {"truth": "truth", "odometry": "odometry"})
+
+    def named(contents):
+        chart.draw(contents)
+        (legend,) = chart._canvas.figure.legends
+        return [text.get_text() for text in legend.get_texts()]
+
+    told = {"odometry": [Pose()]}
+    first = chart.draw(MapContents(told))
+    assert named(MapContents(told)) == ["odometry"]
+    assert named(MapContents({"truth": [Pose()], **told})) == ["truth", "odometry"]
+    assert named(MapContents(told, seen=[Measurement(0.1, 1.0)])) == ["odometry", "measured from here"]
+    assert np.array_equal(chart.draw(MapContents(told)), first)

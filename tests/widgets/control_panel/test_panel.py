@@ -378,22 +378,28 @@ def test_stop_while_standing_stops_no_later_drive():
     assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
 
 
-def test_during_a_drive_the_newest_command_waits_and_the_head_obeys_at_once():
+def test_during_a_drive_commands_wait_in_their_order_and_the_head_obeys_at_once():
     panel = ControlPanel(clean_nao())
 
     async def scenario():
         press(panel, "forward")
         await asyncio.sleep(0)
-        press(panel, "back")
+        press(panel, "forward")
+        press(panel, "forward")
         press(panel, "left")
         press(panel, "look-up")
         assert np.degrees(panel.cockpit.nao.head[1]) == pytest.approx(-36)
         assert panel.cockpit.nao.odometry.theta == 0
+        press(panel, "forward")
+        shown = panel._controls.status.value
+        assert "Then: Walk 0.20 m ahead (2 times); Turn 15° left; Walk 0.20 m ahead." in shown
         await until_it_stands(panel)
 
     in_a_loop(scenario)
-    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
-    assert np.degrees(panel.cockpit.nao.odometry.theta) == pytest.approx(15)
+    end = Pose(0.6, 0.0, np.radians(15)) @ Pose(0.2, 0.0, 0.0)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(end.x)
+    assert panel.cockpit.nao.odometry.y == pytest.approx(end.y)
+    assert "Then" not in panel._controls.status.value
 
 
 def test_a_picture_can_be_taken_during_a_drive():

@@ -84,6 +84,20 @@ def test_beside_the_picture_is_the_other_cameras_place():
     assert "<b>Your bright</b>" in panel._controls.captions["top"].value
 
 
+def test_a_picture_that_nobody_sees_is_not_taken_and_is_up_to_date_when_it_is_looked_at():
+    panel = make()
+    panel.view = "beside"
+    frames, before = panel.cockpit.frames, panel.cockpit.pictures["top"]
+    panel.forward(0.1)
+    assert panel.cockpit.frames == frames + 2  # steps, of the bottom camera alone
+    assert panel.cockpit.pictures["top"] is before
+    panel.view = "over"
+    assert panel.cockpit.pictures["top"] is not before
+    newest = panel.cockpit.pictures["top"]
+    panel.view = "picture"
+    assert panel.cockpit.pictures["top"] is newest
+
+
 def test_the_button_goes_round_the_views_and_says_which_it_is():
     panel = make()
     seen = []

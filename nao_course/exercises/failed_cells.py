@@ -1,0 +1,62 @@
+"""Definitions that a failed cell did not make: after a syntax error a name still means what it meant before."""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import Any
+
+_DEFINITION = re.compile(r"^(?:async +def|def|class) +(\w+)", re.MULTILINE)
+
+
+class FailedCells:
+    """Watches the cells of a notebook, and remembers which definitions their failures kept from being made.
+
+    A cell with a syntax error does not run at all; one that raises may end before a definition. In both cases what is
+    called by that name is an older one, or there is none.
+    """
+
+    def __init__(self) -> None:
+        """Watch nothing yet."""
+        self._shell: Any = None
+        self._before: dict[str, object] = {}
+        self._why: dict[str, str] = {}
+
+    def watch(self) -> None:
+        """Watch this notebook from now on; outside of Jupyter, and where it is watched already, nothing happens."""
+        ipython = sys.modules.get("IPython")
+        shell = ipython.get_ipython() if ipython else None
+        if shell is None or shell is self._shell:
+            return
+        self._shell = shell
+        self._why.clear()
+        shell.events.register("pre_run_cell", self._begin)
+        shell.events.register("post_run_cell", self._end)
+
+    def why_old(self, name: str) -> str:
+        """Say why the cell that was to define a name last did not; empty where it did."""
+        why = self._why.get(name)
+        return f"The cell that defines {name} did not run: {why}." if why else ""
+
+    def _begin(self, info: Any) -> None:
+        names = _DEFINITION.findall(str(info.raw_cell or ""))
+        self._before = {name: self._shell.user_ns.get(name) for name in names}
+
+    def _end(self, result: Any) -> None:
+        for name, before in self._before.items():
+            if result.success or self._shell.user_ns.get(name) is not before:
+                self._why.pop(name, None)
+            else:
+                self._why[name] = _said(result.error_before_exec or result.error_in_exec)
+        self._before = {}
+
+
+def _said(error: BaseException | None) -> str:
+    """An error in a few words, with its line in the cell where that is known."""
+    if not isinstance(error, SyntaxError):
+        return f"{type(error).__name__}: {error}"
+    line = f", line {error.lineno}" if error.lineno else ""
+    return f"{type(error).__name__}{line}: {error.msg}"
+
+
+FAILED_CELLS = FailedCells()  # of this kernel

@@ -1,0 +1,60 @@
+"""After a cell that did not run, nobody is told about the function that it was to replace."""
+
+from unittest import mock
+
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from nao_course.exercises import failed_cells
+from nao_course.exercises.failed_cells import FailedCells
+
+
+@pytest.fixture
+def shell():
+    shell = InteractiveShell()
+    yield shell
+    InteractiveShell.clear_instance()
+
+
+@pytest.fixture
+def cells(shell):
+    cells = FailedCells()
+    with mock.patch.object(failed_cells.sys.modules["IPython"], "get_ipython", return_value=shell):
+        cells.watch()
+        cells.watch()  # the set-up cell was run again
+    return cells
+
+
+def test_a_definition_with_a_syntax_error_is_named_until_it_runs(shell, cells, capsys):
+    shell.run_cell("def double(x):\n    return x")
+    assert cells.why_old("double") == ""
+    shell.run_cell("def double(x):\n    return 2 *")
+    assert (
+        cells.why_old("double")
+        == "The cell that defines double did not run: SyntaxError, line 2: invalid syntax."
+    )
+    shell.run_cell("other = 1")
+    assert cells.why_old("double")
+    shell.run_cell("def double(x):\n    return 2 * x")
+    assert cells.why_old("double") == ""
+
+
+def test_a_cell_that_raises_before_its_definition_leaves_the_old_one_and_after_it_the_new_one(
+    shell, cells, capsys
+):
+    shell.run_cell("def double(x):\n    return x")
+    shell.run_cell("1 / 0\ndef double(x):\n    return 2 * x")
+    assert "ZeroDivisionError: division by zero" in cells.why_old("double")
+    shell.run_cell("def double(x):\n    return 2 * x\n1 / 0")
+    assert cells.why_old("double") == ""
+
+
+def test_a_class_and_a_name_that_was_never_defined_count_too_and_a_method_does_not(shell, cells, capsys):
+    shell.run_cell("class Filter:\n    def update(self):\n        return (")
+    assert cells.why_old("Filter") and not cells.why_old("update")
+
+
+def test_outside_of_jupyter_nothing_is_watched():
+    cells = FailedCells()
+    cells.watch()
+    assert cells.why_old("double") == ""

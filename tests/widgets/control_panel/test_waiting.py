@@ -1,0 +1,27 @@
+"""Commands wait in their order; too many are left out, and said to be."""
+
+from nao_course.slam import Motion
+from nao_course.widgets.control_panel.waiting import MOST_WAITING, WaitingMotions
+
+
+def test_motions_come_out_as_they_went_in():
+    waiting = WaitingMotions()
+    motions = [Motion(0.2, 0.0), Motion(0.2, 0.0), Motion(0.0, 0.5)]
+    for motion in motions:
+        waiting.add(motion)
+    assert waiting.said() == "Then: Walk 0.20 m ahead (2 times); Turn 29° left."
+    assert [waiting.take() for _ in range(4)] == [*motions, None]
+    assert waiting.said() == ""
+
+
+def test_one_too_many_is_left_out_and_said_until_there_is_room():
+    waiting = WaitingMotions()
+    for _ in range(MOST_WAITING):
+        waiting.add(Motion(0.2, 0.0))
+    assert "left out" not in waiting.said()
+    waiting.add(Motion(-0.2, 0.0))
+    assert "the last press was left out" in waiting.said() and "back" not in waiting.said()
+    waiting.take()
+    assert "left out" not in waiting.said()
+    waiting.clear()
+    assert waiting.take() is None
