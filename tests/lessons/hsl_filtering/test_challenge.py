@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from nao_course.challenges import CaseResult, Run
+from nao_course.challenges import CaseResult, EntryReport, Run
+from nao_course.lessons.hsl_filtering import harder_rooms
 from nao_course.lessons.hsl_filtering.challenge import (
     CHALLENGE,
     ENOUGH,
@@ -137,3 +138,13 @@ def test_an_entry_without_one_usable_answer_has_a_figure_too():
     results = tuple(CaseResult(seed, str(seed), 0.0, message="no") for seed in CHALLENGE.seeds)
     drawing = CHALLENGE.figure(Run(CHALLENGE, results))
     assert len(drawing.figure.axes) == 1 and "0.00 on average" in drawing.alt
+
+
+def test_the_harder_rooms_are_those_with_the_lower_mean_and_an_entry_without_a_score_has_none():
+    scores = {"dark": 0.4, "harsh": 0.6}
+    results = tuple(
+        CaseResult(place, CHALLENGE.name_of(place), scores[place.preset]) for place in CHALLENGE.seeds
+    )
+    assert harder_rooms(EntryReport(Run(CHALLENGE, results))) == "dark"
+    with pytest.raises(NotImplementedError):
+        harder_rooms(EntryReport(Run(CHALLENGE, results[:3])))
