@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nao_course.geometry import as_points
+from nao_course.geometry import FloatArray, as_points
+from nao_course.lessons.hough_corners.scenes import three_places
 from nao_course.plotting import STYLES, Drawing, course_style, plot_picture
 from nao_course.plotting.drawing import say_count
 from nao_course.plotting.style import GREY, HALO
@@ -53,20 +58,47 @@ def draw_segments(
     Drawing
         The figure; its text counts both and lists the corners.
     """
-    lines = np.asarray(segments, dtype=float).reshape(-1, 4)
     points = as_points(np.zeros((0, 2)) if corners is None else corners, name="corners (u, v)")
     with course_style():
         figure = Figure(figsize=(6.4, 5.0))
         ax = figure.add_subplot()
-        plot_picture(np.asarray(picture), ax, ticks=False)
-        for i, (u1, v1, u2, v2) in enumerate(lines):
-            ax.plot([u1, u2], [v1, v2], color=SEGMENTS[i % len(SEGMENTS)], lw=1.8, path_effects=HALO)
-        for colour, width in (("white", 4.6), (CORNER, 2.4)):
-            ax.plot(*points.T, "o", color=colour, mfc="none", ms=14, mew=width)
+        lines = _plot_segments(ax, picture, segments, points)
         ax.set_title(title, fontsize=11)
-    where = "".join(f", ({u:.0f}, {v:.0f})" for u, v in points)
-    said = "" if corners is None else f" and {say_count(len(points), 'corner')}{where}"
-    return Drawing(figure, f"A picture with {say_count(len(lines), 'segment')}{said}.", photo=True)
+    said = "" if corners is None else f" and {_say_corners(points)}"
+    return Drawing(figure, f"A picture with {say_count(lines, 'segment')}{said}.", photo=True)
+
+
+def draw_places(segments_of: Callable[[Any], Any], corners_of: Callable[[Any], Any]) -> Drawing:
+    """Draw three pictures side by side, with what `segments_of(pixels)` and `corners_of(pixels)` find in each."""
+    words = []
+    with course_style():
+        figure = Figure(figsize=(9.9, 3.1))
+        for number, (title, pixels) in enumerate(three_places().items(), start=1):
+            ax = figure.add_subplot(1, 3, number)
+            points = as_points(corners_of(pixels.copy()), name="corners (u, v)")
+            lines = _plot_segments(ax, pixels, segments_of(pixels.copy()), points)
+            ax.set_title(title, fontsize=11)
+            words.append(f"{title}: {say_count(lines, 'segment')} and {_say_corners(points)}")
+    return Drawing(
+        figure, f"Three pictures with segments and the corners found. {'; '.join(words)}.", photo=True
+    )
+
+
+def _plot_segments(ax: Axes, picture: npt.ArrayLike, segments: npt.ArrayLike, points: FloatArray) -> int:
+    """A picture with segments and rings at points; returns how many segments."""
+    plot_picture(np.asarray(picture), ax, ticks=False)
+    lines = np.asarray(segments, dtype=float).reshape(-1, 4)
+    for i, (u1, v1, u2, v2) in enumerate(lines):
+        ax.plot([u1, u2], [v1, v2], color=SEGMENTS[i % len(SEGMENTS)], lw=1.8, path_effects=HALO)
+    for colour, width in (("white", 4.6), (CORNER, 2.4)):
+        ax.plot(*points.T, "o", color=colour, mfc="none", ms=14, mew=width)
+    return len(lines)
+
+
+def _say_corners(points: FloatArray) -> str:
+    """Such as "1 corner at (3, 4)"."""
+    where = ", ".join(f"({u:.0f}, {v:.0f})" for u, v in points)
+    return say_count(len(points), "corner") + (f" at {where}" if where else "")
 
 
 def draw_costs() -> Drawing:
