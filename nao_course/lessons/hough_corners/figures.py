@@ -127,7 +127,7 @@ def draw_funnel() -> Drawing:
     with course_style():
         figure = Figure(figsize=(8.2, 3.4))
         ax = figure.add_subplot()
-        for row, (name, left) in enumerate(FUNNEL.items()):
+        for row, left in enumerate(FUNNEL.values()):
             ax.barh(row, whole, left=-whole / 2, color="0.93")
             ax.barh(row, left, left=-left / 2, color=STYLES["ekf"].colour)
             ax.text(whole / 2 + 1, row, f"{left} ({left / whole:.0%})", va="center", fontsize=10)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from nao_course.geometry import Pose
 from nao_course.sim import Field, SimulatedNao
 
-# All corners are found from the first two; the third is the scene that goes through lessons 01 to 04.
+# By the paper's method: all corners and one of them twice; all and no more; none. The third is lesson 01's scene.
 PLACES = {
     "near the middle line": Pose(1.77, 0.57, -0.91),
     "from the left": Pose(1.2, -0.38, -0.62),
