@@ -806,22 +806,17 @@ REMOVE_DOUBLES = Exercise(
 # --- 3.5 find_corners ---
 
 
-def _corners(labels: Any, gap: float, length: float, **changed: Any) -> Array:
+def _corners(labels: Any, gap: float, length: float, /, **changed: Any) -> Array:
     """The whole way, with one thing done in another way."""
     labels = np.asarray(labels)
     kept = labels if changed.get("no_erasing") else _erase(labels, 7)
-    white = kept > 0 if changed.get("any_label") else kept == WHITE
-    if changed.get("yellow"):
-        white = (kept == WHITE) | (kept == YELLOW)
-    picture = white.astype(np.uint8) * np.uint8(changed.get("light", 255))
-    segments = _hough(picture, gap, length, **changed.get("hough", {}))[:: changed.get("step", 1)]
-    pairs = combinations(segments[:, [2, 3, 0, 1]] if changed.get("step") else segments, 2)
-    found = [_meet(a, b, 5.0, **changed.get("meet", {})) for a, b in pairs]
-    points = np.array([each for each in found if each is not None]).reshape(-1, 2)
-    if not changed.get("outside"):
-        points = points[((points >= 0) & (points <= (labels.shape[1] - 1, labels.shape[0] - 1))).all(axis=1)]
+    white = np.isin(kept, (WHITE, YELLOW) if changed.get("yellow") else (WHITE,))
+    segments = _hough(white.astype(np.uint8) * np.uint8(255), gap, length)
     if changed.get("ends"):
-        points = segments.reshape(-1, 2)
+        return _kept(segments.reshape(-1, 2), 10.0)
+    found = [_meet(a, b, 5.0, **changed.get("meet", {})) for a, b in combinations(segments, 2)]
+    points = np.array([each for each in found if each is not None]).reshape(-1, 2)
+    points = points[((points >= 0) & (points <= (labels.shape[1] - 1, labels.shape[0] - 1))).all(axis=1)]
     return points if changed.get("doubles") else changed.get("remove", _kept)(points, 10.0)
 
 
