@@ -16,6 +16,9 @@ from nao_course.widgets.attempts import Attempt, TooSlow, attempt
 WHOSE = "your entry"  # in messages
 JUDGING = 20.0  # s for looking at one answer: more than any honest one needs
 
+MOST_LATE = 3  # cases in a row that end by the clock: then the entry is given up
+TIME_IS_UP = "Time is up"  # how what is said of such a case begins
+
 
 def run(challenge: Challenge, entry: Any, progress: Progress | None = None) -> Run:
     """Run an entry on all cases of a challenge.
@@ -48,15 +51,27 @@ def run(challenge: Challenge, entry: Any, progress: Progress | None = None) -> R
             return Run(challenge, (), f"Not written yet: {WHOSE} calls an exercise that is still blank.")
         left -= took
         results.append(result)
+        if late := _always_late(results):
+            done = f"{len(results)} of {len(challenge.seeds)} {challenge.case}s"
+            return Run(challenge, tuple(results), f"Given up after {done}, with no score: {late}")
         if progress:
             progress.step()
     return Run(challenge, tuple(results))
+
+
+def _always_late(results: list[CaseResult]) -> str:
+    """What was said of the latest cases, where the entry was out of time in each of them; else nothing."""
+    latest = results[-MOST_LATE:]
+    late = len(latest) == MOST_LATE and all(each.message.startswith(TIME_IS_UP) for each in latest)
+    return latest[-1].message if late else ""
 
 
 def _refusal(challenge: Challenge, entry: Any) -> str:
     """Why an entry cannot even be tried."""
     if callable(entry) or (challenge.takes_values and entry is not None):
         return ""
+    if challenge.takes_values:
+        return "An entry is the answer itself, and this one is None: was it given its name?"
     return (
         f"An entry must be a function, got {type(entry).__name__}. "
         "Enter the function itself, without brackets behind its name: enter(my_function)."
@@ -68,7 +83,7 @@ def _case(challenge: Challenge, entry: Any, seed: Hashable, left: float) -> tupl
     name, scene = challenge.name_of(seed), challenge.scene(seed)
     nothing = partial(CaseResult, seed, name, challenge.nothing)
     if left <= 0:
-        return nothing(message=f"Time is up: {challenge.seconds_in_all:g} s are for all."), 0.0, False
+        return nothing(message=f"The {challenge.seconds_in_all:g} s that are for all are used up."), 0.0, False
     answer, changed = _answer(entry, challenge.given(scene), min(challenge.seconds, left))
     if answer.message:
         return nothing(message=answer.message), answer.seconds, answer.unfinished

@@ -9,6 +9,7 @@ from html import escape
 from typing import Any, TypeGuard
 
 from nao_course.exercises.earlier import EarlierNotUsable
+from nao_course.exercises.running import own_line
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,10 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "itself.",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
+_HOMES = {  # of what a student may call in any notebook
+    **dict.fromkeys(("functions", "my_nao", "progress", "so_far"), "nao_course.student"),
+    "challenge": "nao_course.challenges",
+}
 _RUN_ABOVE = (
     "If the kernel was restarted, first run the cells above: menu Run, Run All Above Selected Cell. "
     "Else look at its spelling."
@@ -66,8 +71,12 @@ def advice_on(complaint: str) -> list[str]:
 
 
 def not_known(error: NameError) -> str:
-    """Say what to do about a name that the notebook does not know."""
-    return f"This notebook does not know {error.name or 'a name'!r} yet. {_RUN_ABOVE}"
+    """Say what to do about a name that the notebook does not know, and in which line it stands."""
+    name = error.name or "a name"
+    if name in _HOMES:
+        return f"This notebook has not imported {name}: from {_HOMES[name]} import {name}"
+    line = own_line(error)
+    return f"This notebook does not know {name!r} yet{f' ({line})' if line else ''}. {_RUN_ABOVE}"
 
 
 def _is_unknown(error: Exception) -> TypeGuard[NameError]:

@@ -47,7 +47,7 @@ class Drawing:
         options: dict[str, dict[str, Any]] = {
             "png": {"metadata": {"Software": None}},
             "svg": {"metadata": {"Date": None, "Creator": None}},
-            "jpeg": {"pil_kwargs": {"quality": 88, "subsampling": 0, "optimize": True}},
+            "jpeg": {"pil_kwargs": {"quality": 84, "subsampling": 0, "optimize": True}},
         }
         if kind not in options:
             raise ValueError(f"a drawing can be made into {', '.join(options)}; got {kind!r}")

@@ -163,7 +163,7 @@ def _sum(lessons: Sequence[LessonProgress]) -> str:
     if not written:
         return words
     by_hand = sum(each.written_points for each in lessons)
-    answers = f"{answered} of {written} written answer{'s' if written > 1 else ''}"
+    answers = f"{answered} of {written} written answer{'' if written == 1 else 's'}"
     return f"{words}, {answers} filled in ({by_hand:g} more, marked by a person)"
 
 

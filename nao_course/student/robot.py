@@ -62,10 +62,18 @@ def my_nao(
     names = {use.rpartition(":")[2] for stage in stages for use in stage.uses}
     if unknown := sorted(own.keys() - names):
         raise ValueError(f"my_nao uses {', '.join(sorted(names))}; got {', '.join(unknown)}")
-    found = readiness(stages, {**_at_hand(names), **own}, notebooks_folder())
+    given = {**_at_hand(names), **own}
+    found = readiness(stages, given, notebooks_folder())
+    saved = [name for name, function in found.functions.items() if given.get(name, function) is not function]
+    remarks = [
+        f"{name} as it is in this notebook does not pass its check: the saved one drives" for name in saved
+    ]
     limit = PICTURE_LIMIT if time_limit is None else time_limit
-    pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit)
-    return ControlPanel(nao, truth, pipeline=pipeline)
+    pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit, remarks)
+    panel = ControlPanel(nao, truth, pipeline=pipeline)
+    if found.stages:
+        panel.view = "beside"  # over the picture, good labels of green and yellow are hard to see
+    return panel
 
 
 def _at_hand(names: set[str]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from nao_course.exercises.checking import strict
+from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.student.notebooks import notebooks_folder
 from nao_course.student.stages import Readiness, add_ready, all_stages, names_of, next_planned
@@ -47,11 +48,13 @@ class Strip:
         return f'<div role="note" class="nao-strip" style="{style}">{escape(repr(self))}</div>'
 
 
-def so_far(seconds: float | None = None) -> Strip:
+def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
     """Say what your robot has so far, by your saved notebooks, and what comes next; `my_nao` lets you drive it.
 
     Parameters
     ----------
+    lesson : str
+        Number of the lesson that begins: only those before it count; all by default.
     seconds : float, optional
         Wall clock for looking at the notebooks; by default less than half a second.
 
@@ -62,7 +65,8 @@ def so_far(seconds: float | None = None) -> Strip:
     """
     if seconds is None:
         seconds = np.inf if strict() else SECONDS  # a built lesson says the same on a busy machine
-    stages, folder, found, late = all_stages(), notebooks_folder(), Readiness(), ""
+    stages = [each for each in all_stages() if not lesson or number_of(each.lesson) < lesson]
+    folder, found, late = notebooks_folder(), Readiness(), ""
     try:
         with alarm(min(seconds, 3600.0)):
             for stage in stages:

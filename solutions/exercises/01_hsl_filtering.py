@@ -1032,14 +1032,14 @@ CALIBRATE_HUE = Exercise(
                 float(hue[saturation > 0].min() - epsilon),
                 float(hue[saturation > 0].max() + epsilon),
             ),
-            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: look for the widest "
-            "gap instead. And limits below 0 or above 360 are taken modulo 360.",
+            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: between your "
+            "limits lies nearly the whole circle. And limits below 0 or above 360 are taken modulo 360.",
         ),
         Mistake(
             "no wrap, grey included",
             lambda hue, saturation, epsilon=0.0: (float(hue.min() - epsilon), float(hue.max() + epsilon)),
             "These are the smallest and largest hue of all pixels. Grey ones have no hue: leave them out. And hues live on a circle, "
-            "where red is on both sides of 0: look for the widest gap.",
+            "where red is on both sides of 0, and its hues are neighbours.",
         ),
         Mistake(
             "no wrap, no epsilon",
@@ -1047,8 +1047,8 @@ CALIBRATE_HUE = Exercise(
                 float(hue[saturation > 0].min()),
                 float(hue[saturation > 0].max()),
             ),
-            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0: look for the widest gap. And "
-            "epsilon widens the limits.",
+            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0, where its hues are neighbours. "
+            "And epsilon widens the limits.",
         ),
         Mistake(
             "about the mean direction",
@@ -1059,12 +1059,12 @@ CALIBRATE_HUE = Exercise(
         Mistake(
             "the last step left out",
             lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 0.0),
-            "The step from the last hue through 0 to the first is missing, or it goes backwards: np.diff(hues, append=hues[0] + 360).",
+            "Between which neighbours did you look? On a circle the last hue has one, too, and from there on it goes upwards through 360.",
         ),
         Mistake(
             "the last step ends at 360",
             lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 360.0),
-            "The last step does not end at 360, but at the first hue, one turn later: append=hues[0] + 360.",
+            "From the last hue it is not 360 that comes next, but the first hue, one turn later.",
         ),
         Mistake(
             "behind the last nothing",

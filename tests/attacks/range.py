@@ -116,7 +116,7 @@ HALF = {
 }
 HALF_POINTS = {"clamp": 1.0, "middle": 4.0}
 REAL_POINTS = {
-    "rgb_to_hsl": 3, "average_lightness": 1, "white_threshold": 1, "hue_mask": 2, "calibrate_hue": 3, "color_labels": 3,
+    "rgb_to_hsl": 2, "average_lightness": 1, "white_threshold": 1, "hue_mask": 2, "calibrate_hue": 4, "color_labels": 3,
 }  # fmt: skip
 LATER_POINTS = pair.POINTS | {"walk": 2}  # without a notebook of the lesson before it
 

@@ -85,8 +85,9 @@ def test_the_errors_of_white_are_shown_with_what_their_colours_mean(lab, page):
     panel = FilterPage(lab, page, "errors.ipynb")
     before = panel.source()
     panel.root.locator("select").last.select_option("Errors in white")
-    wait_for(lambda: panel.source() != before, "the errors", 10)
-    assert "called white, but is not" in panel.root.locator(".nao-legend").inner_text()
+    wait_for(lambda: panel.source() != before, "the errors", 60)
+    legend = panel.root.locator(".nao-legend")
+    wait_for(lambda: "called white, but is not" in legend.inner_text(), "what the colours mean", 60)
     screenshot(page, "filter_panel_errors")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nao_course.challenges import CaseScore
-from nao_course.challenges.running import run
+from nao_course.challenges.running import MOST_LATE, run
 from tests.challenges.example import CHALLENGE, COST, double
 
 
@@ -97,11 +97,26 @@ def test_a_score_that_is_no_number_is_nothing():
     assert came.score == 0.0 and "no number" in came.problems()[0]
 
 
+def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
+    def endless(numbers):
+        while True:
+            pass
+
+    came = run(replace(CHALLENGE, seeds=tuple(range(1, 31)), seconds=0.2, seconds_in_all=100.0), endless)
+    assert len(came.results) == MOST_LATE and not came.complete
+    assert came.stopped.startswith(f"Given up after {MOST_LATE} of 30 scenes, with no score: Time is up")
+
+
+def test_an_entry_whose_answer_is_none_where_a_value_is_wanted_is_not_asked_for_a_function():
+    came = run(replace(CHALLENGE, takes_values=True), None)
+    assert came.stopped == "An entry is the answer itself, and this one is None: was it given its name?"
+
+
 def test_the_time_for_all_cases_is_limited_too():
     hurried = replace(CHALLENGE, seeds=tuple(range(1, 40)), seconds=10.0, seconds_in_all=0.2)
     came = run(hurried, lambda numbers: time.sleep(0.15) or double(numbers))
     assert came.complete and came.results[0].score == 1.0 and came.results[-1].score == 0.0
-    assert "0.2 s are for all" in " ".join(came.problems())
+    assert "The 0.2 s that are for all are used up." in " ".join(came.problems())
 
 
 def test_a_case_that_takes_too_long_leaves_the_others_their_time():
@@ -141,7 +156,7 @@ def test_a_blank_exercise_stops_an_entry_at_once():
 
 def test_what_is_no_function_is_refused_unless_values_are_taken():
     assert "without brackets" in run(CHALLENGE, np.zeros(3)).stopped
-    assert "NoneType" in run(replace(CHALLENGE, takes_values=True), None).stopped
+    assert "this one is None" in run(replace(CHALLENGE, takes_values=True), None).stopped
     one = replace(CHALLENGE, seeds=(1,), takes_values=True)
     assert run(one, [0.0]).score == 1.0
 

@@ -44,6 +44,15 @@ def test_a_name_that_a_restarted_kernel_does_not_know_is_told_apart_from_a_slip_
     assert repr(try_out(slip)).startswith("UnboundLocalError")
 
 
+def test_an_unknown_name_inside_a_function_comes_with_its_line_and_one_of_the_courses_with_its_import():
+    def typed():
+        return thresh  # noqa: F821
+
+    assert "does not know 'thresh' yet (line " in repr(try_out(typed))
+    assert "return thresh" in repr(try_out(typed))
+    assert repr(try_out(lambda: progress())).endswith("from nao_course.student import progress")  # noqa: F821
+
+
 def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(capsys):
     shell = InteractiveShell()
     try:

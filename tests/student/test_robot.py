@@ -52,6 +52,19 @@ def test_functions_can_be_handed_over_by_name():
         drive(colour_labels=clamp)
 
 
+def test_where_a_saved_function_drives_for_a_broken_one_it_is_said(here):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    said = "clamp as it is in this notebook does not pass its check: the saved one drives"
+    assert said in drive(clamp=lambda x, low, high: x).summary()
+    assert said not in drive(clamp=clamp).summary()
+
+
+def test_one_sees_what_the_own_code_sees_and_a_robot_without_any_its_pictures(here):
+    assert drive().view == "picture"
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    assert drive().view == "beside"
+
+
 def test_what_is_missing_or_wrong_is_named_and_the_robot_drives(here):
     toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
     panel = drive()

@@ -283,7 +283,7 @@ class FilterPanel(FunctionPanel):
         self._seconds = seconds or self._seconds  # nothing is asked where only "Show" has changed
         facts = f"{self.say_values()}. Your code labels a picture in {1000 * self._seconds:.0f} ms."
         if self._seconds > SLOW:
-            facts += " The panel follows slowly: a loop over pixels takes long, NumPy's whole arrays do not."
+            facts += " The panel follows slowly. If it stays so: is there a loop over pixels?"
         return facts
 
     def __repr__(self) -> str:

@@ -54,6 +54,11 @@ def as_plan(answer: Any) -> list[Motion]:
             raise TypeError(
                 f"Command {number} of your plan is no Motion(distance, turn), but {type(each).__name__}."
             )
+        if abs(each.turn) > 2 * np.pi:
+            raise ValueError(
+                f"Command {number} of your plan turns by {each.turn:g} radians, more than a full turn: say "
+                f"np.radians({each.turn:g}) where degrees are meant."
+            )
     if len(answer) > MOST_COMMANDS:
         raise ValueError(f"A plan has at most {MOST_COMMANDS} commands, got {len(answer)}.")
     return list(answer)

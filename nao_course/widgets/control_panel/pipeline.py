@@ -209,6 +209,8 @@ class Pipeline:
         Stages that are not ready, and why, in a sentence.
     time_limit : float
         Seconds for one stage and one picture.
+    remarks : sequence of str
+        What else is to be known of the functions, a sentence each.
     """
 
     def __init__(
@@ -218,10 +220,12 @@ class Pipeline:
         nao: SimulatedNao,
         missing: Mapping[str, str] | None = None,
         time_limit: float = PICTURE_LIMIT,
+        remarks: Sequence[str] = (),
     ) -> None:
         """Begin with nothing wired."""
         self.stages, self.nao = tuple(stages), nao
         self.missing, self.time_limit = dict(missing or {}), time_limit
+        self.remarks = tuple(remarks)
         self._student = StudentCode(functions)
         self._looks: dict[str, Look] = {}
         self._left_out: dict[str, str] = {}
@@ -267,6 +271,7 @@ class Pipeline:
         return [
             f"your NAO so far: {running or 'nothing yet'}",
             *(f"not yet: {name}, for {why}" for name, why in self.missing.items()),
+            *self.remarks,
         ]
 
     def _run(self, stage: Stage, sight: Sight) -> Overlay:

@@ -101,3 +101,9 @@ def test_the_figure_counts_robots_at_each_gate(tmp_path):
     for empty in ([], None):
         came = run(CHALLENGE, lambda plan=empty: plan)
         assert "gate 8: 0" in CHALLENGE.figure(came).alt
+
+
+def test_degrees_where_radians_belong_are_refused_with_the_number():
+    with pytest.raises(ValueError, match=r"Command 2 .* say np.radians\(-67.2\)"):
+        as_plan([Motion(0.0, 0.4), Motion(0.67, -67.2)])
+    assert as_plan([Motion(0.0, np.radians(360))])
