@@ -12,9 +12,9 @@ from nao_course.sim import CameraView
 
 # The prior: what a robot knows of its lean before it looks (docs/real_data.md, corrections of each picture).
 PITCH_SD, ROLL_SD = float(np.radians(1.3)), float(np.radians(0.8))
-END_SD = 0.35  # px at 320: of a middle line's end, across the line
-ANGLE_SD = float(np.radians(0.4))  # of a line's direction besides: lens, lines that were laid by hand
-OUTLIER = 3.0  # standard deviations beyond which a line pulls no harder: it is none of the field's
+END_SD = 0.25  # px at 320: of a middle line's end, across the line
+ANGLE_SD = float(np.radians(0.3))  # of a line's direction besides: lens, lines that were laid by hand
+OUTLIER = 2.0  # standard deviations beyond which a line pulls no harder: it is none of the field's
 GRID = np.linspace(-2.6, 2.6, 9)  # standard deviations of the prior at which the search begins
 CANDIDATES = 12  # lines whose direction is tried as the field's
 STEPS, STEP = 8, float(np.radians(0.05))  # of the refinement; of its numerical derivatives, rad
@@ -83,15 +83,21 @@ def tilt_from_lines(segments: npt.ArrayLike, view: CameraView) -> tuple[float, f
     return found.pitch, found.roll, found.sigma
 
 
-def align(segments: npt.ArrayLike, view: CameraView) -> Alignment:
-    """Lean a camera so that lines lie on the ground in two perpendicular directions; see `tilt_from_lines`."""
+def align(
+    segments: npt.ArrayLike, view: CameraView, pitch_sd: float = PITCH_SD, roll_sd: float = ROLL_SD
+) -> Alignment:
+    """Lean a camera so that lines lie on the ground in two perpendicular directions; see `tilt_from_lines`.
+
+    `pitch_sd` and `roll_sd` (rad) are how well the view's own are known before.
+    """
+    prior = np.array([pitch_sd, roll_sd])
     lines = _as_segments(segments)
     sd = _angle_sd(lines, view)
     known = np.flatnonzero(np.isfinite(sd))
     use = known[np.argsort(sd[known], kind="stable")[:MOST_LINES]]
-    best = _modes(lines[use], sd[use], view) if len(use) else None
+    best = _modes(lines[use], sd[use], view, prior) if len(use) else None
     if best is None:
-        state, covariance = np.zeros(3), np.diag([PITCH_SD**2, ROLL_SD**2, QUARTER**2 / 12])
+        state, covariance = np.zeros(3), np.diag([*prior**2, QUARTER**2 / 12])
     else:
         state, covariance = best
     with np.errstate(invalid="ignore"):
@@ -168,17 +174,19 @@ def _angle_sd(lines: FloatArray, view: CameraView) -> FloatArray:
 
 
 def _loss(away: FloatArray) -> FloatArray:
-    """What lines cost that lie `away` (..., N) standard deviations aside: a square that flattens out; NaN is outside."""
+    """Cost (...) of lines that lie `away` (..., N) standard deviations aside: a square that flattens out."""
     square = np.where(np.isnan(away), OUTLIER, away) ** 2
     return np.asarray(OUTLIER**2 * np.log1p(square / OUTLIER**2).sum(axis=-1))
 
 
-def _modes(lines: FloatArray, sd: FloatArray, view: CameraView) -> tuple[FloatArray, FloatArray] | None:
+def _modes(
+    lines: FloatArray, sd: FloatArray, view: CameraView, prior: FloatArray
+) -> tuple[FloatArray, FloatArray] | None:
     """Mean (3,) and covariance (3, 3) of pitch, roll and heading over the best places of a search."""
-    start = _starts(lines, sd, view)
+    start = _starts(lines, sd, view, prior)
     if not len(start):
         return None
-    states, covariances, costs = _refined(lines, sd, view, start)
+    states, covariances, costs = _refined(lines, sd, view, start, prior)
     weight = np.exp(-(costs - costs.min()) / 2)
     weight /= weight.sum()
     best = states[costs.argmin()]
@@ -189,16 +197,18 @@ def _modes(lines: FloatArray, sd: FloatArray, view: CameraView) -> tuple[FloatAr
     return mean, np.asarray(covariance)
 
 
-def _starts(lines: FloatArray, sd: FloatArray, view: CameraView, most: int = 3) -> FloatArray:
+def _starts(
+    lines: FloatArray, sd: FloatArray, view: CameraView, prior: FloatArray, most: int = 3
+) -> FloatArray:
     """The cheapest states (K, 3) of a grid that are not near a cheaper one; the heading is one of the lines'."""
-    pitch, roll = (each.ravel() for each in np.meshgrid(GRID * PITCH_SD, GRID * ROLL_SD, indexing="ij"))
+    pitch, roll = (each.ravel() for each in np.meshgrid(*(GRID * each for each in prior), indexing="ij"))
     direction = _directions(lines, view, pitch, roll)  # (grid, N)
     heading = direction[:, :CANDIDATES]
     away = _wrapped(direction[:, None] - heading[..., None]) / sd  # (grid, candidates, N)
-    cost = _loss(away) + ((pitch / PITCH_SD) ** 2 + (roll / ROLL_SD) ** 2)[:, None]
+    cost = _loss(away) + ((pitch / prior[0]) ** 2 + (roll / prior[1]) ** 2)[:, None]
     states = np.stack(np.broadcast_arrays(pitch[:, None], roll[:, None], heading), axis=-1).reshape(-1, 3)
     cost = np.where(np.isnan(heading), np.inf, cost).ravel()
-    near = np.array([1.2 * PITCH_SD, 1.2 * ROLL_SD, np.radians(8.0)])
+    near = np.array([*1.2 * prior, np.radians(8.0)])
     kept: list[FloatArray] = []
     while len(kept) < most and np.isfinite(cost.min()):
         kept.append(states[cost.argmin()])
@@ -209,10 +219,10 @@ def _starts(lines: FloatArray, sd: FloatArray, view: CameraView, most: int = 3) 
 
 
 def _refined(
-    lines: FloatArray, sd: FloatArray, view: CameraView, states: FloatArray
+    lines: FloatArray, sd: FloatArray, view: CameraView, states: FloatArray, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """States (K, 3), covariances (K, 3, 3) and costs (K,) where Gauss-Newton with robust weights leads from states."""
-    prior = np.diag([PITCH_SD**-2, ROLL_SD**-2, 1e-6])
+    held = np.diag([*prior**-2.0, 1e-6])
     moves = STEP * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)])
     for _ in range(STEPS):
         moved = states[:, None, :2] + moves  # (K, 5, 2)
@@ -227,12 +237,12 @@ def _refined(
         freedom = np.maximum(robust.sum(axis=1) - 1, 1.0)
         spread = np.maximum(1.0, (weight * away**2).sum(axis=1) / freedom)[:, None]
         weighted = jacobian * (weight / spread)[:, None]
-        information = weighted @ jacobian.transpose(0, 2, 1) + prior
-        gradient = (weighted @ away[..., None])[..., 0] + states @ prior * (1, 1, 0)
+        information = weighted @ jacobian.transpose(0, 2, 1) + held
+        gradient = (weighted @ away[..., None])[..., 0] + states @ held * (1, 1, 0)
         change = np.linalg.solve(information, gradient[..., None])[..., 0]
         states = states - np.clip(change, -LARGEST_STEP, LARGEST_STEP)
         if np.abs(change).max() < 1e-5:
             break
     final = _wrapped(_directions(lines, view, states[:, 0], states[:, 1]) - states[:, 2:]) / sd
-    cost = _loss(final) + (states[:, 0] / PITCH_SD) ** 2 + (states[:, 1] / ROLL_SD) ** 2
+    cost = _loss(final) + ((states[:, :2] / prior) ** 2).sum(axis=1)
     return states, np.linalg.inv(information), cost

@@ -46,7 +46,7 @@ class PictureSettings:
     """
 
     pieces: PieceSettings = field(default_factory=PieceSettings)
-    lines: LineSettings = field(default_factory=LineSettings)
+    lines: LineSettings = field(default_factory=lambda: LineSettings(aside=2.0))
     horizon: float = 0.12
     widening: float = 0.16
     slack: float = 2.0

@@ -27,7 +27,7 @@ class LineSettings:
         Whether pieces are put together at all.
     """
 
-    aside: float = 2.0
+    aside: float = 1.4
     angle: float = float(np.radians(4.0))
     gap: float = 20.0
     merged: bool = True

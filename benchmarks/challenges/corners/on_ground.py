@@ -11,11 +11,14 @@ from benchmarks.challenges.corners.carpet import Planes, check_picture, take_apa
 from benchmarks.challenges.corners.crossings import find_crossings, without_doubles
 from benchmarks.challenges.corners.lines import Lines, LineSettings, merge
 from benchmarks.challenges.corners.pieces import Pieces, PieceSettings, line_pieces
-from benchmarks.challenges.tilt import align, to_ground
+from benchmarks.challenges.tilt import PITCH_SD, ROLL_SD, align, to_ground
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView
 
 LINE_WIDTH = 0.05  # metres
+# Between two lines at least, rad: those that lie in the field's two directions meet at a right angle anyway.
+RIGHT_ANGLE, ANY_ANGLE = float(np.radians(45)), float(np.radians(15))
+UPRIGHT = 1e-6  # rad: a prior under which the camera does not lean
 
 
 @dataclass(frozen=True)
@@ -50,24 +53,28 @@ class GroundSettings:
         How long an arm is at least: the same.
     doubles : float
         Corners nearer to each other are one, px.
+    lean, right_angles : bool
+        Whether the camera's lean is looked for; whether lines must lie in two directions, and meet at a right angle.
     """
 
     pieces: PieceSettings = field(default_factory=PieceSettings)
     lines: LineSettings = field(default_factory=LineSettings)
     widening: float = 1.5
     slack: float = 2.0
-    far: float = 6.5
+    far: float = 7.0
     shortest: float = 7.0
     bend: float = 1.0
     bend_length: float = 0.006
-    square: float = float(np.radians(8.0))
+    square: float = float(np.radians(11.0))
     square_sd: float = 2.5
     square_most: float = float(np.radians(25.0))
     reach: float = 0.08
     reach_range: float = 0.03
-    arm: float = 0.12
+    arm: float = 0.09
     arm_range: float = 0.03
     doubles: float = 8.0
+    lean: bool = True
+    right_angles: bool = True
 
 
 CHOSEN = GroundSettings()
@@ -99,8 +106,8 @@ def find_corners_on_ground(
     if len(lines) < 2:
         return np.zeros((0, 2))
     s, scale = settings, view.size[0] / 320
-    found = align(lines.ends, view)
-    limit = np.clip(s.square_sd * found.angle_sd, s.square, s.square_most)
+    found = align(lines.ends, view, *((PITCH_SD, ROLL_SD) if s.lean else (UPRIGHT, UPRIGHT)))
+    limit = np.clip(s.square_sd * found.angle_sd, s.square, s.square_most) if s.right_angles else np.inf
     ground = to_ground(lines.ends.reshape(-1, 2), replace(view, pitch=found.pitch, roll=found.roll)).reshape(
         -1, 4
     )
@@ -108,7 +115,7 @@ def find_corners_on_ground(
     crossings = find_crossings(
         ground[wanted],
         np.full(int(wanted.sum()), LINE_WIDTH),
-        0.7,
+        float(np.sin(RIGHT_ANGLE if s.right_angles else ANY_ANGLE)),
         lambda points: s.reach + s.reach_range * np.hypot(*points.T),
         lambda points: s.arm + s.arm_range * np.hypot(*points.T),
     )

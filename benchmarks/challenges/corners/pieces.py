@@ -45,7 +45,7 @@ class PieceSettings:
     shortest: float = 7.0
     lighter: float = 22.0
     most_chroma: float = 90.0
-    share: float = 0.5
+    share: float = 0.4
     uneven: float = 0.15
     both_sides: bool = True
 
