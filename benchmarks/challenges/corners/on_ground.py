@@ -115,7 +115,7 @@ def find_corners_on_ground(
     crossings = find_crossings(
         ground[wanted],
         np.full(int(wanted.sum()), LINE_WIDTH),
-        float(np.sin(RIGHT_ANGLE if s.right_angles else ANY_ANGLE)),
+        lambda points: np.full(len(points), np.sin(RIGHT_ANGLE if s.right_angles else ANY_ANGLE)),
         lambda points: s.reach + s.reach_range * np.hypot(*points.T),
         lambda points: s.arm + s.arm_range * np.hypot(*points.T),
     )
