@@ -178,16 +178,16 @@ def test_a_picture_of_another_size_than_the_view_s_is_refused():
 @pytest.mark.parametrize("pitch", [-1.5, -0.6, -0.1, 0.0, 0.1, 1.2, np.pi / 2])
 @pytest.mark.filterwarnings("error")
 def test_a_camera_that_looks_up_level_or_straight_down_finds_no_false_corner_and_does_not_fail(pitch):
-    pixels, truth = picture(Reality.lab(3))
+    pixels, truth = picture(Reality.lab(40))
     wrong = replace(VIEW, pitch=float(pitch))
     assert find_corners_on_ground(pixels, wrong).shape[1] == 2
     assert np.isfinite(find_corners_on_ground(pixels, wrong)).all()
-    seen, truth = picture(Reality.lab(3), view=wrong)
+    seen, truth = picture(Reality.lab(40), view=wrong)
     assert CornerTruth.of(truth).match(find_corners_on_ground(seen, wrong)).false <= 1
 
 
 def test_the_picture_that_is_given_stays_as_it_was():
-    pixels, _ = picture(Reality.lab(2))
+    pixels, _ = picture(Reality.lab(40))
     before = pixels.tobytes()
     find_corners_better(pixels)
     find_corners_on_ground(pixels, VIEW)
