@@ -43,21 +43,23 @@ class Lines:
         (u1, v1, u2, v2), px.
     width : ndarray, shape (M,)
         Of the lines, px.
-    covered : ndarray, shape (M,)
-        Sum of the pieces' lengths, px; both edges of a line may be two pieces of it.
     bend : ndarray, shape (M,)
         How far the middle of the best parabola lies beside its ends, px.
     """
 
     ends: FloatArray
     width: FloatArray
-    covered: FloatArray
     bend: FloatArray
 
     @classmethod
     def none(cls) -> Lines:
         """No line at all."""
-        return cls(np.zeros((0, 4)), np.zeros(0), np.zeros(0), np.zeros(0))
+        return cls(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+
+    @property
+    def length(self) -> FloatArray:
+        """From end to end (M,), px."""
+        return np.asarray(np.hypot(self.ends[:, 2] - self.ends[:, 0], self.ends[:, 3] - self.ends[:, 1]))
 
     def __len__(self) -> int:
         """How many."""
@@ -65,7 +67,7 @@ class Lines:
 
     def where(self, wanted: npt.NDArray[np.bool_]) -> Lines:
         """Only those that are wanted (M,)."""
-        return Lines(self.ends[wanted], self.width[wanted], self.covered[wanted], self.bend[wanted])
+        return Lines(self.ends[wanted], self.width[wanted], self.bend[wanted])
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,11 +106,63 @@ def bend_of(along: FloatArray, beside: FloatArray) -> float:
     return float(abs(square @ beside) / max(square @ square, 1e-9))
 
 
-def merge(
-    pieces: Pieces,
-    scale: float,
-    settings: LineSettings,
-) -> Lines:
+@dataclass(frozen=True)
+class _Line:
+    """A straight line through `point` along the unit vector `way`, from `first` to `last` along it (px)."""
+
+    point: FloatArray
+    way: FloatArray
+    first: float
+    last: float
+
+    @classmethod
+    def through(cls, pieces: Pieces, moments: _Moments, mine: npt.NDArray[np.bool_]) -> _Line:
+        """Fit the line of some of the pieces (N,)."""
+        point, way = (each[0] for each in moments.together(mine).fit())
+        along = (pieces.edges[mine] - point) @ way
+        return cls(point, way, float(along.min()), float(along.max()))
+
+    @property
+    def ends(self) -> FloatArray:
+        """Both ends (4,), px."""
+        return np.concatenate([self.point + self.first * self.way, self.point + self.last * self.way])
+
+    def bend(self, points: FloatArray) -> float:
+        """How far the parabola through points (N, 2) bends, px."""
+        away = points - self.point
+        return bend_of(away @ self.way, away @ np.array([-self.way[1], self.way[0]]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Straight:
+    """Each piece as a segment: its middle (N, 2), unit direction (N, 2), length (N,) and ends (N, 2, 2)."""
+
+    centre: FloatArray
+    way: FloatArray
+    length: FloatArray
+    ends: FloatArray
+
+    @classmethod
+    def of(cls, pieces: Pieces, moments: _Moments) -> _Straight:
+        """Lay a line through each piece's points, as long as its edge."""
+        centre, way = moments.fit()
+        along = ((pieces.edges - centre[:, None]) * way[:, None]).sum(axis=-1)
+        low, high = along.min(axis=1), along.max(axis=1)
+        ends = np.stack([centre + low[:, None] * way, centre + high[:, None] * way], axis=1)
+        return cls(centre, way, high - low, ends)
+
+    def on(self, line: _Line, settings: LineSettings, scale: float) -> npt.NDArray[np.bool_]:
+        """Which pieces (N,) lie on a line or its extension."""
+        normal = np.array([-line.way[1], line.way[0]])
+        aside, slope = np.abs((self.centre - line.point) @ normal), np.abs(self.way @ normal)
+        along = (self.ends - line.point) @ line.way
+        gap = np.maximum(along.min(axis=1) - line.last, line.first - along.max(axis=1))
+        limit = settings.aside * scale
+        straight = slope <= np.sin(settings.angle) + limit / np.maximum(self.length, limit)
+        return np.asarray((aside <= limit) & straight & (gap <= settings.gap * scale))
+
+
+def merge(pieces: Pieces, scale: float, settings: LineSettings) -> Lines:
     """Put pieces together that lie on one straight line.
 
     Parameters
@@ -128,49 +182,22 @@ def merge(
     if not len(pieces):
         return Lines.none()
     moments = _Moments.of(pieces)
-    centre, way = moments.fit()
-    along = ((pieces.edges - centre[:, None]) * way[:, None]).sum(axis=-1)
-    low, high = along.min(axis=1), along.max(axis=1)
-    length = high - low
-    ends = np.stack([centre + low[:, None] * way, centre + high[:, None] * way], axis=1)  # (N, 2, 2)
+    straight = _Straight.of(pieces, moments)
     free = np.ones(len(pieces), dtype=bool)
-    rows = []
-    for i in np.argsort(-length, kind="stable"):
+    ends, width, bend = [], [], []
+    for i in np.argsort(-straight.length, kind="stable"):
         if not free[i]:
             continue
         mine = np.arange(len(pieces)) == i
-        o, u, t0, t1 = centre[i], way[i], low[i], high[i]
+        line = _Line.through(pieces, moments, mine)
         while settings.merged:
-            joined = mine | (free & _on_line(ends, centre, way, length, (o, u, t0, t1), scale, settings))
+            joined = mine | (free & straight.on(line, settings, scale))
             if (joined == mine).all():
                 break
             mine = joined
-            o, u = (each[0] for each in moments.together(mine).fit())
-            t = (pieces.edges[mine] - o) @ u
-            t0, t1 = t.min(), t.max()
+            line = _Line.through(pieces, moments, mine)
         free &= ~mine
-        points = pieces.middles[mine][pieces.good[mine]] - o
-        bend = bend_of(points @ u, points @ np.array([-u[1], u[0]]))
-        rows.append((*(o + t0 * u), *(o + t1 * u), np.median(pieces.width[mine]), length[mine].sum(), bend))
-    table = np.array(rows)
-    return Lines(table[:, :4], table[:, 4], table[:, 5], table[:, 6])
-
-
-def _on_line(
-    ends: FloatArray,
-    centre: FloatArray,
-    way: FloatArray,
-    length: FloatArray,
-    line: tuple[FloatArray, FloatArray, float, float],
-    scale: float,
-    settings: LineSettings,
-) -> npt.NDArray[np.bool_]:
-    """Which pieces (N,) belong to a line (point, direction, where it begins and ends along it)."""
-    o, u, t0, t1 = line
-    normal = np.array([-u[1], u[0]])
-    aside, slope = np.abs((centre - o) @ normal), np.abs(way @ normal)
-    t = (ends - o) @ u
-    gap = np.maximum(t.min(axis=1) - t1, t0 - t.max(axis=1))
-    limit = settings.aside * scale
-    straight = slope <= np.sin(settings.angle) + limit / np.maximum(length, limit)
-    return np.asarray((aside <= limit) & straight & (gap <= settings.gap * scale))
+        ends.append(line.ends)
+        width.append(np.median(pieces.width[mine]))
+        bend.append(line.bend(pieces.middles[mine][pieces.good[mine]]))
+    return Lines(np.array(ends), np.array(width), np.array(bend))

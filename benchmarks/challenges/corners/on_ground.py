@@ -161,9 +161,8 @@ def _lines(picture: npt.ArrayLike, view: CameraView, settings: GroundSettings) -
         return Lines.none()
     pieces = line_pieces(planes, _first_row(planes, view), _Widest(view, settings), settings.pieces)
     lines = merge(_undistorted(pieces, view), planes.scale, settings.lines)
-    length = np.hypot(lines.ends[:, 2] - lines.ends[:, 0], lines.ends[:, 3] - lines.ends[:, 1])
-    straight = lines.bend <= settings.bend * planes.scale + settings.bend_length * length
-    return lines.where(straight & (length >= settings.shortest * planes.scale))
+    straight = lines.bend <= settings.bend * planes.scale + settings.bend_length * lines.length
+    return lines.where(straight & (lines.length >= settings.shortest * planes.scale))
 
 
 def _first_row(planes: Planes, view: CameraView) -> int:

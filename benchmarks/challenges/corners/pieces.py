@@ -16,6 +16,9 @@ from nao_course.geometry import FloatArray
 
 SAMPLES, FEWEST = 9, 3  # of a piece, along it; of them, to be one
 STEPS = 28  # of a profile, across it
+# All px at 320: which sides of an edge are compared, where carpet is looked for before an edge and beyond a line, and
+# by how much a sample's width may differ from the others' whatever the width.
+ACROSS, BESIDE, BEYOND, ODD = 1.5, 2.5, 2.0, 0.7
 MARGIN = 3.0  # px at 320 that a profile reaches beyond the widest line on each side
 
 # (points (N, 2) px, unit normals (N, 2)) -> how wide (N,) a line may be there, px, across the normal
@@ -102,11 +105,11 @@ def edges(lightness: npt.NDArray[np.uint8], first_row: int, shortest: float) -> 
     return each[np.hypot(each[:, 2] - each[:, 0], each[:, 3] - each[:, 1]) >= shortest]
 
 
-def _look_up(plane: npt.NDArray[Any], points: FloatArray) -> npt.NDArray[Any]:
-    """Values of a plane (H, W) at the pixels nearest to points (..., 2), or at its rim."""
+def _look_up(plane: npt.NDArray[np.uint8], points: FloatArray) -> npt.NDArray[np.int64]:
+    """Values (...) of a plane (H, W) of bytes at the pixels nearest to points (..., 2), or at its rim."""
     columns, rows = np.moveaxis(np.rint(points).astype(np.intp), -1, 0)
     inside = np.clip(rows, 0, plane.shape[0] - 1), np.clip(columns, 0, plane.shape[1] - 1)
-    return plane[inside]
+    return plane[inside].astype(np.int64)
 
 
 def _interpolated(plane: npt.NDArray[np.uint8], points: FloatArray) -> FloatArray:
@@ -130,40 +133,47 @@ def line_pieces(planes: Planes, first_row: int, widest: Widest, settings: PieceS
     """
     scale = planes.scale
     found = edges(planes.lightness, first_row, settings.shortest * scale)
-    if not len(found):
-        return Pieces.none()
-    start, way = found[:, None, :2], (found[:, 2:] - found[:, :2])[:, None]
-    points = start + np.linspace(0.06, 0.94, SAMPLES)[:, None] * way
-    normal = np.stack([-way[..., 1], way[..., 0]], axis=-1) / np.linalg.norm(way, axis=-1, keepdims=True)
-    light = planes.lightness
-    step = 1.5 * scale * normal
-    up = _look_up(light, points + step).astype(float) - _look_up(light, points - step)
-    normal = normal * np.sign(up.mean(axis=1) + 1e-9)[:, None, None]
-
+    points, normal = _towards_light(planes, found)
     # Most edges are not of a line: what has no carpet on its dark side needs no profile.
-    grown = cv2.dilate(planes.carpet, np.ones((3, 3), np.uint8))
-    beside = _look_up(grown, points - 2.5 * scale * normal) > 0
+    carpet = cv2.dilate(planes.carpet, np.ones((3, 3), np.uint8))
+    outside = points - BESIDE * scale * normal
+    beside = _look_up(carpet, outside) > 0
     wanted = beside.mean(axis=1) >= settings.share
-    points, normal, beside = points[wanted], np.repeat(normal, SAMPLES, axis=1)[wanted], beside[wanted]
-    if not len(points):
+    if not wanted.any():
         return Pieces.none()
+    found, points, normal, outside, good = (each[wanted] for each in (found, points, normal, outside, beside))
     most = widest(points.reshape(-1, 2), normal.reshape(-1, 2)).reshape(points.shape[:2])
-    middle, width, good = _across(planes, points, normal, most)
-    good &= beside
+    middle, width, is_line = _across(planes, points, normal, most)
     middles = points + middle[..., None] * normal
+    good &= is_line & (_look_up(planes.chroma, middles) <= settings.most_chroma)
+    good &= _look_up(planes.lightness, middles) - _look_up(planes.lightness, outside) >= settings.lighter
     if settings.both_sides:
-        beyond = points + (middle + width / 2 + 2.0 * scale)[..., None] * normal
-        good &= _look_up(grown, beyond) > 0
-    peak = _look_up(light, middles).astype(float)
-    carpet = _look_up(light, points - 2.5 * scale * normal)
-    good &= (peak - carpet >= settings.lighter) & (_look_up(planes.chroma, middles) <= settings.most_chroma)
-    kept = good.mean(axis=1) >= settings.share
+        beyond = points + (middle + width / 2 + BEYOND * scale)[..., None] * normal
+        good &= _look_up(carpet, beyond) > 0
+    return _even(Pieces(middles, good, np.zeros(len(found)), found.reshape(-1, 2, 2)), width, scale, settings)
+
+
+def _towards_light(planes: Planes, found: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points (N, SAMPLES, 2) along edges (N, 4), and there the unit normals that point to the edge's light side."""
+    way = (found[:, 2:] - found[:, :2])[:, None]
+    points = found[:, None, :2] + np.linspace(0.06, 0.94, SAMPLES)[:, None] * way
+    normal = np.stack([-way[..., 1], way[..., 0]], axis=-1) / np.linalg.norm(way, axis=-1, keepdims=True)
+    step = ACROSS * planes.scale * normal
+    rise = _look_up(planes.lightness, points + step) - _look_up(planes.lightness, points - step)
+    normal = np.where(rise.mean(axis=1)[:, None, None] < 0, -normal, normal)
+    return points, np.repeat(normal, SAMPLES, axis=1)
+
+
+def _even(pieces: Pieces, width: FloatArray, scale: float, settings: PieceSettings) -> Pieces:
+    """Those of the pieces that are good over a part of their length, less the samples (N, M) whose width is odd."""
+    kept = pieces.good.mean(axis=1) >= settings.share
     if not kept.any():
         return Pieces.none()
-    typical = _median(width[kept], good[kept])
-    odd = np.abs(width[kept] - typical[:, None]) > settings.uneven * typical[:, None] + 0.7 * scale
-    pieces = Pieces(middles[kept], good[kept] & ~odd, typical, found.reshape(-1, 2, 2)[wanted][kept])
-    return pieces.where(pieces.good.sum(axis=1) >= FEWEST)
+    pieces, width = pieces.where(kept), width[kept]
+    typical = _median(width, pieces.good)
+    odd = np.abs(width - typical[:, None]) > settings.uneven * typical[:, None] + ODD * scale
+    even = Pieces(pieces.middles, pieces.good & ~odd, typical, pieces.edges)
+    return even.where(even.good.sum(axis=1) >= FEWEST)
 
 
 def _across(
