@@ -15,7 +15,7 @@ from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
 from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
 
-PRESETS = ("clean", "lab", "dark", "harsh")
+PRESETS = ("clean", "lab", "dark", "harsh", "messy")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
 _STANDING = tuple(name for name in Reality.effects() if name != "motion")  # nothing shakes in this picture
 _TILT_WORDS = ("tilt (degrees)", "leans the whole robot forwards or backwards")
@@ -32,6 +32,7 @@ _GROUPS = {  # effect: its slider's label, and what it does; said where it is, a
     "Room and light": {
         "clutter": ("behind the field", "how much stands and lies behind the field"),
         "litter": ("beside the field", "things that lie on the carpet beyond the lines"),
+        "sheets": ("paper", "sheets of paper on the carpet"),
         "glare": ("glare", "lamps and windows shine back from the ground"),
         "gradient": ("uneven light", "one end of the field gets less light"),
     },
@@ -99,7 +100,7 @@ class RealityDial:
     # --- from code ---
 
     def preset(self, name: str) -> None:
-        """Set all effects at once: "clean", "lab", "dark" or "harsh".
+        """Set all effects at once: "clean", "lab", "dark", "harsh" or "messy".
 
         Raises
         ------
