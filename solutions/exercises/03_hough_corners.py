@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Points, Question
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Points, Question, Written
 from nao_course.lessons.hough_corners import Segments
 
 Array = npt.NDArray[Any]
@@ -106,6 +106,14 @@ def _erase_window(labels: Any, run: int) -> Array:
     return labels * np.maximum.accumulate(safe, axis=0)
 
 
+def _erase_sums(labels: Any, run: int) -> Array:
+    """How many green pixels are above each row; where two of these counts, run apart, differ by run, all between are."""
+    labels = np.asarray(labels)
+    above = np.cumsum(np.pad(labels == GREEN, ((1, run - 1), (0, 0))), axis=0)
+    begins = above[run:] - above[:-run] == run
+    return np.where(np.logical_or.accumulate(begins, axis=0), labels, 0)
+
+
 def _erase_morphology(labels: Any, run: int) -> Array:
     """OpenCV's erosion with a column as its element, whose anchor is at the top."""
     labels = np.asarray(labels)
@@ -154,8 +162,9 @@ ERASE_BACKGROUND = Exercise(
     hints=(
         "For one column first: where does the first run of green begin that is long enough? All above it becomes 0. The sum of "
         "labels[v : v + run, u] == 1 is run where a run begins at v.",
-        "Without a loop over columns: np.cumsum(labels == 1, axis=0) counts the green pixels down to each row. The difference of two of its rows that are "
-        "run apart is run exactly where all pixels between are green. np.logical_or.accumulate(found, axis=0) is true from the first true row on.",
+        "Without a loop over columns: green[i : i + H] is the picture i rows further down. A run of 3 begins where green, green one further down and green two "
+        "further down are all true. Below the last row nothing is green: np.pad(green, ((0, run - 1), (0, 0))). np.logical_or.accumulate(begins, axis=0) is true from the "
+        "first true row on.",
     ),
     mistakes=[
         Mistake(
@@ -215,6 +224,7 @@ ERASE_BACKGROUND = Exercise(
     ],
     alternatives={
         "a loop over columns": lambda labels, run: _erase(labels, run),
+        "cumulative sums": _erase_sums,
         "sliding windows": _erase_window,
         "erosion": _erase_morphology,
     },
@@ -997,5 +1007,17 @@ PLAN = LessonPlan(
             },
             "No: a false corner costs more than a hit gains.",
         ),
+    ],
+    written=[
+        Written(
+            "explain_null_baseline",
+            points=2,
+            question="The paper's best setting has a mean cost of 2.122 over thirty pictures, whose number of corners it does not say. What follows from 2.122 alone "
+            "about that detector, what does one need to know besides, and why?",
+            rubric="1 point: from 2.122 alone nothing follows, for reporting nothing costs 1 for each corner, so as much as there are corners in a picture on average: with "
+            "more than 2.122 corners a picture the detector is better than nothing, with fewer it is worse. 1 point: besides the cost of nothing on the same pictures "
+            "one needs how sure the difference is: how much it varies from picture to picture, or its interval; with thirty pictures that can contain 0, as it does here. "
+            "Naming hits and false corners instead of the interval is worth the second point too, if the answer says that a mean can hide how it comes about.",
+        )
     ],
 )
