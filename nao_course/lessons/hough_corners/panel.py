@@ -51,7 +51,7 @@ class CornerPanel(FunctionPanel):
         """Search the first picture and build the widgets."""
         if not pictures:
             raise ValueError("pictures must hold at least one picture, got none")
-        self._pictures = dict(pictures)
+        self._searched = dict(pictures)
         super().__init__(
             "Corners panel",
             self._search,
@@ -75,7 +75,7 @@ class CornerPanel(FunctionPanel):
 
     def _search(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the picture, its labels, the segments, and at last the corners."""
-        picture = self._pictures[values.picture]
+        picture = self._searched[values.picture]
         shown = mark_truth(picture)
         yield {"What you find": shown}
         yield Legend({"true corner": TRUE, "corner found": FOUND})
