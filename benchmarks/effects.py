@@ -32,6 +32,7 @@ _SHOWN = {
     "tape": 1.5,
     "glare": 0.5,
     "litter": 1.5,
+    "sheets": 0.5,
     "gradient": 0.6,
     "white_balance": 0.15,
     "overexposure": 1.0,
@@ -63,7 +64,7 @@ def figure() -> Pixels:
         strength = _SHOWN.get(name, getattr(Reality(), name))
         alone = replace(Reality.clean(_SEED), **{name: strength})
         panels.append(labelled(picture(alone), f"{name} {strength:g}"))
-    for preset in ("lab", "dark", "harsh"):
+    for preset in ("lab", "dark", "harsh", "messy"):
         panels.append(labelled(picture(getattr(Reality, preset)(_SEED)), f"{preset}: all together"))
     panels += [np.full_like(panels[0], 255)] * (-len(panels) % _COLUMNS)
     rows = [np.hstack(panels[i : i + _COLUMNS]) for i in range(0, len(panels), _COLUMNS)]

@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, as_points
+from nao_course.sim import PictureTruth
 
-__all__ = ["REACH", "PointMatch", "match_points", "total", "wilson_interval"]
+__all__ = [
+    "REACH",
+    "CornerTruth",
+    "PointMatch",
+    "corner_cost",
+    "match_points",
+    "mean_interval",
+    "total",
+    "wilson_interval",
+]
 
 REACH = 8.0  # px at 240 rows: how far a point that is found may be from the true one
+HIT, FALSE, MISSED = -1.333, 5.0, 1.0  # Aliyev et al. 2014, table 6.1; nothing where nothing is costs nothing
+DRAWS = 4000  # of the bootstrap
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +118,100 @@ def total(matches: Iterable[Match]) -> Match:
         parts = [getattr(match, field.name) for match in each]
         sums[field.name] = sum(parts) if field.name == "false" else np.concatenate(parts)
     return replace(each[0], **sums)
+
+
+class MarkedPoint(Protocol):
+    """A point that a person has marked in a picture."""
+
+    @property
+    def kind(self) -> str:
+        """Such as "L", "T", "X" or "post_foot"."""
+        ...
+
+    @property
+    def u(self) -> float:
+        """Column, pixels."""
+        ...
+
+    @property
+    def v(self) -> float:
+        """Row, pixels."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class CornerTruth:
+    """The corners of the field's lines in a picture.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (K, 2)
+        (u, v) of the corners L and T, pixels.
+    excused : ndarray, shape (M, 2)
+        (u, v) of crossings X and of posts: a corner found there is neither right nor wrong.
+    reach : float
+        How far a hit may be from its corner, pixels: 8 in a picture of 240 rows.
+    """
+
+    corners: FloatArray
+    excused: FloatArray
+    reach: float = REACH
+
+    @classmethod
+    def of(cls, truth: PictureTruth) -> CornerTruth:
+        """Read the corners off the truth of a simulated picture; hidden ones count as well."""
+        marks = [(mark.landmark.shape, mark.pixel) for mark in truth.landmarks]
+        return cls._split(marks, REACH * truth.view.size[1] / 240)
+
+    @classmethod
+    def marked(cls, points: Iterable[MarkedPoint], reach: float = REACH) -> CornerTruth:
+        """Take the points that a person has marked in a picture, such as those of `RealPicture.points`."""
+        return cls._split([(point.kind, (point.u, point.v)) for point in points], reach)
+
+    @classmethod
+    def _split(cls, marks: Sequence[tuple[str, tuple[float, float]]], reach: float) -> CornerTruth:
+        """Tell corners, which count, from all other points."""
+        corners, others = (
+            as_points([pixel for shape, pixel in marks if (shape in ("L", "T")) == counts])
+            for counts in (True, False)
+        )
+        return cls(corners, others, reach)
+
+    def match(self, points: npt.ArrayLike) -> PointMatch:
+        """Pair found corners (N, 2), (u, v) px, with the true ones; see `match_points`."""
+        return match_points(points, self.corners, self.excused, self.reach)
+
+
+def corner_cost(match: PointMatch) -> float:
+    """Add up the paper's costs (table 6.1) of a picture: -1.333 for each hit, 5 for each false, 1 for each missed."""
+    return HIT * match.hits + FALSE * match.false + MISSED * match.missed
+
+
+def mean_interval(values: npt.ArrayLike, probability: float = 0.95) -> tuple[float, float]:
+    """Return the bootstrap interval of a mean: between which means the samples' own resamples lie.
+
+    Parameters
+    ----------
+    values : array_like, shape (N,)
+        One a picture; for two detectors on the same pictures the difference, so that hard pictures are hard for both.
+    probability : float
+        Of the interval.
+
+    Returns
+    -------
+    (float, float)
+        The same at every call; NaN for no values.
+
+    References
+    ----------
+    B. Efron, *Bootstrap methods: another look at the jackknife*, The Annals of Statistics 7, 1979.
+    """
+    given = np.asarray(values, dtype=float)
+    if not len(given):
+        return float("nan"), float("nan")
+    means = np.random.default_rng(0).choice(given, (DRAWS, len(given))).mean(axis=1)
+    low, high = np.quantile(means, [(1 - probability) / 2, (1 + probability) / 2])
+    return float(low), float(high)
 
 
 def wilson_interval(hits: int, trials: int, z: float = 1.96) -> tuple[float, float]:

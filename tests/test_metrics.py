@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from nao_course.metrics import PointMatch, match_points, total, wilson_interval
+from nao_course.datasets import AnnotatedPoint
+from nao_course.geometry import Pose
+from nao_course.metrics import (
+    CornerTruth,
+    PointMatch,
+    corner_cost,
+    match_points,
+    mean_interval,
+    total,
+    wilson_interval,
+)
+from nao_course.sim import NAO_V4, Field, Reality, render
 
 
 def test_the_truth_itself_is_found_and_nothing_finds_nothing(rng):
@@ -65,3 +76,38 @@ def test_wilsons_interval_is_his():
     low, high = wilson_interval(12, 12)
     assert 0.75 < low < 0.76 and high == pytest.approx(1.0)
     assert wilson_interval(0, 0) == (0.0, 1.0)
+
+
+def test_corners_count_and_crossings_and_posts_are_excused():
+    marks = [AnnotatedPoint(kind, 10.0 * i, 5.0) for i, kind in enumerate(("L", "T", "X", "post_foot"))]
+    truth = CornerTruth.marked(marks)
+    assert truth.corners.tolist() == [[0.0, 5.0], [10.0, 5.0]]
+    match = truth.match([(1, 5), (20, 6), (30, 7), (60, 60)])
+    assert (match.hits, match.false, match.missed) == (1, 1, 1)
+    assert CornerTruth.marked([]).match([(1, 1)]).false == 1
+
+
+@pytest.mark.parametrize("size", [(320, 240), (640, 480)])
+def test_a_simulated_picture_has_the_corners_that_it_shows(size):
+    view = NAO_V4.view("bottom", 0.0, -0.43, size)
+    _, truth = render(Field(2012), Pose(0.6, 0.5, -0.25), view, Reality.clean(), np.random.default_rng(0))
+    corners = CornerTruth.of(truth)
+    assert len(corners.corners) == sum(mark.landmark.kind == "corner" for mark in truth.landmarks) > 0
+    assert len(corners.excused) == sum(mark.landmark.kind != "corner" for mark in truth.landmarks) > 0
+    assert corners.reach == 8.0 * size[1] / 240
+    beside = corners.corners + np.array([corners.reach - 0.01, 0.0])
+    assert corners.match(beside[:1]).hits == 1 and corners.match(beside[:1] + (0.02, 0.0)).hits == 0
+
+
+def test_a_cost_is_the_papers_weights_times_the_counts():
+    assert corner_cost(match_points([], [(1, 1), (50, 50)])) == 2.0
+    match = match_points([(1, 1), (20, 20), (30, 30)], [(1, 1), (80, 80)])
+    assert corner_cost(match) == pytest.approx(-1.333 + 2 * 5 + 1)
+
+
+def test_the_interval_of_a_mean_holds_it_as_often_as_it_says(rng):
+    assert mean_interval([3.0] * 5) == (3.0, 3.0) and np.isnan(mean_interval([])).all()
+    held = [low <= 0.0 <= high for low, high in (mean_interval(rng.normal(0, 2, 40)) for _ in range(200))]
+    assert 0.88 < np.mean(held) < 0.99
+    low, high = mean_interval(np.arange(30.0), 0.5)
+    assert mean_interval(np.arange(30.0))[0] < low < 14.5 < high < mean_interval(np.arange(30.0))[1]

@@ -136,6 +136,8 @@ class Workshop:
 
 Builder = Callable[[Workshop], None]
 
+_A4 = (0.210, 0.297)  # metres
+
 _BLACK, _DARK, _GREY, _STEEL = (3, 2, 3), (30, 28, 30), (84, 82, 80), (150, 150, 150)
 _WHITE, _CREAM, _WOOD, _CARTON = (236, 234, 230), (226, 218, 209), (112, 78, 50), (150, 112, 72)
 _RED, _YELLOW, _BLUE, _SKIN = (150, 30, 32), (176, 158, 40), (70, 110, 144), (176, 128, 100)
@@ -293,6 +295,17 @@ def _cable(w: Workshop) -> None:
     w.polygon(np.concatenate([path, back]), _BLACK if w.rng.random() < 0.7 else _WHITE)
 
 
+def _sheet(w: Workshop) -> None:
+    """A sheet of A4 that lies flat, at times printed on, or a sheet folded once, or two that overlap."""
+    light = w.rng.uniform(205, 250)
+    long = _A4[1] / 2 if w.rng.random() < 0.25 else _A4[1]
+    w.table(0.0, 0.0, _A4[0], long, (light, light, light - 2))
+    if w.rng.random() < 0.4:
+        w.table(0.0, 0.0, _A4[0] - 0.05, long - 0.06, np.full(3, light - w.rng.uniform(20, 70)), 0.03)
+    if w.rng.random() < 0.25:
+        w.table(w.rng.normal(0, 0.12), 0.0, *_A4, (light, light, light - 2), w.rng.normal(0, 0.15))
+
+
 # What stands in the room: how often, and how far from the carpet's edge in metres.
 _PIECES: dict[Builder, tuple[float, tuple[float, float]]] = {
     _chair: (6.0, (0.05, 0.7)),
@@ -344,6 +357,17 @@ def scatter(lines: Rectangle, border: float, amount: float, seed: int) -> Furnit
             away = w.rng.uniform(0.45, 1.0) * border
             w.place(start + along * w.rng.uniform(0, length) + outwards * away, facing + w.rng.normal(0, 0.8))
             _choose(w.rng, _LITTER)(w)
+    return w.done()
+
+
+@lru_cache(maxsize=4)
+def strew(carpet: Rectangle, amount: float, seed: int) -> Furniture:
+    """Drop sheets of paper on a carpet (x_min, y_min, x_max, y_max), `amount` for each square metre."""
+    w = Workshop(np.random.default_rng([seed, 7]))
+    x0, y0, x1, y1 = carpet
+    for _ in range(w.rng.poisson(amount * (x1 - x0) * (y1 - y0))):
+        w.place(w.rng.uniform((x0, y0), (x1, y1)), w.rng.uniform(-np.pi, np.pi))
+        _sheet(w)
     return w.done()
 
 

@@ -16,6 +16,7 @@ _MOST = {
     **dict.fromkeys(("crumbs", "tape", "pile", "glare", "litter", "overexposure", "blur"), 20.0),
     "specks": 200.0,
     "clutter": 5.0,
+    "sheets": 5.0,
     "motion": 5.0,  # the head may turn by 0.5 rad while a picture is read: far more than it ever sways
 }
 _LARGEST_SEED = 2**63 - 1
@@ -68,6 +69,8 @@ class Reality:
         How crowded the room behind the field is; 1 is a laboratory.
     litter : float
         Things that lie on the carpet beyond the lines, a metre of the outer lines.
+    sheets : float
+        Sheets of paper that lie anywhere on the carpet, a square metre; in no preset but `messy`.
     gradient : float
         How much the light falls off across the field, as a fraction.
     white_balance : float
@@ -91,8 +94,8 @@ class Reality:
     ------
     ValueError
         If a strength is no number, negative, or more than 1 for a fraction (seams, gradient, white_balance, exposure,
-        vignette), 255 for levels (grain, mottle, noise), 5 for clutter and motion, 200 for specks, and 20 for
-        everything else; if the seed is no whole number from 0 to 2**63 - 1.
+        vignette), 255 for levels (grain, mottle, noise), 5 for clutter, sheets and motion, 200 for specks, and 20
+        for everything else; if the seed is no whole number from 0 to 2**63 - 1.
     """
 
     grain: float = 8.2
@@ -113,6 +116,7 @@ class Reality:
     blur: float = 1.0
     noise: float = 1.4
     motion: float = 1.0
+    sheets: float = 0.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -163,3 +167,8 @@ class Reality:
             clutter=1.6,
             seed=seed,
         )
+
+    @classmethod
+    def messy(cls, seed: int = 0) -> Reality:
+        """A laboratory in the middle of work: paper and robots lie on the carpet, and the room is full."""
+        return cls(sheets=0.12, litter=0.8, clutter=1.8, seams=0.8, crumbs=0.6, glare=0.1, seed=seed)

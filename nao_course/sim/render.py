@@ -19,7 +19,7 @@ from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.carpet import TEXEL, Wear, carpet_levels
 from nao_course.sim.field import Field, Landmark
-from nao_course.sim.furniture import Furniture, outlines_in_view, scatter
+from nao_course.sim.furniture import Furniture, outlines_in_view, scatter, strew
 from nao_course.sim.light import Lamps, develop
 from nao_course.sim.reality import Reality
 from nao_course.sim.room import furnish, paint_curtains
@@ -257,6 +257,9 @@ def _paint_standing(field: Field, eye: Eye, light: Float32, labels: Labels, lamp
     middles = field.bars[:, :, :2].mean(axis=1)
     distances = np.hypot(*(middles - eye.ground_position).T)
     beyond = np.inf
+    if sheets := lamps.reality.sheets:  # flat, so everything else stands before them
+        paper = strew(field.carpet, sheets, lamps.reality.seed)
+        _paint_litter(paper, (0.0, np.inf), eye, light, labels, lamps)
     for goal in np.argsort(-distances):
         if things is not None:
             _paint_litter(things, (distances[goal], beyond), eye, light, labels, lamps)

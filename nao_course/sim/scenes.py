@@ -1,4 +1,4 @@
-"""Two standard sets of pictures with truth, to tune a detector on and to report what it does: made, not stored."""
+"""Standard sets of pictures with truth, to tune a detector on and to report what it does: made, not stored."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from nao_course.sim.nao import TorsoTilt
 from nao_course.sim.reality import Reality
 from nao_course.sim.render import PictureTruth, render, visible_landmarks
 
-SceneSet = Literal["tune", "report"]
+SceneSet = Literal["tune", "report", "whole_tune", "whole"]
 
 _SCENES = 30  # as many as the seed paper's "random locations on the soccer field"
 _ROOMS = 5  # of each set
+_WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM = 60, 10, 10**9
 # The real pictures' head was told -31 degrees, but they look 6.4 degrees lower than that (docs/real_data.md).
 _HEAD_PITCH, _PITCH_SPREAD = np.radians(-31.0 + 6.4), np.radians(1.0)
 _REACH = 4.0  # metres: a picture must show a corner or post no farther than this
@@ -51,16 +52,21 @@ class Scene:
 def standard_scenes(
     which: SceneSet, size: tuple[int, int] = (320, 240), reality: Reality | None = None
 ) -> tuple[Scene, ...]:
-    """Make one of the two standard sets: 30 pictures from random places on half a field of 2012.
+    """Make one of the standard sets: pictures from random places on a field of 2012.
+
+    "tune" and "report" are 30 pictures each of half a field, and each shows a corner or a post near by. "whole_tune"
+    and "whole" are 60 each from anywhere on a whole field to anywhere, with paper on the carpet and a full room behind
+    it: a corner is as far away as it may be, and many pictures show none.
 
     Parameters
     ----------
-    which : "tune" or "report"
-        Tune parameters on the one, report results on the other: they share neither a place nor a room.
+    which : "tune", "report", "whole_tune" or "whole"
+        Tune parameters on the one, report results on the other: no two share a place or a room.
     size : (int, int)
         Width and height of the pictures; their places do not depend on it.
     reality : Reality, optional
-        How real they look; by default like the laboratory's. Its seed chooses other rooms and places.
+        How real they look; by default like the laboratory's, those of the whole field as `Reality.messy`. Its seed
+        chooses other rooms and places.
 
     Returns
     -------
@@ -78,12 +84,18 @@ def standard_scenes(
     (48, 64, 3)
     """
     if which not in get_args(SceneSet):
-        raise ValueError(f'which set of scenes? "tune" or "report", got {which!r}')
-    first_room = 2 * _ROOMS * (reality or Reality()).seed + _ROOMS * get_args(SceneSet).index(which)
+        raise ValueError(f'which set of scenes? "tune", "report", "whole_tune" or "whole", got {which!r}')
+    second = which in ("report", "whole")
+    if which in ("tune", "report"):
+        reality, take, number, rooms, first_room = reality or Reality(), random_scene, _SCENES, _ROOMS, 0
+    else:
+        reality, take = reality or Reality.messy(), whole_field_scene
+        number, rooms, first_room = _WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM
+    first_room += rooms * (2 * reality.seed + second)
     scenes = []
-    for i in range(_SCENES):
-        room = replace(reality or Reality(), seed=first_room + i * _ROOMS // _SCENES)
-        scenes.append(random_scene(size, room, np.random.default_rng([first_room, i, 5])))
+    for i in range(number):
+        room = replace(reality, seed=first_room + i * rooms // number)
+        scenes.append(take(size, room, np.random.default_rng([first_room, i, 5])))
     return tuple(scenes)
 
 
@@ -104,18 +116,47 @@ def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generat
     Scene
         With its truth.
     """
-    field, lean = Field(2012), TorsoTilt()
+    field = Field(2012)
     while True:
         (x, y), towards = rng.uniform((0.0, -1.9), (2.9, 1.9), (2, 2))
         yaw = rng.uniform(-0.5, 0.5)
         pose = Pose(x, y, float(np.arctan2(*(towards - (x, y))[::-1])) - yaw)
-        pitch = rng.normal(_HEAD_PITCH, _PITCH_SPREAD)
-        torso_pitch, torso_roll = rng.normal(0.0, (lean.pitch, lean.roll))
-        believed = NAO_V4.view("bottom", yaw, pitch, size)
-        true = NAO_V4.view("bottom", yaw, pitch, size, torso_pitch=torso_pitch, torso_roll=torso_roll)
+        believed, true = _views(yaw, size, rng)
         if _shows_something(field, pose, true):
             pixels, truth = render(field, pose, true, reality, rng)
             return Scene(pixels, believed, truth)
+
+
+def whole_field_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
+    """Take a picture from any place on a whole field of 2012 to any side, whatever it shows.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height.
+    reality : Reality
+        How real it looks, and which room.
+    rng : numpy.random.Generator
+        Where from and where to.
+
+    Returns
+    -------
+    Scene
+        With its truth.
+    """
+    x, y, heading, yaw = rng.uniform((-2.9, -1.9, -np.pi, -0.5), (2.9, 1.9, np.pi, 0.5))
+    believed, true = _views(yaw, size, rng)
+    pixels, truth = render(Field(2012, half=False), Pose(x, y, heading), true, reality, rng)
+    return Scene(pixels, believed, truth)
+
+
+def _views(yaw: float, size: tuple[int, int], rng: np.random.Generator) -> tuple[CameraView, CameraView]:
+    """The view that a robot believes in with its head turned by `yaw` (rad), and the true one: its body leans."""
+    lean = TorsoTilt()
+    pitch = rng.normal(_HEAD_PITCH, _PITCH_SPREAD)
+    torso_pitch, torso_roll = rng.normal(0.0, (lean.pitch, lean.roll))
+    believed = NAO_V4.view("bottom", yaw, pitch, size)
+    return believed, NAO_V4.view("bottom", yaw, pitch, size, torso_pitch=torso_pitch, torso_roll=torso_roll)
 
 
 def _shows_something(field: Field, pose: Pose, view: CameraView) -> bool:

@@ -15,7 +15,7 @@ from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
 from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
 
-PRESETS = ("clean", "lab", "dark", "harsh")
+PRESETS = ("clean", "lab", "dark", "harsh", "messy")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
 _STANDING = tuple(name for name in Reality.effects() if name != "motion")  # nothing shakes in this picture
 _MEANINGS = {  # of the sliders; said where one is, and below the picture while it is moved
@@ -30,6 +30,7 @@ _MEANINGS = {  # of the sliders; said where one is, and below the picture while 
     "glare": "lamps and windows shine back from the ground",
     "clutter": "how much stands and lies behind the field",
     "litter": "things that lie on the carpet beyond the lines",
+    "sheets": "sheets of paper on the carpet",
     "gradient": "one end of the field gets less light",
     "white_balance": "the camera takes the light for redder or bluer than it is",
     "exposure": "the camera makes every picture equally bright on average",
@@ -86,7 +87,7 @@ class RealityDial:
     # --- from code ---
 
     def preset(self, name: str) -> None:
-        """Set all effects at once: "clean", "lab", "dark" or "harsh".
+        """Set all effects at once: "clean", "lab", "dark", "harsh" or "messy".
 
         Raises
         ------

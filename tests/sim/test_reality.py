@@ -14,7 +14,7 @@ MOST = (
     dict.fromkeys(Reality.effects(), 20.0)
     | LEVELS
     | FRACTIONS
-    | {"specks": 200.0, "clutter": 5.0, "motion": 5.0}
+    | {"specks": 200.0, "clutter": 5.0, "sheets": 5.0, "motion": 5.0}
 )
 
 

@@ -211,6 +211,7 @@ def test_each_effect_alone_changes_the_picture_and_at_zero_does_not(effect):
         "white_balance": 0.1,
         "exposure": 1.0,
         "clutter": 5.0,
+        "sheets": 5.0,
         "motion": 5.0,
     }
     assert (picture(replace(CLEAN, **{effect: strong.get(effect, 10.0)})) != clean).mean() > 0.0005
@@ -229,6 +230,22 @@ def test_labels_and_landmarks_are_the_same_under_every_preset_but_for_what_lies_
     assert 0 < changed.mean() < 0.1
     assert (littered.labels[changed] == OTHER).all()
     assert [m.pixel for m in littered.landmarks] == [m.pixel for m in clean.landmarks]
+
+
+def test_paper_is_other_and_white_hides_lines_and_moves_no_landmark():
+    view, pose, hidden = camera(), Pose(0.4, 0.3, 0.1), 0
+    for seed in range(4):
+        clear, clean = render(Field(), pose, view, CLEAN)
+        strewn, truth = render(Field(), pose, view, replace(CLEAN, sheets=4.0, seed=seed))
+        changed = truth.labels != clean.labels
+        assert 0.02 < changed.mean() < 0.6
+        assert (truth.labels[changed] == OTHER).all()
+        assert strewn[changed].min() > 110
+        assert (strewn[~changed] != clear[~changed]).mean() < 0.1  # the rim of the paper
+        assert not (changed & (clean.labels == YELLOW)).any()  # it lies flat: posts stand on it
+        assert [m.pixel for m in truth.landmarks] == [m.pixel for m in clean.landmarks]
+        hidden += sum(m.occluded for m in truth.landmarks) - sum(m.occluded for m in clean.landmarks)
+    assert hidden > 0
 
 
 def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_goal():

@@ -38,11 +38,47 @@ def test_no_set_shares_a_room_with_another_whatever_their_seeds(monkeypatch):
         return render(field, pose, view, Reality.clean(), rng)
 
     monkeypatch.setattr("nao_course.sim.scenes.render", recorded)
-    for key in product(("tune", "report"), range(2)):
+    for key in product(("tune", "report", "whole_tune", "whole"), range(2)):
         standard_scenes(key[0], (8, 6), Reality(seed=key[1]))
-    assert all(len(seeds) == 30 and len(set(seeds)) == 5 for seeds in rooms.values())
+    for (which, _), seeds in rooms.items():
+        assert (len(seeds), len(set(seeds))) == ((60, 10) if "whole" in which else (30, 5))
     every = [room for seeds in rooms.values() for room in set(seeds)]
-    assert len(every) == len(set(every)) == 20
+    assert len(every) == len(set(every)) == 60
+
+
+def test_the_whole_field_is_seen_from_both_halves_to_all_sides_and_its_two_sets_share_no_place():
+    one, other = (standard_scenes(which, (8, 6), Reality.clean()) for which in ("whole_tune", "whole"))
+    assert not {s.truth.pose for s in one} & {s.truth.pose for s in other}
+    for scenes in (one, other):
+        x, y, heading = np.array([s.truth.pose.as_array() for s in scenes]).T
+        assert x.min() < -2.0
+        assert x.max() > 2.0
+        assert np.abs(y).max() > 1.5
+        assert np.abs(np.mean(np.exp(1j * heading))) < 0.3
+        seen = [m.landmark.x for s in scenes for m in s.truth.landmarks]
+        assert min(seen) == -3.0
+        assert max(seen) == 3.0
+        assert any(not s.truth.landmarks for s in scenes)
+
+
+def test_paper_lies_on_the_whole_field_and_on_no_other_set():
+    presets = {which: [] for which in ("tune", "report", "whole_tune", "whole")}
+    for which in presets:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(
+                "nao_course.sim.scenes.render",
+                lambda field, pose, view, reality, rng, seen=presets[which]: (
+                    seen.append(reality),
+                    render(field, pose, view, Reality.clean()),
+                )[1],
+            )
+            standard_scenes(which, (8, 6))
+    assert {which: {each.sheets > 0 for each in used} for which, used in presets.items()} == {
+        "tune": {False},
+        "report": {False},
+        "whole_tune": {True},
+        "whole": {True},
+    }
 
 
 def test_a_set_shows_as_many_corners_as_the_real_pictures_do(sets):
@@ -74,6 +110,6 @@ def test_another_seed_gives_other_places():
 
 
 @pytest.mark.parametrize("which", ["test", "", None, 1])
-def test_another_name_is_refused_with_the_two_there_are(which):
-    with pytest.raises(ValueError, match='"tune" or "report", got'):
+def test_another_name_is_refused_with_those_there_are(which):
+    with pytest.raises(ValueError, match='"tune", "report", "whole_tune" or "whole", got'):
         standard_scenes(which)

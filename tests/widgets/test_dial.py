@@ -24,7 +24,7 @@ def test_a_slider_changes_its_effect_and_the_picture_shown():
     assert dial._image.value != before
 
 
-@pytest.mark.parametrize("name", ["clean", "lab", "dark", "harsh"])
+@pytest.mark.parametrize("name", ["clean", "lab", "dark", "harsh", "messy"])
 def test_a_preset_moves_every_slider(name):
     dial = RealityDial()
     dial.preset(name)
@@ -87,7 +87,7 @@ def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
 def test_every_slider_says_what_it_does_where_it_is_and_while_it_is_moved():
     dial = RealityDial()
     sliders = [*dial._sliders.values(), dial._tilt]
-    assert len(sliders) == 18
+    assert len(sliders) == 19
     for slider in sliders:
         slider.value = slider.max / 2
         dial._show()

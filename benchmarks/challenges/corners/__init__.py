@@ -1,0 +1,5 @@
+"""A better corner detector, in two: one needs only the picture, the other also the camera's view of the ground."""
+
+from benchmarks.challenges.corners.in_picture import find_corners_better
+
+__all__ = ["find_corners_better"]
