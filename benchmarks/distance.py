@@ -1,13 +1,14 @@
 """How far off distances are on a real robot's pictures, after one calibration: lesson 04's functions on marked points.
 
-Ten pictures tell the constant offset of the camera's pitch; all others are measured with it. Which of the field's landmarks a
-marked point is comes from `benchmarks.reality`; where it is, from the robot's pose as it was set by hand. The pictures choose
-nothing else: the camera is the maker's, its lens term that of the library.
+Ten pictures tell the constant offset of the camera's pitch; all others are measured with it. Which of the field's
+landmarks a marked point is comes from `benchmarks.reality`; where it is, from the robot's pose as it was set by hand.
+The pictures choose nothing else: the camera is the maker's, its lens term that of the library.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ METHODS = {"the paper's formula": OWN["paper_distance"], "exact": exact_distance
 
 
 def marked(pictures: Sequence[RealPicture]) -> list[Marked]:
-    """Landmarks on the ground of all pictures with at least four marked points, with the view that the maker specifies."""
+    """Landmarks on the ground of all pictures with at least four points, with the view that the maker specifies."""
     found = []
     for item in fit_set(pictures).matched:
         ground = item.landmarks[:, 2] == 0
@@ -76,13 +77,10 @@ def main() -> Result:
         for name, (true, each) in errors.items():
             found = by_distance(true, each)
             values[title][name] = [list(pair) for pair in found]
-            numbers = [
-                int(((low <= true) & (true < high)).sum())
-                for low, high in zip(EDGES, EDGES[1:], strict=False)
-            ]
+            numbers = [int(((low <= true) & (true < high)).sum()) for low, high in pairwise(EDGES)]
             rows += [
                 (f"{title}, {name}", f"{low:g}-{high:g} m", number, *pair)
-                for low, high, number, pair in zip(EDGES, EDGES[1:], numbers, found, strict=False)
+                for low, high, number, pair in zip(EDGES[:-1], EDGES[1:], numbers, found, strict=True)
             ]
     table = Table(
         "error of the distance after one calibration, m",

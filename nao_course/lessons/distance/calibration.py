@@ -1,4 +1,4 @@
-"""Pictures of a robot whose camera hangs lower than its joints say: what a calibration finds, and what is left after it.
+"""Pictures by a camera that hangs lower than its robot's joints say: what a calibration finds, and what is left.
 
 Here they are simulated, marks only; of the real ones the course has the statistics alone (docs/real_data.md).
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,8 @@ EDGES = (1.0, 2.0, 3.0, 4.0, 5.0)  # m, of the bins
 LEAST = 4  # landmarks of a picture
 COLOURS = {"the paper's formula": STYLES["odometry"].colour, "exact": STYLES["ekf"].colour}
 
-# Real pictures, set by set: median and 90 % of the size of the distance's error (m) for true distances of 1-2, 2-3, 3-4 and 4-5 m,
-# after `estimate_pitch` on ten other pictures, by `python -m benchmarks distance`; a test holds both together.
+# Real pictures, set by set: median and 90 % of the size of the distance's error (m) in each bin, after `estimate_pitch`
+# on ten other pictures, by `python -m benchmarks distance`; a test holds both together.
 REAL: dict[str, dict[str, tuple[tuple[float, float], ...]]] = {
     "real scenes": {
         "the paper's formula": ((0.048, 0.162), (0.145, 0.389), (0.300, 0.581), (0.427, 0.764)),
@@ -113,9 +114,9 @@ def range_errors(
 
 
 def by_distance(true: FloatArray, errors: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Median and 90 % of the size of errors in each bin of `EDGES`; a point without a distance counts as infinitely wrong."""
+    """Median and 90 % of the size of errors in each bin of `EDGES`; no distance is infinitely wrong."""
     size = np.where(np.isnan(errors), np.inf, np.abs(errors))
-    bins = [size[(low <= true) & (true < high)] for low, high in zip(EDGES, EDGES[1:], strict=False)]
+    bins = [size[(low <= true) & (true < high)] for low, high in pairwise(EDGES)]
     return tuple(
         (float(np.quantile(each, 0.5, method="higher")), float(np.quantile(each, 0.9, method="higher")))
         for each in bins
@@ -136,7 +137,7 @@ def draw_calibrated(simulated: Mapping[str, tuple[FloatArray, FloatArray]]) -> D
         The figure; its text has all medians.
     """
     sets = {"simulated": {name: by_distance(*each) for name, each in simulated.items()}, **REAL}
-    middles = [(low + high) / 2 for low, high in zip(EDGES, EDGES[1:], strict=False)]
+    middles = [(low + high) / 2 for low, high in pairwise(EDGES)]
     said = []
     with course_style():
         figure = Figure(figsize=(9.9, 3.8))

@@ -51,6 +51,12 @@ class Look:
         """Return the same picture by a camera that looks lower by `tilt` (rad) than the robot believes."""
         return replace(self, view=replace(self.view, pitch=self.view.pitch - tilt))
 
+    def within(self, reach: float) -> Look:
+        """Return the same picture with only those marks whose landmarks are within a distance of the robot, m."""
+        near = np.linalg.norm(self.landmarks - self.pose.as_array()[:2], axis=1) < reach
+        kinds = tuple(kind for kind, is_near in zip(self.kinds, near, strict=True) if is_near)
+        return replace(self, marks=self.marks[near], landmarks=self.landmarks[near], kinds=kinds)
+
 
 def usual_view(size: tuple[int, int] = (320, 240), lens: bool = True) -> CameraView:
     """View of the lower camera of a standing NAO that looks ahead, 15 degrees down; with or without its lens term."""
@@ -169,7 +175,7 @@ def points_covariance(measurements: npt.ArrayLike, covariance: npt.ArrayLike) ->
     polar, full = as_points(measurements), np.asarray(covariance, dtype=float)
     if full.shape != (2 * len(polar), 2 * len(polar)):
         raise ValueError(
-            f"{len(polar)} measurements have a covariance of shape ({2 * len(polar)}, {2 * len(polar)}), got {full.shape}"
+            f"{len(polar)} measurements have a covariance of that many blocks of 2 x 2, got shape {full.shape}"
         )
     found = np.empty((len(polar), 2, 2))
     for i, (bearing, away) in enumerate(polar):

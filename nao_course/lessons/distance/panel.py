@@ -91,7 +91,7 @@ class TiltPanel(FunctionPanel):
         ground = as_points(student.pixel_to_ground(marks, look.view), name="points on the ground")
         if len(ground) != len(marks):
             raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
-        seen = np.isfinite(ground).all(axis=1)
+        seen = np.asarray(np.isfinite(ground).all(axis=1))
         kinds: tuple[LandmarkKind, ...] = tuple(
             kind for kind, there in zip((*look.kinds, "corner"), seen, strict=True) if there
         )
@@ -127,7 +127,7 @@ def mark_pixels(pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike) -> npt.NDAr
 
 
 def _table(
-    look: Look, ground: FloatArray, measured: FloatArray, deviations: FloatArray, seen: FloatArray
+    look: Look, ground: FloatArray, measured: FloatArray, deviations: FloatArray, seen: npt.NDArray[np.bool_]
 ) -> Any:
     """Range, sigma and error of each landmark that is seen on the ground."""
     rows = []
@@ -146,9 +146,12 @@ def _table(
     return table(("landmark", "yours", "sigma", "error"), rows)
 
 
-def _words(seen: FloatArray, measured: FloatArray, deviations: FloatArray) -> str:
+def _words(seen: npt.NDArray[np.bool_], measured: FloatArray, deviations: FloatArray) -> str:
     """What is said of the chosen pixel."""
     if not seen[-1]:
         return "The chosen pixel is at or above the horizon: it shows no point of the ground."
     bearing, away = measured[-1]
-    return f"The chosen pixel shows a point {away:.2f} m away (sigma {deviations[-1]:.2f} m), {np.degrees(bearing):+.0f} degrees to the left."
+    where = (
+        f"{away:.2f} m away (sigma {deviations[-1]:.2f} m), {np.degrees(bearing):+.0f} degrees to the left"
+    )
+    return f"The chosen pixel shows a point {where}."

@@ -7,11 +7,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Look, look_around
+from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Function, Look, look_around
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
 from nao_course.plotting.legends import landmark_keys, legend_below
@@ -30,7 +31,7 @@ ESTIMATE = STYLES["ekf"].colour
 @cache
 def payoff_looks() -> tuple[Look, ...]:
     """Take the three pictures; the same at every call."""
-    return tuple(look_around(POSE, list(YAWS.values()), rng=3))
+    return tuple(each.within(FARTHEST) for each in look_around(POSE, list(YAWS.values()), rng=3))
 
 
 def draw_payoff(
@@ -50,51 +51,50 @@ def draw_payoff(
     Drawing
         The figure; its text says how far the points are from the landmarks.
     """
+    own = (pixel_to_ground, ground_to_measurement, measurement_covariance)
+    errors: list[float] = []
     with course_style():
         figure = Figure(figsize=(8.8, 6.0))
         grid = figure.add_gridspec(3, 2, width_ratios=[1, 1.9])
         above = figure.add_subplot(grid[:, 1])
         plot_field(Field(2012), above)
-        errors: list[float] = []
         for row, (title, look) in enumerate(zip(YAWS, payoff_looks(), strict=True)):
             ax = figure.add_subplot(grid[row, 0])
-            plot_picture(look.pixels, ax, ticks=False)
             ax.set_title(title, fontsize=10)
-            near = np.linalg.norm(look.landmarks - POSE.as_array()[:2], axis=1) < FARTHEST
-            marks, kinds = (
-                look.marks[near],
-                [kind for kind, is_near in zip(look.kinds, near, strict=True) if is_near],
-            )
-            for kind in set(kinds):
-                chosen = marks[np.array([each == kind for each in kinds])]
-                ax.plot(
-                    *chosen.T,
-                    LANDMARK_MARKERS[kind],
-                    color=ESTIMATE,
-                    mfc="none",
-                    ms=9,
-                    mew=1.9,
-                    path_effects=HALO,
-                )
-            ground = np.asarray(pixel_to_ground(marks.copy(), look.view), dtype=float)
-            measured = np.asarray(ground_to_measurement(ground.copy()), dtype=float)
-            covariance = np.asarray(
-                measurement_covariance(marks.copy(), look.view, PIXEL_SIGMA, TILT_SIGMA), dtype=float
-            )
-            outlines = POSE.to_parent(polar_outlines(measured, covariance).reshape(-1, 2))
-            above.add_collection(filled_outlines(outlines.reshape(len(marks), -1, 2), ESTIMATE))
-            points = POSE.to_parent(ground)
-            plot_landmarks(points, kinds, above, ESTIMATE)
-            errors += list(np.linalg.norm(points - look.landmarks[near], axis=1))
+            _plot_marks(look, ax)
+            errors += _plot_points(look, above, *own)
         plot_pose(POSE, above, "truth")
-        ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="95 % of it")
+        ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="holds it with 95 %")
         legend_below(figure, [*landmark_keys(("corner", "post"), ESTIMATE, "measured"), ellipse], columns=3)
     words = (
-        f"Three pictures of the field with {len(errors)} corners and posts marked, and the map: each mark has become a point with "
-        f"an ellipse that grows with the distance. The points are {np.median(errors):.2f} m from their landmarks in the median, "
-        f"{max(errors):.2f} m at most."
+        f"Three pictures of the field with {len(errors)} corners and posts marked, and the map: each mark has become a "
+        f"point with an ellipse that grows with the distance. The points are {np.median(errors):.2f} m from their "
+        f"landmarks in the median, {max(errors):.2f} m at most."
     )
     return Drawing(figure, words, photo=True)
+
+
+def _plot_marks(look: Look, ax: Axes) -> None:
+    """A picture with its marks."""
+    plot_picture(look.pixels, ax, ticks=False)
+    for kind, (u, v) in zip(look.kinds, look.marks, strict=True):
+        marker = LANDMARK_MARKERS[kind]
+        ax.plot(u, v, marker, color=ESTIMATE, mfc="none", ms=9, mew=1.9, path_effects=HALO)
+
+
+def _plot_points(
+    look: Look, ax: Axes, to_ground: Function, to_measurement: Function, covariance: Function
+) -> list[float]:
+    """The marks as points with their ellipses; returns how far each is from its landmark, m."""
+    ground = np.asarray(to_ground(look.marks.copy(), look.view), dtype=float)
+    measured = np.asarray(to_measurement(ground.copy()), dtype=float)
+    full = np.asarray(covariance(look.marks.copy(), look.view, PIXEL_SIGMA, TILT_SIGMA), dtype=float)
+    outlines = polar_outlines(measured, full)
+    in_world = POSE.to_parent(outlines.reshape(-1, 2)).reshape(outlines.shape)
+    ax.add_collection(filled_outlines(in_world, ESTIMATE))
+    points = POSE.to_parent(ground)
+    plot_landmarks(points, look.kinds, ax, ESTIMATE)
+    return [float(each) for each in np.linalg.norm(points - look.landmarks, axis=1)]
 
 
 def polar_outlines(measurements: FloatArray, covariance: FloatArray, probability: float = 0.95) -> FloatArray:

@@ -20,7 +20,9 @@ MOST_PIXELS = 120_000_000
 SMALLEST_SIDE = 100  # px
 _EXIF_BLOCK, _FOCAL_35 = 0x8769, 0xA405  # where a camera writes its focal length in 35 mm terms
 _HEIF_BRANDS = (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"avif")
-_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # (right, down, ahead) as (ahead, left, up)
+_FROM_OPENCV = np.array(
+    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+)  # (right, down, ahead) as (ahead, left, up)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,18 +71,24 @@ def read_photo(content: bytes) -> Photo:
         With a sentence for the student: no picture, HEIC, too large, too small, damaged.
     """
     if len(content) > LARGEST_FILE:
-        raise ValueError(f"The file has {len(content) / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} are read. Send it smaller.")
+        raise ValueError(
+            f"The file has {len(content) / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} are read."
+        )
     if content[4:8] == b"ftyp" and content[8:12] in _HEIF_BRANDS:
         raise ValueError(
-            'This is a HEIC picture, which is not read here. Set your phone\'s camera to "most compatible", or send the picture as JPEG.'
+            'This is a HEIC picture, which is not read here. Set the camera to "most compatible", or send a JPEG.'
         )
     try:
         with Image.open(io.BytesIO(content)) as image:
             width, height = image.size
             if width * height > MOST_PIXELS:
-                raise ValueError(f"The picture has {width} x {height} pixels; at most {MOST_PIXELS / 1e6:.0f} million are read. Send it smaller.")
+                raise ValueError(
+                    f"The picture has {width} x {height} pixels; at most {MOST_PIXELS / 1e6:.0f} million are read."
+                )
             if min(width, height) < SMALLEST_SIDE:
-                raise ValueError(f"The picture has {width} x {height} pixels; each side needs at least {SMALLEST_SIDE}.")
+                raise ValueError(
+                    f"The picture has {width} x {height} pixels; each side needs at least {SMALLEST_SIDE}."
+                )
             focal = _focal_length(image)
             image.draft("RGB", (2 * SIZE[0], 2 * SIZE[0]))  # a JPEG is read small at once
             upright = _as_rgb(ImageOps.exif_transpose(image))
@@ -154,15 +162,21 @@ def view_from_points(
     """
     seen, known = as_points(pixels, name="pixels"), as_points(points)
     if len(seen) != len(known) or len(seen) < 4:
-        raise ValueError(f"at least four pixels and as many points are needed, got {len(seen)} and {len(known)}")
+        raise ValueError(
+            f"at least four pixels and as many points are needed, got {len(seen)} and {len(known)}"
+        )
     guess = CameraView.from_fov(size, hfov, height=1.0, pitch=0.0)
-    matrix = np.array([[guess.focal[0], 0, guess.centre[0]], [0, guess.focal[1], guess.centre[1]], [0, 0, 1.0]])
+    matrix = np.array(
+        [[guess.focal[0], 0, guess.centre[0]], [0, guess.focal[1], guess.centre[1]], [0, 0, 1.0]]
+    )
     there = np.column_stack([known, np.zeros(len(known))])
     wrong = "no camera can see the four points there: is each letter at its own corner, and none twice?"
     try:
         found, turn, shift = cv2.solvePnP(there, seen, matrix, None, flags=cv2.SOLVEPNP_IPPE)
         if found:
-            found, turn, shift = cv2.solvePnP(there, seen, matrix, None, turn, shift, True, cv2.SOLVEPNP_ITERATIVE)
+            found, turn, shift = cv2.solvePnP(
+                there, seen, matrix, None, turn, shift, True, cv2.SOLVEPNP_ITERATIVE
+            )
     except cv2.error:
         raise ValueError(wrong) from None
     if not found or not (np.isfinite(turn).all() and np.isfinite(shift).all()):
@@ -176,7 +190,9 @@ def view_from_points(
     return view, Pose(float(place[0]), float(place[1]), yaw)
 
 
-def _seen_again(turn: FloatArray, shift: FloatArray, matrix: FloatArray, points: FloatArray, pixels: FloatArray) -> bool:
+def _seen_again(
+    turn: FloatArray, shift: FloatArray, matrix: FloatArray, points: FloatArray, pixels: FloatArray
+) -> bool:
     """Whether a camera there sees the points before it, and about where they were marked."""
     ahead = points @ turn.T + shift[:, 0]
     if (ahead[:, 2] <= 0).any():

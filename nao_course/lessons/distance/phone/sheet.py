@@ -1,9 +1,10 @@
-"""The half field on a sheet of A3, to be printed and photographed: its drawing, its PDF, and a photograph to stand in for one."""
+"""The half field on a sheet of A3, to be printed and photographed: its PDF, and a photograph to stand in for one."""
 
 from __future__ import annotations
 
 import io
 from functools import cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,9 +19,14 @@ from nao_course.plotting.style import course_style
 from nao_course.sim import CameraView, Field
 
 FIELD = Field(2012)
-SCALE = 1 / 14  # of the sheet: a metre of the field is 71 mm
+SCALE = 1 / 15  # of the sheet: a metre of the field is 67 mm
 PAPER = (0.420, 0.297)  # m: A3, lying
 BELOW = 0.020  # m of paper below the halfway line
+LINE_WIDTH, POST_WIDTH, POST_LENGTH = (
+    0.08,
+    0.16,
+    1.05,
+)  # m of the field: wider and longer than real ones, for small pictures
 GREEN, WHITE, YELLOW = "#4d9a50", "#ffffff", "#e8cc22"
 PIXELS_PER_M = 4000  # of the sheet as a picture
 # Corners of the field that are clicked, in metres of the field: x towards the goal, y to the left.
@@ -31,7 +37,9 @@ def sheet_pdf() -> bytes:
     """Return the sheet as a PDF of one page, A3; the same bytes at every call."""
     buffer = io.BytesIO()
     with course_style():
-        _sheet().savefig(buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
+        _sheet().savefig(
+            buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None}
+        )
     return buffer.getvalue()
 
 
@@ -41,7 +49,7 @@ def sheet_pixels() -> npt.NDArray[np.uint8]:
     with course_style():
         figure = _sheet()
         figure.set_dpi(PIXELS_PER_M * 0.0254)
-        canvas = FigureCanvasAgg(figure)
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives its methods no types
         canvas.draw()
         pixels = np.array(canvas.buffer_rgba())[:, :, :3]
     pixels.setflags(write=False)
@@ -59,9 +67,8 @@ def _sheet() -> Figure:
     ax.set_axis_off()
     ax.add_patch(Rectangle((-half, low), 2 * half, PAPER[1] / SCALE, fc=GREEN, ec="none"))
     _add_lines(ax)
-    width = FIELD.dimensions.post_diameter
     for x, y in FIELD.posts:
-        ax.add_patch(Rectangle((-y - width / 2, x), width, FIELD.dimensions.post_height, fc=YELLOW, ec="none"))
+        ax.add_patch(Rectangle((-y - POST_WIDTH / 2, x), POST_WIDTH, POST_LENGTH, fc=YELLOW, ec="none"))
     for name, (x, y) in CLICKED.items():
         side = np.sign(-y)
         ax.text(-y + 0.22 * side, x, name, color="#17461d", ha="center", va="center", fontsize=22)
@@ -70,14 +77,13 @@ def _sheet() -> Figure:
 
 
 def _add_lines(ax: Axes) -> None:
-    d = FIELD.dimensions
     for x1, y1, x2, y2 in np.vstack([FIELD.lines, FIELD.mark_lines]):
-        left, bottom = min(-y1, -y2) - d.line_width / 2, min(x1, x2) - d.line_width / 2
-        across, up = abs(y2 - y1) + d.line_width, abs(x2 - x1) + d.line_width
+        left, bottom = min(-y1, -y2) - LINE_WIDTH / 2, min(x1, x2) - LINE_WIDTH / 2
+        across, up = abs(y2 - y1) + LINE_WIDTH, abs(x2 - x1) + LINE_WIDTH
         ax.add_patch(Rectangle((left, bottom), across, up, fc=WHITE, ec="none"))
     for x, y, radius, first, last in FIELD.arcs:
         turned = np.degrees([first, last]) + 90
-        ax.add_patch(Wedge((-y, x), radius + d.line_width / 2, *turned, width=d.line_width, fc=WHITE, ec="none"))
+        ax.add_patch(Wedge((-y, x), radius + LINE_WIDTH / 2, *turned, width=LINE_WIDTH, fc=WHITE, ec="none"))
 
 
 def _add_ruler(ax: Axes, low: float) -> None:
@@ -85,7 +91,13 @@ def _add_ruler(ax: Axes, low: float) -> None:
     length = 0.10 / SCALE
     ax.add_patch(Rectangle((0.5, low + 0.10), length, 0.02, fc="#17461d", ec="none"))
     ax.text(
-        0.5 + length / 2, low + 0.17, "10 cm on paper, 1 : 14", color="#17461d", ha="center", va="center", fontsize=8
+        0.5 + length / 2,
+        low + 0.17,
+        "10 cm on paper, 1 : 15",
+        color="#17461d",
+        ha="center",
+        va="center",
+        fontsize=8,
     )
 
 
@@ -97,7 +109,7 @@ def stand_in_photo(
     Parameters
     ----------
     view : CameraView
-        In metres of the field: 14 times as high as over the paper.
+        In metres of the field: 15 times as high as over the paper.
     pose : Pose
         Of the camera's foot, field frame.
     rng : numpy.random.Generator
@@ -112,7 +124,9 @@ def stand_in_photo(
     """
     sheet = sheet_pixels()
     rows, columns = sheet.shape[:2]
-    on_sheet = np.array([(-0.5, -0.5), (columns - 0.5, -0.5), (columns - 0.5, rows - 0.5), (-0.5, rows - 0.5)])
+    on_sheet = np.array(
+        [(-0.5, -0.5), (columns - 0.5, -0.5), (columns - 0.5, rows - 0.5), (-0.5, rows - 0.5)]
+    )
     finer = 3  # samples a pixel in each direction
     seen = view.project(_corners(), pose) * finer + (finer - 1) / 2
     turn = cv2.getPerspectiveTransform(on_sheet.astype(np.float32), seen.astype(np.float32))
@@ -120,7 +134,11 @@ def stand_in_photo(
     large = np.empty((height * finer, width * finer, 3), np.float32)
     large[:] = (126, 104, 84)  # the table
     table = cv2.warpPerspective(
-        sheet.astype(np.float32), turn, (width * finer, height * finer), dst=large, flags=cv2.INTER_LINEAR,
+        sheet.astype(np.float32),
+        turn,
+        (width * finer, height * finer),
+        dst=large,
+        flags=cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_TRANSPARENT,
     )
     photo = cv2.resize(table, (width, height), interpolation=cv2.INTER_AREA)
@@ -142,6 +160,6 @@ def usual_photo() -> npt.NDArray[np.uint8]:
 
 
 def usual_phone() -> tuple[CameraView, Pose]:
-    """View (in metres of the field) and pose of the phone that takes `usual_photo`: 28 mm, 33 cm up, 58 degrees down."""
+    """View (in metres of the field) and pose of the phone that takes `usual_photo`: 33 cm up, 58 degrees down."""
     view = CameraView.from_fov((1200, 900), hfov=1.13, height=0.33 / SCALE, pitch=float(np.radians(58.0)))
     return view, Pose(-0.09 / SCALE, 0.25, -0.05)
