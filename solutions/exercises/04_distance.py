@@ -1175,7 +1175,7 @@ PLAN = LessonPlan(
             "what_helps",
             "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a deviation of 0.7 degrees. What makes the range better?",
             {
-                "Pictures of 1280 x 960.": "They turn 7 cm into 2. The tilt's 24 cm stay, and the root of the squares' sum goes from 25 to 24 cm.",
+                "Pictures of 1280 x 960.": "They turn 7 cm into 2. The tilt's 23 cm stay, and the root of the squares' sum goes from 25 to 24 cm.",
                 "The mean of three landmarks in the same picture.": "They share the picture's tilt: three ranges that are all too long have a mean that is too long.",
                 "The mean of three pictures.": "Each picture has a lean of its own, so the mean of three is better by the root of three: 14 cm. A calibration has to "
                 "come first, for what stays in all pictures stays in their mean.",

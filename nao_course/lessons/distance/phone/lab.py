@@ -159,7 +159,8 @@ class PhoneLab(FunctionPanel):
             view, pose = view_from_points([clicked[each] for each in CLICKED], list(CLICKED.values()), hfov)
         except ValueError as error:
             return by_hand, None, f"By the letters {error}"
-        found = f"{100 * SCALE * view.height:.1f} cm up, {np.degrees(view.pitch):.1f}° down, roll {np.degrees(view.roll):.1f}°"
+        height, pitch, roll = 100 * SCALE * view.height, np.degrees(view.pitch), np.degrees(view.roll)
+        found = f"{height:.1f} cm up, {pitch:.1f}° down, roll {roll:.1f}°"
         return view, pose, f"By the four letters the phone was {found}."
 
 
