@@ -16,6 +16,7 @@ from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
+from benchmarks.challenges.tilt_entries import TILT_ENTRIES
 from nao_course.challenges import Challenge, Run
 from nao_course.challenges.finding import declared
 from nao_course.challenges.running import run
@@ -25,6 +26,7 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "00_meet_the_nao": SLALOM_ENTRIES,
     "01_hsl_filtering": COLOUR_ENTRIES,
     "02_goalposts": POST_ENTRIES,
+    "04_distance": TILT_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

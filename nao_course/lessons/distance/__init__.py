@@ -1,6 +1,7 @@
 """What lesson 04, distance, alone uses."""
 
 from nao_course.lessons.distance.calibration import Marked, draw_calibrated, marked_pictures, range_errors
+from nao_course.lessons.distance.challenge_figure import draw_leaning_lines
 from nao_course.lessons.distance.figures import draw_arrows, draw_paper_error
 from nao_course.lessons.distance.looks import Look, look_around, usual_view
 from nao_course.lessons.distance.noise_figures import (
@@ -23,6 +24,7 @@ __all__ = [
     "draw_arrows",
     "draw_asymmetry",
     "draw_calibrated",
+    "draw_leaning_lines",
     "draw_paper_error",
     "draw_payoff",
     "draw_pixel_worth",

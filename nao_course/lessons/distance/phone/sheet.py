@@ -153,10 +153,12 @@ def _corners() -> FloatArray:
     return np.array([(high, half), (high, -half), (low, -half), (low, half)])
 
 
+@cache
 def usual_photo() -> npt.NDArray[np.uint8]:
-    """Photograph the sheet as a phone does that is held 33 cm above the table; the same at every call."""
-    view, pose = usual_phone()
-    return stand_in_photo(view, pose, np.random.default_rng(11))
+    """Photograph the sheet as a phone does that is held 33 cm above the table: the same picture, read-only."""
+    pixels = stand_in_photo(*usual_phone(), np.random.default_rng(11))
+    pixels.setflags(write=False)
+    return pixels
 
 
 def usual_phone() -> tuple[CameraView, Pose]:
