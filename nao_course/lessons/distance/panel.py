@@ -137,13 +137,13 @@ def _table(
             true = float(np.linalg.norm(look.landmarks[number] - POSE.as_array()[:2]))
             rows.append(
                 (
-                    f"{look.kinds[number]}, {true:.2f} m away",
+                    f"{look.kinds[number]} at {true:.2f} m",
                     f"{away:.2f} m",
                     f"{sigma:.2f} m",
                     f"{away - true:+.2f} m",
                 )
             )
-    return table(("landmark", "yours", "sigma", "error"), rows)
+    return table(("landmark", "range", "sigma", "error"), rows)
 
 
 def _words(seen: npt.NDArray[np.bool_], measured: FloatArray, deviations: FloatArray) -> str:
