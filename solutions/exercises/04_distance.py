@@ -270,6 +270,7 @@ def _paper_public() -> list[Case]:
             (np.array([[60.0, 5.0], [300.0, 20.0]]), view_of(5.0)),
             "above the horizon: what the formula gives",
         ),
+        Case((np.array([[12.0, 30.0], [60.0, 45.0]]), view_of(40.0, size=(65, 49))), "a picture of 65 x 49"),
         Case((np.zeros((0, 2)), level), "no pixel"),
     ]
 
@@ -279,6 +280,7 @@ def _paper_hidden(rng: np.random.Generator) -> list[Case]:
     return [
         *(Case((pixels_in(rng, view, 15, top=0.3), view)) for view in views),
         Case((np.array([[rng.uniform(0, 300), 10.0]]), view_of(rng.uniform(3, 6)))),
+        Case((rng.uniform(20, 200, (3, 2)), view_of(rng.uniform(35, 45), size=(321, 241)))),
         Case((np.zeros((0, 2)), views[0])),
     ]
 
@@ -361,6 +363,9 @@ PAPER_DISTANCE = Exercise(
         "angles below the horizon, pixel by pixel": _distance_loop,
         "sine over cosine": _distance_sines,
         "float32": _distance_float32,
+    },
+    equivalents={
+        "horizontal = (width / 2 - (pixels[:, 0] + 0.5)) * view.hfov / width": "the cosine of an angle is that of its opposite",
     },
 )
 
@@ -642,6 +647,9 @@ PIXEL_TO_GROUND = Exercise(
         "angles, pixel by pixel": _ground_by_angles,
         "the inverse of the ground's homography": _ground_by_homography,
         "a search on view.project": _ground_by_search,
+    },
+    equivalents={
+        "return view.offset + view.height * rays[:, :2] / falling[:, None]": "NumPy takes a tuple for an array",
     },
 )
 
@@ -966,6 +974,19 @@ MEASUREMENT_COVARIANCE = Exercise(
         "a square root times itself": _covariance_scaled,
         "float32": _covariance_float32,
     },
+    equivalents=dict.fromkeys(
+        (
+            "leaning = replace(view, pitch=view.pitch - tilt)",
+            "return ground_to_measurement(pixel_to_ground(pixels - shift, leaning)).ravel()",
+            "by_u = (measured((-0.01, 0), 0) - measured((0.01, 0), 0)) / 0.02",
+            "by_v = (measured((0, -0.01), 0) - measured((0, 0.01), 0)) / 0.02",
+            "g = (measured((0, 0), -0.0001) - measured((0, 0), 0.0001)) / 0.0002",
+        ),
+        "a derivative with the other sign: in J J' and g g' it is squared",
+    )
+    | {
+        "J = np.column_stack([by_v[i:i + 2], by_u[i:i + 2]])": "u and v are equally uncertain, so their order in J J' does not matter",
+    },
 )
 
 
@@ -1142,6 +1163,12 @@ ESTIMATE_PITCH = Exercise(
         "a grid that gets finer": _scanned,
         "absolute errors, float32": _bounded,
         "the median of the angles": _depressions,
+    },
+    equivalents={
+        "return (replace(view, pitch=view.pitch + offset[-1]).project(ground_points) - pixels).ravel()": "of one number the last is the first",
+        "return float(least_squares(misses, [0.0]).x[-1])": "of one number the last is the first",
+        "return least_squares(misses, [0.0]).x[0]": "a number of NumPy's is a number",
+        "return (pixels - replace(view, pitch=view.pitch + offset[0]).project(ground_points)).ravel()": "the square of a difference does not depend on its order",
     },
 )
 

@@ -150,7 +150,7 @@ def draw_calibrated(simulated: Mapping[str, tuple[FloatArray, FloatArray]]) -> D
                 ax.vlines(x, median, most, color=colour, lw=2, alpha=0.6)
                 ax.plot(x, median, STYLES["odometry" if shift < 0 else "ekf"].marker, color=colour, ms=8)
                 said.append(f"{title}, {name}: {', '.join(f'{each:.2f}' for each in median)} m")
-            ax.set(xlabel="true distance (m)", ylim=(0, 1.4), xticks=EDGES)
+            ax.set(xlabel="true distance (m)", ylim=(0, 1.6), xticks=EDGES)
             ax.grid(color="#e3e5e8")
             ax.set_title(title, fontsize=11)
         figure.axes[0].set_ylabel("error of the distance (m)")

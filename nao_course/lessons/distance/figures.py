@@ -113,7 +113,7 @@ def draw_arrows(
     pixels = view.project(points)
     said = []
     with course_style():
-        figure = Figure(figsize=(9.9, 4.6))
+        figure = Figure(figsize=(9.9, 5.3))
         for ax, (title, method) in zip(
             figure.subplots(1, len(methods), sharex=True, sharey=True, squeeze=False)[0],
             methods.items(),

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from nao_course.lessons.distance.panel import TiltPanel, upright_look
+from nao_course.lessons.distance.looks import points_covariance
+from nao_course.lessons.distance.panel import POSE, TiltPanel, upright_look
 from tests.lessons.distance.own import own
 
 
@@ -56,14 +57,22 @@ def test_a_pixel_above_the_horizon_is_said_to_show_no_ground():
     assert "shows a point 0." in shown.summary()
 
 
-def test_the_true_corner_leaves_its_ellipse_where_the_text_says():
-    """95 % of one uncertain direction beside another that is nearly sure is 2.4 deviations of tilt."""
-    assert len(upright_look().marks) >= 3
-    shown = panel()
-    shown.set(tilt=2.4)
-    (table,) = shown.shown.tables.values()
-    ratios = [float(row[3].removesuffix(" m")) / float(row[2].removesuffix(" m")) for row in table.rows]
-    assert min(ratios) > 1.5 and max(ratios) < 2.6
+def distances_in_sigmas(tilt):
+    """How far, in deviations, the true landmarks are from the panel's ellipses with a sigma of 1 degree."""
+    look = upright_look().with_tilt(np.radians(tilt))
+    ground = own()["pixel_to_ground"](look.marks, look.view)
+    full = own()["measurement_covariance"](look.marks, look.view, 0.7, np.radians(1.0))
+    covariances = points_covariance(own()["ground_to_measurement"](ground), full)
+    off = POSE.to_local(look.landmarks) - ground
+    return np.array(
+        [np.sqrt(each @ np.linalg.solve(c, each)) for each, c in zip(off, covariances, strict=True)]
+    )
+
+
+def test_true_landmarks_leave_their_ellipses_where_the_text_says():
+    edge = np.sqrt(-2 * np.log(0.05))
+    assert (distances_in_sigmas(-2.0) < edge).all() and (distances_in_sigmas(-2.3) > edge).all()
+    assert (distances_in_sigmas(2.5) < edge).all() and (distances_in_sigmas(3.0) > edge).sum() == 1
 
 
 def test_an_answer_of_another_length_is_said():
