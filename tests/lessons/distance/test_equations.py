@@ -162,3 +162,14 @@ def test_averages_help_as_the_question_says():
     assert 100 * np.hypot(tilt, 0.07) == pytest.approx(25, abs=0.51)
     assert 100 * np.hypot(tilt, 0.0175) == pytest.approx(24, abs=0.5)
     assert 100 * np.hypot(tilt, 0.07) / np.sqrt(3) == pytest.approx(14, abs=0.6)
+
+
+def test_the_papers_formulas_are_off_by_what_the_text_says():
+    view = replace(usual_view(lens=False), offset=(0.0, 0.0))
+    u, v = np.meshgrid(np.arange(0, 320, 8.0), np.arange(0, 240, 4.0))
+    pixels = np.column_stack([u.ravel(), v.ravel()])
+    bearing, away = own()["ground_to_measurement"](own()["pixel_to_ground"](pixels, view)).T
+    off = np.abs(own()["paper_distance"](pixels, view) - away)
+    assert off[away < 2].max() < 0.035 and off[away < 4].max() == pytest.approx(0.23, abs=0.01)
+    turned = np.degrees(np.abs(own()["paper_bearing"](pixels, view) - bearing))
+    assert np.nanmax(turned) == pytest.approx(4.4, abs=0.2)
