@@ -176,6 +176,7 @@ def draw_goal_line(
             xlabel="distance of the goal line (m)",
             ylabel="part of its columns that is left",
             ylim=(-0.04, 1.24),
+            yticks=np.linspace(0, 1, 6),
         )
         legend_below(figure, ax.get_legend_handles_labels()[0])
     return Drawing(
