@@ -92,7 +92,7 @@ class CornerPanel(FunctionPanel):
         ]
         points = as_points([each for each in meetings if each is not None], name="crossings (u, v)")
         height, width = picture.pixels.shape[:2]
-        inside = points[((points >= 0) & (points <= (width - 1, height - 1))).all(axis=1)]
+        inside = points[((points >= 0) & (points < (width, height))).all(axis=1)]
         corners = student.remove_doubles(inside, 10.0)
         yield {"What you find": mark_found(shown, segments, corners)}
         match = picture.match(corners)

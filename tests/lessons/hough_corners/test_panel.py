@@ -50,7 +50,7 @@ def test_it_says_what_was_found_and_what_it_costs():
 
 
 def test_crossings_outside_the_picture_are_left_out():
-    shown = panel(segment_intersection=lambda *given: np.array([63.5, 6.0]))
+    shown = panel(segment_intersection=lambda *given: np.array([64.5, 6.0]))
     assert "0 corners: 0 of 1 true ones found, 0 false" in shown.summary()
 
 
