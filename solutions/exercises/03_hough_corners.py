@@ -147,6 +147,7 @@ def _erase_hidden(rng: np.random.Generator) -> list[Case]:
     return [
         *(Case((scattered(rng, 60, 50), run)) for run in (1, 3, 5, 7, 9)),
         Case((scattered(rng, 240, 320), 7)),
+        Case((scattered(rng, 80, 60),)),
         Case((scattered(rng, 5, 30), 7)),
         Case((np.full((20, 15), int(rng.choice([OTHER, WHITE])), dtype=np.uint8), 7)),
         Case((np.full((20, int(rng.integers(5, 15))), GREEN, dtype=np.uint8), 7)),
@@ -275,6 +276,23 @@ def _infinite_lines(line_picture: Any, max_line_gap: float = 5, min_line_length:
     return np.zeros((0, 2)) if found is None else np.asarray(found, dtype=float)[..., :2].reshape(-1, 2)
 
 
+def _reshaped_none(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """What comes back is taken for an array, always."""
+    edges = cv2.Canny(np.asarray(line_picture), 50, 150)
+    found: Any = cv2.HoughLinesP(
+        edges, 1, np.pi / 180, 20, minLineLength=min_line_length, maxLineGap=max_line_gap
+    )
+    return np.asarray(found.reshape(-1, 4), dtype=float)
+
+
+def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
+    """Six arguments by position: the fifth is where OpenCV would put the lines."""
+    edges: Any = cv2.Canny(np.asarray(line_picture), 50, 150)
+    search: Any = cv2.HoughLinesP
+    found = search(edges, 1, np.pi / 180, 20, min_line_length, max_line_gap)
+    return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
+
+
 def _hough_public() -> list[Case]:
     corner = drawn([(6, 10, 58, 14), (32, 12, 22, 44)], 7)
     gaps = drawn([(3, 12, 29, 12), (42, 12, 61, 12), (5, 34, 22, 34), (28, 34, 60, 34)], 7)
@@ -374,6 +392,16 @@ HOUGH_SEGMENTS = Exercise(
             "Where there is no line, HoughLinesP returns None. Return an array of shape (0, 4) there.",
         ),
         Mistake(
+            "None reshaped",
+            _reshaped_none,
+            "Where there is no line, HoughLinesP returns None, and None has no reshape: ask for it first, and return np.zeros((0, 4)) there.",
+        ),
+        Mistake(
+            "by position",
+            _by_position,
+            "By position the fifth argument of HoughLinesP is not the length: give it by name, minLineLength=..., and maxLineGap=... too.",
+        ),
+        Mistake(
             "no shape",
             _no_shape,
             "Right, except where there is no line: np.array([]) has shape (0,). It is np.zeros((0, 4)).",
@@ -447,6 +475,13 @@ def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
 
 def _meeting(**changed: Any) -> Any:
     return lambda first, second, reach=5.0: _meet(first, second, reach, **changed)
+
+
+def _divided(first: Any, second: Any, reach: float = 5.0) -> Any:
+    """Plain numbers, and the question for parallel segments after the division."""
+    (u1, v1, u2, v2), (u3, v3, u4, v4) = (np.asarray(each, float).tolist() for each in (first, second))
+    t = ((u3 - u1) * (v4 - v3) - (v3 - v1) * (u4 - u3)) / ((u2 - u1) * (v4 - v3) - (v2 - v1) * (u4 - u3))
+    return None if np.isinf(t) else _meet(first, second, reach)
 
 
 def _meet_slopes(first: Any, second: Any, reach: float = 5.0) -> Any:
@@ -616,6 +651,11 @@ SEGMENT_INTERSECTION = Exercise(
             "parallel by chance",
             _meeting(parallel=0.0),
             "Segments that are less than 10 degrees apart count as parallel: they are mostly both edges of one line. Return None.",
+        ),
+        Mistake(
+            "divided by zero",
+            _divided,
+            "You divide before you ask whether the segments are parallel: then the denominator is 0. Ask first, and return None.",
         ),
         Mistake(
             "NaN for nothing",
@@ -903,13 +943,14 @@ def corner_scene(shape: Any, at: tuple[float, float], thickness: int, horizon: f
     return field(lines, round(horizon * height), thickness, shape)
 
 
-# Two lines whose edges cross once, near the picture's edge or a little beyond it: where, ends, thickness.
-AT_THE_EDGE: list[tuple[str, list[tuple[float, float, float, float]], int]] = [
-    ("left of the picture", [(-2, 40, 60, 29), (-2, 40, 60, 55)], 1),
-    ("right of the picture", [(66, 26, 3, 15), (66, 26, 3, 46)], 1),
-    ("below the picture", [(40, 51, 29, 12), (40, 51, 81, 12)], 2),
-    ("in the leftmost pixel", [(1, 39, 60, 31), (1, 39, 60, 52)], 1),
-]
+def at_the_edge() -> dict[str, Array]:
+    """Labels of two lines whose edges cross once, near the picture's edge or a little beyond it, by where that is."""
+    return {
+        "left of the picture": field([(-2, 40, 60, 29), (-2, 40, 60, 55)], 3, 1),
+        "right of the picture": field([(66, 26, 3, 15), (66, 26, 3, 46)], 3, 1),
+        "below the picture": field([(40, 51, 29, 12), (40, 51, 81, 12)], 3, 2),
+        "in the leftmost pixel": field([(1, 39, 60, 31), (1, 39, 60, 52)], 3, 1),
+    }
 
 
 def _corners_at_defaults() -> list[Array]:
@@ -925,6 +966,15 @@ def _corners_at_defaults() -> list[Array]:
         found.append(field([(u, v, 1, v), (u, v, u, 68)], 6, thick, (70, 64)))
         found[-1][v - 5 : v + 6, start : start + gap] = GREEN
     return found
+
+
+def _none_kept(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """The crossings that are none stand among the others."""
+    labels = np.asarray(labels)
+    white = (_erase(labels, 7) == WHITE).astype(np.uint8) * np.uint8(255)
+    pairs = combinations(_hough(white, max_line_gap, min_line_length), 2)
+    points: Any = [_meet(a, b, 5.0) for a, b in pairs]
+    return _kept(np.array([[point[0], point[1]] for point in points]).reshape(-1, 2), 10.0)
 
 
 def _corners_public() -> list[Case]:
@@ -946,10 +996,7 @@ def _corners_public() -> list[Case]:
         ),
         Case((field([(4, 22, 60, 22), (4, 40, 60, 40)], 10), 5, 20), "two parallel lines"),
         Case((field([], 14), 5, 15), "a field without lines"),
-        *(
-            Case((field(lines, 3, thick), 5, 15), f"a crossing {where}")
-            for where, lines, thick in AT_THE_EDGE
-        ),
+        *(Case((labels, 5, 15), f"a crossing {where}") for where, labels in at_the_edge().items()),
     ]
 
 
@@ -980,10 +1027,7 @@ def _corners_hidden(rng: np.random.Generator) -> list[Case]:
         Case((field([(20, 90, 300, 94), (20, 180, 300, 184)], 50, 5, large), 5, 40)),
         Case((field([], int(rng.integers(20, 80)), 5, large), 5, 40)),
         *(Case((labels,)) for labels in _corners_at_defaults()),
-        *(
-            Case((np.vstack([labels[:5], labels]), 5, 15))
-            for labels in (field(lines, 3, thick) for _, lines, thick in AT_THE_EDGE)
-        ),
+        *(Case((labels, 5, 15)) for labels in at_the_edge().values()),
     ]
 
 
@@ -1038,6 +1082,11 @@ FIND_CORNERS = Exercise(
             "You cut endless lines: crossings far beyond the segments' ends are no corners.",
         ),
         Mistake(
+            "None kept",
+            _none_kept,
+            "For most pairs segment_intersection returns None, and you use it as a point: leave those out where `point is not None` does not hold.",
+        ),
+        Mistake(
             "(row, column)",
             _cornered(lambda points: points[:, ::-1]),
             "Your points are (v, u). A point is (u, v): the column first.",
@@ -1056,6 +1105,8 @@ FIND_CORNERS = Exercise(
         "the last of near points": _cornered(remove=_last_kept),
     },
     equivalents={
+        "inside = ((points >= 0) * (points < labels.shape[::-1])).all(axis=1)": "and, said as a product",
+        "inside = ((points >= 0) // (points < labels.shape[::-1])).all(axis=1)": "and, by whole numbers: 1 // 1 alone is 1",
         "points = np.array([each for each in meetings if each is not None]).reshape(~1, 2)": "NumPy takes any negative number for the one that it computes",
         "points = np.array([each for each in meetings if each is not None]).reshape(-2, 2)": "NumPy takes any negative number for the one that it computes",
         "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",

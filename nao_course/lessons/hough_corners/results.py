@@ -69,7 +69,7 @@ def draw_matches(matches: Mapping[str, Sequence[PointMatch]]) -> Drawing:
         right.axvline(0.0, color=STYLES["odometry"].colour, ls=":", lw=1.6)
         left.set_yticks(range(len(costs)), names)
         left.set(xlabel="mean cost of a picture", ylim=(len(costs) - 0.5, -0.5))
-        right.set(xlabel=f"difference from {first}, picture by picture")
+        right.set(xlabel=f"difference from {first}")
     return Drawing(figure, f"{len(costs[first])} pictures, less is better. {'; '.join(words)}.")
 
 
