@@ -9,6 +9,7 @@ from nao_course.lessons.hough_corners.measuring import (
     line_picture,
     near_segments,
     near_white,
+    with_others,
 )
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import CornerTruth
@@ -65,3 +66,17 @@ def test_ten_degrees_are_parallel_and_more_is_not():
         segments = np.array([[10.0, 20.0, 50.0, 20.0], [10.0, 20 - up, 50.0, 20 + up]])
         assert near_segments(segments, np.array([30.0, 20.0])) == (True, crossing)
     assert near_segments(CROSS, np.array([30.0, 13.9])) == (False, False)
+
+
+def double(x):
+    return 2 * x
+
+
+def use(x, factor=1, *, added=0):
+    return factor * double(x) + added
+
+
+def test_a_function_finds_others_behind_its_names_and_stays_what_it_was():
+    other = with_others(use, double=lambda x: 10 * x)
+    assert (other(2), other(2, 3), other(2, added=1)) == (20, 60, 21)
+    assert use(2) == 4 and other.__name__ == "use"

@@ -23,8 +23,7 @@ def panel(**changed):
         "label": lambda pixels, beta: LABELS,
         "erase_background": lambda labels, run: labels,
         "hough_segments": lambda lines, gap, length: SEGMENTS,
-        "segment_intersection": lambda first, second, reach: np.array([5.0, 6.0]),
-        "remove_doubles": lambda points, radius: points[:1],
+        "find_corners": lambda labels, run, gap, length, reach: np.array([[5.0, 6.0]]),
     }
     return CornerPanel({"a": picture((7, 6)), "b": picture((60, 40))}, **(student | changed))
 
@@ -35,11 +34,13 @@ def test_every_slider_reaches_its_function():
         label=lambda pixels, beta: got.update(beta=beta) or LABELS,
         erase_background=lambda labels, run: got.update(run=run) or labels,
         hough_segments=lambda lines, gap, length: got.update(gap=gap, length=length) or SEGMENTS,
-        segment_intersection=lambda first, second, reach: got.update(reach=reach),
+        find_corners=lambda labels, *values: got.update(found=values) or np.zeros((0, 2)),
     )
     wanted = {"beta": 130, "run": 3, "gap": 7, "length": 20, "reach": 12}
     shown.set(**wanted)
-    assert got == wanted and "2 segments, 0 corners" in shown.summary()
+    assert got.pop("found") == (3, 7, 20, 12.0)
+    assert got == {name: wanted[name] for name in got} and len(got) == 4
+    assert "2 segments, 0 corners" in shown.summary()
 
 
 def test_it_says_what_was_found_and_what_it_costs():
@@ -49,14 +50,9 @@ def test_it_says_what_was_found_and_what_it_costs():
     assert "0 of 1 true ones found, 1 false, cost 6.00." in shown.summary()
 
 
-def test_crossings_outside_the_picture_are_left_out():
-    shown = panel(segment_intersection=lambda *given: np.array([64.5, 6.0]))
-    assert "0 corners: 0 of 1 true ones found, 0 false" in shown.summary()
-
-
 @pytest.mark.parametrize(
     ("name", "number"),
-    [("erase_background", 1), ("hough_segments", 2), ("segment_intersection", 3), ("remove_doubles", 4)],
+    [("erase_background", 1), ("hough_segments", 2), ("find_corners", 5)],
 )
 def test_what_is_not_written_is_named_and_the_rest_is_shown(name, number):
     def blank(*given):
@@ -79,4 +75,4 @@ def test_marks_lie_at_their_pixels_on_a_copy():
 
 def test_there_is_something_to_choose():
     with pytest.raises(ValueError, match="at least one picture"):
-        CornerPanel({}, lambda pixels, beta: LABELS)
+        CornerPanel({}, *[None] * 4)
