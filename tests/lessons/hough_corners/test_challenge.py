@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from benchmarks.challenges import margin
 from nao_course.challenges import CaseResult, Run
 from nao_course.lessons.hough_corners.challenge import CHALLENGE, PICTURES, judge
 from nao_course.lessons.hough_corners.scenes import CornerPicture
-from nao_course.metrics import CornerTruth
+from nao_course.metrics import CornerTruth, mean_interval
+from tests.paths import PROJECT
 
 PICTURE = CornerPicture(
     np.zeros((240, 320, 3), dtype=np.uint8),
@@ -49,3 +51,22 @@ def test_the_figure_shows_the_worst_pictures():
         "The worst are picture 1 with 12.00, picture 2 with -0.33"
         in CHALLENGE.figure(Run(CHALLENGE, results)).alt
     )
+
+
+def test_the_text_says_what_the_board_says():
+    text = (PROJECT / "solutions" / "03_hough_corners.md").read_text(encoding="utf-8")
+    rows = {row.name: row for row in CHALLENGE.rows}
+    paper, nothing, own, better = (
+        rows[name] for name in ("the paper's, endless lines", "nothing", "the reference", "a better detector")
+    )
+    assert f"It costs {own.score:.2f}, and nothing {nothing.score:.2f}" in text
+    assert (
+        f"costs {paper.score:.2f}. An entry of ours" in text and f"costs {better.score:.2f}; it beats" in text
+    )
+    hits, false = (round(PICTURES * better.columns[name]) for name in ("found", "false"))
+    corners = round(PICTURES * nothing.columns["missed"])
+    assert f"finds {hits} of these {corners} corners with {false} false ones" in text
+    mean, low, high = margin(own.cases, better.cases)
+    assert f"beats your row by {mean:.2f} (95 % interval {low:.2f} to {high:.2f})" in text
+    low, high = mean_interval(np.subtract(own.cases, nothing.cases))
+    assert f"interval of the difference, {low:.2f} to {high:.2f}, contains 0" in text and low < 0 < high
