@@ -9,6 +9,7 @@ import numpy as np
 
 from nao_course.geometry import FloatArray
 
+PARALLEL, HIDING = 0.05, 0.35  # sines: lines do not meet; an edge is hidden no longer than at this angle
 Tolerance = Callable[[FloatArray], FloatArray]  # of points (N, 2), in the plane's unit
 
 
@@ -29,7 +30,7 @@ class Crossings:
 
 
 def find_crossings(
-    ends: FloatArray, width: FloatArray, steepest: float, reach: Tolerance, arm: Tolerance
+    ends: FloatArray, width: FloatArray, flattest: Tolerance, reach: Tolerance, arm: Tolerance
 ) -> Crossings:
     """Points where two lines meet at an angle, near or between their ends, and that are no crossing of four arms.
 
@@ -37,8 +38,8 @@ def find_crossings(
     ----------
     ends : ndarray, shape (M, 4)
         Of the lines, in a picture or on the ground.
-    steepest : float
-        Sine of the smallest angle between two lines.
+    flattest : callable
+        Sine of the smallest angle between two lines, by where they meet.
     width : ndarray, shape (M,)
         Of the lines: beside another line an edge has no carpet, so that much of it is not seen.
     reach : callable
@@ -51,7 +52,7 @@ def find_crossings(
     length = np.hypot(*way.T)
     u = way / np.maximum(length, 1e-9)[:, None]
     sine = u[i, 0] * u[j, 1] - u[i, 1] * u[j, 0]
-    steep = np.abs(sine) >= steepest
+    steep = np.abs(sine) >= PARALLEL
     i, j, sine = i[steep], j[steep], sine[steep]
     between = start[j] - start[i]
     along = {
@@ -59,9 +60,9 @@ def find_crossings(
         "j": (between[:, 0] * u[i, 1] - between[:, 1] * u[i, 0]) / sine,
     }
     points = start[i] + along["i"][:, None] * u[i]
-    need, near = arm(points), reach(points) + (width[i] + width[j]) / 2 / np.abs(sine)
+    need, near = arm(points), reach(points) + (width[i] + width[j]) / 2 / np.maximum(np.abs(sine), HIDING)
     arms = np.zeros((len(points), 4), dtype=bool)
-    met = np.ones(len(points), dtype=bool)
+    met = np.abs(sine) >= flattest(points)
     for column, (k, t) in enumerate(((i, along["i"]), (j, along["j"]))):
         met &= (t >= -near) & (t <= length[k] + near)
         arms[:, 2 * column] = t >= need

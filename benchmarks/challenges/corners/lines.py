@@ -27,7 +27,7 @@ class LineSettings:
         Whether pieces are put together at all.
     """
 
-    aside: float = 2.0
+    aside: float = 1.4
     angle: float = float(np.radians(4.0))
     gap: float = 20.0
     merged: bool = True
@@ -54,6 +54,11 @@ class Lines:
     covered: FloatArray
     bend: FloatArray
 
+    @classmethod
+    def none(cls) -> Lines:
+        """No line at all."""
+        return cls(np.zeros((0, 4)), np.zeros(0), np.zeros(0), np.zeros(0))
+
     def __len__(self) -> int:
         """How many."""
         return len(self.width)
@@ -63,12 +68,29 @@ class Lines:
         return Lines(self.ends[wanted], self.width[wanted], self.covered[wanted], self.bend[wanted])
 
 
-def fit_line(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Middle (2,) and unit direction (2,) of the line nearest to points (N, 2), by total least squares."""
-    middle = points.mean(axis=0)
-    (xx, xy), (_, yy) = np.cov((points - middle).T, bias=True)
-    angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-    return middle, np.array([np.cos(angle), np.sin(angle)])
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """Sums (N, 6) over the good points of pieces: 1, x, y, xx, xy, yy; those of a line are the sum of its pieces'."""
+
+    sums: FloatArray
+
+    @classmethod
+    def of(cls, pieces: Pieces) -> _Moments:
+        """Add up each piece's points."""
+        x, y = np.moveaxis(pieces.middles, -1, 0)
+        terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+        return cls((terms * pieces.good[..., None]).sum(axis=1))
+
+    def together(self, mine: npt.NDArray[np.bool_]) -> _Moments:
+        """Those of all of `mine` (N,), as one line's."""
+        return _Moments(self.sums[mine].sum(axis=0, keepdims=True))
+
+    def fit(self) -> tuple[FloatArray, FloatArray]:
+        """Middles (N, 2) and unit directions (N, 2) of the nearest lines, by total least squares."""
+        n, x, y, xx, xy, yy = self.sums.T
+        x, y = x / n, y / n
+        angle = 0.5 * np.arctan2(2 * (xy / n - x * y), xx / n - x * x - yy / n + y * y)
+        return np.column_stack([x, y]), np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def bend_of(along: FloatArray, beside: FloatArray) -> float:
@@ -103,36 +125,33 @@ def merge(
     Lines
         The longest piece's first.
     """
-    middles, good, width = pieces.middles, pieces.good, pieces.width
-    fits = [fit_line(each[mask]) for each, mask in zip(middles, good, strict=True)]
-    if not fits:
-        return Lines(np.zeros((0, 4)), np.zeros(0), np.zeros(0), np.zeros(0))
-    centre, way = (np.array(each) for each in zip(*fits, strict=True))
+    if not len(pieces):
+        return Lines.none()
+    moments = _Moments.of(pieces)
+    centre, way = moments.fit()
     along = ((pieces.edges - centre[:, None]) * way[:, None]).sum(axis=-1)
     low, high = along.min(axis=1), along.max(axis=1)
-    ends = np.stack([centre + low[:, None] * way, centre + high[:, None] * way], axis=1)  # (N, 2, 2)
     length = high - low
-    free = np.ones(len(ends), dtype=bool)
+    ends = np.stack([centre + low[:, None] * way, centre + high[:, None] * way], axis=1)  # (N, 2, 2)
+    free = np.ones(len(pieces), dtype=bool)
     rows = []
     for i in np.argsort(-length, kind="stable"):
         if not free[i]:
             continue
-        mine = np.zeros(len(ends), dtype=bool)
-        mine[i] = True
+        mine = np.arange(len(pieces)) == i
         o, u, t0, t1 = centre[i], way[i], low[i], high[i]
         while settings.merged:
             joined = mine | (free & _on_line(ends, centre, way, length, (o, u, t0, t1), scale, settings))
             if (joined == mine).all():
                 break
             mine = joined
-            points = middles[mine][good[mine]]
-            o, u = fit_line(points)
+            o, u = (each[0] for each in moments.together(mine).fit())
             t = (pieces.edges[mine] - o) @ u
             t0, t1 = t.min(), t.max()
         free &= ~mine
-        points = middles[mine][good[mine]]
-        bend = bend_of((points - o) @ u, (points - o) @ np.array([-u[1], u[0]]))
-        rows.append((*(o + t0 * u), *(o + t1 * u), np.median(width[mine]), length[mine].sum(), bend))
+        points = pieces.middles[mine][pieces.good[mine]] - o
+        bend = bend_of(points @ u, points @ np.array([-u[1], u[0]]))
+        rows.append((*(o + t0 * u), *(o + t1 * u), np.median(pieces.width[mine]), length[mine].sum(), bend))
     table = np.array(rows)
     return Lines(table[:, :4], table[:, 4], table[:, 5], table[:, 6])
 

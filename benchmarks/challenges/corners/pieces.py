@@ -14,7 +14,7 @@ import numpy.typing as npt
 from benchmarks.challenges.corners.carpet import Planes
 from nao_course.geometry import FloatArray
 
-SAMPLES = 9  # of a piece, along it
+SAMPLES, FEWEST = 9, 3  # of a piece, along it; of them, to be one
 STEPS = 28  # of a profile, across it
 MARGIN = 3.0  # px at 320 that a profile reaches beyond the widest line on each side
 
@@ -36,6 +36,8 @@ class PieceSettings:
         Of a line's middle, in levels: a goal post has 150.
     share : float
         Of a piece's samples that must have carpet on both sides.
+    uneven : float
+        How far a sample's width may differ from the piece's median, as a fraction: where another line joins, it does.
     both_sides : bool
         Whether carpet is asked for on both sides, or on one.
     """
@@ -43,7 +45,8 @@ class PieceSettings:
     shortest: float = 7.0
     lighter: float = 22.0
     most_chroma: float = 90.0
-    share: float = 0.5
+    share: float = 0.4
+    uneven: float = 0.15
     both_sides: bool = True
 
 
@@ -73,6 +76,10 @@ class Pieces:
         """No piece at all."""
         good = np.zeros((0, SAMPLES), dtype=bool)
         return cls(np.zeros((0, SAMPLES, 2)), good, np.zeros(0), np.zeros((0, 2, 2)))
+
+    def where(self, wanted: npt.NDArray[np.bool_]) -> Pieces:
+        """Only those that are wanted (N,)."""
+        return Pieces(self.middles[wanted], self.good[wanted], self.width[wanted], self.edges[wanted])
 
     def __len__(self) -> int:
         """How many."""
@@ -107,6 +114,12 @@ def _interpolated(plane: npt.NDArray[np.uint8], points: FloatArray) -> FloatArra
     u, v = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
     found = cv2.remap(plane.astype(np.float32), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(found, dtype=float)
+
+
+def _median(values: FloatArray, good: npt.NDArray[np.bool_]) -> FloatArray:
+    """Median (N,) of the good values (N, M) of each row, the lower one of two."""
+    ordered = np.sort(np.where(good, values, np.inf), axis=1)
+    return np.asarray(ordered[np.arange(len(values)), (good.sum(axis=1) - 1) // 2])
 
 
 def line_pieces(planes: Planes, first_row: int, widest: Widest, settings: PieceSettings) -> Pieces:
@@ -145,9 +158,12 @@ def line_pieces(planes: Planes, first_row: int, widest: Widest, settings: PieceS
     carpet = _look_up(light, points - 2.5 * scale * normal)
     good &= (peak - carpet >= settings.lighter) & (_look_up(planes.chroma, middles) <= settings.most_chroma)
     kept = good.mean(axis=1) >= settings.share
-    width = np.where(good, width, np.nan)[kept]
-    width = np.nanmedian(width, axis=1) if len(width) else np.zeros(0)
-    return Pieces(middles[kept], good[kept], width, found.reshape(-1, 2, 2)[wanted][kept])
+    if not kept.any():
+        return Pieces.none()
+    typical = _median(width[kept], good[kept])
+    odd = np.abs(width[kept] - typical[:, None]) > settings.uneven * typical[:, None] + 0.7 * scale
+    pieces = Pieces(middles[kept], good[kept] & ~odd, typical, found.reshape(-1, 2, 2)[wanted][kept])
+    return pieces.where(pieces.good.sum(axis=1) >= FEWEST)
 
 
 def _across(
