@@ -81,7 +81,7 @@ def count_corners(
         segments = np.asarray(hough_segments(line_picture(kept)), dtype=float).reshape(-1, 4)
         for corner in picture.truth.corners:
             white, still = (near_white(each, corner) for each in (labels, kept))
-            left += [True, white, white and still, *near_segments(segments, corner)]
+            left += [True, white, still, *near_segments(segments, corner)]
     return dict(zip(STEPS, left.tolist(), strict=True))
 
 

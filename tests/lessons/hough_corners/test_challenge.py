@@ -22,9 +22,10 @@ def test_the_truth_earns_and_nothing_costs_what_is_missed():
 
 
 def test_a_missed_corner_and_a_false_point_cost_and_are_told():
-    scored = judge([(50, 90), (120, 30), (12, 10)], PICTURE)
-    assert scored.score == pytest.approx(-1.333 + 5 + 1)
-    assert scored.columns == {"found": 1.0, "false": 1.0, "missed": 1.0}
+    scored = judge([(50, 90), (120, 30), (120, 60), (12, 10)], PICTURE)
+    assert scored.score == pytest.approx(-1.333 + 2 * 5 + 1)
+    assert scored.columns == {"found": 1.0, "false": 2.0, "missed": 1.0}
+    assert judge(np.zeros((0, 2)), PICTURE).columns == {"found": 0.0, "false": 0.0, "missed": 2.0}
 
 
 def test_what_is_no_points_is_said():

@@ -43,6 +43,13 @@ def test_every_slider_reaches_its_function():
     assert "2 segments, 0 corners" in shown.summary()
 
 
+def test_a_ring_is_drawn_at_each_corner_found():
+    found, none = panel(), panel(find_corners=lambda *given: np.zeros((0, 2)))
+    rings = found.shown.pictures["What you find"] != none.shown.pictures["What you find"]
+    rows, columns = np.nonzero(rings.any(axis=2))
+    assert rows.max() <= 6 + 10 and columns.max() <= 5 + 10 and len(rows) > 20
+
+
 def test_it_says_what_was_found_and_what_it_costs():
     shown = panel()
     assert "2 segments, 1 corner: 1 of 1 true ones found, 0 false, cost -1.33." in shown.summary()

@@ -1,5 +1,7 @@
 """What lesson 03 measures: its figures say their numbers, and the text's are those of its own solution."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,18 @@ def test_the_goal_line_ends_where_the_equation_sees_it():
     left = results.goal_line_left(distances, label, OWN["erase_background"], runs=(7,))
     assert results.last_seen(distances, left[7]) == pytest.approx(3.3, abs=0.1)
     assert "run of 7: 3.3 m by equation 3.2" in results.draw_goal_line(distances, left).alt
+
+
+def test_the_table_of_other_pictures_is_what_the_benchmark_recorded():
+    recorded = json.loads((PROJECT / "benchmarks" / "results" / "corners.json").read_text(encoding="utf-8"))
+    for row, name in (
+        ("simulator, a whole field, a full room", "simulator, whole field"),
+        ("a real NAO, eight places", "the other 56 real scenes"),
+        ("a real NAO on a straight walk", "real straight walk"),
+    ):
+        nothing, paper = recorded[name]["nothing"], recorded[name]["the paper's"]
+        costs = f"{nothing['missed']} | {nothing['cost']:.2f} | {paper['cost']:.2f} | {paper['low']:.2f} to {paper['high']:.2f}"
+        assert f"| {row} ({nothing['pictures']}) | {costs} |" in TEXT
 
 
 @pytest.mark.slow
