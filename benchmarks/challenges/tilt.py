@@ -10,6 +10,7 @@ import numpy.typing as npt
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView
 
+# Frozen; chosen on the simulator's sets "tune" and "whole_tune" only.
 # The prior: what a robot knows of its lean before it looks (docs/real_data.md, corrections of each picture).
 PITCH_SD, ROLL_SD = float(np.radians(1.3)), float(np.radians(0.8))
 END_SD = 0.25  # px at 320: of a middle line's end, across the line

@@ -466,9 +466,8 @@ def _turned(yaw: float = 1.0, pitch: float = 1.0, roll: float = 1.0) -> Any:
 def _ground_by_angles(pixels: Array, view: CameraView) -> Array:
     """Depression angle and direction of each ray, pixel by pixel."""
     found = []
-    for u, v in view.undistort(pixels):
-        ray = np.array([1.0, -(u - view.centre[0]) / view.focal[0], -(v - view.centre[1]) / view.focal[1]])
-        x, y, z = view.rotation @ ray
+    for right, below in (view.undistort(pixels) - view.centre) / view.focal:
+        x, y, z = view.rotation @ (1.0, -right, -below)
         down = np.arctan2(-z, np.hypot(x, y))
         away = view.height / np.tan(down) if down > 0 else np.nan
         along = np.arctan2(y, x)
@@ -995,9 +994,9 @@ MEASUREMENT_COVARIANCE = Exercise(
 
 def _fitted(pixels: Any, ground_points: Any, view: CameraView, **changed: Any) -> float:
     """The offset with the least squared error in pixels."""
-    pixels, points = np.asarray(pixels, dtype=float), np.asarray(ground_points, dtype=float)
+    marked, points = np.array(pixels), np.array(ground_points)
     if changed.get("one_point"):
-        pixels, points = pixels[:1], points[:1]
+        marked, points = marked[:1], points[:1]
     if changed.get("no_lens"):
         view = replace(view, k1=0.0)
     if changed.get("no_offset"):
@@ -1009,7 +1008,7 @@ def _fitted(pixels: Any, ground_points: Any, view: CameraView, **changed: Any) -
 
     def misses(offset: Any) -> Array:
         seen = replace(view, pitch=view.pitch + float(offset[0])).project(points)
-        return np.nan_to_num(seen - pixels, nan=1e3).ravel()
+        return np.nan_to_num(seen - marked, nan=1e3).ravel()
 
     return float(least_squares(misses, [0.0]).x[0])
 

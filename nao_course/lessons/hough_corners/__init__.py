@@ -1,7 +1,7 @@
 """What lesson 03, Hough corners, alone uses."""
 
 from nao_course.lessons.hough_corners.figures import draw_close_up, draw_places, draw_segments
-from nao_course.lessons.hough_corners.measuring import count_corners, line_picture
+from nao_course.lessons.hough_corners.measuring import count_corners, line_picture, with_others
 from nao_course.lessons.hough_corners.panel import CornerPanel
 from nao_course.lessons.hough_corners.results import (
     draw_costs,
@@ -42,6 +42,7 @@ __all__ = [
     "rows_between",
     "three_places",
     "tuning_pictures",
+    "with_others",
 ]
 
 

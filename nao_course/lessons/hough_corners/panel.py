@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from itertools import combinations
 from typing import Any
 
 import cv2
@@ -33,8 +32,12 @@ class CornerPanel(FunctionPanel):
         By name, to choose from.
     label : callable
         ``label(pixels, beta)`` returns labels (H, W), as lesson 01 makes them.
-    student : callable
-        The lesson's `erase_background`, `hough_segments`, `segment_intersection` and `remove_doubles`, by name.
+    erase_background : callable
+        ``erase_background(labels, run)`` returns labels (H, W).
+    hough_segments : callable
+        ``hough_segments(line_picture, gap, length)`` returns segments (N, 4).
+    find_corners : callable
+        ``find_corners(labels, run, gap, length, reach)`` returns corners (K, 2).
 
     Raises
     ------
@@ -46,7 +49,9 @@ class CornerPanel(FunctionPanel):
         self,
         pictures: Mapping[str, CornerPicture],
         label: Callable[..., Any],
-        **student: Callable[..., Any],
+        erase_background: Callable[..., Any],
+        hough_segments: Callable[..., Any],
+        find_corners: Callable[..., Any],
     ) -> None:
         """Search the first picture and build the widgets."""
         if not pictures:
@@ -57,19 +62,23 @@ class CornerPanel(FunctionPanel):
             self._search,
             [
                 Choice("picture", "Picture", list(pictures), tooltip="Which picture is searched"),
-                _pixels("beta", "Beta", 60, 200, 120, "Of the white threshold, a lightness", unit=""),
-                _pixels("run", "Run of green", 1, 15, 7, "How many green pixels end the background"),
-                _pixels("gap", "Largest gap", 0, 20, 5, "How many pixels may be missing in a segment"),
-                _pixels("length", "Least length", 10, 80, 40, "Of a segment"),
-                _pixels("reach", "Reach", 0, 60, 5, "How much longer segments are made at each end"),
+                _whole("beta", "Beta", 60, 200, 120, "Of the white threshold, a lightness", unit=""),
+                _whole("run", "Run of green", 1, 15, 7, "How many green pixels end the background"),
+                _whole("gap", "Largest gap", 0, 20, 5, "How many pixels may be missing in a segment"),
+                _whole("length", "Least length", 10, 80, 40, "Of a segment"),
+                _whole("reach", "Reach", 0, 60, 5, "How much longer segments are made at each end"),
             ],
-            student={"label": label, **student},
+            student={
+                "label": label,
+                "erase_background": erase_background,
+                "hough_segments": hough_segments,
+                "find_corners": find_corners,
+            },
             unfinished={
                 "label": "Finish lesson 01 to see this: lines are searched in your labels.",
                 "erase_background": "Finish exercise 3.1 to see what is left of the labels.",
                 "hough_segments": "Finish exercise 3.2 to see your segments.",
-                "segment_intersection": "Finish exercise 3.3 to see where they meet.",
-                "remove_doubles": "Finish exercise 3.4 to see the corners.",
+                "find_corners": "Finish exercise 3.5 to see the corners.",
             },
         )
 
@@ -79,21 +88,16 @@ class CornerPanel(FunctionPanel):
         shown = mark_truth(picture)
         yield {"What you find": shown}
         yield Legend({"true corner": TRUE, "corner found": FOUND})
-        labels = student.erase_background(student.label(picture.pixels, values.beta), values.run)
-        yield {"What is left": painted(labels)}
+        labels = student.label(picture.pixels, values.beta)
+        left = student.erase_background(labels, values.run)
+        yield {"What is left": painted(left)}
         segments = as_points(
-            student.hough_segments(line_picture(labels), values.gap, values.length),
+            student.hough_segments(line_picture(left), values.gap, values.length),
             4,
             "segments (u1, v1, u2, v2)",
         )
         yield {"What you find": mark_found(shown, segments, ())}
-        meetings = [
-            student.segment_intersection(*pair, float(values.reach)) for pair in combinations(segments, 2)
-        ]
-        points = as_points([each for each in meetings if each is not None], name="crossings (u, v)")
-        height, width = picture.pixels.shape[:2]
-        inside = points[((points >= 0) & (points <= (width - 1, height - 1))).all(axis=1)]
-        corners = student.remove_doubles(inside, 10.0)
+        corners = student.find_corners(labels, values.run, values.gap, values.length, float(values.reach))
         yield {"What you find": mark_found(shown, segments, corners)}
         match = picture.match(corners)
         yield (
@@ -121,7 +125,7 @@ def mark_found(pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.Arra
     return shown
 
 
-def _pixels(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:
+def _whole(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:
     """A slider of whole numbers."""
     return Slider(name, label, low, high, 1, start, unit=unit, tooltip=tooltip)
 

@@ -69,7 +69,7 @@ def draw_matches(matches: Mapping[str, Sequence[PointMatch]]) -> Drawing:
         right.axvline(0.0, color=STYLES["odometry"].colour, ls=":", lw=1.6)
         left.set_yticks(range(len(costs)), names)
         left.set(xlabel="mean cost of a picture", ylim=(len(costs) - 0.5, -0.5))
-        right.set(xlabel=f"the same, less that of {first}")
+        right.set(xlabel=f"difference from {first}")
     return Drawing(figure, f"{len(costs[first])} pictures, less is better. {'; '.join(words)}.")
 
 
@@ -176,6 +176,7 @@ def draw_goal_line(
             xlabel="distance of the goal line (m)",
             ylabel="part of its columns that is left",
             ylim=(-0.04, 1.24),
+            yticks=np.linspace(0, 1, 6),
         )
         legend_below(figure, ax.get_legend_handles_labels()[0])
     return Drawing(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -29,12 +30,16 @@ _WHOLE = Field(2012, half=False)  # there the goal line can be 6 m away
 _ASIDE = -1.55  # m: from here the middle columns see the goal line and carpet, nothing else
 
 
-def three_places() -> dict[str, Pixels]:
-    """Take one picture from each place, by a title that says where: the same at every call."""
-    return {
+@cache
+def three_places() -> Mapping[str, Pixels]:
+    """Take one picture from each place, by a title that says where: the same at every call, and read-only."""
+    pictures = {
         title: SimulatedNao(Field(2012), pose, rng=41).take_picture("bottom").pixels
         for title, pose in PLACES.items()
     }
+    for pixels in pictures.values():
+        pixels.setflags(write=False)
+    return MappingProxyType(pictures)
 
 
 @dataclass(frozen=True, eq=False)
