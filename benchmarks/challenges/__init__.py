@@ -14,8 +14,10 @@ import numpy as np
 
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
+from benchmarks.challenges.hough_corners import CORNER_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
+from benchmarks.challenges.tilt_entries import TILT_ENTRIES
 from nao_course.challenges import Challenge, Run
 from nao_course.challenges.finding import declared
 from nao_course.challenges.running import run
@@ -25,6 +27,8 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "00_meet_the_nao": SLALOM_ENTRIES,
     "01_hsl_filtering": COLOUR_ENTRIES,
     "02_goalposts": POST_ENTRIES,
+    "03_hough_corners": CORNER_ENTRIES,
+    "04_distance": TILT_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 
@@ -67,7 +71,10 @@ def main() -> Result:
         better = next(name for name in cases if name.startswith("a better"))
         values[lesson] = {each["name"]: each["score"] for each in rows}
         for other in (name for name in cases if name != better):
-            mean, low, high = margin(cases[better], cases[other])
+            pair = (
+                (cases[better], cases[other]) if challenge.higher_is_better else (cases[other], cases[better])
+            )
+            mean, low, high = margin(*pair)
             values[lesson][f"{better} beats {other} by"] = [mean, low, high]
             notes.append(
                 f"{lesson}: {better} beats {other} by {mean:.2f}; 95 % interval {low:.2f} to {high:.2f}"

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Points, Question
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Points, Question, Written
 from nao_course.lessons.hough_corners import Segments
 
 Array = npt.NDArray[Any]
@@ -85,20 +85,20 @@ def _erase(labels: Any, run: int, **changed: Any) -> Array:
 
 
 def _erased(**changed: Any) -> Any:
-    return lambda labels, run: _erase(labels, run, **changed)
+    return lambda labels, run=7: _erase(labels, run, **changed)
 
 
-def _erase_all_but_white(labels: Any, run: int) -> Array:
+def _erase_all_but_white(labels: Any, run: int = 7) -> Array:
     kept = _erase(labels, run)
     return np.where(kept == WHITE, kept, 0).astype(np.uint8)
 
 
-def _erase_mask(labels: Any, run: int) -> Array:
+def _erase_mask(labels: Any, run: int = 7) -> Array:
     """Where something is left, as true and false."""
     return _erase(labels, run) > 0
 
 
-def _erase_window(labels: Any, run: int) -> Array:
+def _erase_window(labels: Any, run: int = 7) -> Array:
     """Windows of `run` rows that are all green, and all rows from the first of them on."""
     labels = np.asarray(labels)
     green = np.pad(labels == GREEN, ((0, run - 1), (0, 0)))
@@ -106,7 +106,15 @@ def _erase_window(labels: Any, run: int) -> Array:
     return labels * np.maximum.accumulate(safe, axis=0)
 
 
-def _erase_morphology(labels: Any, run: int) -> Array:
+def _erase_sums(labels: Any, run: int = 7) -> Array:
+    """How many green pixels are above each row; where two of these counts, run apart, differ by run, all between are."""
+    labels = np.asarray(labels)
+    above = np.cumsum(np.pad(labels == GREEN, ((1, run - 1), (0, 0))), axis=0)
+    begins = above[run:] - above[:-run] == run
+    return np.where(np.logical_or.accumulate(begins, axis=0), labels, 0)
+
+
+def _erase_morphology(labels: Any, run: int = 7) -> Array:
     """OpenCV's erosion with a column as its element, whose anchor is at the top."""
     labels = np.asarray(labels)
     green = (labels == GREEN).astype(np.uint8)
@@ -130,6 +138,7 @@ def _erase_public() -> list[Case]:
         Case((columns("ooogggg", "gggowww", "wwwwwww"), 4), "a run that ends at the picture's edge"),
         Case((field([(5, 20, 60, 26), (30, 24, 20, 46)], 14), 7), "lines on carpet below a wall"),
         Case((columns("ywgw", "gwgo"), 1), "a run of one pixel"),
+        Case((columns("wggggggwggggggg", "gggggggwogggggg", "ggggggggwoggggg"),), "the default run"),
         Case((scattered(np.random.default_rng(31), 40, 30), 6), "labels by chance"),
     ]
 
@@ -138,6 +147,7 @@ def _erase_hidden(rng: np.random.Generator) -> list[Case]:
     return [
         *(Case((scattered(rng, 60, 50), run)) for run in (1, 3, 5, 7, 9)),
         Case((scattered(rng, 240, 320), 7)),
+        Case((scattered(rng, 80, 60),)),
         Case((scattered(rng, 5, 30), 7)),
         Case((np.full((20, 15), int(rng.choice([OTHER, WHITE])), dtype=np.uint8), 7)),
         Case((np.full((20, int(rng.integers(5, 15))), GREEN, dtype=np.uint8), 7)),
@@ -154,8 +164,9 @@ ERASE_BACKGROUND = Exercise(
     hints=(
         "For one column first: where does the first run of green begin that is long enough? All above it becomes 0. The sum of "
         "labels[v : v + run, u] == 1 is run where a run begins at v.",
-        "Without a loop over columns: np.cumsum(labels == 1, axis=0) counts the green pixels down to each row. The difference of two of its rows that are "
-        "run apart is run exactly where all pixels between are green. np.logical_or.accumulate(found, axis=0) is true from the first true row on.",
+        "Without a loop over columns: green[i : i + H] is the picture i rows further down. A run of 3 begins where green, green one further down and green two "
+        "further down are all true. Below the last row nothing is green: np.pad(green, ((0, run - 1), (0, 0))). np.logical_or.accumulate(begins, axis=0) is true from the "
+        "first true row on.",
     ),
     mistakes=[
         Mistake(
@@ -214,7 +225,8 @@ ERASE_BACKGROUND = Exercise(
         ),
     ],
     alternatives={
-        "a loop over columns": lambda labels, run: _erase(labels, run),
+        "a loop over columns": lambda labels, run=7: _erase(labels, run),
+        "cumulative sums": _erase_sums,
         "sliding windows": _erase_window,
         "erosion": _erase_morphology,
     },
@@ -240,28 +252,45 @@ def _hough(picture: Any, gap: float, length: float, /, **changed: Any) -> Array:
 
 
 def _found(change: Any = lambda found: found, **changed: Any) -> Any:
-    return lambda line_picture, max_line_gap, min_line_length: change(
+    return lambda line_picture, max_line_gap=5, min_line_length=40: change(
         _hough(line_picture, max_line_gap, min_line_length, **changed)
     )
 
 
-def _swapped_gap(line_picture: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _swapped_gap(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     return _hough(line_picture, min_line_length, max_line_gap)
 
 
-def _none(line_picture: Any, max_line_gap: float, min_line_length: float) -> Any:
+def _none(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
     found = _hough(line_picture, max_line_gap, min_line_length)
     return found if len(found) else None
 
 
-def _no_shape(line_picture: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _no_shape(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     found = _hough(line_picture, max_line_gap, min_line_length)
     return found if len(found) else np.array([])
 
 
-def _infinite_lines(line_picture: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _infinite_lines(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     found = cv2.HoughLines(cv2.Canny(np.asarray(line_picture), 50, 150), 1, np.pi / 180, 20)
     return np.zeros((0, 2)) if found is None else np.asarray(found, dtype=float)[..., :2].reshape(-1, 2)
+
+
+def _reshaped_none(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """What comes back is taken for an array, always."""
+    edges = cv2.Canny(np.asarray(line_picture), 50, 150)
+    found: Any = cv2.HoughLinesP(
+        edges, 1, np.pi / 180, 20, minLineLength=min_line_length, maxLineGap=max_line_gap
+    )
+    return np.asarray(found.reshape(-1, 4), dtype=float)
+
+
+def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
+    """Six arguments by position: the fifth is where OpenCV would put the lines."""
+    edges: Any = cv2.Canny(np.asarray(line_picture), 50, 150)
+    search: Any = cv2.HoughLinesP
+    found = search(edges, 1, np.pi / 180, 20, min_line_length, max_line_gap)
+    return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
 
 
 def _hough_public() -> list[Case]:
@@ -277,7 +306,19 @@ def _hough_public() -> list[Case]:
             "a long and a short line, at least 30 long",
         ),
         Case((np.zeros(SIZE, dtype=np.uint8), 5, 40), "no line at all"),
+        Case((drawn([(30, 20, 34, 20)], 3), 5, 15), "a spot, and no line"),
+        *(Case((picture,), f"the default {name}") for name, picture in _at_defaults_of_hough().items()),
     ]
+
+
+def _at_defaults_of_hough() -> dict[str, Array]:
+    """Pictures in which a pixel more or less of a default would be seen."""
+    return {
+        "length, a line too short": drawn([(10, 20, 47, 20)]),
+        "length, a line just long enough": drawn([(10, 20, 48, 20)]),
+        "gap, pieces that are joined": drawn([(0, 14, 29, 14), (37, 14, 61, 14)], 3),
+        "gap, pieces too far apart": drawn([(2, 20, 30, 20), (36, 20, 61, 20)]),
+    }
 
 
 def _hough_hidden(rng: np.random.Generator) -> list[Case]:
@@ -296,6 +337,8 @@ def _hough_hidden(rng: np.random.Generator) -> list[Case]:
         Case((broken, 40, 30)),
         Case((drawn([(40, 60, 200, 70), (100, 150, 125, 150)], 8, large), 5, 60)),
         Case((np.zeros((int(rng.integers(20, 60)), 50), dtype=np.uint8), 5, 40)),
+        Case((drawn([(30, 20, 34, 20)], 3), 5, 15)),
+        *(Case((np.pad(picture, ((0, 9), (0, 0))),)) for picture in _at_defaults_of_hough().values()),
     ]
 
 
@@ -349,6 +392,16 @@ HOUGH_SEGMENTS = Exercise(
             "Where there is no line, HoughLinesP returns None. Return an array of shape (0, 4) there.",
         ),
         Mistake(
+            "None reshaped",
+            _reshaped_none,
+            "Where there is no line, HoughLinesP returns None, and None has no reshape: ask for it first, and return np.zeros((0, 4)) there.",
+        ),
+        Mistake(
+            "by position",
+            _by_position,
+            "By position the fifth argument of HoughLinesP is not the length: give it by name, minLineLength=..., and maxLineGap=... too.",
+        ),
+        Mistake(
             "no shape",
             _no_shape,
             "Right, except where there is no line: np.array([]) has shape (0,). It is np.zeros((0, 4)).",
@@ -375,6 +428,18 @@ HOUGH_SEGMENTS = Exercise(
         "the longest first": _found(
             lambda found: found[np.argsort(-np.hypot(found[:, 2] - found[:, 0], found[:, 3] - found[:, 1]))]
         ),
+    },
+    equivalents={
+        "edges = cv2.Canny(line_picture, 51, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(line_picture, 49, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(line_picture, 50, 151)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(line_picture, 50, 149)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "if False:": "a black picture gives None by HoughLinesP, too; only a picture without any pixel needs the first line",
+        "pass": "the same: a black picture gives None by HoughLinesP, too",
+        "return np.ones((0, 4))": "an array without rows has no ones and no zeros",
+        "return np.ones((0, 4)) if found is None else found.reshape(len(found), 4).astype(float)": "an array without rows has no ones and no zeros",
+        "return np.zeros((0, 4)) if found is None else found.reshape(len(found), 4)": "whole numbers are right as well",
+        "return np.zeros((0, 4)) if found is None else found.astype(float)": "OpenCV 5 gives (N, 4) at once; only older versions need the new shape",
     },
 )
 
@@ -409,10 +474,17 @@ def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
 
 
 def _meeting(**changed: Any) -> Any:
-    return lambda first, second, reach: _meet(first, second, reach, **changed)
+    return lambda first, second, reach=5.0: _meet(first, second, reach, **changed)
 
 
-def _meet_slopes(first: Any, second: Any, reach: float) -> Any:
+def _divided(first: Any, second: Any, reach: float = 5.0) -> Any:
+    """Plain numbers, and the question for parallel segments after the division."""
+    (u1, v1, u2, v2), (u3, v3, u4, v4) = (np.asarray(each, float).tolist() for each in (first, second))
+    t = ((u3 - u1) * (v4 - v3) - (v3 - v1) * (u4 - u3)) / ((u2 - u1) * (v4 - v3) - (v2 - v1) * (u4 - u3))
+    return None if np.isinf(t) else _meet(first, second, reach)
+
+
+def _meet_slopes(first: Any, second: Any, reach: float = 5.0) -> Any:
     """With v = m u + b: upright segments have no slope."""
     (u1, v1, u2, v2), (u3, v3, u4, v4) = np.asarray(first, float), np.asarray(second, float)
     with np.errstate(all="ignore"):
@@ -423,7 +495,7 @@ def _meet_slopes(first: Any, second: Any, reach: float) -> Any:
     return None if wanted is None else point
 
 
-def _meet_box(first: Any, second: Any, reach: float) -> Any:
+def _meet_box(first: Any, second: Any, reach: float = 5.0) -> Any:
     """Inside both boxes around the segments, each `reach` wider."""
     point = _meet(first, second, reach, unbounded=True)
     if point is None:
@@ -435,7 +507,7 @@ def _meet_box(first: Any, second: Any, reach: float) -> Any:
     return point
 
 
-def _meet_solved(first: Any, second: Any, reach: float) -> Any:
+def _meet_solved(first: Any, second: Any, reach: float = 5.0) -> Any:
     """With a linear system of the two parameters."""
     a, b = (np.asarray(each, dtype=float).reshape(2, 2) for each in (first, second))
     matrix = np.column_stack([a[1] - a[0], b[0] - b[1]])
@@ -447,7 +519,7 @@ def _meet_solved(first: Any, second: Any, reach: float) -> Any:
     return tuple((a[0] + along[0] * (a[1] - a[0])).tolist()) if inside else None
 
 
-def _meet_homogeneous(first: Any, second: Any, reach: float) -> Any:
+def _meet_homogeneous(first: Any, second: Any, reach: float = 5.0) -> Any:
     """Lines and points of the projective plane: both are cross products."""
     a, b = (np.column_stack([np.asarray(each, float).reshape(2, 2), np.ones(2)]) for each in (first, second))
     line_a, line_b = np.cross(a[0], a[1]), np.cross(b[0], b[1])
@@ -463,7 +535,7 @@ def _meet_homogeneous(first: Any, second: Any, reach: float) -> Any:
     return point
 
 
-def _meet_extended(first: Any, second: Any, reach: float) -> Any:
+def _meet_extended(first: Any, second: Any, reach: float = 5.0) -> Any:
     """Make both longer first, then cut them without a reach."""
     longer = []
     for each in (first, second):
@@ -498,6 +570,10 @@ def _meet_public() -> list[Case]:
         ),
         Case((segment(0, 0, 30, 30), segment(34, 26, 60, 0), 5.0), "slanted, 3 px short"),
         Case((segment(0, 0, 30, 30), segment(34.5, 34.5, 60, 9), 5.0), "slanted, 6.4 px short"),
+        Case((level, segment(54.5, 2, 54.5, 40)), "4.5 px short, with the default reach"),
+        Case((level, segment(55.5, 2, 55.5, 40)), "5.5 px short, with the default reach"),
+        Case((level, segment(10, 16.7, 50, 23.3)), "at 9.4 degrees"),
+        Case((level, segment(10, 16.3, 50, 23.7)), "at 10.5 degrees"),
     ]
 
 
@@ -518,8 +594,11 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
                 ends[-1] = ends[-1][[2, 3, 0, 1]]
         cases.append(Case((ends[0], ends[1], float(rng.choice([0.0, 3.0, 5.0, 10.0])))))
     u, v = rng.integers(20, 80, 2).astype(float)
+    flat = segment(u, v, u + 60, v)
     return [
         *cases,
+        *(Case((flat, segment(u + 60 + beyond, v - 20, u + 60 + beyond, v + 30))) for beyond in (4.5, 5.5)),
+        *(Case((flat, segment(u, v - up, u + 60, v + up))) for up in (4.95, 5.55)),  # at 9.4 and 10.5 degrees
         Case((segment(5, 5, 5, 40), segment(9, 5, 9, 40), 5.0)),
         Case((segment(u, v - 20, u, v + 30), segment(u - 25, v, u + 18, v + 6), 5.0)),
         Case((segment(u - 25, v, u + 18, v + 6), segment(u, v + 30, u, v - 20), 0.0)),
@@ -574,6 +653,11 @@ SEGMENT_INTERSECTION = Exercise(
             "Segments that are less than 10 degrees apart count as parallel: they are mostly both edges of one line. Return None.",
         ),
         Mistake(
+            "divided by zero",
+            _divided,
+            "You divide before you ask whether the segments are parallel: then the denominator is 0. Ask first, and return None.",
+        ),
+        Mistake(
             "NaN for nothing",
             _meeting(nothing=np.array([np.nan, np.nan])),
             "Where there is no crossing, return None, not NaN.",
@@ -614,6 +698,14 @@ SEGMENT_INTERSECTION = Exercise(
         "a linear system": _meet_solved,
         "cross products of the projective plane": _meet_homogeneous,
         "both made longer first": _meet_extended,
+    },
+    equivalents={
+        "if abs(across) < np.sin(np.radians(10)) * n * m:": "segments exactly 10 degrees apart: rounding decides",
+        "on_both = -reach < t * n <= n + reach and -reach <= s * m <= m + reach": "a crossing exactly at the end of the reach: rounding decides",
+        "on_both = -reach <= t * n < n + reach and -reach <= s * m <= m + reach": "a crossing exactly at the end of the reach: rounding decides",
+        "on_both = -reach <= t * n <= n + reach and -reach < s * m <= m + reach": "a crossing exactly at the end of the reach: rounding decides",
+        "on_both = -reach <= t * n <= n + reach and -reach <= s * m < m + reach": "a crossing exactly at the end of the reach: rounding decides",
+        "if abs(across) <= np.radians(10) * n * m:": "10 degrees or 10.05: nobody can ask for that",
     },
 )
 
@@ -800,6 +892,9 @@ REMOVE_DOUBLES = Exercise(
         "recursion": _doubles_recursive,
         "complex numbers": _doubles_complex,
     },
+    equivalents={
+        "if all((np.hypot(*other - point) > radius for other in kept)):": "a distance has no direction",
+    },
 )
 
 
@@ -816,25 +911,25 @@ def _corners(labels: Any, gap: float, length: float, /, **changed: Any) -> Array
         return _kept(segments.reshape(-1, 2), 10.0)
     found = [_meet(a, b, 5.0, **changed.get("meet", {})) for a, b in combinations(segments, 2)]
     points = np.array([each for each in found if each is not None]).reshape(-1, 2)
-    points = points[((points >= 0) & (points <= (labels.shape[1] - 1, labels.shape[0] - 1))).all(axis=1)]
+    points = points[((points >= 0) & (points < labels.shape[::-1])).all(axis=1)]
     return points if changed.get("doubles") else changed.get("remove", _kept)(points, 10.0)
 
 
 def _cornered(change: Any = lambda points: points, **changed: Any) -> Any:
-    return lambda labels, max_line_gap, min_line_length: change(
+    return lambda labels, max_line_gap=5, min_line_length=40: change(
         _corners(labels, max_line_gap, min_line_length, **changed)
     )
 
 
-def _swapped_values(labels: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _swapped_values(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     return _corners(labels, min_line_length, max_line_gap)
 
 
-def _at_defaults(labels: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _at_defaults(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     return _corners(labels, 5, 40)
 
 
-def _no_shape_corners(labels: Any, max_line_gap: float, min_line_length: float) -> Array:
+def _no_shape_corners(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     found = _corners(labels, max_line_gap, min_line_length)
     return found if len(found) else np.array([])
 
@@ -846,6 +941,40 @@ def corner_scene(shape: Any, at: tuple[float, float], thickness: int, horizon: f
     end = 0.05 * width if u > width / 2 else 0.95 * width
     lines = [(u, v, end, v), (u, v, u, 0.97 * height)]  # level and upright: Hough does not break these
     return field(lines, round(horizon * height), thickness, shape)
+
+
+def at_the_edge() -> dict[str, Array]:
+    """Labels of two lines whose edges cross once, near the picture's edge or a little beyond it, by where that is."""
+    return {
+        "left of the picture": field([(-2, 40, 60, 29), (-2, 40, 60, 55)], 3, 1),
+        "right of the picture": field([(66, 26, 3, 15), (66, 26, 3, 46)], 3, 1),
+        "below the picture": field([(40, 51, 29, 12), (40, 51, 81, 12)], 3, 2),
+        "in the leftmost pixel": field([(1, 39, 60, 31), (1, 39, 60, 52)], 3, 1),
+    }
+
+
+def _corners_at_defaults() -> list[Array]:
+    """Labels in which a pixel more or less of a default would be seen."""
+    lengths = [(41, 43, 51, 20, 5), (42, 37, 45, 22, 3), (42, 40, 44, 21, 5), (42, 39, 50, 23, 5)]
+    found = [field([(u, v, u - n, v), (u, v, u, v + m)], 6, thick, (70, 64)) for n, m, u, v, thick in lengths]
+    for gap, start, v, thick, u in (
+        (5, 26, 23, 3, 59),
+        (5, 30, 21, 5, 50),
+        (6, 29, 16, 3, 55),
+        (6, 28, 17, 5, 50),
+    ):
+        found.append(field([(u, v, 1, v), (u, v, u, 68)], 6, thick, (70, 64)))
+        found[-1][v - 5 : v + 6, start : start + gap] = GREEN
+    return found
+
+
+def _none_kept(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """The crossings that are none stand among the others."""
+    labels = np.asarray(labels)
+    white = (_erase(labels, 7) == WHITE).astype(np.uint8) * np.uint8(255)
+    pairs = combinations(_hough(white, max_line_gap, min_line_length), 2)
+    points: Any = [_meet(a, b, 5.0) for a, b in pairs]
+    return _kept(np.array([[point[0], point[1]] for point in points]).reshape(-1, 2), 10.0)
 
 
 def _corners_public() -> list[Case]:
@@ -867,6 +996,7 @@ def _corners_public() -> list[Case]:
         ),
         Case((field([(4, 22, 60, 22), (4, 40, 60, 40)], 10), 5, 20), "two parallel lines"),
         Case((field([], 14), 5, 15), "a field without lines"),
+        *(Case((labels, 5, 15), f"a crossing {where}") for where, labels in at_the_edge().items()),
     ]
 
 
@@ -896,6 +1026,8 @@ def _corners_hidden(rng: np.random.Generator) -> list[Case]:
         Case((apart, 5, 40)),
         Case((field([(20, 90, 300, 94), (20, 180, 300, 184)], 50, 5, large), 5, 40)),
         Case((field([], int(rng.integers(20, 80)), 5, large), 5, 40)),
+        *(Case((labels,)) for labels in _corners_at_defaults()),
+        *(Case((labels, 5, 15)) for labels in at_the_edge().values()),
     ]
 
 
@@ -910,7 +1042,7 @@ FIND_CORNERS = Exercise(
     hints=(
         "The order of the paper: background away, lines only, segments, crossings of every two of them, doubles away. itertools.combinations(segments, 2) "
         "has every pair once.",
-        "segment_intersection returns None for most pairs: keep the others. A crossing outside the picture, u from 0 to W - 1 and v from 0 to H - 1, goes before the doubles "
+        "segment_intersection returns None for most pairs: keep the others. A crossing outside the picture, u below 0 or from W on, v below 0 or from H on, goes before the doubles "
         "do. Where nothing is left, np.array([]) needs .reshape(-1, 2).",
     ),
     mistakes=[
@@ -950,6 +1082,11 @@ FIND_CORNERS = Exercise(
             "You cut endless lines: crossings far beyond the segments' ends are no corners.",
         ),
         Mistake(
+            "None kept",
+            _none_kept,
+            "For most pairs segment_intersection returns None, and you use it as a point: leave those out where `point is not None` does not hold.",
+        ),
+        Mistake(
             "(row, column)",
             _cornered(lambda points: points[:, ::-1]),
             "Your points are (v, u). A point is (u, v): the column first.",
@@ -961,11 +1098,21 @@ FIND_CORNERS = Exercise(
         ),
     ],
     alternatives={
-        "by the declaration's own functions": lambda labels, max_line_gap, min_line_length: _corners(
+        "by the declaration's own functions": lambda labels, max_line_gap=5, min_line_length=40: _corners(
             labels, max_line_gap, min_line_length
         ),
         "near points averaged": _cornered(remove=_averaged),
         "the last of near points": _cornered(remove=_last_kept),
+    },
+    equivalents={
+        "inside = ((points >= 0) * (points < labels.shape[::-1])).all(axis=1)": "and, said as a product",
+        "inside = ((points >= 0) // (points < labels.shape[::-1])).all(axis=1)": "and, by whole numbers: 1 // 1 alone is 1",
+        "points = np.array([each for each in meetings if each is not None]).reshape(~1, 2)": "NumPy takes any negative number for the one that it computes",
+        "points = np.array([each for each in meetings if each is not None]).reshape(-2, 2)": "NumPy takes any negative number for the one that it computes",
+        "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
+        "inside = ((points >= 0) & (points <= labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
+        "meetings = [segment_intersection(second, first) for first, second in combinations(segments, 2)]": "both segments are treated alike",
+        "return remove_doubles(points[inside], 11.0)": "which of several near crossings stays is left open",
     },
 )
 
@@ -997,5 +1144,17 @@ PLAN = LessonPlan(
             },
             "No: a false corner costs more than a hit gains.",
         ),
+    ],
+    written=[
+        Written(
+            "explain_null_baseline",
+            points=2,
+            question="The paper's best setting has a mean cost of 2.122 over thirty pictures, whose number of corners it does not say. What follows from 2.122 alone "
+            "about that detector, what does one need to know besides, and why?",
+            rubric="1 point: from 2.122 alone nothing follows, for reporting nothing costs 1 for each corner, so as much as there are corners in a picture on average: with "
+            "more than 2.122 corners a picture the detector is better than nothing, with fewer it is worse. 1 point: besides the cost of nothing on the same pictures "
+            "one needs how sure the difference is: how much it varies from picture to picture, or its interval; with thirty pictures that can contain 0, as it does here. "
+            "Naming hits and false corners instead of the interval is worth the second point too, if the answer says that a mean can hide how it comes about.",
+        )
     ],
 )

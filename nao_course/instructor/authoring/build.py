@@ -30,7 +30,7 @@ from nao_course.instructor.authoring.stamps import edited, stamp
 CHECKS = Path("nao_course", "exercises", "checks")
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
-_IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)")
+_IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")
 
 
 @dataclass(frozen=True)
@@ -320,7 +320,7 @@ def payoff_image(name: str) -> str:
 
 
 def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool) -> dict[Path, bytes]:
-    """Pictures that a lesson's text shows, for the folder of the student copies; `to_come`: or will, once it runs.
+    """Pictures that a text shows or links to, for the folder of the student copies; `to_come`: or will, once it runs.
 
     Raises
     ------
@@ -332,7 +332,7 @@ def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool)
         if cell.cell_type != "markdown":
             continue
         for match in _IMAGE.finditer(cell.source):
-            image = match[1] or match[2]
+            image = match[1] or match[2] or match[3]
             where = lesson_text.place(f"{name}.md", notebook, ordinal)
             if "://" in image or not image.startswith("images/"):
                 raise LessonError(f"{where}: {image} must be a file in solutions/images/, named images/NAME")

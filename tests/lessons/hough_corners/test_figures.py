@@ -1,45 +1,36 @@
-"""Figures of lesson 03: what they say is what they show, and its numbers are as measured."""
+"""Figures of lesson 03's pictures: what they say is what they show."""
 
 import numpy as np
 import pytest
 
-from benchmarks import paper_detector as paper
-from nao_course.lessons.hough_corners.figures import COSTS, FUNNEL, draw_costs, draw_funnel, draw_segments
-from nao_course.sim import standard_scenes
+from nao_course.lessons.hough_corners.figures import draw_close_up, draw_places, draw_segments
 
 BLACK = np.zeros((24, 32, 3), dtype=np.uint8)
+TWO = [(2, 3, 20, 3), (2, 3, 2, 20)]
 
 
 def test_segments_and_corners_are_counted_and_corners_placed():
-    segments = [(2, 3, 20, 3), (2, 3, 2, 20)]
-    assert draw_segments(BLACK, segments).alt == "A picture with 2 segments."
-    assert draw_segments(BLACK, segments, [(2, 3)]).alt.endswith("2 segments and 1 corner at (2, 3).")
-    assert draw_segments(BLACK, np.zeros((0, 4)), np.zeros((0, 2))).alt.endswith("0 segments and 0 corners.")
+    assert draw_segments({"here": BLACK}, [TWO]).alt.endswith("here: 2 segments.")
+    both = draw_segments({"a": BLACK, "b": BLACK}, [TWO, np.zeros((0, 4))], [[(2, 3)], np.zeros((0, 2))]).alt
+    assert "a: 2 segments and 1 corner at (2, 3)" in both and "b: 0 segments and 0 corners." in both
 
 
-def test_costs_and_funnel_are_told_to_who_cannot_see_them():
-    assert "nothing: 2.03" in draw_costs().alt
-    assert "two that are not parallel 12" in draw_funnel().alt
+def test_pictures_without_as_many_segments_are_refused():
+    for given in (({}, []), ({"a": BLACK}, []), ({"a": BLACK}, [TWO], [[], []])):
+        with pytest.raises(ValueError, match="pictures need"):
+            draw_segments(*given)
+    with pytest.raises(ValueError, match=r"segments \(u1, v1, u2, v2\)"):
+        draw_segments({"a": BLACK}, [[(1, 2, 3)]])
 
 
-def test_a_cost_is_the_papers_weights_times_its_counts():
-    for cost, low, high, hits, false, missed in COSTS.values():
-        assert hits + missed == FUNNEL["in the picture"]
-        total = paper.HIT * hits + paper.FALSE * false + paper.MISSED * missed
-        assert cost == pytest.approx(total / 30, abs=0.006) and low < cost < high
+def test_the_places_are_searched_by_what_is_given():
+    alt = draw_places(lambda pixels: TWO, lambda pixels: [(5, 6)]).alt
+    assert alt.count("2 segments and 1 corner at (5, 6)") == 3
 
 
-@pytest.mark.slow
-def test_the_funnel_is_what_the_tuning_pictures_say():
-    scenes = [
-        paper.Scene(
-            scene.pixels,
-            np.array(
-                [m.pixel for m in scene.truth.landmarks if m.landmark.shape in ("L", "T")], dtype=float
-            ).reshape(-1, 2),
-        )
-        for scene in standard_scenes("tune")
-    ]
-    corners = sum(len(scene.corners) for scene in scenes)
-    left = [round(corners * share) for share in paper.funnel(scenes, paper.Hues()).values()]
-    assert [corners, *left] == list(FUNNEL.values())
+def test_a_close_up_counts_what_is_in_its_part():
+    lines = np.zeros((48, 64), dtype=np.uint8)
+    lines[20:26, 10:60] = 255
+    segments = [(10, 20, 59, 20), (10, 25, 59, 25), (0, 45, 8, 45)]
+    drawn = draw_close_up(lines, segments, (30, 23), (20, 12))
+    assert "120 of them white, 40 edges, 2 segments along them" in drawn.alt

@@ -37,7 +37,9 @@ def test_no_segments_are_right_only_where_there_are_none():
     assert not Segments().compare(TWO, none)
 
 
-@pytest.mark.parametrize("wrong", [np.zeros(0), TWO[:, None], TWO[:, :2]], ids=["(0,)", "(N, 1, 4)", "(N, 2)"])
+@pytest.mark.parametrize(
+    "wrong", [np.zeros(0), TWO[:, None], TWO[:, :2]], ids=["(0,)", "(N, 1, 4)", "(N, 2)"]
+)
 def test_another_shape_is_named(wrong):
     verdict = Segments().compare(TWO, wrong)
     assert verdict.kind == "shape" and str(wrong.shape) in verdict.text

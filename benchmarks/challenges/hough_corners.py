@@ -1,0 +1,48 @@
+"""Entries to lesson 03's challenge: nothing, the paper's method as it stands, the lesson's own, and a better one."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks import ROOT
+from benchmarks.challenges.corners import find_corners_better
+from benchmarks.challenges.posts import labels_of, nothing
+from nao_course.exercises import Definitions, load_definitions
+
+Pixels = npt.NDArray[np.uint8]
+ENDLESS = 1e9  # px
+
+
+@cache
+def lesson_functions() -> Definitions:
+    """The lesson's own solution."""
+    return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
+
+
+def paper(picture: Pixels) -> Any:
+    """Aliyev et al. 2014, section 4.3, with hue alone; "intersections of these lines" read as lines without ends."""
+    own, labels = lesson_functions(), labels_of(picture, 0.0)
+    white = np.uint8(255) * (own["erase_background"](labels) == 3)
+    pairs = combinations(own["hough_segments"](white), 2)
+    meetings = [own["segment_intersection"](*pair, ENDLESS) for pair in pairs]
+    points = np.array([each for each in meetings if each is not None]).reshape(-1, 2)
+    inside = ((points >= 0) & (points < white.shape[::-1])).all(axis=1)
+    return own["remove_doubles"](points[inside], 10.0)
+
+
+def reference(picture: Pixels) -> Any:
+    """The lesson's detector: a floor under saturation, and segments 5 pixels longer."""
+    return lesson_functions()["find_corners"](labels_of(picture))
+
+
+CORNER_ENTRIES = {
+    "nothing": nothing,
+    "the paper's, endless lines": paper,
+    "the reference": reference,
+    "a better detector": find_corners_better,
+}

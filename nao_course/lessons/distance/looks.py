@@ -1,0 +1,185 @@
+"""Looks at the field with what is marked in them, and what a camera that leans unknown to the robot does to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import FloatArray, Pose, as_points
+from nao_course.sim import NAO_V4, CameraView, Field, Reality, SimulatedNao, TorsoTilt, Truth
+from nao_course.slam import LandmarkKind
+
+HEAD_PITCH = float(np.radians(-31.0 + 6.4))  # where a real NAO's head really was (docs/real_data.md)
+PIXEL_SIGMA = 0.7  # px, of marks that are set by hand
+TILT_SIGMA = float(np.radians(1.0))  # of the simulator's torso
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A picture with its corners and posts marked.
+
+    Parameters
+    ----------
+    pixels : ndarray of uint8, shape (H, W, 3)
+        RGB.
+    view : CameraView
+        What the robot believes of its camera.
+    pose : Pose
+        The robot's, in the world.
+    marks : ndarray, shape (N, 2)
+        (u, v) of the landmarks, as they were marked.
+    landmarks : ndarray, shape (N, 2)
+        Where they are, world frame, metres.
+    kinds : tuple of str
+        N of "corner" and "post".
+    """
+
+    pixels: npt.NDArray[np.uint8]
+    view: CameraView
+    pose: Pose
+    marks: FloatArray
+    landmarks: FloatArray
+    kinds: tuple[LandmarkKind, ...]
+
+    def with_tilt(self, tilt: float) -> Look:
+        """Return the same picture by a camera that looks lower by `tilt` (rad) than the robot believes."""
+        return replace(self, view=replace(self.view, pitch=self.view.pitch - tilt))
+
+    def within(self, reach: float) -> Look:
+        """Return the same picture with only those marks whose landmarks are within a distance of the robot, m."""
+        near = np.linalg.norm(self.landmarks - self.pose.as_array()[:2], axis=1) < reach
+        kinds = tuple(kind for kind, is_near in zip(self.kinds, near, strict=True) if is_near)
+        return replace(self, marks=self.marks[near], landmarks=self.landmarks[near], kinds=kinds)
+
+
+def usual_view(size: tuple[int, int] = (320, 240), lens: bool = True) -> CameraView:
+    """View of the lower camera of a standing NAO that looks ahead, 15 degrees down; with or without its lens term."""
+    view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, size)
+    return view if lens else replace(view, k1=0.0)
+
+
+def look_around(
+    pose: Pose,
+    yaws: Sequence[float],
+    rng: int = 0,
+    reality: Reality | None = None,
+    tilt: TorsoTilt | None = None,
+    pixel_sigma: float = PIXEL_SIGMA,
+) -> list[Look]:
+    """Take a picture for each yaw of the head, and mark its landmarks as by hand.
+
+    Parameters
+    ----------
+    pose : Pose
+        The robot's, in the world.
+    yaws : sequence of float
+        Of the head, rad.
+    rng : int
+        Seed of the noise, and of how the robot leans at each picture.
+    reality : Reality, optional
+        How real the pictures look.
+    tilt : TorsoTilt, optional
+        How much it leans.
+    pixel_sigma : float
+        Standard deviation of the marks, px.
+    """
+    nao = SimulatedNao(Field(2012), pose, rng=rng, reality=reality, tilt=tilt)
+    by_hand = np.random.default_rng([rng, 4])
+    return [_look(nao, yaw, by_hand, pixel_sigma) for yaw in yaws]
+
+
+def _look(nao: SimulatedNao, yaw: float, by_hand: np.random.Generator, pixel_sigma: float) -> Look:
+    nao.look(yaw, HEAD_PITCH)
+    picture, truth = nao.take_picture("bottom"), Truth(nao)
+    assert truth.picture is not None  # a picture was taken
+    seen = [each for each in truth.picture.landmarks if each.landmark.kind != "cross" and not each.occluded]
+    marks = as_points([each.pixel for each in seen])
+    kinds: tuple[LandmarkKind, ...] = tuple(
+        "post" if each.landmark.kind == "post" else "corner" for each in seen
+    )
+    places = truth.field.pose.to_parent([(each.landmark.x, each.landmark.y) for each in seen])
+    return Look(
+        picture.pixels,
+        picture.view,
+        truth.pose,
+        marks + pixel_sigma * by_hand.standard_normal(marks.shape),
+        places,
+        kinds,
+    )
+
+
+def leaning_measurements(
+    pixel_to_ground: Function,
+    ground_to_measurement: Function,
+    view: CameraView,
+    points: npt.ArrayLike,
+    tilts: npt.ArrayLike,
+    pixel_errors: npt.ArrayLike = 0.0,
+) -> FloatArray:
+    """Measure points with a camera that leans in each picture and does not know.
+
+    Parameters
+    ----------
+    pixel_to_ground, ground_to_measurement : callable
+        The student's.
+    view : CameraView
+        What is believed.
+    points : array_like, shape (k, 2)
+        On the ground, robot frame, metres.
+    tilts : array_like, shape (M,)
+        How much lower the camera looks than believed in each of M pictures, rad.
+    pixel_errors : array_like
+        Added to the pixels; what can be broadcast to (M, k, 2).
+
+    Returns
+    -------
+    ndarray, shape (M, k, 2)
+        (bearing, range): rad, m.
+    """
+    places, lean = as_points(points), np.asarray(tilts, dtype=float)
+    pixels = np.array([replace(view, pitch=view.pitch + tilt).project(places) for tilt in lean])
+    pixels = pixels + np.broadcast_to(pixel_errors, pixels.shape)
+    ground = pixel_to_ground(pixels.reshape(-1, 2), view)
+    measured = np.asarray(ground_to_measurement(ground), dtype=float)
+    return measured.reshape(len(lean), len(places), 2)
+
+
+def ahead(distances: npt.ArrayLike, view: CameraView) -> FloatArray:
+    """Points (N, 2) of the robot frame on the line that the camera looks along, by their distance from below it, m."""
+    away = np.asarray(distances, dtype=float)
+    way = np.array([np.cos(view.yaw), np.sin(view.yaw)])
+    return np.array(view.offset) + away[:, None] * way
+
+
+def points_covariance(measurements: npt.ArrayLike, covariance: npt.ArrayLike) -> FloatArray:
+    """Turn the covariance of measurements into one of each point (x, y), to first order.
+
+    Parameters
+    ----------
+    measurements : array_like, shape (k, 2)
+        (bearing, range).
+    covariance : array_like, shape (2k, 2k)
+        Of bearing, range, bearing, range, ...
+
+    Returns
+    -------
+    ndarray, shape (k, 2, 2)
+        In m^2, robot frame.
+    """
+    polar, full = as_points(measurements), np.asarray(covariance, dtype=float)
+    if full.shape != (2 * len(polar), 2 * len(polar)):
+        raise ValueError(
+            f"{len(polar)} measurements have a covariance of that many blocks of 2 x 2, got shape {full.shape}"
+        )
+    found = np.empty((len(polar), 2, 2))
+    for i, (bearing, away) in enumerate(polar):
+        c, s = np.cos(bearing), np.sin(bearing)
+        jacobian = np.array([[-away * s, c], [away * c, s]])
+        found[i] = jacobian @ full[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] @ jacobian.T
+    return found

@@ -1,0 +1,157 @@
+"""The tilt panel: marks of a picture as points on the map, while the camera looks lower than the robot believes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from matplotlib.colors import to_rgb
+
+from nao_course.geometry import FloatArray, Pose, as_points
+from nao_course.lessons.distance.looks import Look, look_around, points_covariance
+from nao_course.plotting import STYLES, table
+from nao_course.sim import Field, Reality, TorsoTilt
+from nao_course.slam import Estimate, LandmarkKind
+from nao_course.widgets import FunctionPanel, Pixel, Slider
+from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
+
+POSE = Pose(0.75, 0.25, -0.05)
+START = (150, 150)  # px: on the carpet
+COLOUR = tuple(round(255 * each) for each in to_rgb(STYLES["ekf"].colour))
+
+
+@cache
+def upright_look() -> Look:
+    """Take the panel's picture, by a robot that does not lean; its marks are exact."""
+    (look,) = look_around(
+        POSE, [0.0], rng=2, reality=Reality(seed=4), tilt=TorsoTilt(0.0, 0.0), pixel_sigma=0.0
+    )
+    return look
+
+
+class TiltPanel(FunctionPanel):
+    """A picture, the map with your points and ellipses, and sliders for the tilt and for what is believed of it.
+
+    Parameters
+    ----------
+    pixel_to_ground, ground_to_measurement, measurement_covariance : callable
+        The student's.
+    """
+
+    def __init__(
+        self,
+        pixel_to_ground: Callable[..., Any],
+        ground_to_measurement: Callable[..., Any],
+        measurement_covariance: Callable[..., Any],
+    ) -> None:
+        """Put the marks on the map and build the widgets."""
+        self._look = upright_look()
+        self._map = LiveMap(Field(2012), {"truth": "robot", "ekf": "your points, 95 %"})
+        super().__init__(
+            "Tilt panel",
+            self._measure,
+            [
+                Slider(
+                    "tilt", "Looks lower by", -3.0, 3.0, 0.1, 1.0, unit="°", tooltip="Than the robot believes"
+                ),
+                Slider(
+                    "sigma",
+                    "Tilt's sigma",
+                    0.0,
+                    3.0,
+                    0.1,
+                    1.0,
+                    unit="°",
+                    tooltip="What the covariance is told",
+                ),
+                Slider("pixel_sigma", "Pixel's sigma", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"),
+                Pixel("pixel", "Pixel", self._look.view.size, START, tooltip="One more point for the map"),
+            ],
+            student={
+                "pixel_to_ground": pixel_to_ground,
+                "ground_to_measurement": ground_to_measurement,
+                "measurement_covariance": measurement_covariance,
+            },
+            unfinished={
+                "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
+                "ground_to_measurement": "Finish exercise 4.1 to see points on the map.",
+                "measurement_covariance": "Finish exercise 4.6 to see the ellipses.",
+            },
+        )
+
+    def _measure(self, values: Any, student: Any) -> Iterator[Any]:
+        """Show the picture, then the map without and with ellipses, and each landmark's error."""
+        look = self._look.with_tilt(float(np.radians(values.tilt)))
+        yield {"The picture": mark_pixels(look.pixels, look.marks)}
+        marks = np.vstack([look.marks, [values.pixel]])
+        ground = as_points(student.pixel_to_ground(marks, look.view), name="points on the ground")
+        if len(ground) != len(marks):
+            raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
+        seen = np.asarray(np.isfinite(ground).all(axis=1))
+        kinds: tuple[LandmarkKind, ...] = tuple(
+            kind for kind, there in zip((*look.kinds, "corner"), seen, strict=True) if there
+        )
+        yield {"Your map": self._drawn(ground[seen], np.full((seen.sum(), 2, 2), np.nan), kinds)}
+        measured = np.asarray(student.ground_to_measurement(ground[seen]), dtype=float)
+        full = student.measurement_covariance(
+            marks[seen], look.view, values.pixel_sigma, float(np.radians(values.sigma))
+        )
+        covariances = points_covariance(measured, full)
+        yield {"Your map": self._drawn(ground[seen], covariances, kinds)}
+        deviations = np.sqrt(np.maximum(np.diagonal(np.asarray(full, dtype=float))[1::2], 0.0))
+        yield _table(look, ground, measured, deviations, seen)
+        yield _words(seen, measured, deviations)
+
+    def _drawn(
+        self, points: FloatArray, covariances: FloatArray, kinds: tuple[LandmarkKind, ...]
+    ) -> npt.NDArray[np.uint8]:
+        """The map with points of the robot frame on it."""
+        c, s = np.cos(POSE.theta), np.sin(POSE.theta)
+        turn = np.array([[c, -s], [s, c]])
+        nowhere = np.full((3, 3), np.nan)  # the robot's own place is known: no ellipse
+        estimate = Estimate(POSE, nowhere, POSE.to_parent(points), turn @ covariances @ turn.T, kinds)
+        return self._map.draw(MapContents({"truth": [POSE]}, estimate))
+
+
+def mark_pixels(pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Return a copy of a picture (H, W, 3) with rings around (u, v)."""
+    shown = np.ascontiguousarray(pixels).copy()
+    for u, v in as_points(marks, name="marks (u, v)"):
+        for colour, thickness in (((255, 255, 255), 3), (COLOUR, 2)):
+            cv2.circle(shown, (round(u), round(v)), 6, colour, thickness, cv2.LINE_AA)
+    return shown
+
+
+def _table(
+    look: Look, ground: FloatArray, measured: FloatArray, deviations: FloatArray, seen: npt.NDArray[np.bool_]
+) -> Any:
+    """Range, sigma and error of each landmark that is seen on the ground."""
+    rows = []
+    numbers = np.flatnonzero(seen)
+    for number, (_, away), sigma in zip(numbers, measured, deviations, strict=True):
+        if number < len(look.kinds):
+            true = float(np.linalg.norm(look.landmarks[number] - POSE.as_array()[:2]))
+            rows.append(
+                (
+                    f"{look.kinds[number]} at {true:.2f} m",
+                    f"{away:.2f} m",
+                    f"{sigma:.2f} m",
+                    f"{away - true:+.2f} m",
+                )
+            )
+    return table(("landmark", "range", "sigma", "error"), rows)
+
+
+def _words(seen: npt.NDArray[np.bool_], measured: FloatArray, deviations: FloatArray) -> str:
+    """What is said of the chosen pixel."""
+    if not seen[-1]:
+        return "The chosen pixel is at or above the horizon: it shows no point of the ground."
+    bearing, away = measured[-1]
+    where = (
+        f"{away:.2f} m away (sigma {deviations[-1]:.2f} m), {np.degrees(bearing):+.0f} degrees to the left"
+    )
+    return f"The chosen pixel shows a point {where}."

@@ -1,0 +1,115 @@
+"""The payoff of lesson 04: what is marked in three pictures, as points on the map with their doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray, Pose
+from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Function, Look, look_around
+from nao_course.plotting.drawing import Drawing
+from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
+from nao_course.plotting.legends import landmark_keys, legend_below
+from nao_course.plotting.maps import plot_field, plot_landmarks
+from nao_course.plotting.paths import plot_pose
+from nao_course.plotting.pictures import plot_picture
+from nao_course.plotting.style import HALO, LANDMARK_MARKERS, STYLES, course_style
+from nao_course.sim import Field
+
+POSE = Pose(0.95, 0.45, -0.12)
+YAWS = {"head to the left": 0.62, "straight ahead": 0.0, "to the right": -0.62}
+FARTHEST = 3.5  # m: farther marks are left out
+ESTIMATE = STYLES["ekf"].colour
+
+
+@cache
+def payoff_looks() -> tuple[Look, ...]:
+    """Take the three pictures; the same at every call."""
+    return tuple(each.within(FARTHEST) for each in look_around(POSE, list(YAWS.values()), rng=3))
+
+
+def draw_payoff(
+    pixel_to_ground: Callable[..., Any],
+    ground_to_measurement: Callable[..., Any],
+    measurement_covariance: Callable[..., Any],
+) -> Drawing:
+    """Draw three pictures with their landmarks marked, and the map with a point and an ellipse for each mark.
+
+    Parameters
+    ----------
+    pixel_to_ground, ground_to_measurement, measurement_covariance : callable
+        The student's.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text says how far the points are from the landmarks.
+    """
+    own = (pixel_to_ground, ground_to_measurement, measurement_covariance)
+    errors: list[float] = []
+    with course_style():
+        figure = Figure(figsize=(8.8, 6.0))
+        grid = figure.add_gridspec(3, 2, width_ratios=[1, 1.9])
+        above = figure.add_subplot(grid[:, 1])
+        plot_field(Field(2012), above)
+        for row, (title, look) in enumerate(zip(YAWS, payoff_looks(), strict=True)):
+            ax = figure.add_subplot(grid[row, 0])
+            ax.set_title(title, fontsize=10)
+            _plot_marks(look, ax)
+            errors += _plot_points(look, above, *own)
+        plot_pose(POSE, above, "truth")
+        ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="holds it with 95 %")
+        legend_below(figure, [*landmark_keys(("corner", "post"), ESTIMATE, "measured"), ellipse], columns=3)
+    words = (
+        f"Three pictures of the field with {len(errors)} corners and posts marked, and the map: each mark has become a "
+        f"point with an ellipse that grows with the distance. The points are {np.median(errors):.2f} m from their "
+        f"landmarks in the median, {max(errors):.2f} m at most."
+    )
+    return Drawing(figure, words, photo=True)
+
+
+def _plot_marks(look: Look, ax: Axes) -> None:
+    """A picture with its marks."""
+    plot_picture(look.pixels, ax, ticks=False)
+    for kind, (u, v) in zip(look.kinds, look.marks, strict=True):
+        marker = LANDMARK_MARKERS[kind]
+        ax.plot(u, v, marker, color=ESTIMATE, mfc="none", ms=9, mew=1.9, path_effects=HALO)
+
+
+def _plot_points(
+    look: Look, ax: Axes, to_ground: Function, to_measurement: Function, covariance: Function
+) -> list[float]:
+    """The marks as points with their ellipses; returns how far each is from its landmark, m."""
+    ground = np.asarray(to_ground(look.marks.copy(), look.view), dtype=float)
+    measured = np.asarray(to_measurement(ground.copy()), dtype=float)
+    full = np.asarray(covariance(look.marks.copy(), look.view, PIXEL_SIGMA, TILT_SIGMA), dtype=float)
+    outlines = polar_outlines(measured, full)
+    in_world = POSE.to_parent(outlines.reshape(-1, 2)).reshape(outlines.shape)
+    ax.add_collection(filled_outlines(in_world, ESTIMATE))
+    points = POSE.to_parent(ground)
+    plot_landmarks(points, look.kinds, ax, ESTIMATE)
+    return [float(each) for each in np.linalg.norm(points - look.landmarks, axis=1)]
+
+
+def polar_outlines(measurements: FloatArray, covariance: FloatArray, probability: float = 0.95) -> FloatArray:
+    """Outlines (k, corners, 2) in the robot frame, m, of ellipses that are ones in (bearing, range).
+
+    Parameters
+    ----------
+    measurements : ndarray, shape (k, 2)
+        (bearing, range).
+    covariance : ndarray, shape (2k, 2k)
+        Of bearing, range, bearing, range, ...; of each landmark its own block is drawn.
+    probability : float
+        Part inside.
+    """
+    k = len(measurements)
+    blocks = np.array([covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] for i in range(k)]).reshape(-1, 2, 2)
+    bearing, away = np.moveaxis(ellipse_outlines(measurements, blocks, probability), 2, 0)
+    return np.stack([away * np.cos(bearing), away * np.sin(bearing)], axis=2)

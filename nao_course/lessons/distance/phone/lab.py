@@ -1,0 +1,212 @@
+"""The phone lab: the student's photograph of the printed half field, and their own landmarks of it on the map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import cv2
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray, Pose, as_points
+from nao_course.lessons.distance.panel import mark_pixels
+from nao_course.lessons.distance.phone.photo import SIZE, Photo, read_photo, view_from_points
+from nao_course.lessons.distance.phone.sheet import CLICKED, FIELD, SCALE, usual_photo
+from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_pose, table
+from nao_course.plotting.legends import legend_below
+from nao_course.sim import CameraView
+from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
+
+USUAL_FOCAL = 27.0  # mm in 35 mm terms: most phones' main camera, and the stand-in's
+STAND_IN = "This is a stand-in. Choose a photo of your own, or try with this one."
+
+
+class PhoneLab(FunctionPanel):
+    """Upload a photo of the sheet, click its four letters, and see your landmarks on the map.
+
+    Without the four letters the camera's height and pitch are those of the sliders, as measured with a ruler and the
+    phone's own level; where on the map it stands, only the letters tell.
+
+    Parameters
+    ----------
+    find_landmarks : callable
+        ``find_landmarks(pixels)`` returns (K, 2), (u, v) px, of corners and posts in a picture of 320 x 240.
+    pixel_to_ground : callable
+        The student's of exercise 4.4.
+    """
+
+    def __init__(self, find_landmarks: Callable[..., Any], pixel_to_ground: Callable[..., Any]) -> None:
+        """Begin with the stand-in photo."""
+        self._photo, self._said = (
+            Photo(cv2.resize(usual_photo(), SIZE, interpolation=cv2.INTER_AREA)),
+            STAND_IN,
+        )
+        self._points: dict[str, tuple[int, int]] = {}
+        self._pressed_before: dict[str, int] = {}
+        letters = [
+            Action(
+                letter.lower(),
+                letter,
+                key=letter.lower(),
+                tooltip=f"The pixel is the field's corner {letter}",
+            )
+            for letter in CLICKED
+        ]
+        super().__init__(
+            "Phone lab",
+            self._look,
+            [
+                Pixel("pixel", "Corner", SIZE, tooltip="Click a corner of the field, then its letter"),
+                *letters,
+                Slider(
+                    "focal", "Focal length", 13.0, 80.0, 0.5, USUAL_FOCAL, unit="mm", tooltip="In 35 mm terms"
+                ),
+                Slider(
+                    "height",
+                    "Height",
+                    10.0,
+                    100.0,
+                    0.5,
+                    33.0,
+                    unit="cm",
+                    tooltip="Of the phone above the table",
+                ),
+                Slider(
+                    "pitch", "Looks down by", 5.0, 85.0, 0.5, 55.0, unit="°", tooltip="By the phone's level"
+                ),
+            ],
+            student={"find_landmarks": find_landmarks, "pixel_to_ground": pixel_to_ground},
+            unfinished={
+                "find_landmarks": "Finish lessons 01 to 03 to see your landmarks in the photo.",
+                "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
+            },
+        )
+        self._upload = ipywidgets.FileUpload(accept="image/*", multiple=False, description="Your photo")
+        self._upload.tooltip = "A JPEG or PNG of the printed sheet"
+        self._upload.observe(self._uploaded, "value")
+        style, *rest = self.widget.children
+        self.widget.children = (style, self._upload, *rest)
+
+    def upload(self, content: bytes) -> None:
+        """Take a photo's file in place of the present one; what cannot be read is said in the panel."""
+        try:
+            self._photo = read_photo(content)
+        except ValueError as error:
+            self._said = str(error)
+            self.set()
+            return
+        self._said = "" if self._photo.focal_35 is None else f"The camera says {self._photo.focal_35:g} mm."
+        focal = (
+            {}
+            if self._photo.focal_35 is None
+            else {"focal": float(np.clip(self._photo.focal_35, 13.0, 80.0))}
+        )
+        self.set(**dict.fromkeys(map(str.lower, CLICKED), 0), **focal)
+
+    def _uploaded(self, change: Any) -> None:
+        for file in change["new"]:
+            self.upload(bytes(file["content"]))
+
+    # --- what is seen ---
+
+    def _look(self, values: Any, student: Any) -> Iterator[Any]:
+        """Show the photo with the letters, then the landmarks in it, then the map."""
+        clicked = self._clicked(values)
+        photo = self._photo.pixels
+        yield {"The photo": _lettered(photo, clicked)}
+        view, pose, words = self._camera(values, clicked)
+        yield " ".join(filter(None, (self._said, words)))
+        marks = as_points(student.find_landmarks(photo), name="landmarks (u, v)")
+        yield {"The photo": _lettered(mark_pixels(photo, marks), clicked)}
+        ground = as_points(student.pixel_to_ground(marks, view), name="points on the ground")
+        if len(ground) != len(marks):
+            raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
+        ground = ground[np.isfinite(ground).all(axis=1)]
+        if pose is None:
+            rows = [(f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°") for away, bearing in _polar(ground)]
+            yield table(("from below the phone", "to the left"), rows)
+        else:
+            yield {"The map": _draw_sheet_map(pose, pose.to_parent(ground))}
+            yield _nearest(pose.to_parent(ground))
+
+    def _clicked(self, values: Any) -> dict[str, tuple[int, int]]:
+        """The letters' pixels: a letter that was pressed takes the pixel that is chosen now; Reset forgets all."""
+        for letter in CLICKED:
+            times = values[letter.lower()]
+            if times > self._pressed_before.get(letter, 0):
+                self._points[letter] = values.pixel
+            elif times == 0:
+                self._points.pop(letter, None)
+            self._pressed_before[letter] = times
+        return dict(self._points)
+
+    def _camera(
+        self, values: Any, clicked: Mapping[str, tuple[int, int]]
+    ) -> tuple[CameraView, Pose | None, str]:
+        """View in metres of the field, pose where it is known, and a sentence about both."""
+        hfov = self._photo.hfov(values.focal)
+        by_hand = CameraView.from_fov(
+            SIZE, hfov, values.height / 100 / SCALE, float(np.radians(values.pitch))
+        )
+        missing = [letter for letter in CLICKED if letter not in clicked]
+        if missing:
+            return by_hand, None, f"Click the corner {missing[0]} of the field, then the button {missing[0]}."
+        try:
+            view, pose = view_from_points([clicked[each] for each in CLICKED], list(CLICKED.values()), hfov)
+        except ValueError as error:
+            return by_hand, None, f"By the letters {error}"
+        height, pitch, roll = 100 * SCALE * view.height, np.degrees(view.pitch), np.degrees(view.roll)
+        found = f"{height:.1f} cm up, {pitch:.1f}° down, roll {roll:.1f}°"
+        return view, pose, f"By the four letters the phone was {found}."
+
+
+def _lettered(pixels: npt.NDArray[np.uint8], clicked: Mapping[str, tuple[int, int]]) -> npt.NDArray[np.uint8]:
+    """Return a copy of a picture with crosses and letters at the clicked pixels."""
+    shown = np.ascontiguousarray(pixels).copy()
+    for letter, (u, v) in clicked.items():
+        cv2.drawMarker(shown, (u, v), (255, 60, 130), cv2.MARKER_CROSS, 9, 1)
+        cv2.putText(
+            shown, letter, (u + 4, v - 4), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1, cv2.LINE_AA
+        )
+    return shown
+
+
+def _polar(points: FloatArray) -> list[tuple[float, float]]:
+    """Distance (m) and direction (degrees) of points."""
+    return [(float(np.hypot(x, y)), float(np.degrees(np.arctan2(y, x)))) for x, y in points]
+
+
+def _draw_sheet_map(pose: Pose, points: FloatArray) -> Drawing:
+    """The field from above with the phone and the points, in metres of the field."""
+    colour = STYLES["ekf"].colour
+    with course_style():
+        figure = Figure(figsize=(4.6, 4.5))
+        ax = figure.add_subplot()
+        plot_field(FIELD, ax)
+        ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)
+        plot_pose(pose, ax, "truth")
+        ax.set(xlim=(min(pose.x, -0.7) - 0.3, 4.0), ylim=(-3.0, 3.0))
+        keys = [
+            Line2D([], [], color=colour, marker="P", mec="white", ls="", ms=10, label="your landmarks"),
+            Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="phone"),
+        ]
+        legend_below(figure, keys)
+    said = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in points)
+    where = f"The phone is above ({pose.x:.2f}, {pose.y:.2f})"
+    return Drawing(figure, f"Map of the sheet in metres of the field. {where}; landmarks: {said or 'none'}.")
+
+
+def _nearest(points: FloatArray) -> Any:
+    """How far each point is from the landmark of the field that is nearest, on paper."""
+    known = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
+    places = np.array([(mark.x, mark.y) for mark in known])
+    rows = []
+    for point in points:
+        apart = np.linalg.norm(places - point, axis=1)
+        mark = known[int(apart.argmin())]
+        rows.append((f"{mark.kind} at ({mark.x:g}, {mark.y:g})", f"{100 * SCALE * apart.min():.1f} cm"))
+    return table(("nearest landmark", "your point is off by"), rows)

@@ -1,0 +1,36 @@
+"""What lesson 04 adds to the student's robot: posts and corners of each picture as points on the map, live."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nao_course.geometry import as_points
+from nao_course.plotting.drawing import say_count
+from nao_course.sim import SimulatedNao
+from nao_course.widgets.attempts import StudentCode
+from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+
+FOUND_BEFORE = ("goal posts", "corners")  # stages of lessons 02 and 03 whose result is pixels (K, 2)
+
+
+def _put_on_map(student: StudentCode, nao: SimulatedNao) -> Look:
+    """Turn the pixels that the stages before have found into points of the robot frame."""
+
+    def look(sight: Sight) -> Overlay:
+        found = [as_points(sight.results[name]) for name in FOUND_BEFORE if name in sight.results]
+        pixels = np.vstack([np.zeros((0, 2)), *found])
+        points = as_points(student.pixel_to_ground(pixels, sight.picture.view), name="points on the ground")
+        if len(points) != len(pixels):
+            raise ValueError(f"{len(pixels)} pixels need as many points on the ground, got {len(points)}")
+        below = points[np.isfinite(points).all(axis=1)]
+        if not found:
+            return Overlay(below, text="no posts and no corners to put on it: lessons 02 and 03 find them")
+        ranges = ", ".join(f"{away:.1f} m" for away in np.hypot(*below.T))
+        return Overlay(
+            below, points=below, text=say_count(len(below), "point") + (f": {ranges}" if ranges else "")
+        )
+
+    return look
+
+
+STAGE = Stage(name="points on the map", lesson="04_distance", uses=("pixel_to_ground",), wire=_put_on_map)

@@ -1,0 +1,135 @@
+"""The corners panel: the student's segments and corners in several pictures, the paper's values on sliders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import as_points
+from nao_course.lessons.hough_corners.figures import SEGMENTS
+from nao_course.lessons.hough_corners.measuring import line_picture
+from nao_course.lessons.hough_corners.scenes import CornerPicture
+from nao_course.metrics import corner_cost
+from nao_course.plotting import painted
+from nao_course.plotting.drawing import say_count
+from nao_course.plotting.style import FOUND
+from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
+
+Pixels = npt.NDArray[np.uint8]
+TRUE = "#00c8ff"  # a square at a true corner, in the panel's small pictures
+
+
+class CornerPanel(FunctionPanel):
+    """Pictures, their labels without background, the segments and the corners; sliders for the paper's values.
+
+    Parameters
+    ----------
+    pictures : mapping of str to CornerPicture
+        By name, to choose from.
+    label : callable
+        ``label(pixels, beta)`` returns labels (H, W), as lesson 01 makes them.
+    erase_background : callable
+        ``erase_background(labels, run)`` returns labels (H, W).
+    hough_segments : callable
+        ``hough_segments(line_picture, gap, length)`` returns segments (N, 4).
+    find_corners : callable
+        ``find_corners(labels, run, gap, length, reach)`` returns corners (K, 2).
+
+    Raises
+    ------
+    ValueError
+        If there is no picture.
+    """
+
+    def __init__(
+        self,
+        pictures: Mapping[str, CornerPicture],
+        label: Callable[..., Any],
+        erase_background: Callable[..., Any],
+        hough_segments: Callable[..., Any],
+        find_corners: Callable[..., Any],
+    ) -> None:
+        """Search the first picture and build the widgets."""
+        if not pictures:
+            raise ValueError("pictures must hold at least one picture, got none")
+        self._searched = dict(pictures)
+        super().__init__(
+            "Corners panel",
+            self._search,
+            [
+                Choice("picture", "Picture", list(pictures), tooltip="Which picture is searched"),
+                _whole("beta", "Beta", 60, 200, 120, "Of the white threshold, a lightness", unit=""),
+                _whole("run", "Run of green", 1, 15, 7, "How many green pixels end the background"),
+                _whole("gap", "Largest gap", 0, 20, 5, "How many pixels may be missing in a segment"),
+                _whole("length", "Least length", 10, 80, 40, "Of a segment"),
+                _whole("reach", "Reach", 0, 60, 5, "How much longer segments are made at each end"),
+            ],
+            student={
+                "label": label,
+                "erase_background": erase_background,
+                "hough_segments": hough_segments,
+                "find_corners": find_corners,
+            },
+            unfinished={
+                "label": "Finish lesson 01 to see this: lines are searched in your labels.",
+                "erase_background": "Finish exercise 3.1 to see what is left of the labels.",
+                "hough_segments": "Finish exercise 3.2 to see your segments.",
+                "find_corners": "Finish exercise 3.5 to see the corners.",
+            },
+        )
+
+    def _search(self, values: Any, student: Any) -> Iterator[Any]:
+        """Show the picture, its labels, the segments, and at last the corners."""
+        picture = self._searched[values.picture]
+        shown = mark_truth(picture)
+        yield {"What you find": shown}
+        yield Legend({"true corner": TRUE, "corner found": FOUND})
+        labels = student.label(picture.pixels, values.beta)
+        left = student.erase_background(labels, values.run)
+        yield {"What is left": painted(left)}
+        segments = as_points(
+            student.hough_segments(line_picture(left), values.gap, values.length),
+            4,
+            "segments (u1, v1, u2, v2)",
+        )
+        yield {"What you find": mark_found(shown, segments, ())}
+        corners = student.find_corners(labels, values.run, values.gap, values.length, float(values.reach))
+        yield {"What you find": mark_found(shown, segments, corners)}
+        match = picture.match(corners)
+        yield (
+            f"{say_count(len(segments), 'segment')}, {say_count(len(corners), 'corner')}: {match.hits} of "
+            f"{len(match.found)} true ones found, {match.false} false, cost {corner_cost(match):.2f}."
+        )
+
+
+def mark_truth(picture: CornerPicture) -> Pixels:
+    """Return a picture's pixels with a small square around each true corner."""
+    shown = np.ascontiguousarray(picture.pixels).copy()
+    for u, v in picture.truth.corners.round().astype(int).tolist():
+        cv2.rectangle(shown, (u - 3, v - 3), (u + 3, v + 3), _rgb(TRUE), 1)
+    return shown
+
+
+def mark_found(pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.ArrayLike) -> Pixels:
+    """Return a copy of a picture (H, W, 3) with segments (N, 4) as lines and corners (K, 2) as circles."""
+    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
+    for i, (u1, v1, u2, v2) in enumerate(as_points(segments, 4).round().astype(int).tolist()):
+        cv2.line(shown, (u1, v1), (u2, v2), _rgb(SEGMENTS[i % len(SEGMENTS)]), 1, cv2.LINE_AA)
+    for u, v in as_points(corners, name="corners (u, v)").round().astype(int).tolist():
+        for colour, thickness in (((255, 255, 255), 3), (_rgb(FOUND), 2)):
+            cv2.circle(shown, (u, v), 7, colour, thickness, cv2.LINE_AA)
+    return shown
+
+
+def _whole(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:
+    """A slider of whole numbers."""
+    return Slider(name, label, low, high, 1, start, unit=unit, tooltip=tooltip)
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return red, green, blue

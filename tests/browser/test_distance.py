@@ -1,0 +1,99 @@
+"""Lesson 04's panels in a real browser: a photo is uploaded and clicked on, and a slider moves points on the map."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from nao_course.lessons.distance.phone.photo import SIZE
+from nao_course.lessons.distance.phone.sheet import CLICKED, usual_phone, usual_photo
+from tests.browser.lab import browser_page, wait_for
+from tests.paths import PROJECT
+
+pytestmark = pytest.mark.browser
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+SCREENSHOTS = PROJECT / "build" / "screenshots"
+STUDENT = f"""from nao_course.exercises import load_definitions
+from nao_course.lessons.distance import PhoneLab, TiltPanel
+
+own = load_definitions({str(PROJECT / "solutions" / "04_distance.ipynb")!r})"""
+TILT = "TiltPanel(*(own[name] for name in ('pixel_to_ground', 'ground_to_measurement', 'measurement_covariance')))"
+PHONE = """import numpy as np
+
+PhoneLab(lambda picture: np.array([[133.6, 79.0], [187.8, 76.9]]), own["pixel_to_ground"])"""
+
+
+@pytest.fixture
+def page(lab, chromium):
+    lab.console.clear()
+    with browser_page(chromium) as opened:
+        yield opened
+    assert lab.our_errors() == []
+
+
+def panel_of(lab, page, name, cell):
+    lab.write(name, STUDENT, cell)
+    lab.open(page, name)
+    lab.run_all(page)
+    assert lab.errors(page) == []
+    root = page.locator(".nao-function").first
+    root.wait_for(timeout=60_000)
+    return root
+
+
+def expect(root, words):
+    if not wait_for(lambda: words in root.inner_text(), None, 30):
+        raise AssertionError(f"{words!r} is not in the panel's words, which are {root.inner_text()!r}")
+
+
+def upload(page, root, file):
+    with page.expect_file_chooser() as chosen:
+        root.locator(".jupyter-widget-fileupload, .widget-upload").first.click()
+    chosen.value.set_files(file)
+
+
+def screenshot(page, root, name):
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    root.evaluate("each => each.scrollIntoView({block: 'end'})")
+    page.wait_for_timeout(500)
+    page.screenshot(path=SCREENSHOTS / f"{name}.png")
+
+
+def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_map(lab, page, tmp_path):
+    root = panel_of(lab, page, "phone.ipynb", PHONE)
+    expect(root, "This is a stand-in")
+    written = Image.Exif()
+    written.get_ifd(0x8769)[0xA405] = 27
+    Image.fromarray(usual_photo()).save(tmp_path / "IMG_0001.jpg", quality=92, exif=written)
+    upload(page, root, tmp_path / "IMG_0001.jpg")
+    expect(root, "The camera says 27 mm. Click the corner A")
+    view, pose = usual_phone()
+    for letter, (u, v) in zip(
+        CLICKED, view.at_size(SIZE).project(np.array(list(CLICKED.values())), pose), strict=True
+    ):
+        picture = root.locator(".nao-pad-over").first
+        box = picture.bounding_box()
+        picture.click(
+            position={"x": (u + 0.5) / SIZE[0] * box["width"], "y": (v + 0.5) / SIZE[1] * box["height"]}
+        )
+        root.locator(f".nao-do-{letter.lower()}").click()
+        page.wait_for_timeout(500)
+    expect(root, "By the four letters the phone was 3")
+    expect(root, "post at (3, 0.7)")
+    expect(root, "post at (3, -0.7)")
+    screenshot(page, root, "phone_lab")
+    (tmp_path / "notes.txt").write_text("no picture")
+    upload(page, root, tmp_path / "notes.txt")
+    expect(root, "This file is no picture that can be read")
+
+
+def test_the_tilt_slider_moves_all_points(lab, page):
+    root = panel_of(lab, page, "tilt.ipynb", TILT)
+    expect(root, "+0.")
+    handle = root.locator(".noUi-handle, .ui-slider-handle").first
+    handle.focus()
+    for _ in range(25):
+        page.keyboard.press("ArrowLeft")
+    expect(root, "-0.")
+    screenshot(page, root, "tilt_panel")

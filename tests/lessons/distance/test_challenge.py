@@ -1,0 +1,71 @@
+"""The challenge of lesson 04: what is given, what is scored, and what is said of wrong answers."""
+
+import numpy as np
+import pytest
+
+from nao_course.challenges import CaseResult, Run
+from nao_course.lessons.distance.challenge import CHALLENGE, as_lean, judge
+from nao_course.lessons.distance.challenge_figure import draw_leaning_lines
+from nao_course.lessons.distance.lines import FEWEST, SHORTEST, line_picture_of
+from tests.lessons.distance.own import own
+
+SCENE = line_picture_of(48)
+
+
+def test_the_truth_is_off_by_nothing_and_a_degree_by_one():
+    true = SCENE.true_view
+    assert judge((true.pitch, true.roll, 0.01), SCENE).score == pytest.approx(0.0)
+    scored = judge(np.array([true.pitch + np.radians(1), true.roll - np.radians(2), np.radians(0.5)]), SCENE)
+    assert scored.score == pytest.approx(1.0)
+    assert scored.columns == pytest.approx(
+        {"roll off by": 2.0, "sigma": 0.5, "within 2 sigma": 100.0, "NEES": 4.0}
+    )
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "returns None"),
+        ("steep", r"\(pitch, roll, sigma\), got str"),
+        ((0.1, 0.2), "three numbers"),
+        ((0.1, np.nan, 0.01), "NaN"),
+        ((15.0, 0.2, 0.01), "in rad"),
+        ((0.1, 0.2, 0.0), "more than 0"),
+    ],
+)
+def test_an_answer_that_cannot_be_used_is_refused_with_a_sentence(answer, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        as_lean(answer)
+
+
+def test_the_true_camera_sees_the_segments_at_right_angles_and_the_believed_one_does_not():
+    words = draw_leaning_lines(own()["pixel_to_ground"]).alt
+    assert "as believed: 25.0 degrees off" in words and "true tilt: 2.5 degrees off" in words
+
+
+def test_segments_are_long_enough_and_inside_and_what_is_given_knows_nothing_of_the_truth():
+    for seed in CHALLENGE.seeds[:12]:
+        scene = CHALLENGE.scene(seed)
+        segments, view = CHALLENGE.given(scene)
+        assert len(segments) >= FEWEST and view.k1 == 0.0
+        assert view == scene.view and view != scene.true_view
+        lengths = np.linalg.norm(segments[:, 2:] - segments[:, :2], axis=1)
+        assert lengths.min() > SHORTEST - 2
+        assert view.contains(segments.reshape(-1, 2) * 0.98 + 2).mean() > 0.9
+
+
+def test_pictures_are_the_same_each_time_and_have_names():
+    assert np.array_equal(line_picture_of(7).segments, line_picture_of(7).segments)
+    names = [CHALLENGE.name_of(seed) for seed in CHALLENGE.seeds]
+    assert len(set(names)) == len(names) == 60 and names[0] == "picture 1"
+
+
+def test_the_figure_shows_the_worst_pictures():
+    leans = [(SCENE.true_view.pitch + off, SCENE.true_view.roll, 0.02) for off in (0.0, 0.03, 0.01, 0.02)]
+    scored = [judge(lean, SCENE) for lean in leans]
+    results = tuple(
+        CaseResult(number, f"picture {number}", each.score, each.columns, each.kept)
+        for number, each in enumerate(scored, start=1)
+    )
+    words = CHALLENGE.figure(Run(CHALLENGE, results)).alt
+    assert "The worst are picture 2 with 1.72 degrees, picture 4 with 1.15 degrees, picture 3" in words

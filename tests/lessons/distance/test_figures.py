@@ -1,0 +1,76 @@
+"""Lesson 04's figures say in words what the lesson's text says of them."""
+
+import re
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.distance import (
+    draw_arrows,
+    draw_asymmetry,
+    draw_paper_error,
+    draw_payoff,
+    draw_pixel_worth,
+    draw_shared_tilt,
+    draw_tilt_band,
+    usual_view,
+)
+from nao_course.lessons.distance.payoff import polar_outlines
+from tests.lessons.distance.own import geometry, own
+
+
+def test_the_papers_distance_is_right_near_by_and_short_far_away():
+    words = draw_paper_error(own()["paper_distance"], own()["paper_bearing"], **geometry()).alt
+    assert "+2 cm at 1 m ahead, -1 cm at 2 m ahead, -23 cm at 4 m ahead" in words
+    assert "+4 degrees in the lower right corner" in words
+
+
+def test_arrows_of_the_exact_way_have_no_length_and_those_of_the_lens_some():
+    def exact(pixels, view):
+        return own()["ground_to_measurement"](own()["pixel_to_ground"](pixels, view))
+
+    def paper(pixels, view):
+        return np.column_stack([own()["paper_bearing"](pixels, view), own()["paper_distance"](pixels, view)])
+
+    words = draw_arrows({"exact": exact, "paper": paper}, usual_view()).alt
+    assert "exact: 0.00 m in the median, 0.00 m at most" in words
+    assert "paper: 0.08 m in the median, 0.33 m at most" in words
+
+
+def test_typical_errors_of_two_degrees_are_those_of_the_text():
+    words = draw_tilt_band(**geometry()).alt
+    found = [float(each) for each in re.findall(r"(\d\.\d\d) m at", words)]
+    assert found == pytest.approx([0.05, 0.16, 0.34, 0.60, 0.91], abs=0.011)
+
+
+def test_the_sampled_shape_is_that_of_the_text():
+    words = draw_asymmetry(**geometry(), range_sigma=own()["range_sigma"], tilt_sigma=np.radians(1)).alt
+    assert "at 4 m computed 0.592 m" in words and "mean +0.103 m" in words and "-0.89 to +1.54" in words
+
+
+def test_a_pixel_is_worth_what_the_text_says():
+    words = draw_pixel_worth(**geometry(), range_sigma=own()["range_sigma"]).alt
+    assert (
+        "320 x 240 6.9 cm" in words and "1280 x 960 1.7 cm" in words and "one degree of tilt 34 cm" in words
+    )
+
+
+def test_ranges_of_one_picture_are_correlated():
+    covariance = own()["measurement_covariance"]
+    words = draw_shared_tilt(
+        **geometry(), measurement_covariance=covariance, pixel_sigma=0.7, tilt_sigma=np.radians(1), pictures=5
+    ).alt
+    assert "0.98, 0.98, 0.98" in words
+
+
+def test_the_payoff_says_how_far_its_points_are_off():
+    words = draw_payoff(**geometry(), measurement_covariance=own()["measurement_covariance"]).alt
+    median = float(re.search(r"(\d\.\d\d) m from their landmarks in the median", words)[1])
+    assert 0.01 < median < 0.15
+
+
+def test_outlines_in_bearing_and_range_are_round_the_point():
+    (outline,) = polar_outlines(np.array([[np.pi / 2, 2.0]]), np.diag([1e-4, 1e-2]))
+    assert outline.mean(axis=0) == pytest.approx([0, 2], abs=0.05)
+    spread = outline.max(axis=0) - outline.min(axis=0)
+    assert spread == pytest.approx([2 * 2.448 * 0.01 * 2, 2 * 2.448 * 0.1], rel=0.05)

@@ -1,0 +1,80 @@
+"""The tilt panel: its sliders reach the student's functions, and the map follows."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.distance.looks import points_covariance
+from nao_course.lessons.distance.panel import POSE, TiltPanel, upright_look
+from tests.lessons.distance.own import own
+
+
+def panel(**changed):
+    names = ("pixel_to_ground", "ground_to_measurement", "measurement_covariance")
+    return TiltPanel(*(changed.get(name, own()[name]) for name in names))
+
+
+def errors(shown):
+    (table,) = shown.shown.tables.values()
+    return np.array([float(row[3].removesuffix(" m")) for row in table.rows])
+
+
+def test_without_a_tilt_there_is_no_error_and_with_one_all_share_it():
+    shown = panel()
+    assert (errors(shown) > 0).all(), "the panel begins with one degree"
+    shown.set(tilt=0.0)
+    assert np.abs(errors(shown)).max() < 0.006
+    shown.set(tilt=-1.0)
+    assert (errors(shown) < 0).all()
+
+
+def test_sigmas_and_pixel_reach_the_covariance():
+    got = []
+
+    def covariance(pixels, view, pixel_sigma, tilt_sigma):
+        got.append((pixels[-1].tolist(), pixel_sigma, tilt_sigma))
+        return own()["measurement_covariance"](pixels, view, pixel_sigma, tilt_sigma)
+
+    shown = panel(measurement_covariance=covariance)
+    shown.set(pixel=(100, 200), sigma=2.0, pixel_sigma=1.5)
+    assert got[-1] == ([100, 200], 1.5, pytest.approx(np.radians(2.0)))
+
+
+def test_ellipses_appear_with_the_covariance():
+    def blank(*given):
+        raise NotImplementedError
+
+    without, whole = panel(measurement_covariance=blank), panel()
+    assert "Finish exercise 4.6" in without.summary()
+    assert (without.shown.pictures["Your map"] != whole.shown.pictures["Your map"]).any()
+    assert "Finish exercise 4.4" in panel(pixel_to_ground=blank).summary()
+
+
+def test_a_pixel_above_the_horizon_is_said_to_show_no_ground():
+    shown = panel()
+    shown.set(pixel=(160, 2))
+    assert "above the horizon" in shown.summary()
+    shown.set(pixel=(160, 200))
+    assert "shows a point 0." in shown.summary()
+
+
+def distances_in_sigmas(tilt):
+    """How far, in deviations, the true landmarks are from the panel's ellipses with a sigma of 1 degree."""
+    look = upright_look().with_tilt(np.radians(tilt))
+    ground = own()["pixel_to_ground"](look.marks, look.view)
+    full = own()["measurement_covariance"](look.marks, look.view, 0.7, np.radians(1.0))
+    covariances = points_covariance(own()["ground_to_measurement"](ground), full)
+    off = POSE.to_local(look.landmarks) - ground
+    return np.array(
+        [np.sqrt(each @ np.linalg.solve(c, each)) for each, c in zip(off, covariances, strict=True)]
+    )
+
+
+def test_true_landmarks_leave_their_ellipses_where_the_text_says():
+    edge = np.sqrt(-2 * np.log(0.05))
+    assert (distances_in_sigmas(-2.0) < edge).all() and (distances_in_sigmas(-2.3) > edge).all()
+    assert (distances_in_sigmas(2.5) < edge).all() and (distances_in_sigmas(3.0) > edge).sum() == 1
+
+
+def test_an_answer_of_another_length_is_said():
+    shown = panel(pixel_to_ground=lambda pixels, view: own()["pixel_to_ground"](pixels, view)[:1])
+    assert "need as many points" in shown.summary()

@@ -1,0 +1,238 @@
+"""The phone lab, from an upload to landmarks on the map, with a picture of the sheet as a phone takes it."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from nao_course.lessons.distance.phone import PhoneLab, read_photo, sheet_pdf, view_from_points
+from nao_course.lessons.distance.phone.photo import SIZE
+from nao_course.lessons.distance.phone.sheet import (
+    CLICKED,
+    PAPER,
+    SCALE,
+    sheet_pixels,
+    usual_phone,
+    usual_photo,
+)
+from tests.lessons.distance.own import own
+from tests.paths import PROJECT
+
+CORNERS = np.array(list(CLICKED.values()))
+FOCAL_35 = 27.3  # mm: a horizontal field of view of 1.13 rad
+
+
+def as_file(pixels, kind="jpeg", **options):
+    buffer = io.BytesIO()
+    image = pixels if isinstance(pixels, Image.Image) else Image.fromarray(pixels)
+    image.save(buffer, kind, **options)
+    return buffer.getvalue()
+
+
+def exif(focal=None, orientation=None):
+    written = Image.Exif()
+    if orientation:
+        written[0x0112] = orientation
+    if focal:
+        written.get_ifd(0x8769)[0xA405] = focal
+    return written
+
+
+def true_pixels():
+    """Where the four corners and both posts are in the photo of 320 x 240."""
+    view, pose = usual_phone()
+    return view.at_size(SIZE).project(CORNERS, pose)
+
+
+# --- files ---
+
+
+def test_a_phones_file_is_read_with_its_focal_length_and_upright():
+    photo = read_photo(as_file(usual_photo(), exif=exif(focal=28)))
+    assert photo.pixels.shape == (240, 320, 3) and photo.focal_35 == 28
+    assert photo.hfov(FOCAL_35) == pytest.approx(1.13, abs=0.01)
+    upside_down = np.ascontiguousarray(usual_photo()[::-1, ::-1])
+    turned = read_photo(as_file(upside_down, exif=exif(orientation=3)))
+    assert np.abs(turned.pixels.astype(int) - photo.pixels).mean() < 2
+
+
+def test_a_wide_or_tall_picture_lies_in_the_middle_and_its_field_of_view_with_it():
+    wide = read_photo(as_file(np.full((360, 640, 3), 200, np.uint8)))
+    tall = read_photo(as_file(np.full((640, 480, 3), 200, np.uint8)))
+    assert (wide.pixels[:, 160].max(axis=1) > 150).sum() == 180 and wide.part == (1.0, 0.75)
+    assert (tall.pixels[120].max(axis=1) > 150).sum() == 180 and tall.part == (180 / 320, 1.0)
+    assert wide.hfov(27) == pytest.approx(2 * np.arctan(160 / (27 / 43.27 * np.hypot(320, 180))))
+    assert tall.hfov(27) > wide.hfov(27), "black bars beside a tall picture see something, too"
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        Image.new("L", (400, 300), 120),
+        Image.new("RGBA", (400, 300), (200, 30, 30, 0)),
+        Image.new("LA", (400, 300), (90, 128)),
+        Image.new("P", (400, 300), 3),
+        Image.new("1", (400, 300), 1),
+        Image.new("I;16", (400, 300), 40_000),
+    ],
+    ids=lambda image: image.mode,
+)
+def test_grey_alpha_palette_and_sixteen_bits_become_rgb(image):
+    pixels = read_photo(as_file(image, "png")).pixels
+    assert pixels.shape == (240, 320, 3) and pixels.dtype == np.uint8
+    if image.mode == "RGBA":
+        assert (pixels[120, 160] == 255).all(), "what is see-through lies on white"
+
+
+def png_of(width, height):
+    """The header of a PNG that says it is this large."""
+    good = as_file(np.zeros((1, 1, 3), np.uint8), "png")
+    import struct
+    import zlib
+
+    chunk = b"IHDR" + struct.pack(">II", width, height) + good[24:29]
+    return good[:12] + chunk + struct.pack(">I", zlib.crc32(chunk)) + good[33:]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "no picture"),
+        (b"hello, this is a text", "no picture"),
+        (b"%PDF-1.4 " + b"x" * 100, "no picture"),
+        (b"\x00\x00\x00\x18ftypheic" + b"\x00" * 100, "HEIC"),
+        (b"\x00\x00\x00\x18ftypmif1" + b"\x00" * 100, "HEIC"),
+        (b"\xff" * 40_000_001, "at most 40"),
+        (as_file(np.zeros((50, 50, 3), np.uint8)), "at least 100"),
+        (png_of(40_000, 40_000), "million|no picture"),
+        (
+            as_file(np.random.default_rng(0).integers(0, 255, (300, 400, 3)).astype(np.uint8))[:3000],
+            "damaged",
+        ),
+    ],
+    ids=["empty", "text", "pdf", "heic", "heif", "huge file", "tiny", "huge picture", "cut off"],
+)
+def test_a_bad_upload_gets_a_sentence_and_the_lab_goes_on(content, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        read_photo(content)
+    assert str(caught.value).endswith(".")
+
+
+def test_a_focal_length_that_makes_no_sense_is_left_out():
+    assert read_photo(as_file(usual_photo(), exif=exif(focal=3))).focal_35 is None
+    assert read_photo(as_file(usual_photo())).focal_35 is None
+    with pytest.raises(ValueError, match="more than 0 mm"):
+        read_photo(as_file(usual_photo())).hfov(0.0)
+
+
+# --- four points ---
+
+
+def test_four_exact_points_give_back_the_camera():
+    (view, pose), hfov = usual_phone(), 1.13
+    found, at = view_from_points(true_pixels(), CORNERS, hfov)
+    assert (found.height, found.pitch, found.roll) == pytest.approx(
+        (view.height, view.pitch, 0.0), rel=1e-3, abs=2e-3
+    )
+    assert (at.x, at.y, at.theta) == pytest.approx((pose.x, pose.y, pose.theta), abs=0.01)
+
+
+def test_points_in_another_order_are_refused_with_a_sentence():
+    with pytest.raises(ValueError, match="own corner"):
+        view_from_points(true_pixels()[[0, 2, 1, 3]], CORNERS, 1.13)
+    with pytest.raises(ValueError, match="own corner"):
+        view_from_points(np.tile([[100.0, 100.0]], (4, 1)), CORNERS, 1.13)
+    with pytest.raises(ValueError, match="at least four"):
+        view_from_points(true_pixels()[:3], CORNERS[:3], 1.13)
+
+
+# --- the sheet ---
+
+
+def test_the_pdf_is_one_page_of_a3_and_the_one_that_is_handed_out():
+    pdf = sheet_pdf()
+    assert pdf.startswith(b"%PDF") and pdf == sheet_pdf()
+    handed_out = (PROJECT / "solutions" / "images" / "half_field_A3.pdf").read_bytes()
+    for each in (pdf, handed_out):
+        assert b"/Count 1" in each
+        box = [float(value) for value in each.split(b"/MediaBox [")[1].split(b"]")[0].split()]
+        assert np.array(box[2:]) / 72 * 0.0254 == pytest.approx(PAPER, abs=1e-4)
+
+
+def test_lines_of_the_sheet_are_where_the_field_has_them():
+    pixels = sheet_pixels()
+    rows, columns = pixels.shape[:2]
+    metres = rows / (PAPER[1] / SCALE)  # pixels a metre of the field
+    goal_line = rows - 0.02 / SCALE * metres - 3.0 * metres
+    assert (pixels[round(goal_line), round(columns / 2 + 1.5 * metres)] > 240).all()
+    assert (pixels[round(goal_line + 0.2 * metres), round(columns / 2 + 1.5 * metres)] < 200).any()
+
+
+# --- the lab ---
+
+
+def lab(find=None, to_ground=None):
+    return PhoneLab(find or (lambda pixels: true_pixels()), to_ground or own()["pixel_to_ground"])
+
+
+def click_all(panel, pixels=None):
+    for letter, (u, v) in zip("abcd", true_pixels() if pixels is None else pixels, strict=True):
+        panel.set(pixel=(round(u), round(v)))
+        panel.set(**{letter: 1})
+
+
+def offs(panel):
+    (table,) = panel.shown.tables.values()
+    return [float(row[1].removesuffix(" cm")) for row in table.rows]
+
+
+def test_from_an_upload_to_landmarks_on_the_map():
+    panel = lab()
+    panel.upload(as_file(usual_photo(), exif=exif(focal=27)))
+    assert "The camera says 27 mm. Click the corner A" in panel.summary()
+    click_all(panel)
+    assert "By the four letters the phone was 32." in panel.summary() or "was 33." in panel.summary()
+    assert len(offs(panel)) == 4 and max(offs(panel)) < 0.8
+    assert "The map" in panel.shown.drawings
+
+
+def test_without_the_letters_height_and_pitch_are_the_sliders():
+    panel = lab()
+    assert "Click the corner A" in panel.summary() and "The map" not in panel.shown.drawings
+    (table,) = panel.shown.tables.values()
+    near = [float(row[0].removesuffix(" cm")) for row in table.rows]
+    panel.set(height=66.0)
+    (table,) = panel.shown.tables.values()
+    assert [float(row[0].removesuffix(" cm")) for row in table.rows] == pytest.approx(
+        [2 * each for each in near], abs=0.2
+    )
+
+
+def test_a_letter_can_be_set_again_and_reset_forgets_all():
+    panel = lab()
+    click_all(panel, true_pixels()[[0, 2, 1, 3]])
+    assert "own corner" in panel.summary()
+    for letter, (u, v) in (("b", true_pixels()[1]), ("c", true_pixels()[2])):
+        panel.set(pixel=(round(u), round(v)))
+        panel.set(**{letter: 2})
+    assert "By the four letters the phone was" in panel.summary()
+    panel.reset()
+    assert "Click the corner A" in panel.summary()
+
+
+def test_a_bad_upload_keeps_the_photo_and_says_why():
+    panel = lab()
+    before = panel.shown.pictures["The photo"].copy()
+    panel.upload(b"no picture at all")
+    assert "This file is no picture" in panel.summary()
+    assert (panel.shown.pictures["The photo"] == before).all()
+
+
+def test_what_is_not_written_is_named_and_the_photo_is_shown():
+    def blank(*given):
+        raise NotImplementedError
+
+    panel = lab(find=blank)
+    assert "Finish lessons 01 to 03" in panel.summary() and "The photo" in panel.shown.pictures
+    assert "Finish exercise 4.4" in lab(to_ground=blank).summary()

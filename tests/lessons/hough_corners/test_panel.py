@@ -1,0 +1,85 @@
+"""The corners panel: its values reach the student's functions, and what is missing is named."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.hough_corners.panel import TRUE, CornerPanel, mark_found, mark_truth
+from nao_course.lessons.hough_corners.scenes import CornerPicture
+from nao_course.metrics import CornerTruth
+
+LABELS = np.full((48, 64), 3, dtype=np.uint8)
+SEGMENTS = np.array([[5.0, 6.0, 40.0, 6.0], [5.0, 6.0, 5.0, 40.0]])
+
+
+def picture(corner):
+    return CornerPicture(
+        np.full((48, 64, 3), 90, dtype=np.uint8),
+        CornerTruth(np.array([corner], dtype=float), np.zeros((0, 2))),
+    )
+
+
+def panel(**changed):
+    student = {
+        "label": lambda pixels, beta: LABELS,
+        "erase_background": lambda labels, run: labels,
+        "hough_segments": lambda lines, gap, length: SEGMENTS,
+        "find_corners": lambda labels, run, gap, length, reach: np.array([[5.0, 6.0]]),
+    }
+    return CornerPanel({"a": picture((7, 6)), "b": picture((60, 40))}, **(student | changed))
+
+
+def test_every_slider_reaches_its_function():
+    got = {}
+    shown = panel(
+        label=lambda pixels, beta: got.update(beta=beta) or LABELS,
+        erase_background=lambda labels, run: got.update(run=run) or labels,
+        hough_segments=lambda lines, gap, length: got.update(gap=gap, length=length) or SEGMENTS,
+        find_corners=lambda labels, *values: got.update(found=values) or np.zeros((0, 2)),
+    )
+    wanted = {"beta": 130, "run": 3, "gap": 7, "length": 20, "reach": 12}
+    shown.set(**wanted)
+    assert got.pop("found") == (3, 7, 20, 12.0)
+    assert got == {name: wanted[name] for name in got} and len(got) == 4
+    assert "2 segments, 0 corners" in shown.summary()
+
+
+def test_a_ring_is_drawn_at_each_corner_found():
+    found, none = panel(), panel(find_corners=lambda *given: np.zeros((0, 2)))
+    rings = found.shown.pictures["What you find"] != none.shown.pictures["What you find"]
+    rows, columns = np.nonzero(rings.any(axis=2))
+    assert rows.max() <= 6 + 10 and columns.max() <= 5 + 10 and len(rows) > 20
+
+
+def test_it_says_what_was_found_and_what_it_costs():
+    shown = panel()
+    assert "2 segments, 1 corner: 1 of 1 true ones found, 0 false, cost -1.33." in shown.summary()
+    shown.set(picture="b")
+    assert "0 of 1 true ones found, 1 false, cost 6.00." in shown.summary()
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("erase_background", 1), ("hough_segments", 2), ("find_corners", 5)],
+)
+def test_what_is_not_written_is_named_and_the_rest_is_shown(name, number):
+    def blank(*given):
+        raise NotImplementedError
+
+    shown = panel(**{name: blank})
+    assert f"Finish exercise 3.{number}" in shown.summary() and "What you find" in shown.shown.pictures
+    assert ("What is left" in shown.shown.pictures) == (number > 1)
+
+
+def test_marks_lie_at_their_pixels_on_a_copy():
+    shown = mark_truth(picture((20, 30)))
+    changed = np.argwhere((shown == [int(TRUE[i : i + 2], 16) for i in (1, 3, 5)]).all(axis=2))
+    assert changed.mean(axis=0) == pytest.approx([30, 20]) and (shown[30, 20] == 90).all()
+    found = mark_found(shown, np.zeros((0, 4)), [(40, 20)])
+    assert (found != shown).any() and (found[20, 40] == 90).all(), "the corner itself stays visible"
+    lines = mark_found(shown, [(1, 45, 60, 45)], ())
+    assert (lines[45] != shown[45]).any() and (lines[:40] == shown[:40]).all()
+
+
+def test_there_is_something_to_choose():
+    with pytest.raises(ValueError, match="at least one picture"):
+        CornerPanel({}, *[None] * 4)
