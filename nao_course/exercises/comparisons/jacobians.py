@@ -127,18 +127,52 @@ class Derivative(Comparison):
             return Verdict(
                 "value", "your Jacobian is transposed: rows belong to the model, columns to the variables"
             )
-        row, column = (int(each) for each in np.argwhere(wrong)[0])
+        (row, column), slip = next(iter(self._faults(derived, slopes, terms)))
         where = f"row {row + 1}, column {column + 1} (by {self.by[column]}) of your Jacobian"
-        slips = self._slips(
-            derived[:, row, column], slopes[:, row, column], terms[row * wrong.shape[1] + column]
-        )
-        slip = next(slips, "compare it with a small change of that variable in your model")
         return Verdict("value", f"{where} is not the slope of your own model: {slip}")
 
-    def alike(self, answer: Any, got: Any) -> bool:
-        """Whether the Jacobians are the same."""
+    def faults(self, got: Any) -> dict[tuple[int, int], str]:
+        """Return each entry that is not the slope of the model beside it, and the likely slip.
+
+        Parameters
+        ----------
+        got : dict
+            What the driver `jacobian` returned, the Jacobian in the shape that its model asks for.
+
+        Returns
+        -------
+        dict of (int, int) to str
+            By row and column, from 0, in reading order; empty where all are right.
+
+        Raises
+        ------
+        ValueError
+            If it is no such dict, or the shapes differ.
+        """
         arrays = _arrays(got)
-        return arrays is not None and bool(Close().compare(answer["jacobian"], arrays[0]))
+        if arrays is None or arrays[0].shape != arrays[1].shape:
+            raise ValueError("got is not what the driver jacobian returns for a Jacobian of its model's shape")
+        return dict(self._faults(*arrays))
+
+    def _faults(
+        self, derived: Floats, slopes: Floats, terms: list[Floats]
+    ) -> Iterator[tuple[tuple[int, int], str]]:
+        for row, column in np.argwhere(~self._same(derived, slopes)).tolist():
+            slips = self._slips(
+                derived[:, row, column], slopes[:, row, column], terms[row * slopes.shape[2] + column]
+            )
+            yield (
+                (row, column),
+                next(slips, "compare it with a small change of that variable in your model"),
+            )
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether the Jacobians are the same, and so are the slopes of the models beside them."""
+        arrays = _arrays(got)
+        if arrays is None:
+            return False
+        both = zip(arrays[:2], (answer["jacobian"], answer["differences"]), strict=True)
+        return all(bool(Close().compare(wanted, have)) for have, wanted in both)
 
     def _same(self, one: Floats, other: Floats) -> npt.NDArray[np.bool_]:
         """Which entries (R, C), or elements of a list (K), agree at all points."""

@@ -82,6 +82,26 @@ def test_a_derivative_of_another_model_is_told_apart():
     assert "not a number" in verdict(MODEL + Matrix([sqrt(-1 - x**2), 0, 0]), RIGHT).text
 
 
+def test_every_wrong_entry_is_named_in_reading_order():
+    both = changed(0, 2, d * sin(theta))
+    both[2, 2] = 2 * theta
+    assert LAW.faults(answer(MODEL, both)) == {
+        (0, 2): "its sign is the wrong way round",
+        (2, 2): "it is 2 times as large as it should be",
+    }
+    assert LAW.faults(answer(MODEL, RIGHT)) == {}
+    with pytest.raises(ValueError, match="model's shape"):
+        LAW.faults(answer(MODEL, RIGHT[:, :2]))
+
+
+def test_a_mistake_is_told_by_its_jacobian_and_by_the_model_beside_it():
+    other = MODEL.subs(theta, theta + pi / 2)
+    slip = answer(MODEL, other.jacobian([x, y, theta]))
+    assert LAW.alike(slip, slip)
+    assert not LAW.alike(slip, answer(other, other.jacobian([x, y, theta])))
+    assert not LAW.alike(slip, {})
+
+
 def test_an_angle_may_go_once_round_within_a_step():
     bearing = Matrix([atan2(sin(theta), cos(theta)), x, y])
     slope = Matrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
