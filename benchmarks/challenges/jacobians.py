@@ -76,4 +76,3 @@ JACOBIAN_ENTRIES = {
     "the reference": one_after_the_other,
     "a better plan": planned,
 }
-

@@ -85,7 +85,7 @@ def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
         case ast.Call(ast.Name(name)) if name in symbols:
             raise ValueError(f"A * is missing behind {name}.")
         case ast.Call(ast.Constant(number)):
-            raise ValueError(f"A * is missing behind {number}.")
+            raise ValueError(f"A * is missing behind {number!r}.")
     raise ValueError(f"{ast.unparse(node)} cannot be read: use + - * / and {', '.join(_FUNCTIONS)}.")
 
 
@@ -193,7 +193,10 @@ class _SheetView:
 
         self.sheet = sheet
         self.fields = [
-            [ipywidgets.Text(placeholder="", tooltip=sheet._place(*at), continuous_update=False) for at in row]
+            [
+                ipywidgets.Text(placeholder="", tooltip=sheet._place(*at), continuous_update=False)
+                for at in row
+            ]
             for row in ([(r, c) for c in range(len(sheet.by))] for r in range(len(sheet.rows)))
         ]
         for field in (field for row in self.fields for field in row):
@@ -204,12 +207,15 @@ class _SheetView:
             for name, row in zip(sheet.rows, self.fields, strict=True)
         ]
         layout = ipywidgets.Layout(
-            grid_template_columns=f"max-content repeat({len(sheet.by)}, minmax(90px, 190px))", grid_gap="4px 8px"
+            grid_template_columns=f"max-content repeat({len(sheet.by)}, minmax(90px, 190px))",
+            grid_gap="4px 8px",
         )
         grid = ipywidgets.GridBox(
             [ipywidgets.HTML(), *heads, *(each for line in lines for each in line)], layout=layout
         )
-        self.said = ipywidgets.HTML(Message("Write what you derived into the fields, then check.")._repr_html_())
+        self.said = ipywidgets.HTML(
+            Message("Write what you derived into the fields, then check.")._repr_html_()
+        )
         button = ipywidgets.Button(description="Check", tooltip="Compare each entry with the model's slope")
         button.on_click(self.check)
         title = ipywidgets.HTML(f"{_CSS}<b>{escape(sheet.title)}</b>")
@@ -231,7 +237,9 @@ class _SheetView:
 
 
 @cache  # a cell that is run again shows the sheet as it was filled in
-def _sheet(title: str, model: Any, by: tuple[Any, ...], zero: tuple[Any, ...], rows: tuple[str, ...]) -> DerivationSheet:
+def _sheet(
+    title: str, model: Any, by: tuple[Any, ...], zero: tuple[Any, ...], rows: tuple[str, ...]
+) -> DerivationSheet:
     return DerivationSheet(title, model, by, zero, rows)
 
 

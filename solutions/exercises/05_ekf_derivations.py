@@ -120,7 +120,9 @@ def no_heading(theta: float, *rest: Any) -> float:
     return 0.0
 
 
-def differences(model: Function, at: Any, *rest: Any, angles: tuple[int, ...] = (), step: float = 1e-6) -> Array:
+def differences(
+    model: Function, at: Any, *rest: Any, angles: tuple[int, ...] = (), step: float = 1e-6
+) -> Array:
     """Central differences of ``model(at, *rest)``; rows that are angles are taken the short way round."""
     at = np.asarray(at, dtype=float)
     columns = []
@@ -215,7 +217,10 @@ PREDICT_POSE = Exercise(
         Mistake(
             "degrees",
             lambda pose, control: _moved_by(
-                pose, control, lambda angle: math.cos(math.radians(angle)), lambda angle: math.sin(math.radians(angle))
+                pose,
+                control,
+                lambda angle: math.cos(math.radians(angle)),
+                lambda angle: math.sin(math.radians(angle)),
             ),
             "The heading is in radians already, as np.cos and np.sin want it.",
         ),
@@ -365,13 +370,16 @@ EXPECTED_MEASUREMENT = Exercise(
         ),
         Mistake(
             "wrapped to 0 to 2 pi",
-            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=lambda angle: angle % (2 * np.pi)),
+            _by_direction(
+                lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=lambda angle: angle % (2 * np.pi)
+            ),
             "Your bearings go from 0 to 2 pi. The course's go from -pi to pi: a landmark to the right is negative.",
         ),
         Mistake(
             "degrees",
             _by_direction(
-                lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=lambda angle: math.degrees(wrap_angle(angle))
+                lambda dx, dy, theta: math.atan2(dy, dx) - theta,
+                wrap=lambda angle: math.degrees(wrap_angle(angle)),
             ),
             "The bearing is wanted in radians.",
         ),
@@ -416,7 +424,10 @@ def _reports_swap(pose: Any, measurement: Any) -> Array:
     x, y, theta = pose
     ahead, left = measurement[1] * math.cos(measurement[0]), measurement[1] * math.sin(measurement[0])
     return np.array(
-        [x + math.cos(theta) * ahead - math.sin(theta) * left, y + math.sin(theta) * left + math.cos(theta) * ahead]
+        [
+            x + math.cos(theta) * ahead - math.sin(theta) * left,
+            y + math.sin(theta) * left + math.cos(theta) * ahead,
+        ]
     )
 
 
@@ -697,7 +708,9 @@ def _spread_by_einsum(F: Array, P: Array, G: Array, Q: Array) -> Array:
 
 
 def _spread_by_roots(F: Array, P: Array, G: Array, Q: Array) -> Array:
-    roots = np.hstack([F @ np.linalg.cholesky(P + 1e-14 * np.eye(3)), G @ np.linalg.cholesky(Q + 1e-14 * np.eye(3))])
+    roots = np.hstack(
+        [F @ np.linalg.cholesky(P + 1e-14 * np.eye(3)), G @ np.linalg.cholesky(Q + 1e-14 * np.eye(3))]
+    )
     return roots @ roots.T
 
 
@@ -706,7 +719,12 @@ def _spreads_public() -> list[Case]:
     small = np.diag([0.1, 0.05, 0.02]) ** 2
     cases = [
         ("only the heading is uncertain", np.diag([0.0, 0.0, 0.04]), np.zeros((3, 3)), SLANTED),
-        ("only the drive is uncertain, sideways most", np.zeros((3, 3)), np.diag([0.01, 0.09, 0.04]), SLANTED),
+        (
+            "only the drive is uncertain, sideways most",
+            np.zeros((3, 3)),
+            np.diag([0.01, 0.09, 0.04]),
+            SLANTED,
+        ),
         ("all of it is uncertain", random_covariance(rng), random_covariance(rng), NEARLY_ROUND),
         ("heading along the y axis", random_covariance(rng), small, LEFT),
         ("a small uncertainty", small, small / 4, FACING),
@@ -1009,7 +1027,9 @@ DERIVE = Exercise(
     points=2,
     stars=2,
     driver="jacobian",
-    public=lambda: [Case((_points(np.random.default_rng(57)), ["x", "y", "theta"]), "twelve robots and landmarks")],
+    public=lambda: [
+        Case((_points(np.random.default_rng(57)), ["x", "y", "theta"]), "twelve robots and landmarks")
+    ],
     hidden=lambda rng: [Case((_points(rng), ["x", "y", "theta"])) for _ in range(2)],
     comparison=Derivative(by=("x", "y", "theta")),
     hints=(
@@ -1059,7 +1079,10 @@ DERIVE = Exercise(
         ),
         Mistake(
             "range first",
-            lambda: (sympy.Matrix([_MODEL[1], _MODEL[0]]), sympy.Matrix([_derived().row(1), _derived().row(0)])),
+            lambda: (
+                sympy.Matrix([_MODEL[1], _MODEL[0]]),
+                sympy.Matrix([_derived().row(1), _derived().row(0)]),
+            ),
             "Your model is (range, bearing). A measurement is (bearing, range).",
         ),
         Mistake(
@@ -1165,7 +1188,9 @@ def slips(right: Function) -> list[Mistake]:
         "r^2 for r": by_power(1, -1),
         "dx and dy swapped": bearing_swapped,
     }
-    return [Mistake(name, with_change(right, change), _ROW_MESSAGES[name]) for name, change in changes.items()]
+    return [
+        Mistake(name, with_change(right, change), _ROW_MESSAGES[name]) for name, change in changes.items()
+    ]
 
 
 MEASUREMENT_JACOBIAN_POSE = Exercise(
@@ -1252,7 +1277,9 @@ def _point_by_rotation(pose: Any, landmark: Any) -> Array:
 
 
 def _point_by_complex(pose: Any, landmark: Any) -> list[list[float]]:
-    slope = 1 / complex(landmark[0] - pose[0], landmark[1] - pose[1])  # of the logarithm, whose parts are ln r and angle
+    slope = 1 / complex(
+        landmark[0] - pose[0], landmark[1] - pose[1]
+    )  # of the logarithm, whose parts are ln r and angle
     r = 1 / abs(slope)
     return [[slope.imag, slope.real], [slope.real * r, -slope.imag * r]]
 
@@ -1261,7 +1288,11 @@ MEASUREMENT_JACOBIAN_LANDMARK = Exercise(
     name="measurement_jacobian_landmark",
     points=3,
     stars=3,
-    uses=("expected_measurement", "landmark_jacobians", "measurement_jacobian_pose"),  # whichever way is taken
+    uses=(
+        "expected_measurement",
+        "landmark_jacobians",
+        "measurement_jacobian_pose",
+    ),  # whichever way is taken
     public=_looks_public,
     hidden=_looks_hidden,
     comparison=Close(names=("by l_x", "by l_y")),
@@ -1348,7 +1379,7 @@ PLAN = LessonPlan(
         ),
         Question(
             "why_no_other_landmark",
-            "The report says in 1.6: no Jacobian by the other landmarks is needed, because of \"the assumption of landmark independence\". Which is the right reason?",
+            'The report says in 1.6: no Jacobian by the other landmarks is needed, because of "the assumption of landmark independence". Which is the right reason?',
             {
                 "Landmarks are independent, so their slopes are zero.": "The slopes are zero, but not for this reason. After one look from an uncertain "
                 "place the landmarks' estimates are anything but independent: the next cell measures it.",

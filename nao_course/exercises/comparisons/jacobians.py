@@ -21,8 +21,8 @@ STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-1
 
 @register_driver
 def jacobian(
-    function: Callable[[], tuple[Any, Any]], points: dict[str, Floats], by: list[str]
-) -> dict[str, Any]:
+    function: Callable[[], Any], points: dict[str, Floats], by: list[str]
+) -> dict[str, Any] | None:
     """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
 
     Parameters
@@ -36,9 +36,10 @@ def jacobian(
 
     Returns
     -------
-    dict
-        For `Derivative`. "jacobian" and "differences": ndarrays of shape (N, R, C), the second by central
-        differences of the model. "terms": for each entry, row by row, an ndarray (K, N) of the terms of its derivative.
+    dict or None
+        For `Derivative`; None where nothing came, {} where it is no pair. "jacobian" and "differences": ndarrays of
+        shape (N, R, C), the second by central differences of the model. "terms": for each entry, row by row, an ndarray
+        (K, N) of the terms of its derivative.
 
     Raises
     ------
@@ -47,7 +48,10 @@ def jacobian(
     """
     import sympy
 
-    model, derived = (_by_name(sympy.Matrix(each)) for each in function())
+    answer = function()
+    if not isinstance(answer, tuple | list) or len(answer) != 2:
+        return None if answer is None else {}  # the comparison says what is wanted
+    model, derived = (_by_name(sympy.Matrix(each)) for each in answer)
     unknown = sorted(
         str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
     )
@@ -79,10 +83,11 @@ def jacobian(
 
 
 def _by_name(matrix: Any) -> Any:
-    """A SymPy matrix with plain symbols: x is x, also where one was declared real and another was not."""
+    """A SymPy matrix with plain symbols: x is x, also where one was declared real; NumPy has no complex infinity."""
     import sympy
 
-    return matrix.xreplace({each: sympy.Symbol(str(each)) for each in matrix.free_symbols})
+    plain = {each: sympy.Symbol(str(each)) for each in matrix.free_symbols}
+    return matrix.xreplace(plain | {sympy.zoo: sympy.nan})
 
 
 @register
@@ -106,6 +111,8 @@ class Derivative(Comparison):
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a Jacobian with the model beside it, then with the reference's."""
+        if got is None:
+            return Verdict("nothing", "your answer is None: a return may be missing")
         arrays = _arrays(got)
         if arrays is None or arrays[1].shape[2] != len(self.by):
             return Verdict("type", "your answer is no model and Jacobian: return (model, jacobian)")
@@ -151,7 +158,9 @@ class Derivative(Comparison):
         """
         arrays = _arrays(got)
         if arrays is None or arrays[0].shape != arrays[1].shape:
-            raise ValueError("got is not what the driver jacobian returns for a Jacobian of its model's shape")
+            raise ValueError(
+                "got is not what the driver jacobian returns for a Jacobian of its model's shape"
+            )
         return dict(self._faults(*arrays))
 
     def _faults(

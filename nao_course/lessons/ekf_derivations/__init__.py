@@ -1,6 +1,7 @@
 """What lesson 05, EKF derivations, alone uses."""
 
-from nao_course.lessons.ekf_derivations.figures import draw_bending, draw_bug_hunt
+from nao_course.lessons.ekf_derivations.bugs import draw_bug_hunt
+from nao_course.lessons.ekf_derivations.figures import draw_bending
 from nao_course.lessons.ekf_derivations.limits import TITLES, draw_limits, limit_at, measure_limits
 from nao_course.lessons.ekf_derivations.mistakes import MISTAKES
 from nao_course.lessons.ekf_derivations.panel import LinearisationPanel

@@ -37,7 +37,11 @@ def draw_calls(run: Run) -> Drawing:
             text = name if right else f"{name}, which is wrong"
             ax.text(calls + 0.15, place, text, va="center", fontsize=9.5)
             said.append(f"{each.name}: {say_count(calls, 'call')}, {text}")
-        ax.set(xlabel="calls", xlim=(0, 2.2 * max([each.kept[2] for each in named] + [5])), ylim=(len(named) - 0.4, -0.6))
+        ax.set(
+            xlabel="calls",
+            xlim=(0, 2.2 * max([each.kept[2] for each in named] + [5])),
+            ylim=(len(named) - 0.4, -0.6),
+        )
         ax.set_yticks(range(len(named)), [each.name for each in named])
         keys = [
             Patch(facecolor=_RIGHT, label="named right"),

@@ -16,12 +16,10 @@ from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_derivations.samples import (
     SAMPLES,
     Cloud,
-    carried,
     draw,
     each_moved,
-    motion_cloud,
 )
-from nao_course.plotting import STYLES, Drawing, course_style, ellipse_outlines, plot_ellipse
+from nao_course.plotting import STYLES, Drawing, course_style, plot_ellipse
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, HALO
 
@@ -33,8 +31,10 @@ STEP_NOISE = np.diag([0.04, 0.03, np.radians(1.0)]) ** 2  # of one step: along, 
 START_NOISE = (0.03, 0.03)  # m, standard deviations of the place at the start
 
 
-def plot_cloud(cloud: Cloud, ax: Axes, colour: str = TRUTH.colour, scale: Sequence[float] = (1.0, 1.0)) -> None:
-    """Draw samples with their mean, and the predicted mean with its 95 % ellipse; `scale` is that of the axes' units."""
+def plot_cloud(
+    cloud: Cloud, ax: Axes, colour: str = TRUTH.colour, scale: Sequence[float] = (1.0, 1.0)
+) -> None:
+    """Draw samples with their mean, and the predicted mean with its 95 % ellipse, in units of `scale`."""
     factors = np.asarray(scale)
     ax.plot(*(cloud.points * factors).T, ".", color=colour, ms=3, alpha=0.45, mew=0)
     plot_ellipse(cloud.mean * factors, cloud.covariance * np.outer(factors, factors), ax)
@@ -47,7 +47,16 @@ def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
     return [
         Line2D([], [], color=TRUTH.colour, marker=".", ls="", ms=6, label=samples),
         Line2D([], [], color=TRUTH.colour, marker="X", ls="", ms=9, mec="white", label="their mean"),
-        Line2D([], [], color=BELIEF.colour, marker=BELIEF.marker, ls="", ms=9, mec="white", label="predicted mean"),
+        Line2D(
+            [],
+            [],
+            color=BELIEF.colour,
+            marker=BELIEF.marker,
+            ls="",
+            ms=9,
+            mec="white",
+            label="predicted mean",
+        ),
         Patch(facecolor="#0b5fa529", edgecolor=BELIEF.colour, label="predicted, 95 %"),
     ]
 
@@ -100,136 +109,15 @@ def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawin
             for cloud, share in zip(clouds, inside, strict=True):
                 top = cloud.mean[1] + 2.45 * np.sqrt(cloud.covariance[1, 1]) + 0.15  # above the ellipse
                 ax.text(cloud.mean[0], top, f"{share} %", ha="center", color=BELIEF.colour, path_effects=HALO)
-            said.append(f"{degrees} degrees: {inside[0]}, {inside[1]} and {inside[2]} % of the robots are inside")
+            said.append(
+                f"{degrees} degrees: {inside[0]}, {inside[1]} and {inside[2]} % of the robots are inside"
+            )
         figure.axes[0].set_ylabel("y (m)")
         legend_below(figure, cloud_keys("500 robots"), columns=2)
     return Drawing(
         figure,
         "500 robots after 1, 2 and 3 m, with the ellipses that were predicted to hold 95 % of them. Heading known to "
         f"{'; to '.join(said)}: the clouds are bent like bananas, the ellipses are not.",
-    )
-
-
-# --- transposed the wrong way round ---
-
-BUG_POSE = np.diag([0.03, 0.03, np.radians(2)]) ** 2  # m, m, rad
-BUG_NOISE = np.diag([0.3, 0.06, 0.05]) ** 2  # along, across (m) and turn (rad)
-BUG_DRIVE = np.array([1.5, 0.0])  # m, rad
-BUG_STEP, BUG_STEPS = np.array([0.3, 0.0]), 12  # of the drive in steps
-STEP_ERRORS = np.diag([0.03, 0.02, np.radians(2)]) ** 2  # of each
-BUGS = {  # colour and line of each
-    "F' P F": ("#c84b00", "--"),
-    "G' Q G": ("#a14566", (0, (1.2, 1.2))),
-    "noise not turned": ("#6b7280", (0, (6, 1.5, 1.5, 1.5))),
-}
-
-
-class Predictions:
-    """The student's prediction of a covariance, and the same with one of `BUGS` in it.
-
-    The bugs are made of the student's own functions: G' is G at -theta, and noise of the field's frame is not turned.
-
-    Parameters
-    ----------
-    motion_jacobians, predict_covariance : callable
-        The student's.
-    """
-
-    def __init__(self, motion_jacobians: Function, predict_covariance: Function) -> None:
-        self._jacobians, self._predict = motion_jacobians, predict_covariance
-
-    def right(self, covariance: FloatArray, theta: float, control: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return the covariance (3, 3) behind a motion from a heading (rad)."""
-        given = covariance.copy(), np.array([0.0, 0.0, theta]), control.copy(), noise.copy()
-        return np.asarray(self._predict(*given), dtype=float)
-
-    def wrong(
-        self, bug: str, covariance: FloatArray, theta: float, control: FloatArray, noise: FloatArray
-    ) -> FloatArray:
-        """Return the same with a bug."""
-        nothing = np.zeros((3, 3))
-        if bug == "F' P F":
-            by_pose = np.asarray(self._jacobians(np.array([0.0, 0.0, theta]), control.copy())[0], dtype=float)
-            return carried(by_pose.T, covariance) + self.right(nothing, theta, control, noise)
-        turned = -theta if bug == "G' Q G" else 0.0
-        return self.right(covariance, theta, control, nothing) + self.right(nothing, turned, control, noise)
-
-    def across(self, bug: str, theta: float) -> FloatArray:
-        """Standard deviation across the way (m), (BUG_STEPS + 1,), of a drive in steps; with no bug for ""."""
-        covariance, side = BUG_POSE, np.array([-np.sin(theta), np.cos(theta)])
-        sigmas = [np.sqrt(side @ covariance[:2, :2] @ side)]
-        for _ in range(BUG_STEPS):
-            given = covariance, theta, BUG_STEP, STEP_ERRORS
-            covariance = self.wrong(bug, *given) if bug else self.right(*given)
-            sigmas.append(np.sqrt(side @ covariance[:2, :2] @ side))
-        return np.array(sigmas)
-
-
-def wrong_by(right: FloatArray, wrong: FloatArray) -> float:
-    """How wrong a covariance of the place is: the largest factor by which a standard deviation is off, minus 1."""
-    half = np.linalg.inv(np.linalg.cholesky(right[:2, :2]))
-    factors = np.sqrt(np.linalg.eigvalsh(half @ wrong[:2, :2] @ half.T))
-    return float(max(factors.max(), 1 / factors.min()) - 1)
-
-
-def draw_bug_hunt(predict_pose: Function, motion_jacobians: Function, predict_covariance: Function) -> Drawing:
-    """Draw what three wrong formulas predict: at one heading, at all headings, and step after step.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text says how wrong each is.
-    """
-    theta, headings = np.radians(30), np.radians(np.arange(0, 181, 3))
-    predictions = Predictions(motion_jacobians, predict_covariance)
-    cloud = motion_cloud(
-        predict_pose,
-        predict_covariance,
-        (0, 0, theta),
-        BUG_POSE,
-        BUG_DRIVE,
-        BUG_NOISE,
-        np.random.default_rng(6),
-    )
-    steps = BUG_STEP[0] * np.arange(BUG_STEPS + 1)
-    said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.1))
-        ellipses, curves, drive = figure.subplots(1, 3, width_ratios=(1.25, 1, 1))
-        plot_cloud(cloud, ellipses)
-        drive.plot(steps, 100 * predictions.across("", theta), color=BELIEF.colour, lw=2.2)
-        for bug, (colour, line) in BUGS.items():
-            looks = {"color": colour, "ls": line, "lw": 2}
-            wrong = predictions.wrong(bug, BUG_POSE, theta, BUG_DRIVE, BUG_NOISE)
-            ellipses.plot(*ellipse_outlines(cloud.mean, wrong[:2, :2])[0].T, **looks)
-            off = [
-                wrong_by(
-                    predictions.right(BUG_POSE, each, BUG_DRIVE, BUG_NOISE),
-                    predictions.wrong(bug, BUG_POSE, each, BUG_DRIVE, BUG_NOISE),
-                )
-                for each in headings
-            ]
-            curves.plot(np.degrees(headings), 100 * np.array(off), **looks)
-            across = 100 * predictions.across(bug, theta)
-            drive.plot(steps, across, **looks)
-            said.append(
-                f"{bug}: wrong by {100 * np.interp(theta, headings, off):.0f} % at 30 degrees and by up to "
-                f"{100 * max(off):.0f} % at others, {across[-1]:.0f} cm across after {steps[-1]:.1f} m"
-            )
-        ellipses.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
-        ellipses.set_title("1.5 m, heading 30°", fontsize=11)
-        curves.set(xlabel="heading (degrees)", xticks=range(0, 181, 45), ylim=0)
-        curves.set_title("Largest error of a σ (%)", fontsize=11)
-        drive.set(xlabel="way driven (m)", ylim=0)
-        drive.set_title("σ across the way (cm)", fontsize=11)
-        lines = [Line2D([], [], color=c, ls=line, lw=2, label=bug) for bug, (c, line) in BUGS.items()]
-        legend_below(figure, [*cloud_keys(), *lines])
-    own = 100 * predictions.across("", theta)[-1]
-    return Drawing(
-        figure,
-        f"Your ellipse holds {cloud.inside():.0%} of the samples, and says {own:.0f} cm across after {steps[-1]:.1f} m. "
-        f"{'; '.join(said)}. G' Q G is right at 0, 90 and 180 degrees and worst at 45 and 135; noise that is not turned "
-        "is right at 0 and 180; F' P F is as wrong at every heading.",
     )
 
 
@@ -251,14 +139,16 @@ def draw_correlation(points: FloatArray, correlation: float) -> Drawing:
     Drawing
         The figure; its text has both correlations.
     """
-    measured = float(np.corrcoef(points.T)[0, 1])
+    measured = float(np.asarray(np.corrcoef(points.T))[0, 1])
     with course_style():
         figure = Figure(figsize=(5.2, 4.4))
         ax = figure.subplots()
         ax.axhline(0, color=GREY, lw=0.8)
         ax.axvline(0, color=GREY, lw=0.8)
         ax.plot(*points.T, ".", color=TRUTH.colour, ms=4, alpha=0.5, mew=0)
-        ax.set(aspect="equal", xlabel="error of landmark 1 along y (m)", ylabel="error of landmark 2 along y (m)")
+        ax.set(
+            aspect="equal", xlabel="error of landmark 1 along y (m)", ylabel="error of landmark 2 along y (m)"
+        )
         ax.set_title(f"Correlation: {measured:.2f} (Jacobians: {correlation:.2f})", fontsize=11)
     return Drawing(
         figure,
@@ -270,7 +160,9 @@ def draw_correlation(points: FloatArray, correlation: float) -> Drawing:
 # --- where the straight line ends ---
 
 
-def draw_curves(sigmas: npt.ArrayLike, measured: Mapping[str, FloatArray], predicted: Mapping[str, FloatArray]) -> Drawing:
+def draw_curves(
+    sigmas: npt.ArrayLike, measured: Mapping[str, FloatArray], predicted: Mapping[str, FloatArray]
+) -> Drawing:
     """Draw what linearising the heading costs, against the heading's standard deviation.
 
     Parameters
@@ -312,7 +204,15 @@ def draw_curves(sigmas: npt.ArrayLike, measured: Mapping[str, FloatArray], predi
             at = ", ".join(f"{np.interp(d, degrees, middle):.2g} at {d}°" for d in (5, 15, 30, 45))
             said.append(f"{title}: {at}")
         keys = [
-            Line2D([], [], color=TRUTH.colour, marker=TRUTH.marker, ls="", mec="white", label="2,000 samples, 95 % of 20 runs"),
+            Line2D(
+                [],
+                [],
+                color=TRUTH.colour,
+                marker=TRUTH.marker,
+                ls="",
+                mec="white",
+                label="2,000 samples, 95 % of 20 runs",
+            ),
             Line2D([], [], color=BELIEF.colour, lw=2, label="formula"),
             Line2D([], [], color=BELIEF.colour, lw=2, ls=BELIEF.line, label="what it should be"),
         ]

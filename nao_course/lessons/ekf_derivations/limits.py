@@ -37,11 +37,15 @@ def heading_clouds(
     rng = np.random.default_rng(7)
     pose, control = np.zeros(3), np.array([1.0, 0.0])
     covariance = np.diag([place_sigma, place_sigma, sigma]) ** 2
-    spread = np.asarray(predict_covariance(covariance.copy(), pose.copy(), control.copy(), np.zeros((3, 3))), dtype=float)
+    spread = np.asarray(
+        predict_covariance(covariance.copy(), pose.copy(), control.copy(), np.zeros((3, 3))), dtype=float
+    )
     mean = np.asarray(predict_pose(pose.copy(), control.copy()), dtype=float)
     # one call for each heading on a fine grid: the places of the robots are added behind it
     grid = np.linspace(-5 * sigma, 5 * sigma, 1001)
-    ends = np.array([np.asarray(predict_pose(np.array([0.0, 0.0, each]), control.copy()))[:2] for each in grid])
+    ends = np.array(
+        [np.asarray(predict_pose(np.array([0.0, 0.0, each]), control.copy()))[:2] for each in grid]
+    )
     clouds = []
     for _ in range(RUNS):
         start = draw(pose, covariance, NUMBER, rng)

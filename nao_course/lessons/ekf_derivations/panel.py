@@ -52,7 +52,9 @@ def say_cloud(cloud: Cloud, *, polar: bool = False) -> str:
         f"{name}: mean off by {off:z.2f}{unit}, σ predicted {one:.2f}{unit}, sampled {other:.2f}{unit}"
         for name, unit, off, one, other in zip(names, units, shift, predicted, sampled, strict=True)
     ]
-    return f"{cloud.inside():.0%} of the samples lie in the ellipse that should hold 95 %. {'; '.join(parts)}."
+    return (
+        f"{cloud.inside():.0%} of the samples lie in the ellipse that should hold 95 %. {'; '.join(parts)}."
+    )
 
 
 class LinearisationPanel(FunctionPanel):
@@ -79,11 +81,45 @@ class LinearisationPanel(FunctionPanel):
             "Linearisation panel",
             self._show,
             [
-                Choice("what", "What", (MOTION, LANDMARK, MEASUREMENT), tooltip="Which function the samples go through"),
-                Slider("heading", "Heading σ", 0, 60, 1, 5, unit="°", tooltip="How uncertain the robot's heading is"),
-                Slider("place", "Place σ", 0.01, 0.5, 0.01, 0.03, unit="m", tooltip="How uncertain its x and y are"),
-                Slider("distance", "Distance", 0.1, 4.0, 0.1, 2.0, unit="m", tooltip="Of the drive, or of the landmark"),
-                Slider("direction", "Direction", -180, 180, 5, 0, unit="°", tooltip="The heading, or the bearing"),
+                Choice(
+                    "what",
+                    "What",
+                    (MOTION, LANDMARK, MEASUREMENT),
+                    tooltip="Which function the samples go through",
+                ),
+                Slider(
+                    "heading",
+                    "Heading σ",
+                    0,
+                    60,
+                    1,
+                    5,
+                    unit="°",
+                    tooltip="How uncertain the robot's heading is",
+                ),
+                Slider(
+                    "place",
+                    "Place σ",
+                    0.01,
+                    0.5,
+                    0.01,
+                    0.03,
+                    unit="m",
+                    tooltip="How uncertain its x and y are",
+                ),
+                Slider(
+                    "distance",
+                    "Distance",
+                    0.1,
+                    4.0,
+                    0.1,
+                    2.0,
+                    unit="m",
+                    tooltip="Of the drive, or of the landmark",
+                ),
+                Slider(
+                    "direction", "Direction", -180, 180, 5, 0, unit="°", tooltip="The heading, or the bearing"
+                ),
                 Action("small", "5 degrees", sets={"heading": 5}),
                 Action("large", "30 degrees", sets={"heading": 30}),
             ],

@@ -25,7 +25,9 @@ def slope_at_one(motion_jacobians: Function) -> tuple[float, float]:
 
     The robot drives 0.5 m along y. Its x changes with the heading and its y does not.
     """
-    by_pose, by_noise = (np.asarray(each) for each in motion_jacobians(np.array([0, 0, np.pi / 2]), np.array([0.5, 0])))
+    by_pose, by_noise = (
+        np.asarray(each) for each in motion_jacobians(np.array([0, 0, np.pi / 2]), np.array([0.5, 0]))
+    )
     at_one = by_pose[1, 2] + by_noise[0, 1]  # e_y adds -e_y sin(theta) to this slope
     return float(abs(by_pose[1, 2]) * POSE_SIGMA[2]), float(abs(at_one) * POSE_SIGMA[2])
 
@@ -60,7 +62,9 @@ def half_turns(expected_measurement: Function, rng: np.random.Generator) -> floa
     return float(np.mean(np.abs(wrap_angle(page - right)) > 3))
 
 
-def report_costs(expected_measurement: Function, landmark_position: Function, motion_jacobians: Function) -> Table:
+def report_costs(
+    expected_measurement: Function, landmark_position: Function, motion_jacobians: Function
+) -> Table:
     """Measure what each slip of the report would cost, if it were programmed.
 
     Parameters
@@ -76,11 +80,16 @@ def report_costs(expected_measurement: Function, landmark_position: Function, mo
     rng = np.random.default_rng(8)
     right, page = slope_at_one(motion_jacobians)
     swapped = swapped_coordinates(landmark_position, rng)
+    outside, opposite = left_of_the_range(expected_measurement, rng), half_turns(expected_measurement, rng)
+    middle, tenth = np.median(swapped), np.quantile(swapped, 0.9)
     rows = [
-        ("1.2, e_y = 1", f"σ of y after 0.5 m along y, heading ± 5°: {100 * page:.0f} cm, not {100 * right:.0f}"),
-        ("1.3, swapped", f"landmarks off by {np.median(swapped):.1f} m (median), one in ten by {np.quantile(swapped, 0.9):.1f} m and more"),
-        ("1.4, noise after the wrap", f"right behind, {left_of_the_range(expected_measurement, rng):.0%} of the bearings leave (-π, π]"),
-        ("1.5, arctan", f"{half_turns(expected_measurement, rng):.0%} of the landmarks on the opposite side"),
+        (
+            "1.2, e_y = 1",
+            f"σ of y after 0.5 m along y, heading ± 5°: {100 * page:.0f} cm, not {100 * right:.0f}",
+        ),
+        ("1.3, swapped", f"landmarks off by {middle:.1f} m (median), one in ten by {tenth:.1f} m and more"),
+        ("1.4, noise after the wrap", f"right behind, {outside:.0%} of the bearings leave (-π, π]"),
+        ("1.5, arctan", f"{opposite:.0%} of the landmarks on the opposite side"),
     ]
     return table(("page", "what it would cost"), rows)
 
@@ -96,7 +105,8 @@ def two_landmarks(
     looks = np.array([expected_measurement(np.zeros(3), each) for each in BOTH], dtype=float)
     poses = draw(np.zeros(3), np.diag(POSE_SIGMA) ** 2, SAMPLES, rng)
     placed = np.array(
-        [[landmark_position(pose, look + rng.normal(0, LOOK_SIGMA)) for look in looks] for pose in poses], dtype=float
+        [[landmark_position(pose, look + rng.normal(0, LOOK_SIGMA)) for look in looks] for pose in poses],
+        dtype=float,
     )
     slopes = [[np.asarray(each) for each in landmark_jacobians(np.zeros(3), look)] for look in looks]
     shared = carried(np.vstack([each[0] for each in slopes]), np.diag(POSE_SIGMA) ** 2)

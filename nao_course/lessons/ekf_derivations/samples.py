@@ -164,6 +164,8 @@ def measurement_cloud(
 
 def carried(slopes: FloatArray, covariance: npt.ArrayLike) -> FloatArray:
     """What a linear map (R, C) makes of a covariance (C, C)."""
-    root = np.linalg.cholesky(np.asarray(covariance, dtype=float) + 1e-18 * np.eye(len(np.asarray(covariance))))
+    root = np.linalg.cholesky(
+        np.asarray(covariance, dtype=float) + 1e-18 * np.eye(len(np.asarray(covariance)))
+    )
     half = slopes @ root
     return np.asarray(half @ half.T)

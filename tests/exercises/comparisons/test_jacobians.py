@@ -62,6 +62,7 @@ def test_the_right_one_is_right_however_it_is_written():
         (changed(1, 1, 1), "the derivative of one term is missing"),
         (changed(1, 1, 1 - x), "the sign of one term"),
         (changed(0, 0, sympy.nan), "row 1, column 1"),
+        (changed(0, 0, sympy.zoo), "row 1, column 1"),
         (RIGHT.T, "transposed: rows belong to the model"),
         (RIGHT[:2, :], "is 2x3; for your model it has to be 3x3"),
     ],
@@ -176,4 +177,7 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
         raise NotImplementedError
 
     assert grade_public(public, blank).state == "not attempted"
-    assert call(lambda: 3, Case((points(), BY)), "jacobian").status == "raised"
+    assert call(lambda: (MODEL, "no matrix"), Case((points(), BY)), "jacobian").status == "raised"
+    assert "your answer is None" in repr(grade_public(public, lambda: None))
+    for other in (3, RIGHT, (MODEL,)):
+        assert "return (model, jacobian)" in repr(grade_public(public, lambda other=other: other))
