@@ -21,6 +21,11 @@ Function = Callable[..., Any]
 POSE_COLUMNS = ("by x", "by y", "by theta")
 
 
+def as_lists(*lines: str) -> dict[str, str]:
+    """Mutants that return lists where arrays are asked for: a check takes both."""
+    return dict.fromkeys(lines, "a list of the same numbers is taken for an array")
+
+
 # --- places to try things at ---
 
 
@@ -250,6 +255,7 @@ PREDICT_POSE = Exercise(
         "a rotation matrix": _moved_by_rotation,
         "complex numbers, wrapped": _moved_by_complex,
     },
+    equivalents=as_lists("return [x + distance * np.cos(theta), y + distance * np.sin(theta), theta + turn]"),
 )
 
 
@@ -394,6 +400,10 @@ EXPECTED_MEASUREMENT = Exercise(
         "complex numbers": _measured_by_complex,
         "float32, wrapped by a loop": _measured_float32,
     },
+    equivalents=as_lists("return [wrap_angle(np.arctan2(dy, dx) - theta), np.hypot(dx, dy)]")
+    | {
+        "return np.array([wrap_angle(np.arctan2(dy, dx) - theta), np.hypot(dy, dx)])": "a root of the same two squares"
+    },
 )
 
 
@@ -520,6 +530,9 @@ LANDMARK_POSITION = Exercise(
         "a rotation matrix": _position_by_rotation,
         "complex numbers": _position_by_complex,
     },
+    equivalents=as_lists(
+        "return [x + distance * np.cos(theta + bearing), y + distance * np.sin(theta + bearing)]"
+    ),
 )
 
 
@@ -665,6 +678,10 @@ MOTION_JACOBIANS = Exercise(
         "SymPy": _motion_by_sympy,
         "the displacement turned by 90 degrees, float32": _motion_by_displacement,
     },
+    equivalents=as_lists(
+        "F = [[1, 0, -control[0] * s], [0, 1, control[0] * c], [0, 0, 1]]",
+        "G = [[c, -s, 0], [s, c, 0], [0, 0, 1]]",
+    ),
 )
 
 
@@ -949,6 +966,10 @@ LANDMARK_JACOBIANS = Exercise(
         "SymPy": _place_by_sympy,
         "a rotation matrix, float32": _place_by_rotation,
     },
+    equivalents=as_lists(
+        "by_pose = [[1, 0, across[0]], [0, 1, across[1]]]",
+        "by_measurement = [[across[0], c], [across[1], s]]",
+    ),
 )
 
 
@@ -1108,6 +1129,10 @@ DERIVE = Exercise(
         "lists": _as_lists,
         "real symbols": _real_symbols,
     },
+    equivalents=as_lists(
+        "model = [atan2(dy, dx) - theta, sqrt(q)]",
+        "jacobian = [[dy / q, -dx / q, -1], [-dx / sqrt(q), -dy / sqrt(q), 0]]",
+    ),
 )
 
 
@@ -1253,6 +1278,7 @@ MEASUREMENT_JACOBIAN_POSE = Exercise(
         "a unit vector, float32": _look_by_unit_vectors,
         "bearing and range": _look_by_angles,
     },
+    equivalents=as_lists("return [[dy / q, -dx / q, -1], [-dx / r, -dy / r, 0]]"),
 )
 
 

@@ -28,6 +28,7 @@ Function = Callable[..., Any]
 TRUTH, BELIEF = STYLES["truth"], STYLES["ekf"]
 STEP = 1.0  # m, of the payoff's three steps
 STEP_NOISE = np.diag([0.04, 0.03, np.radians(1.0)]) ** 2  # of one step: along, across (m) and turn (rad)
+PAYOFF_DEGREES = (5, 15, 30)  # to which the heading is known
 START_NOISE = (0.03, 0.03)  # m, standard deviations of the place at the start
 
 
@@ -92,12 +93,12 @@ def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawin
     Returns
     -------
     Drawing
-        Headings to 5 degrees on the left, to 30 on the right; its text says how many robots are inside.
+        Headings known to 5, 15 and 30 degrees; its text says how many robots are inside.
     """
     said = []
     with course_style():
-        figure = Figure(figsize=(7.4, 6.2))
-        for ax, degrees in zip(figure.subplots(1, 2, sharey=True), (5, 30), strict=True):
+        figure = Figure(figsize=(9.0, 5.0))
+        for ax, degrees in zip(figure.subplots(1, 3, sharey=True), PAYOFF_DEGREES, strict=True):
             clouds = bending_clouds(predict_pose, predict_covariance, np.radians(degrees))
             for cloud in clouds:
                 plot_cloud(cloud, ax)
@@ -113,11 +114,11 @@ def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawin
                 f"{degrees} degrees: {inside[0]}, {inside[1]} and {inside[2]} % of the robots are inside"
             )
         figure.axes[0].set_ylabel("y (m)")
-        legend_below(figure, cloud_keys("500 robots"), columns=2)
+        legend_below(figure, cloud_keys("500 robots"))
     return Drawing(
         figure,
         "500 robots after 1, 2 and 3 m, with the ellipses that were predicted to hold 95 % of them. Heading known to "
-        f"{'; to '.join(said)}: the clouds are bent like bananas, the ellipses are not.",
+        f"{'; to '.join(said)}: the last clouds are bent like bananas, the ellipses are not.",
     )
 
 
