@@ -679,8 +679,8 @@ MOTION_JACOBIANS = Exercise(
         "the displacement turned by 90 degrees, float32": _motion_by_displacement,
     },
     equivalents=as_lists(
-        "F = [[1, 0, -control[0] * s], [0, 1, control[0] * c], [0, 0, 1]]",
-        "G = [[c, -s, 0], [s, c, 0], [0, 0, 1]]",
+        "F = [[1, 0, -distance * np.sin(theta)], [0, 1, distance * np.cos(theta)], [0, 0, 1]]",
+        "G = [[np.cos(theta), -np.sin(theta), 0], [np.sin(theta), np.cos(theta), 0], [0, 0, 1]]",
     ),
 )
 

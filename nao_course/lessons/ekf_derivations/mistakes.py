@@ -20,11 +20,9 @@ _STEP = 1e-6  # of central differences
 def jacobian_at(pose: npt.ArrayLike, landmark: npt.ArrayLike) -> FloatArray:
     """Slopes (2, 5) of (bearing, range) by x, y, theta, l_x and l_y, by central differences."""
     at = np.concatenate([np.asarray(pose, dtype=float), np.asarray(landmark, dtype=float)])
-    columns = []
-    for step in _STEP * np.eye(5):
-        change = _seen(at + step) - _seen(at - step)
-        columns.append(np.array([wrap_angle(change[0]), change[1]]) / (2 * _STEP))
-    return np.array(columns).T
+    changes = np.stack([_seen(at + step) - _seen(at - step) for step in _STEP * np.eye(5)], axis=1)
+    changes[0] = wrap_angle(changes[0])
+    return changes / (2 * _STEP)
 
 
 def _seen(at: FloatArray) -> FloatArray:
