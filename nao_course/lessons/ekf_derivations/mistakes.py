@@ -26,8 +26,8 @@ def jacobian_at(pose: npt.ArrayLike, landmark: npt.ArrayLike) -> FloatArray:
 
 
 def _seen(at: FloatArray) -> FloatArray:
-    ahead, left = Pose(*at[:3]).to_local(at[3:])[0]
-    return np.array([np.arctan2(left, ahead), np.hypot(ahead, left)])
+    place = Pose(*at[:3]).to_local(at[3:])[0]
+    return np.array([np.angle(place @ [1, 1j]), np.linalg.norm(place)])
 
 
 def _times(row: int, columns: tuple[int, ...], power: int = 0, factor: float = 1.0) -> Change:
