@@ -390,6 +390,18 @@ EXPECTED_MEASUREMENT = Exercise(
             "The bearing is wanted in radians.",
         ),
         Mistake(
+            "arctan2 the other way, not wrapped",
+            _by_direction(lambda dx, dy, theta: math.atan2(dx, dy) - theta, wrap=float),
+            "Two things: np.arctan2 takes y first, and the difference has to be wrapped.",
+        ),
+        Mistake(
+            "range first, not wrapped",
+            lambda pose, landmark: _by_direction(
+                lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=float
+            )(pose, landmark)[::-1],
+            "Two things: a measurement is (bearing, range), and the bearing has to be wrapped.",
+        ),
+        Mistake(
             "root forgotten",
             lambda pose, landmark: _measured(pose, landmark) ** [1, 2],
             "Your range is the squared distance: the root is missing.",
@@ -661,6 +673,22 @@ MOTION_JACOBIANS = Exercise(
             "F transposed",
             with_change(_motion_slopes, in_part(0, transposed)),
             "F is transposed: rows belong to the new x, y, theta, columns to the old ones.",
+        ),
+        Mistake(
+            "theta + alpha, noise in the world frame",
+            with_change(
+                called_with(_motion_slopes, heading=lambda theta, control: theta + control[1]),
+                in_part(1, lambda by_noise, *arguments: np.eye(3)),
+            ),
+            "Two things: F belongs to the old heading, not to theta + alpha; and G has to turn the errors into the field's frame.",
+        ),
+        Mistake(
+            "minus forgotten, noise in the world frame",
+            with_change(
+                with_change(_motion_slopes, in_part(0, factors((1, 1, -1), (1, 1, 1), (1, 1, 1)))),
+                in_part(1, lambda by_noise, *arguments: np.eye(3)),
+            ),
+            "Two things: the derivative of cos(theta) is -sin(theta); and G has to turn the errors into the field's frame.",
         ),
         Mistake(
             "without the ones",
@@ -1255,6 +1283,16 @@ MEASUREMENT_JACOBIAN_POSE = Exercise(
             "plus 1",
             with_change(_look_slopes, factors((1, 1, -1), (1, 1, 1))),
             "The bearing's slope by theta is +1 in your matrix. Turn left, and the landmark moves to the right: -1.",
+        ),
+        Mistake(
+            "r for r^2, the missing -1",
+            with_change(with_change(_look_slopes, by_power(0, 1)), factors((1, 1, 0), (1, 1, 1))),
+            "Two things, both in the bearing's row: its slopes are divided by r^2, and by theta it is -1.",
+        ),
+        Mistake(
+            "r for r^2, inner derivative forgotten",
+            with_change(with_change(_look_slopes, by_power(0, 1)), factors((-1, -1, 1), (-1, -1, 1))),
+            "Two things: the slopes by x and y have the wrong sign, for dx = l_x - x; and the bearing's are divided by r^2.",
         ),
         Mistake(
             "no column for the heading",
