@@ -99,6 +99,11 @@ def next_planned(ready: Sequence[Stage]) -> tuple[str, str] | None:
     return next(((number, name) for number, name in PLANNED.items() if number not in there), None)
 
 
+def brings_nothing(number: str, stages: Sequence[Stage]) -> bool:
+    """Whether a lesson adds nothing to the robot: no stage, there or planned. Lesson 00 brings the robot itself."""
+    return number not in {"", "00", *PLANNED, *(number_of(stage.lesson) for stage in stages)}
+
+
 def names_of(stages: Sequence[Stage]) -> list[str]:
     """Names of stages with the numbers of their lessons: "labels (01)"."""
     return [f"{stage.name} ({number_of(stage.lesson)})" for stage in stages]

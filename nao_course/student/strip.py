@@ -11,7 +11,7 @@ from nao_course.exercises.checking import strict
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.student.notebooks import notebooks_folder
-from nao_course.student.stages import Readiness, add_ready, all_stages, names_of, next_planned
+from nao_course.student.stages import Readiness, add_ready, all_stages, brings_nothing, names_of, next_planned
 
 SECONDS = 0.45  # for looking at the notebooks: a lesson begins with this
 _TOO_LONG = "looking at your notebooks takes longer: progress() takes its time"
@@ -29,18 +29,22 @@ class Strip:
         What comes next: "goal posts (02)"; empty when nothing does.
     why : str
         What that still lacks, in a sentence; empty where its lesson has not been begun.
+    idle : str
+        Number of the lesson that begins, where it brings nothing new to the robot; empty otherwise.
     """
 
     ready: tuple[str, ...] = ()
     coming: str = ""
     why: str = ""
+    idle: str = ""
 
     def __repr__(self) -> str:
         """The line as text."""
         there = ", ".join(f"✔ {name}" for name in self.ready) or "nothing yet"
         why = f" ({self.why})" if self.why else ""
         coming = f"next: {self.coming}{why}" if self.coming else "that is all the course gives it"
-        return f"Your NAO so far: {there} · {coming}"
+        idle = f"lesson {self.idle} adds nothing to it · " if self.idle else ""
+        return f"Your NAO so far: {there} · {idle}{coming}"
 
     def _repr_html_(self) -> str:
         """The line in a quiet box."""
@@ -65,7 +69,9 @@ def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
     """
     if seconds is None:
         seconds = np.inf if strict() else SECONDS  # a built lesson says the same on a busy machine
-    stages = [each for each in all_stages() if not lesson or number_of(each.lesson) < lesson]
+    every = all_stages()
+    stages = [each for each in every if not lesson or number_of(each.lesson) < lesson]
+    idle = lesson if brings_nothing(lesson, every) else ""
     folder, found, late = notebooks_folder(), Readiness(), ""
     try:
         with alarm(min(seconds, 3600.0)):
@@ -75,6 +81,6 @@ def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
         late = _TOO_LONG
     coming = next_planned(found.stages)
     if coming is None:
-        return Strip(tuple(names_of(found.stages)))
+        return Strip(tuple(names_of(found.stages)), idle=idle)
     number, name = coming
-    return Strip(tuple(names_of(found.stages)), f"{name} ({number})", found.missing.get(name, late))
+    return Strip(tuple(names_of(found.stages)), f"{name} ({number})", found.missing.get(name, late), idle)

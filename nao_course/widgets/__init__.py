@@ -1,6 +1,7 @@
 """Panels to drive the robot and to try a function with; each leaves a picture and a text where no widget can live."""
 
 from nao_course.widgets.control_panel import ControlPanel
+from nao_course.widgets.derivation import DerivationSheet, derivation
 from nao_course.widgets.dial import RealityDial
 from nao_course.widgets.function_panel import FunctionPanel
 from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider, Toggle
@@ -10,6 +11,7 @@ __all__ = [
     "Action",
     "Choice",
     "ControlPanel",
+    "DerivationSheet",
     "FunctionPanel",
     "Legend",
     "Pixel",
@@ -17,6 +19,7 @@ __all__ = [
     "RealityDial",
     "Slider",
     "Toggle",
+    "derivation",
 ]
 
 

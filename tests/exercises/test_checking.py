@@ -12,6 +12,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+import sympy
 
 from nao_course.exercises import (
     Between,
@@ -412,6 +413,17 @@ def test_a_payoff_that_a_wrong_function_draws_says_so_and_shows_it_all_the_same(
 
 def test_a_payoff_that_fails_although_all_is_right_says_how(check):
     assert "ZeroDivisionError" in repr(check.payoff(lambda clamp: 1 / 0, clamp=np.clip))
+
+
+def test_what_matrices_and_symbols_complain_of_gets_advice(check):
+    symbol = sympy.Symbol("x")
+    pose = np.zeros(3)
+    for slip, advice in (
+        (lambda *given: np.array([[1, pose], [0, 1]]), "pose[2] is the heading"),
+        (lambda *given: np.sin(symbol), "in SymPy say sin"),
+        (lambda *given: np.arctan2(symbol, 1), "in SymPy"),
+    ):
+        assert advice in check("clamp", slip).lines[-1]
 
 
 def test_a_name_that_is_not_known_gets_advice_after_the_complaint(check):

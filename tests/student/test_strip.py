@@ -27,6 +27,14 @@ def test_at_the_beginning_of_a_lesson_only_those_before_it_count(here):
     assert repr(so_far("91", LONG)) == repr(so_far(seconds=LONG))
 
 
+def test_a_lesson_that_adds_nothing_to_the_robot_says_so(here):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    assert repr(so_far("92", LONG)) == (
+        "Your NAO so far: ✔ distances (90) · lesson 92 adds nothing to it · next: goal posts (91)"
+    )
+    assert "adds nothing" not in repr(so_far("00", LONG))
+
+
 def test_it_says_why_what_comes_next_is_not_there(here):
     toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
     assert repr(so_far(seconds=LONG)) == (

@@ -21,8 +21,8 @@ STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-1
 
 @register_driver
 def jacobian(
-    function: Callable[[], tuple[Any, Any]], points: dict[str, Floats], by: list[str]
-) -> dict[str, Any]:
+    function: Callable[[], Any], points: dict[str, Floats], by: list[str]
+) -> dict[str, Any] | None:
     """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
 
     Parameters
@@ -36,9 +36,10 @@ def jacobian(
 
     Returns
     -------
-    dict
-        For `Derivative`. "jacobian" and "differences": ndarrays of shape (N, R, C), the second by central
-        differences of the model. "terms": for each entry, row by row, an ndarray (K, N) of the terms of its derivative.
+    dict or None
+        For `Derivative`; None where nothing came, {} where it is no pair. "jacobian" and "differences": ndarrays of
+        shape (N, R, C), the second by central differences of the model. "terms": for each entry, row by row, an ndarray
+        (K, N) of the terms of its derivative.
 
     Raises
     ------
@@ -47,7 +48,10 @@ def jacobian(
     """
     import sympy
 
-    model, derived = (_by_name(sympy.Matrix(each)) for each in function())
+    answer = function()
+    if not isinstance(answer, tuple | list) or len(answer) != 2:
+        return None if answer is None else {}  # the comparison says what is wanted
+    model, derived = (_by_name(sympy.Matrix(each)) for each in answer)
     unknown = sorted(
         str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
     )
@@ -79,10 +83,11 @@ def jacobian(
 
 
 def _by_name(matrix: Any) -> Any:
-    """A SymPy matrix with plain symbols: x is x, also where one was declared real and another was not."""
+    """A SymPy matrix with plain symbols: x is x, also where one was declared real; NumPy has no complex infinity."""
     import sympy
 
-    return matrix.xreplace({each: sympy.Symbol(str(each)) for each in matrix.free_symbols})
+    plain = {each: sympy.Symbol(str(each)) for each in matrix.free_symbols}
+    return matrix.xreplace(plain | {sympy.zoo: sympy.nan})
 
 
 @register
@@ -106,6 +111,8 @@ class Derivative(Comparison):
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a Jacobian with the model beside it, then with the reference's."""
+        if got is None:
+            return Verdict("nothing", "your answer is None: a return may be missing")
         arrays = _arrays(got)
         if arrays is None or arrays[1].shape[2] != len(self.by):
             return Verdict("type", "your answer is no model and Jacobian: return (model, jacobian)")
@@ -127,18 +134,54 @@ class Derivative(Comparison):
             return Verdict(
                 "value", "your Jacobian is transposed: rows belong to the model, columns to the variables"
             )
-        row, column = (int(each) for each in np.argwhere(wrong)[0])
+        (row, column), slip = next(iter(self._faults(derived, slopes, terms)))
         where = f"row {row + 1}, column {column + 1} (by {self.by[column]}) of your Jacobian"
-        slips = self._slips(
-            derived[:, row, column], slopes[:, row, column], terms[row * wrong.shape[1] + column]
-        )
-        slip = next(slips, "compare it with a small change of that variable in your model")
         return Verdict("value", f"{where} is not the slope of your own model: {slip}")
 
-    def alike(self, answer: Any, got: Any) -> bool:
-        """Whether the Jacobians are the same."""
+    def faults(self, got: Any) -> dict[tuple[int, int], str]:
+        """Return each entry that is not the slope of the model beside it, and the likely slip.
+
+        Parameters
+        ----------
+        got : dict
+            What the driver `jacobian` returned, the Jacobian in the shape that its model asks for.
+
+        Returns
+        -------
+        dict of (int, int) to str
+            By row and column, from 0, in reading order; empty where all are right.
+
+        Raises
+        ------
+        ValueError
+            If it is no such dict, or the shapes differ.
+        """
         arrays = _arrays(got)
-        return arrays is not None and bool(Close().compare(answer["jacobian"], arrays[0]))
+        if arrays is None or arrays[0].shape != arrays[1].shape:
+            raise ValueError(
+                "got is not what the driver jacobian returns for a Jacobian of its model's shape"
+            )
+        return dict(self._faults(*arrays))
+
+    def _faults(
+        self, derived: Floats, slopes: Floats, terms: list[Floats]
+    ) -> Iterator[tuple[tuple[int, int], str]]:
+        for row, column in np.argwhere(~self._same(derived, slopes)).tolist():
+            slips = self._slips(
+                derived[:, row, column], slopes[:, row, column], terms[row * slopes.shape[2] + column]
+            )
+            yield (
+                (row, column),
+                next(slips, "compare it with a small change of that variable in your model"),
+            )
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether the Jacobians are the same, and so are the slopes of the models beside them."""
+        arrays = _arrays(got)
+        if arrays is None:
+            return False
+        both = zip(arrays[:2], (answer["jacobian"], answer["differences"]), strict=True)
+        return all(bool(Close().compare(wanted, have)) for have, wanted in both)
 
     def _same(self, one: Floats, other: Floats) -> npt.NDArray[np.bool_]:
         """Which entries (R, C), or elements of a list (K), agree at all points."""

@@ -62,6 +62,7 @@ def test_the_right_one_is_right_however_it_is_written():
         (changed(1, 1, 1), "the derivative of one term is missing"),
         (changed(1, 1, 1 - x), "the sign of one term"),
         (changed(0, 0, sympy.nan), "row 1, column 1"),
+        (changed(0, 0, sympy.zoo), "row 1, column 1"),
         (RIGHT.T, "transposed: rows belong to the model"),
         (RIGHT[:2, :], "is 2x3; for your model it has to be 3x3"),
     ],
@@ -80,6 +81,26 @@ def test_a_derivative_of_another_model_is_told_apart():
     other = MODEL.subs(theta, theta + pi / 2)
     assert "the model is not the one" in verdict(other, other.jacobian([x, y, theta])).text
     assert "not a number" in verdict(MODEL + Matrix([sqrt(-1 - x**2), 0, 0]), RIGHT).text
+
+
+def test_every_wrong_entry_is_named_in_reading_order():
+    both = changed(0, 2, d * sin(theta))
+    both[2, 2] = 2 * theta
+    assert LAW.faults(answer(MODEL, both)) == {
+        (0, 2): "its sign is the wrong way round",
+        (2, 2): "it is 2 times as large as it should be",
+    }
+    assert LAW.faults(answer(MODEL, RIGHT)) == {}
+    with pytest.raises(ValueError, match="model's shape"):
+        LAW.faults(answer(MODEL, RIGHT[:, :2]))
+
+
+def test_a_mistake_is_told_by_its_jacobian_and_by_the_model_beside_it():
+    other = MODEL.subs(theta, theta + pi / 2)
+    slip = answer(MODEL, other.jacobian([x, y, theta]))
+    assert LAW.alike(slip, slip)
+    assert not LAW.alike(slip, answer(other, other.jacobian([x, y, theta])))
+    assert not LAW.alike(slip, {})
 
 
 def test_an_angle_may_go_once_round_within_a_step():
@@ -156,4 +177,7 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
         raise NotImplementedError
 
     assert grade_public(public, blank).state == "not attempted"
-    assert call(lambda: 3, Case((points(), BY)), "jacobian").status == "raised"
+    assert call(lambda: (MODEL, "no matrix"), Case((points(), BY)), "jacobian").status == "raised"
+    assert "your answer is None" in repr(grade_public(public, lambda: None))
+    for other in (3, RIGHT, (MODEL,)):
+        assert "return (model, jacobian)" in repr(grade_public(public, lambda other=other: other))

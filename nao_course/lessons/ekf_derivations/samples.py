@@ -1,0 +1,171 @@
+"""Samples sent through a student's function, beside what its linearisation says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import FloatArray, wrap_angle
+
+Function = Callable[..., Any]
+
+SAMPLES = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Where samples went, and the Gaussian distribution that a linearisation predicts for them.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Two numbers of each sample: a place in metres, or bearing (rad) and range (m).
+    mean : ndarray, shape (2,)
+        Where the function takes the samples' mean.
+    covariance : ndarray, shape (2, 2)
+        What the Jacobians make of their covariance.
+    """
+
+    points: FloatArray
+    mean: FloatArray
+    covariance: FloatArray
+
+    @property
+    def sampled_mean(self) -> FloatArray:
+        """Mean of the samples, shape (2,)."""
+        return np.asarray(self.points.mean(axis=0))
+
+    @property
+    def sampled_covariance(self) -> FloatArray:
+        """Covariance of the samples, shape (2, 2)."""
+        return np.cov(self.points.T)
+
+    @property
+    def shift(self) -> FloatArray:
+        """How far the samples' mean is from the predicted one, shape (2,)."""
+        return self.sampled_mean - self.mean
+
+    def inside(self, probability: float = 0.95) -> float:
+        """Return which part of the samples lies in the ellipse that should hold a given part of them."""
+        away = self.points - self.mean
+        squared = np.einsum("ni,ij,nj->n", away, np.linalg.pinv(self.covariance), away)
+        return float(np.mean(squared <= -2 * np.log1p(-probability)))
+
+
+def draw(mean: npt.ArrayLike, covariance: npt.ArrayLike, number: int, rng: np.random.Generator) -> FloatArray:
+    """Samples (number, K) of a Gaussian distribution with a mean (K,) and a covariance (K, K)."""
+    values, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
+    root = axes * np.sqrt(np.maximum(values, 0.0))
+    return np.asarray(mean, dtype=float) + rng.standard_normal((number, len(values))) @ root.T
+
+
+def each_moved(
+    predict_pose: Function, poses: FloatArray, control: npt.ArrayLike, noise: FloatArray
+) -> FloatArray:
+    """Move poses (N, 3) by a control (2,), each with its own error (N, 3): along, across (m) and turn (rad)."""
+    distance, turn = np.asarray(control, dtype=float)
+    controls = np.column_stack([distance + noise[:, 0], turn + noise[:, 2]])
+    ends = np.array(
+        [np.asarray(predict_pose(*pair), dtype=float) for pair in zip(poses, controls, strict=True)]
+    )
+    ends[:, :2] += noise[:, 1:2] * np.column_stack([-np.sin(poses[:, 2]), np.cos(poses[:, 2])])
+    return ends
+
+
+def motion_cloud(
+    predict_pose: Function,
+    predict_covariance: Function,
+    pose: npt.ArrayLike,
+    covariance: npt.ArrayLike,
+    control: npt.ArrayLike,
+    control_covariance: npt.ArrayLike,
+    rng: np.random.Generator,
+    number: int = SAMPLES,
+) -> Cloud:
+    """Move robots that are not sure of their pose.
+
+    Parameters
+    ----------
+    predict_pose, predict_covariance : callable
+        The student's.
+    pose, control : array_like, shapes (3,) and (2,)
+        Where they believe to be (m, rad), and what they are told (m, rad).
+    covariance, control_covariance : array_like, shape (3, 3)
+        Of the pose, and of the control's error (along, across, turn) in the robot frame.
+    rng : numpy.random.Generator
+        Draws poses and errors.
+    number : int
+        Of robots.
+
+    Returns
+    -------
+    Cloud
+        Their places (x, y) in metres.
+    """
+    pose, control = np.array(pose, dtype=float), np.array(control, dtype=float)
+    poses = draw(pose, covariance, number, rng)
+    ends = each_moved(predict_pose, poses, control, draw(np.zeros(3), control_covariance, number, rng))
+    mean = np.asarray(predict_pose(pose.copy(), control.copy()), dtype=float)
+    spread = predict_covariance(np.array(covariance), pose, control, np.array(control_covariance))
+    return Cloud(ends[:, :2], mean[:2], np.asarray(spread, dtype=float)[:2, :2])
+
+
+def landmark_cloud(
+    landmark_position: Function,
+    landmark_jacobians: Function,
+    covariance: npt.ArrayLike,
+    measurement: npt.ArrayLike,
+    measurement_covariance: npt.ArrayLike,
+    rng: np.random.Generator,
+    number: int = SAMPLES,
+) -> Cloud:
+    """Place a landmark from a robot at (0, 0, 0) that is not sure of its pose, by a measurement (bearing, range).
+
+    Returns
+    -------
+    Cloud
+        Places (x, y) of the landmark in metres.
+    """
+    pose, measurement = np.zeros(3), np.array(measurement, dtype=float)
+    poses = draw(pose, covariance, number, rng)
+    measured = draw(measurement, measurement_covariance, number, rng)
+    points = np.array([landmark_position(*pair) for pair in zip(poses, measured, strict=True)], dtype=float)
+    by_pose, by_measurement = (np.asarray(each) for each in landmark_jacobians(pose, measurement))
+    spread = carried(by_pose, covariance) + carried(by_measurement, measurement_covariance)
+    return Cloud(points, np.asarray(landmark_position(pose, measurement), dtype=float), spread)
+
+
+def measurement_cloud(
+    expected_measurement: Function,
+    measurement_jacobian_pose: Function,
+    covariance: npt.ArrayLike,
+    landmark: npt.ArrayLike,
+    rng: np.random.Generator,
+    number: int = SAMPLES,
+) -> Cloud:
+    """Expect a measurement of a landmark (2,) at a robot at (0, 0, 0) that is not sure of its pose.
+
+    Returns
+    -------
+    Cloud
+        Bearing (rad) and range (m); bearings are not more than half a turn from the mean's.
+    """
+    pose, landmark = np.zeros(3), np.array(landmark, dtype=float)
+    mean = np.asarray(expected_measurement(pose, landmark), dtype=float)
+    poses = draw(pose, covariance, number, rng)
+    points = np.array([expected_measurement(each, landmark.copy()) for each in poses], dtype=float)
+    points[:, 0] = mean[0] + wrap_angle(points[:, 0] - mean[0])
+    return Cloud(points, mean, carried(np.asarray(measurement_jacobian_pose(pose, landmark)), covariance))
+
+
+def carried(slopes: FloatArray, covariance: npt.ArrayLike) -> FloatArray:
+    """What a linear map (R, C) makes of a covariance (C, C)."""
+    root = np.linalg.cholesky(
+        np.asarray(covariance, dtype=float) + 1e-18 * np.eye(len(np.asarray(covariance)))
+    )
+    half = slopes @ root
+    return np.asarray(half @ half.T)

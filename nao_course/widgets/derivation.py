@@ -1,0 +1,277 @@
+"""A sheet for what was derived with pen and paper: a field for each entry of a Jacobian, checked by SymPy.
+
+SymPy and ipywidgets are imported where they are used: both take long.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from nao_course.exercises.comparisons.jacobians import Derivative, jacobian
+from nao_course.exercises.trying import Message
+
+POINTS = 12  # at which slopes are compared
+_FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "atan2")
+_OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+_RIGHT, _WRONG, _PLAIN = "2px solid #2a7d3f", "2px dashed #c84b00", "1px solid #999"
+_CSS = """<style>.nao-sheet input { font-family: monospace; }
+.nao-sheet .widget-html-content { line-height: 20px; }</style>"""
+
+
+def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
+    """Read an entry as it is typed: numbers, symbols, + - * / and powers, and functions such as sin.
+
+    Parameters
+    ----------
+    typed : str
+        Such as "-d*sin(theta)"; both r^2 and r**2 are powers.
+    symbols : mapping of str to sympy.Symbol
+        What may be named.
+
+    Returns
+    -------
+    sympy.Expr
+        The expression.
+
+    Raises
+    ------
+    ValueError
+        If it is none; the message says what to write instead.
+    """
+    text = typed.strip().replace("\N{MINUS SIGN}", "-").replace("θ", "theta").replace("α", "alpha")
+    text = text.replace("β", "beta").replace("·", "*").replace("π", "pi").replace("^", "**")
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ValueError(
+            f"{typed!r} cannot be read. Write it as in Python: -d*sin(theta), with a * for each product."
+        ) from None
+    return _expression(tree, symbols)
+
+
+def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
+    import sympy
+
+    match node:
+        case ast.Constant(int() | float() as number) if not isinstance(number, bool):
+            return sympy.sympify(number)
+        case ast.Name("pi"):
+            return sympy.pi
+        case ast.Name(name) if name in symbols:
+            return symbols[name]
+        case ast.Name(name):
+            raise ValueError(f"{name!r} is no symbol of this model; there are {', '.join(symbols)}.")
+        case ast.UnaryOp(ast.USub(), operand):
+            return -_expression(operand, symbols)
+        case ast.UnaryOp(ast.UAdd(), operand):
+            return _expression(operand, symbols)
+        case ast.BinOp(left, sign, right) if type(sign) in _OPERATORS:
+            return _OPERATORS[type(sign)](_expression(left, symbols), _expression(right, symbols))
+        case ast.Call(ast.Name(name), arguments, []) if name in _FUNCTIONS:
+            return getattr(sympy, name)(*(_expression(each, symbols) for each in arguments))
+        case ast.Call(ast.Name(name)) if name in symbols:
+            raise ValueError(f"A * is missing behind {name}.")
+        case ast.Call(ast.Constant(number)):
+            raise ValueError(f"A * is missing behind {number!r}.")
+    raise ValueError(f"{ast.unparse(node)} cannot be read: use + - * / and {', '.join(_FUNCTIONS)}.")
+
+
+class DerivationSheet:
+    """What a student derived of a model on paper, entry by entry, and whether these are its slopes.
+
+    Parameters
+    ----------
+    title : str
+        What is derived.
+    model : sympy.Matrix
+        The R rows of the model.
+    by : sequence of sympy.Symbol
+        The C symbols to differentiate by.
+    zero : sequence of sympy.Symbol
+        Symbols that are 0 where the slopes are taken, such as a noise.
+    rows : sequence of str
+        What the model's rows are called; numbers otherwise.
+    """
+
+    def __init__(
+        self, title: str, model: Any, by: Sequence[Any], zero: Sequence[Any] = (), rows: Sequence[str] = ()
+    ) -> None:
+        self.title, self.model = title, model
+        self.by = [str(each) for each in by]
+        self.rows = list(rows) or [f"row {number}" for number in range(1, len(model) + 1)]
+        free = {str(each): each for each in sorted({*model.free_symbols, *by}, key=str)}
+        self._zero = {str(each) for each in zero}
+        self.symbols = {name: symbol for name, symbol in free.items() if name not in self._zero}
+        rng = np.random.default_rng(len(title))
+        drawn = {name: rng.uniform(0.3, 2.4, POINTS) * rng.choice([-1, 1], POINTS) for name in free}
+        self._points = {name: 0.0 * at if name in self._zero else at for name, at in drawn.items()}
+        self._view: _SheetView | None = None
+
+    def write(self, entries: Any) -> Message:
+        """Check entries, and say which of them are wrong.
+
+        Parameters
+        ----------
+        entries : sequence of sequences, or sympy.Matrix
+            (R, C) texts, numbers or expressions; an empty text is an entry that is not derived yet.
+        """
+        table = [list(row) for row in (entries.tolist() if hasattr(entries, "tolist") else entries)]
+        if [len(row) for row in table] != [len(self.by)] * len(self.rows):
+            return Message(f"The matrix has {len(self.rows)} rows and {len(self.by)} columns.")
+        said, marks = self._judged(table)
+        if self._view is not None:
+            self._view.show(table, marks, said)
+        return Message(said)
+
+    def _judged(self, table: list[list[Any]]) -> tuple[str, dict[tuple[int, int], str]]:
+        """What is said of the entries, and what is wrong with each; where nothing is, an empty text."""
+        import sympy
+
+        read, marks = sympy.zeros(len(self.rows), len(self.by)), dict[tuple[int, int], str]()
+        for at, entry in ((at, table[at[0]][at[1]]) for at in np.ndindex(*read.shape)):
+            if isinstance(entry, str) and not entry.strip():
+                continue
+            try:
+                read[at] = parse(entry, self.symbols) if isinstance(entry, str) else sympy.sympify(entry)
+                marks[at] = ""
+            except (ValueError, TypeError, AttributeError, ZeroDivisionError) as error:
+                marks[at] = str(error)
+        if not marks:
+            return "Write what you derived into the fields, then check.", marks
+        with np.errstate(all="ignore"):
+            try:
+                got = jacobian(lambda: (self.model, read), self._points, self.by)
+            except (ValueError, TypeError) as error:
+                return str(error), marks
+        faults = Derivative(tuple(self.by)).faults(got)
+        marks = {at: said or faults.get(at, "") for at, said in marks.items()}
+        return self._said(marks), marks
+
+    def _said(self, marks: Mapping[tuple[int, int], str]) -> str:
+        total, right = len(self.rows) * len(self.by), sum(not said for said in marks.values())
+        if right == total:
+            return f"✔ All {total} entries are slopes of the model."
+        wrong = [f"{self._place(*at)}: {said.rstrip('.')}." for at, said in marks.items() if said]
+        empty = f"{total - len(marks)} to go." if len(marks) < total else ""
+        return " ".join(filter(None, [f"{right} of {total} are right.", *wrong, empty]))
+
+    def _place(self, row: int, column: int) -> str:
+        return f"{self.rows[row]} by {self.by[column]}"
+
+    def __repr__(self) -> str:
+        """Say what to derive where there are no fields."""
+        return (
+            f"{self.title}: derive {len(self.rows)} x {len(self.by)} slopes, of {', '.join(self.rows)} by "
+            f"{', '.join(self.by)}; symbols: {', '.join(self.symbols)}."
+        )
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
+        """Show the fields; the text where no widget lives."""
+        if self._view is None:
+            self._view = _SheetView(self)
+        return {**self._view.box._repr_mimebundle_(**kwargs), "text/plain": repr(self)}
+
+
+class _SheetView:
+    """The widgets of a sheet: a grid of fields; Enter in one of them, or the button, checks them all."""
+
+    def __init__(self, sheet: DerivationSheet) -> None:
+        import ipywidgets
+
+        self.sheet = sheet
+        self.fields = [
+            [
+                ipywidgets.Text(placeholder="", tooltip=sheet._place(*at), continuous_update=False)
+                for at in row
+            ]
+            for row in ([(r, c) for c in range(len(sheet.by))] for r in range(len(sheet.rows)))
+        ]
+        for field in (field for row in self.fields for field in row):
+            field.layout = ipywidgets.Layout(width="auto", border=_PLAIN)
+        heads = [ipywidgets.HTML(f"<b>by {escape(name)}</b>") for name in sheet.by]
+        lines = [
+            [ipywidgets.HTML(f"<b>{escape(name)}</b>"), *row]
+            for name, row in zip(sheet.rows, self.fields, strict=True)
+        ]
+        layout = ipywidgets.Layout(
+            grid_template_columns=f"max-content repeat({len(sheet.by)}, minmax(90px, 190px))",
+            grid_gap="4px 8px",
+        )
+        grid = ipywidgets.GridBox(
+            [ipywidgets.HTML(), *heads, *(each for line in lines for each in line)], layout=layout
+        )
+        self.said = ipywidgets.HTML(
+            Message("Write what you derived into the fields, then check.")._repr_html_()
+        )
+        button = ipywidgets.Button(description="Check", tooltip="Compare each entry with the model's slope")
+        button.on_click(self.check)
+        title = ipywidgets.HTML(f"{_CSS}<b>{escape(sheet.title)}</b>")
+        self.box = ipywidgets.VBox([title, grid, button, self.said])
+        self.box.add_class("nao-sheet")
+
+    def check(self, _: Any = None) -> None:
+        """Check what stands in the fields."""
+        self.sheet.write([[field.value for field in row] for row in self.fields])
+
+    def show(self, table: list[list[Any]], marks: Mapping[tuple[int, int], str], said: str) -> None:
+        """Show entries, frame the right and the wrong ones, and say what was found."""
+        for row, line in enumerate(self.fields):
+            for column, field in enumerate(line):
+                found = marks.get((row, column))
+                field.value = str(table[row][column])
+                field.layout.border = _PLAIN if found is None else _WRONG if found else _RIGHT
+        self.said.value = Message(said)._repr_html_()
+
+
+@cache  # a cell that is run again shows the sheet as it was filled in
+def _sheet(
+    title: str, model: Any, by: tuple[Any, ...], zero: tuple[Any, ...], rows: tuple[str, ...]
+) -> DerivationSheet:
+    return DerivationSheet(title, model, by, zero, rows)
+
+
+def derivation(
+    title: str, model: Any, by: Sequence[Any], *, zero: Sequence[Any] = (), rows: Sequence[str] = ()
+) -> DerivationSheet:
+    """Return a sheet for the Jacobian of a model that is derived with pen and paper.
+
+    Parameters
+    ----------
+    title : str
+        What is derived.
+    model : sympy.Matrix
+        The R rows of the model.
+    by : sequence of sympy.Symbol
+        The C symbols to differentiate by.
+    zero : sequence of sympy.Symbol
+        Symbols that are 0 where the slopes are taken, such as a noise.
+    rows : sequence of str
+        What the model's rows are called.
+
+    Returns
+    -------
+    DerivationSheet
+        The same one for the same question. Its `write(entries)` fills it in where no widget lives.
+
+    Examples
+    --------
+    >>> from sympy import Matrix, symbols
+    >>> x, y = symbols("x y")
+    >>> sheet = derivation("The slopes of x y and x + y", Matrix([x * y, x + y]), [x, y], rows=("product", "sum"))
+    >>> sheet.write([["y", "-x"], [1, ""]])
+    2 of 4 are right. product by y: its sign is the wrong way round. 1 to go.
+    """
+    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows))

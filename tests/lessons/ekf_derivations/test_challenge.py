@@ -1,0 +1,102 @@
+"""The challenge of lesson 05: what is asked is counted, what is named is scored, and all mistakes can be told apart."""
+
+import copy
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES, LANDMARK, POSE, told
+from nao_course.challenges.running import run
+from nao_course.lessons.ekf_derivations.challenge import CHALLENGE, MOST_CALLS, WRONG, WrongJacobian, judge
+from nao_course.lessons.ekf_derivations.mistakes import MISTAKES, jacobian_at, with_mistake
+from tests.paths import SOLUTIONS
+
+AT = (0.3, -0.2, 0.7), (2.1, 1.0)
+
+
+def test_the_right_matrix_is_the_solutions(solution):
+    wanted = np.hstack(
+        [solution["measurement_jacobian_pose"](*AT), solution["measurement_jacobian_landmark"](*AT)]
+    )
+    assert np.allclose(jacobian_at(*AT), wanted, atol=1e-8)
+
+
+def test_no_two_mistakes_look_alike_and_none_looks_right():
+    matrices = [np.round(with_mistake(name, *AT), 3) for name in MISTAKES]
+    matrices.append(np.round(jacobian_at(*AT), 3))
+    assert len({each.tobytes() for each in [matrix + 0.0 for matrix in matrices]}) == len(MISTAKES) + 1
+
+
+def test_a_right_name_scores_less_one_for_each_call():
+    case = WrongJacobian(WRONG[0])
+    ask = case.ask()
+    assert copy.deepcopy(ask)(0, 2, *AT) == pytest.approx(1.0)
+    assert ask(1, 2, *AT) == pytest.approx(0.0, abs=1e-6)
+    assert judge(WRONG[0], case).score == 18
+    wrong = judge(WRONG[1], case)
+    assert wrong.score == -2 and wrong.columns == {"named right": 0.0, "calls": 2.0}
+
+
+def test_all_calls_can_be_used_up():
+    ask = WrongJacobian(WRONG[0]).ask()
+    for _ in range(MOST_CALLS):
+        ask(0, 0, *AT)
+    with pytest.raises(RuntimeError, match="used up"):
+        ask(0, 0, *AT)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [((2, 0, *AT), "row 0 or 1"), ((0, 5, *AT), "column 0 to 4"), ((0, 0, AT[1], AT[1]), r"shapes \(2,\)")],
+)
+def test_what_is_no_question_is_said_and_costs_nothing(given, said):
+    case = WrongJacobian(WRONG[0])
+    with pytest.raises(ValueError, match=said):
+        case.ask()(*given)
+    assert case.asked.calls == 0
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"), [(None, "returns None"), (3, "got int"), ("no such", "no name of MISTAKES")]
+)
+def test_what_is_no_name_is_said(answer, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        judge(answer, WrongJacobian(WRONG[0]))
+
+
+def mean_calls(entry):
+    """Over the whole catalogue, each mistake as likely as any other."""
+    calls = []
+    for name in MISTAKES:
+        asked = []
+
+        def ask(row, column, *at, name=name, asked=asked):
+            asked.append((row, column))
+            return told(name, (row, column))
+
+        assert entry(ask) == name
+        calls.append(len(asked))
+    return np.mean(calls)
+
+
+def test_the_lessons_numbers_of_calls_are_those_of_the_entries():
+    entries = [JACOBIAN_ENTRIES[name] for name in ("brute force", "the reference", "a better plan")]
+    assert [round(float(mean_calls(each)), 1) for each in entries] == [10.0, 4.4, 2.6]
+    runs = [run(CHALLENGE, each) for each in entries]
+    assert [round(each.columns["calls"], 1) for each in runs] == [10.0, 3.6, 2.4]
+    assert all(before.score < after.score for before, after in pairwise(runs))
+    assert "number 1: 5 calls, plus 1 for -1" in CHALLENGE.figure(runs[-1]).alt
+    assert (POSE, LANDMARK) == AT
+
+
+def test_the_lesson_names_every_mistake_of_the_catalogue():
+    text = (SOLUTIONS / "05_ekf_derivations.md").read_text(encoding="utf-8")
+    assert re.findall(r"^- `(.+)`$", text.split("<summary>The seventeen")[1], re.MULTILINE) == list(MISTAKES)
+
+
+def test_an_entry_is_counted_anew_each_time():
+    scores = [run(CHALLENGE, JACOBIAN_ENTRIES["a better plan"]).score for _ in range(2)]
+    assert scores[0] == scores[1]
+    assert set(WRONG) < set(MISTAKES) and len(set(WRONG)) == 8

@@ -1,0 +1,49 @@
+"""Where the straight line ends: what is measured is what the formulas say, and what the lesson's text says."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.ekf_derivations import limits
+from nao_course.lessons.ekf_derivations.limits import (
+    SIGMAS,
+    TITLES,
+    across_too_large,
+    draw_limits,
+    heading_clouds,
+    limit_at,
+    measure_limits,
+    short_mean,
+)
+
+
+@pytest.fixture(scope="module")
+def measured(solution):
+    return measure_limits(solution["predict_pose"], solution["predict_covariance"])
+
+
+def test_mean_and_standard_deviation_are_off_by_their_formulas(measured):
+    mean, across, _ = (measured[title] for title in TITLES)
+    assert np.allclose(mean[:, 1], 100 * short_mean(SIGMAS), atol=0.4)
+    assert np.allclose(across[:, 1], 100 * across_too_large(SIGMAS), atol=1.0)
+    assert ((mean[:, 0] <= mean[:, 1]) & (mean[:, 1] <= mean[:, 2])).all()
+
+
+def test_the_numbers_of_the_lesson_are_those_that_are_measured(solution, measured):
+    assert limit_at(measured[TITLES[0]], 5) == pytest.approx(np.degrees(np.sqrt(-2 * np.log(0.95))), abs=0.4)
+    inside = dict(zip(np.degrees(SIGMAS).round(), measured[TITLES[2]][:, 1], strict=True))
+    assert (round(inside[10]), round(inside[15])) == (89, 79)
+    functions = solution["predict_pose"], solution["predict_covariance"]
+    thick = heading_clouds(*functions, np.radians(15), place_sigma=0.1)
+    assert np.mean([each.inside() for each in thick]) == pytest.approx(0.92, abs=0.01)
+
+
+def test_the_figure_has_a_curve_for_mean_covariance_and_shape(measured):
+    drawing = draw_limits(measured)
+    assert len(drawing.figure.axes) == 3
+    assert "samples in the 95 % ellipse (%): 94 at 5°, 79 at 15°" in drawing.alt
+
+
+def test_a_robot_that_cannot_turn_has_no_limits(monkeypatch):
+    monkeypatch.setattr(limits, "RUNS", 2)
+    found = measure_limits(lambda pose, control: pose + [1.0, 0.0, 0.0], lambda covariance, *rest: covariance)
+    assert np.allclose(found[TITLES[0]][:, 1], 0, atol=0.5) and (found[TITLES[2]][:, 1] > 90).all()

@@ -1,0 +1,77 @@
+"""The linearisation panel: each choice sends samples through its own functions, and says how far they bend."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.ekf_derivations.panel import LANDMARK, MEASUREMENT, LinearisationPanel
+
+NAMES = (
+    "predict_pose",
+    "predict_covariance",
+    "landmark_position",
+    "landmark_jacobians",
+    "expected_measurement",
+    "measurement_jacobian_pose",
+)
+
+
+def blank(*given):
+    raise NotImplementedError
+
+
+@pytest.fixture
+def panel(solution):
+    return LinearisationPanel(*(solution[name] for name in NAMES))
+
+
+def inside(panel):
+    return int(panel.summary().rsplit("\n", 1)[-1].split("%")[0])
+
+
+def test_the_banana_of_the_lesson_is_there_at_30_degrees_and_not_at_5(panel):
+    panel.set(heading=5)
+    assert inside(panel) >= 92
+    panel.set(heading=30)
+    assert inside(panel) == 41 and "mean off by -0.27 m" in panel.summary()
+    panel.set(distance=1.0)
+    assert inside(panel) == 55 and "mean off by -0.14 m" in panel.summary()
+
+
+def test_a_landmark_bends_with_the_heading_and_not_with_the_place(panel):
+    panel.set(what=LANDMARK, heading=0, place=0.5)
+    assert inside(panel) >= 93
+    panel.set(heading=30, place=0.03)
+    assert inside(panel) < 50
+
+
+def test_an_expected_landmark_does_not_bend_with_the_heading_but_near_by(panel):
+    panel.set(what=MEASUREMENT, heading=30, distance=3.0)
+    assert inside(panel) >= 93
+    for distance, off in ((0.6, 0.08), (0.5, 0.09), (0.4, 0.12)):
+        panel.set(heading=5, place=0.3, distance=distance)
+        assert f"range: mean off by {off:.2f} m" in panel.summary()
+
+
+@pytest.mark.parametrize(
+    ("missing", "what", "said"),
+    [
+        ("predict_pose", None, "Finish exercise 5.1"),
+        ("predict_covariance", None, "Finish exercises 5.4 and 5.5"),
+        ("landmark_jacobians", LANDMARK, "Finish exercise 5.6"),
+        ("measurement_jacobian_pose", MEASUREMENT, "Finish exercise 5.8"),
+    ],
+)
+def test_what_is_not_written_is_named(solution, missing, what, said):
+    functions = {name: solution[name] for name in NAMES} | {missing: blank}
+    panel = LinearisationPanel(**functions)
+    if what:
+        panel.set(what=what)
+    assert said in panel.summary()
+
+
+def test_the_same_values_show_the_same_samples(panel):
+    first = panel.summary()
+    panel.set(direction=90)
+    assert panel.summary() != first
+    panel.reset()
+    assert panel.summary() == first and np.isfinite(panel.shown.pictures[""]).all()

@@ -1,0 +1,99 @@
+"""Samples and their linearisation: they agree where a function is straight, and part where it is not."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.ekf_derivations.samples import (
+    Cloud,
+    carried,
+    draw,
+    landmark_cloud,
+    measurement_cloud,
+    motion_cloud,
+)
+
+POSE = (1.0, 2.0, 2.4)
+SMALL = np.diag([0.02, 0.01, 0.005]) ** 2
+CONTROL_NOISE = np.diag([0.05, 0.01, 0.02]) ** 2
+LOOK_NOISE = np.diag([0.01, 0.02]) ** 2
+
+
+def agrees(cloud):
+    error = np.linalg.norm(cloud.shift) / np.sqrt(np.trace(cloud.covariance) / len(cloud.points))
+    ratio = np.linalg.solve(cloud.covariance, cloud.sampled_covariance)
+    return error < 4 and np.allclose(ratio, np.eye(2), atol=0.12) and 0.93 < cloud.inside() < 0.97
+
+
+def test_drawn_samples_have_the_mean_and_covariance_that_are_asked_for(rng):
+    covariance = np.array([[2.0, 0.6, 0.0], [0.6, 0.5, -0.1], [0.0, -0.1, 0.3]])
+    drawn = draw([1, 2, 3], covariance, 100_000, rng)
+    assert np.allclose(drawn.mean(axis=0), [1, 2, 3], atol=0.03)
+    assert np.allclose(np.cov(drawn.T), covariance, atol=0.04)
+    assert (draw([1, 2], np.zeros((2, 2)), 5, rng) == [1, 2]).all()
+
+
+def test_where_all_is_nearly_straight_the_right_solution_predicts_its_samples(solution, rng):
+    s = solution
+    drive = motion_cloud(
+        s["predict_pose"], s["predict_covariance"], POSE, SMALL, (1.5, 0.3), CONTROL_NOISE, rng, 3000
+    )
+    place = landmark_cloud(
+        s["landmark_position"], s["landmark_jacobians"], SMALL, (0.7, 2.0), LOOK_NOISE, rng, 3000
+    )
+    look = measurement_cloud(
+        s["expected_measurement"], s["measurement_jacobian_pose"], SMALL, (-2.0, 0.01), rng, 3000
+    )
+    assert agrees(drive) and agrees(place) and agrees(look)
+
+
+def test_errors_across_move_a_robot_to_its_left(solution, rng):
+    noise = np.diag([0.0, 0.2, 0.0]) ** 2
+    cloud = motion_cloud(
+        solution["predict_pose"],
+        solution["predict_covariance"],
+        (0, 0, np.pi / 2),
+        0 * SMALL,
+        (1, 0),
+        noise,
+        rng,
+    )
+    assert np.allclose(cloud.points[:, 1], 1) and np.std(cloud.points[:, 0]) == pytest.approx(0.2, rel=0.15)
+
+
+def test_a_wrong_sign_in_a_jacobian_shows_in_the_ellipse(solution, rng):
+    def wrong(pose, measurement):
+        by_pose, by_measurement = solution["landmark_jacobians"](pose, measurement)
+        return by_pose * [[1, 1, -1], [1, 1, 1]], by_measurement
+
+    large = np.diag([0.01, 0.01, 0.1]) ** 2
+    right = solution["landmark_jacobians"]
+    place = solution["landmark_position"]
+    assert (
+        landmark_cloud(place, right, large, (0.8, 2.0), LOOK_NOISE, np.random.default_rng(1)).inside() > 0.85
+    )
+    assert (
+        landmark_cloud(place, wrong, large, (0.8, 2.0), LOOK_NOISE, np.random.default_rng(1)).inside() < 0.7
+    )
+
+
+def test_bearings_of_a_landmark_behind_stay_together(solution, rng):
+    cloud = measurement_cloud(
+        solution["expected_measurement"],
+        solution["measurement_jacobian_pose"],
+        np.diag([0.1, 0.1, 0.2]) ** 2,
+        (-2.0, 0.0),
+        rng,
+    )
+    assert np.ptp(cloud.points[:, 0]) < np.pi
+
+
+def test_a_cloud_counts_what_is_inside_its_ellipse():
+    points = np.array([[0.0, 0.0], [2.4, 0.0], [2.5, 0.0], [0.0, -2.4]])
+    assert Cloud(points, np.zeros(2), np.eye(2)).inside() == 0.75
+    assert Cloud(points, np.zeros(2), np.diag([1.0, 0.01])).inside() == 0.5
+
+
+def test_a_covariance_is_carried_by_both_sides(rng):
+    slopes, root = rng.normal(size=(2, 3)), rng.normal(size=(3, 3))
+    assert np.allclose(carried(slopes, root @ root.T), slopes @ root @ root.T @ slopes.T)
+    assert np.allclose(carried(slopes, np.zeros((3, 3))), 0, atol=1e-15)

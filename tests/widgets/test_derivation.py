@@ -1,0 +1,92 @@
+"""The derivation sheet: what is typed is read as on paper, each wrong entry is named, right ones are framed green."""
+
+import pytest
+import sympy
+from sympy import Matrix, atan2, cos, sin
+
+from nao_course.widgets.derivation import _RIGHT, _WRONG, DerivationSheet, derivation, parse
+
+x, theta, d, e = sympy.symbols("x theta d e")
+MODEL = Matrix([x + (d + e) * cos(theta), theta + e**2])
+RIGHT = [["1", "-d*sin(theta)"], ["0", "1"]]
+
+
+def sheet(**options):
+    return DerivationSheet("F", MODEL, [x, theta], zero=[e], rows=("new x", "new theta"), **options)
+
+
+@pytest.mark.parametrize(
+    ("typed", "value"),
+    [
+        ("-d*sin(theta)", -d * sin(theta)),
+        (" - d * sin(θ) ", -d * sin(theta)),
+        ("\N{MINUS SIGN}d·sin(theta)", -d * sin(theta)),
+        ("d^2/x**2", d**2 / x**2),
+        ("1.5", sympy.Float(1.5)),
+        ("+(d - x)*pi", (d - x) * sympy.pi),
+        ("atan2(x, d)", atan2(x, d)),
+    ],
+)
+def test_an_entry_is_read_as_it_is_written_on_paper(typed, value):
+    assert parse(typed, {"x": x, "theta": theta, "d": d}) == value
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("d sin(theta)", r"with a \* for each product"),
+        ("-d*", "cannot be read"),
+        ("d(theta)", r"A \* is missing behind d"),
+        ("2(theta)", r"A \* is missing behind 2"),
+        ("phi", "'phi' is no symbol of this model; there are x, theta, d"),
+        ("__import__('os')", "cannot be read"),
+        ("x.diff", "cannot be read"),
+        ("True", "cannot be read"),
+        ("(" * 500 + ")" * 500, "cannot be read"),
+    ],
+)
+def test_what_cannot_be_read_is_said(typed, said):
+    with pytest.raises(ValueError, match=said):
+        parse(typed, {"x": x, "theta": theta, "d": d})
+
+
+def test_right_entries_are_right_as_texts_numbers_and_sympy():
+    for entries in (RIGHT, [[1, "-d*sin(theta)"], [0.0, 1]], MODEL.jacobian([x, theta]).subs(e, 0)):
+        assert repr(sheet().write(entries)) == "✔ All 4 entries are slopes of the model."
+
+
+def test_wrong_and_missing_entries_are_named():
+    said = repr(sheet().write([["1", "d*sin(theta)"], ["", "theta"]]))
+    assert said.startswith(
+        "1 of 4 are right. new x by theta: its sign is the wrong way round. new theta by theta:"
+    )
+    assert said.endswith("1 to go.")
+    assert "symbol" in repr(sheet().write([["1", "e"], ["0", "1"]])), (
+        "the noise is zero where slopes are taken"
+    )
+    assert repr(sheet().write([["", ""], ["", ""]])).startswith("Write what you derived")
+    assert repr(sheet().write([["1", "1"]])) == "The matrix has 2 rows and 2 columns."
+
+
+def test_an_entry_that_is_no_number_is_wrong_and_nothing_worse():
+    said = repr(sheet().write([["1/(x - x)", "-d*sin(theta)"], ["0", "1"]]))
+    assert said.startswith("3 of 4 are right. new x by x:")
+
+
+def test_the_fields_are_framed_and_keep_what_is_typed():
+    shown = sheet()
+    assert "F: derive 2 x 2 slopes" in shown._repr_mimebundle_()["text/plain"]
+    view = shown._view
+    for row, texts in zip(view.fields, [["1", "d*sin(theta)"], ["0", ""]], strict=True):
+        for field, text in zip(row, texts, strict=True):
+            field.value = text
+    view.check()
+    borders = [field.layout.border_top for row in view.fields for field in row]
+    assert borders[:3] == [_RIGHT, _WRONG, _RIGHT] and borders[3] not in (_RIGHT, _WRONG)
+    assert "2 of 4 are right" in view.said.value and view.fields[0][1].value == "d*sin(theta)"
+
+
+def test_a_cell_that_is_run_again_shows_the_sheet_as_it_was():
+    first = derivation("kept", MODEL, [x, theta])
+    assert derivation("kept", Matrix(MODEL), [x, theta]) is first
+    assert derivation("another", MODEL, [x, theta]) is not first
