@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
 from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES
+from benchmarks.challenges.looks import LOOK_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
 from nao_course.challenges import Challenge, Run
@@ -27,6 +28,7 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "01_hsl_filtering": COLOUR_ENTRIES,
     "02_goalposts": POST_ENTRIES,
     "05_ekf_derivations": JACOBIAN_ENTRIES,
+    "06_localization": LOOK_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 
