@@ -1,4 +1,4 @@
-"""Entries to lesson 06's challenge: no look, near landmarks, the surest by the filter's own word, and one that is honest."""
+"""Entries to lesson 06's challenge: no look, near landmarks, the surest by the filter's word, an honest one."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks import ROOT
-from nao_course.exercises import Definitions, load_definitions
+from nao_course.exercises import Definitions
 from nao_course.geometry import wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
 
 Array = npt.NDArray[np.float64]
 BEARING, RANGE = float(np.radians(1.5)), 0.05  # as the robot's sensors have them: rad, part of the range
@@ -20,8 +21,8 @@ ITERATIONS = 8
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution."""
-    return load_definitions(ROOT / "solutions" / "06_localization.ipynb")
+    """The lesson's own solution, with that of lesson 05."""
+    return load_solution(ROOT / "solutions" / "06_localization.ipynb")
 
 
 def _expected(pose: Array, landmark: Array) -> Array:
@@ -69,7 +70,7 @@ def greedy(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
 
 
 def better(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
-    """The same choice by the mean over sampled poses; and all looks fitted together, again and again, around the last fit."""
+    """The same choice by the mean over sampled poses; all looks fitted together, again and again."""
     rng = np.random.default_rng(0)
     prior, information = pose.copy(), np.linalg.inv(covariance)
     taken: list[tuple[Array, Array, Array]] = []

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.geometry import Pose, rotation_2d
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
@@ -326,7 +327,7 @@ def _squares(which: str) -> list[Mistake]:
         Mistake(
             "no covariance",
             lambda error, covariance: float(error @ error),
-            f"That is the plain length squared: the covariance does not enter. Is 20 cm much? That depends on it.",
+            "That is the plain length squared: the covariance does not enter. Is 20 cm much? That depends on it.",
         ),
     ]
 
@@ -469,8 +470,7 @@ def _ellipse_hidden(rng: np.random.Generator) -> list[Case]:
             rng.uniform(0.15, 1.4) + np.pi / 2 * rng.integers(0, 2),
             np.array([0.1, 0.5]) * rng.uniform(0.7, 1.4, 2),
         )
-        c, s = np.cos(angle), np.sin(angle)
-        turned = np.array([[c, -s], [s, c]])
+        turned = rotation_2d(angle)
         cases.append(Case((turned @ np.diag([long**2, short**2]) @ turned.T, probability)))
     return cases
 
@@ -761,14 +761,14 @@ KALMAN_UPDATE = Exercise(
 
 
 def _bearing_range(pose: Any, landmark: Any) -> Array:
-    dx, dy = np.asarray(landmark, dtype=float) - np.asarray(pose, dtype=float)[:2]
-    return np.array([wrapped(np.arctan2(dy, dx) - pose[2]), np.hypot(dx, dy)])
+    (x, y), *_ = Pose(*pose).to_local(landmark)
+    return np.array([np.arctan2(y, x), np.hypot(x, y)])
 
 
 def _slopes(pose: Any, landmark: Any) -> Array:
-    dx, dy = np.asarray(landmark, dtype=float) - np.asarray(pose, dtype=float)[:2]
-    r = np.hypot(dx, dy)
-    return np.array([[dy / r**2, -dx / r**2, -1.0], [-dx / r, -dy / r, 0.0]])
+    bearing, distance = _bearing_range(pose, landmark)
+    c, s = np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)
+    return np.array([[s / distance, -c / distance, -1.0], [-c, -s, 0.0]])
 
 
 def _localized(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any, **changed: Any) -> Any:

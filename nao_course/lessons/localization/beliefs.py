@@ -106,7 +106,8 @@ def draw_put_down_wrongly(localize: Callable[..., Any], covariance_ellipse: Call
         legend_below(figure, [*_keys("believed, with its 95 % ellipse"), _sight_key()])
     return Drawing(
         figure,
-        "Half a field from above, four times. A robot believes to be in another place than it is, in a wide ellipse. With "
+        "Half a field from above, four times. A robot believes to be in another place than it is, in a "
+        "wide ellipse. With "
         f"each landmark that it sees the ellipse shrinks around the true place. {'; '.join(words)}.",
     )
 
@@ -164,7 +165,9 @@ def draw_cloud(
 
 def cloud(covariance: npt.ArrayLike, samples: int = 2000) -> FloatArray:
     """Points (N, 2) of a Gaussian distribution around 0 with this covariance (2, 2); the same at each call."""
-    return np.random.default_rng(6).multivariate_normal(np.zeros(2), covariance, samples)
+    return np.random.default_rng(6).multivariate_normal(
+        np.zeros(2), np.asarray(covariance, dtype=float), samples
+    )
 
 
 def inside(points: FloatArray, semi_axes: npt.ArrayLike, angle: float) -> float:

@@ -122,7 +122,8 @@ def as_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
         ) from None
     if pose.shape != (3,) or covariance.shape != (3, 3):
         raise ValueError(
-            f"Your pose has shape {pose.shape} and your covariance {covariance.shape}; (3,) and (3, 3) are wanted."
+            f"Your pose has shape {pose.shape} and your covariance {covariance.shape}; (3,) and (3, 3) "
+            "are wanted."
         )
     if not (np.isfinite(pose).all() and np.isfinite(covariance).all()):
         raise ValueError("Your belief has NaN or infinite numbers in it.")
@@ -186,9 +187,12 @@ def draw_worst_robots(run: Run) -> Drawing:
 CHALLENGE = Challenge(
     lesson="06_localization",
     title="Challenge 06: three looks",
-    task=f"{ROBOTS} robots do not know well where they are. Write a function of pose, covariance, landmarks (10, 2) and looks. It may call "
-    "looks.at(number) three times, which returns a measurement and its R, and returns the pose and covariance that it believes then.",
-    scoring="bits gained: how much denser your belief is at the true pose than the belief at first, as a logarithm to the base 2, the mean "
+    task=f"{ROBOTS} robots do not know well where they are. Write a function of pose, covariance, "
+    "landmarks (10, 2) and looks. It may call "
+    "looks.at(number) three times, which returns a measurement and its R, and returns the pose and "
+    "covariance that it believes then.",
+    scoring="bits gained: how much denser your belief is at the true pose than the belief at first, as a "
+    "logarithm to the base 2, the mean "
     "over all robots. Who is surer scores more, but only if the truth is where the belief says.",
     seeds=range(ROBOTS),
     make=make_robot,

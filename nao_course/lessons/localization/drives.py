@@ -25,6 +25,7 @@ START_COVARIANCE = np.diag([0.1**2, 0.1**2, np.radians(5) ** 2])  # m^2, rad^2
 REACH = 2.5  # m: what lies beyond is left out; the paper's distances are "accurate" to about 2 m
 SIDEWAYS = float(np.radians(60))  # two pictures side by side, 61 degrees wide each
 _STEP = 1e-6  # of central differences, m and rad
+_SHIFTS = _STEP * np.vstack([np.eye(3), -np.eye(3)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,6 +218,7 @@ def follow(
     for step, (control, noise, sights) in enumerate(given, start=1):
         spread = checked(predict_covariance(spread, pose, control, noise), (3, 3), "predict_covariance")
         pose = checked(predict_pose(pose, control), (3,), "predict_pose")
+        pose[2] = wrap_angle(pose[2])
         for sight in sights:
             surprise, expected_spread = judged(pose, spread, sight)
             innovations.append(surprise)
@@ -257,13 +259,16 @@ def checked(value: Any, shape: tuple[int, ...], name: str) -> FloatArray:
 
 def judged(pose: FloatArray, covariance: FloatArray, sight: Sight) -> tuple[FloatArray, FloatArray]:
     """The innovation (2,) of a sight, and the covariance (2, 2) it should have by what is believed."""
-    shifts = np.vstack([_STEP * np.eye(3), -_STEP * np.eye(3)])
-    seen = range_and_bearing(np.vstack([pose, pose + shifts]), sight.position)
-    off = sight.measurement - seen[0]
-    slopes = (seen[1:4] - seen[4:]) / (2 * _STEP)
-    slopes[:, 0] = wrap_angle(seen[1:4, 0] - seen[4:, 0]) / (2 * _STEP)
-    spread = np.einsum("im,ij,jn->mn", slopes, covariance, slopes) + sight.covariance
-    return np.array([float(wrap_angle(off[0])), off[1]]), spread
+    x, y, theta = pose.tolist()
+    away = complex(*sight.position) - complex(x, y)
+    near = away - _SHIFTS @ (1.0, 1j, 0.0)  # from poses a little beside
+    bearings = np.angle(near * away.conjugate()) - _SHIFTS[:, 2]
+    changes = np.stack([bearings, np.abs(near)], axis=1)
+    slopes = (changes[:3] - changes[3:]) / (2 * _STEP)
+    bearing = wrap_angle(sight.measurement[0] - (np.angle(away) - theta))
+    return np.array(
+        [bearing, sight.measurement[1] - abs(away)]
+    ), slopes.T @ covariance @ slopes + sight.covariance
 
 
 def follow_many(

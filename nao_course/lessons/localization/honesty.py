@@ -36,7 +36,8 @@ def band(degrees: int, runs: int, probability: float = 0.95) -> tuple[float, flo
     Returns
     -------
     (float, float)
-        Quantiles of chi-square with ``degrees * runs`` degrees of freedom, divided by `runs` (Bar-Shalom et al. 2001, 5.4.2).
+        Quantiles of chi-square with ``degrees * runs`` degrees of freedom, divided by `runs` (Bar-Shalom et al.
+        2001, section 5.4).
 
     Examples
     --------
@@ -87,7 +88,7 @@ def draw_bands(traces: Sequence[Trace]) -> Drawing:
         )
         steps, nis, counts = nis_by_step(traces)
         limits = np.array([band(2, int(count)) for count in counts])
-        _plot_band(middle, steps, nis, *limits.T, 2.0)
+        _plot_band(middle, steps, nis, limits[:, 0], limits[:, 1], 2.0)
         middle.set(
             title="NIS of each step,\nmean of all it sees", xlabel="step", ylabel="NIS", ylim=(1.0, 3.4)
         )
@@ -104,10 +105,14 @@ def draw_bands(traces: Sequence[Trace]) -> Drawing:
     alone = float(np.mean((naive[0] <= means) & (means <= naive[1])))
     return Drawing(
         figure,
-        f"Left: the mean NEES of {runs} drives, step by step: {nees.mean():.2f} in all; {within:.0%} of the steps lie in the band "
-        f"from {low:.2f} to {high:.2f}. Middle: the mean NIS: {np.average(nis, weights=counts):.2f} in all, {within_nis:.0%} of the steps in their "
-        f"bands. Right: the mean NEES of each single drive over its steps, from {means[0]:.1f} to {means[-1]:.1f}; only {alone:.0%} of the "
-        f"drives lie in the band from {naive[0]:.2f} to {naive[1]:.2f} that would hold if steps were independent.",
+        f"Left: the mean NEES of {runs} drives, step by step: {nees.mean():.2f} in all; {within:.0%} of "
+        "the steps lie in the band "
+        f"from {low:.2f} to {high:.2f}. Middle: the mean NIS: {np.average(nis, weights=counts):.2f} in "
+        f"all, {within_nis:.0%} of the steps in their "
+        f"bands. Right: the mean NEES of each single drive over its steps, from {means[0]:.1f} to "
+        f"{means[-1]:.1f}; only {alone:.0%} of the "
+        f"drives lie in the band from {naive[0]:.2f} to {naive[1]:.2f} that would hold if steps were "
+        "independent.",
     )
 
 

@@ -1,4 +1,4 @@
-"""The diagnosis lab of lesson 06: the student's own filter with one thing wrong in it, and what its instruments show."""
+"""The diagnosis lab of lesson 06: the student's own filter with one thing wrong in it, and its instruments."""
 
 from __future__ import annotations
 
@@ -18,14 +18,13 @@ from nao_course.lessons.localization.drives import (
     follow,
     lap,
     range_and_bearing,
-    updated,
 )
 
 LAB_SEEDS = range(200, 220)  # drives of each patient
 Localize = Callable[..., Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Bug:
     """One thing that is wrong with a filter.
 
@@ -54,7 +53,7 @@ class Bug:
 
 
 def with_parts(localize: Localize, parts: Mapping[str, Callable[..., Any]]) -> Localize:
-    """Return a copy of a notebook's function that finds other functions under some names; the notebook's stays as it is.
+    """Return a copy of a notebook's function that finds other functions under some names; the own one stays.
 
     Raises
     ------
@@ -116,8 +115,8 @@ def _twice(localize: Localize) -> Localize:
 
 
 def _not_wrapped(pose: FloatArray, landmark: FloatArray) -> FloatArray:
-    dx, dy = np.asarray(landmark) - np.asarray(pose)[:2]
-    return np.array([np.arctan2(dy, dx) - pose[2], np.hypot(dx, dy)])
+    direction, distance = range_and_bearing((pose[0], pose[1], 0.0), landmark)
+    return np.array([direction - pose[2], distance])
 
 
 def _of_another(pose: FloatArray, landmark: FloatArray) -> FloatArray:
@@ -144,12 +143,14 @@ HEALTHY = Bug(
 BUGS = (
     Bug(
         "the innovation's sign",
-        "Every correction goes the wrong way: residuals grow from look to look, and both NIS and NEES leave the paper within a few steps, while the ellipse stays small.",
+        "Every correction goes the wrong way: residuals grow from look to look, and both NIS and NEES "
+        "leave the paper within a few steps, while the ellipse stays small.",
         in_update=_mirrored,
     ),
     Bug(
         "the bearing is not wrapped",
-        "All is well until the heading passes 180 degrees. Then one innovation is off by a full turn, and the estimate jumps.",
+        "All is well until the heading passes 180 degrees. Then one innovation is off by a full turn, "
+        "and the estimate jumps.",
         in_parts={
             "expected_measurement": _not_wrapped,
             "innovation": lambda expected, measured: np.asarray(measured) - np.asarray(expected),
@@ -157,17 +158,20 @@ BUGS = (
     ),
     Bug(
         "R holds standard deviations",
-        "0.026 rad and 0.1 m stand where their squares belong: the filter hardly believes what it sees. NIS and NEES both lie far below their bands.",
+        "0.026 rad and 0.1 m stand where their squares belong: the filter hardly believes what it sees. "
+        "NIS and NEES both lie far below their bands.",
         in_update=_with_noise(np.sqrt),
     ),
     Bug(
         "Q is forgotten",
-        "The ellipse only ever shrinks, so later measurements count for ever less. NIS and NEES begin in their bands and climb step by step.",
+        "The ellipse only ever shrinks, so later measurements count for ever less. NIS and NEES begin in "
+        "their bands and climb step by step.",
         noise=1e-9,
     ),
     Bug(
         "H belongs to another landmark",
-        "Corrections point to wrong places: residuals are several times too large, NIS and NEES too, from the first look on; yet the filter does not run away for good.",
+        "Corrections point to wrong places: residuals are several times too large, NIS and NEES too, "
+        "from the first look on; yet the filter does not run away for good.",
         in_parts={"measurement_jacobian_pose": _of_another},
     ),
     Bug(
@@ -182,7 +186,8 @@ BUGS = (
     ),
     Bug(
         "R is left out of S",
-        "Each measurement is believed as if it were exact: the ellipse is far too small. NIS is only a little high, because R is most of S; NEES is enormous.",
+        "Each measurement is believed as if it were exact: the ellipse is far too small. NIS is only a "
+        "little high, because R is most of S; NEES is enormous.",
         in_update=_with_noise(lambda noise: noise * 1e-6),
     ),
     Bug(
@@ -192,7 +197,8 @@ BUGS = (
     ),
     Bug(
         "each measurement is used twice",
-        "Residuals and NIS look healthy. Only NEES, about twice what it should be, shows that the ellipse is too small.",
+        "Residuals and NIS look healthy. Only NEES, about twice what it should be, shows that the "
+        "ellipse is too small.",
         in_update=_twice,
     ),
 )

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
+from nao_course.lessons.localization.drives import Trace
 from nao_course.lessons.localization.honesty import BAND, band
 from nao_course.lessons.localization.lab import (
     BUGS,
@@ -21,7 +22,6 @@ from nao_course.lessons.localization.lab import (
     patient,
     read,
 )
-from nao_course.lessons.localization.drives import Trace
 from nao_course.plotting import STYLES, Drawing, Table, course_style, table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
@@ -145,7 +145,7 @@ class LabPanel(FunctionPanel):
             "predict_pose": predict_pose,
             "predict_covariance": predict_covariance,
         }
-        self._seen: dict[Any, list[Trace]] = {}
+        self._seen: dict[Any, tuple[Drawing, Table]] = {}
         self.named: set[str] = set()
         super().__init__(
             "Diagnosis lab",
@@ -170,18 +170,19 @@ class LabPanel(FunctionPanel):
     def _examine(self, values: Any, student: Any) -> Iterator[Any]:
         """Let the patient drive, show its instruments, and answer the diagnosis."""
         bug = CASES[values.patient]
-        traces = self._traces(values.patient, bug, student)
-        yield {"Instruments": draw_instruments(traces, values.patient)}
-        yield {"": readings_table({values.patient: read(traces)})}
+        instruments, readings = self._instruments(values.patient, bug, student)
+        yield {"Instruments": instruments}
+        yield {"": readings}
         yield self._answer(values.patient, bug, values.diagnosis)
 
-    def _traces(self, letter: str, bug: Bug, student: Any) -> list[Trace]:
-        """Drives of a patient; of the same filter only once."""
+    def _instruments(self, letter: str, bug: Bug, student: Any) -> tuple[Drawing, Table]:
+        """What a patient's drives show; of the same filter they are made only once."""
         newest = {name: newest_definition(function) for name, function in self._functions.items()}
         key = (letter, *newest.values())
         if key not in self._seen:
             patient(HEALTHY, student, drives=1)  # what the student's code raises is said as theirs
-            self._seen[key] = patient(bug, newest)
+            traces = patient(bug, newest)
+            self._seen[key] = draw_instruments(traces, letter), readings_table({letter: read(traces)})
         return self._seen[key]
 
     def _answer(self, letter: str, bug: Bug, diagnosis: str) -> str:
@@ -191,7 +192,8 @@ class LabPanel(FunctionPanel):
         if claimed is not bug:
             return f"No. {claimed.name[0].upper()}{claimed.name[1:]} would show otherwise. {claimed.shows}"
         self.named.add(letter)
-        return f"Right, patient {letter} has it: {bug.name}. {bug.shows} Named so far: {len(self.named)} of {len(PATIENTS)}."
+        count = f"Named so far: {len(self.named)} of {len(PATIENTS)}."
+        return f"Right, patient {letter} has it: {bug.name}. {bug.shows} {count}"
 
 
 def readings_table(readings: dict[str, Readings]) -> Table:
@@ -251,8 +253,10 @@ def draw_instruments(traces: list[Trace], name: str) -> Drawing:
     r = read(traces)
     return Drawing(
         figure,
-        f"Instruments of patient {name}, 20 drives. Median residual: bearing {r.bearing:.2g}, range {r.range:.2g} standard deviations. "
-        f"NIS over its healthy value: {r.nis_early:.2g} early, {r.nis_late:.2g} late, {r.nis_peak:.2g} at most. "
+        f"Instruments of patient {name}, 20 drives. Median residual: bearing {r.bearing:.2g}, range "
+        f"{r.range:.2g} standard deviations. "
+        f"NIS over its healthy value: {r.nis_early:.2g} early, {r.nis_late:.2g} late, {r.nis_peak:.2g} at "
+        "most. "
         f"NEES: {r.nees_early:.2g} early, {r.nees_late:.2g} late.",
     )
 
@@ -263,4 +267,5 @@ def _plot_gauge(ax: Any, steps: Any, values: FloatArray, limits: tuple[float, fl
     ax.axhline(1, color=GREY, lw=1)
     shown = np.clip(np.nan_to_num(values, nan=1e4, posinf=1e4), 1e-2, 1e4)
     ax.semilogy(steps, shown, "-", marker=".", ms=4, lw=1.2, color=STYLES["ekf"].colour)
+    ax.minorticks_off()
     ax.set(title=f"{name}, over its healthy value", xlabel="step", ylim=(0.8e-2, 1.4e4))

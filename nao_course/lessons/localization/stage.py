@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from nao_course.geometry import FloatArray, Pose
+from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.localization.drives import REACH, checked
 from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth, VisibleLandmark, visible_landmarks
@@ -58,7 +58,9 @@ def _predicted(
     spread = checked(
         student.predict_covariance(covariance, pose, control, noise), (3, 3), "predict_covariance"
     )
-    return checked(student.predict_pose(pose, control), (3,), "predict_pose"), spread
+    moved_pose = checked(student.predict_pose(pose, control), (3,), "predict_pose")
+    moved_pose[2] = wrap_angle(moved_pose[2])
+    return moved_pose, spread
 
 
 def _updated(

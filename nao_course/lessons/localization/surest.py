@@ -121,12 +121,15 @@ def draw_surest(localize: Callable[..., Any]) -> Drawing:
         position, heading = left_after(localize, LANDMARKS[number])
         bearing_only, _ = left_after(localize, LANDMARKS[number], use_range=False)
         words.append(
-            f"{name} leaves {100 * position:.0f} cm and {np.degrees(heading):.1f} degrees, its bearing alone {100 * bearing_only:.0f} cm"
+            f"{name} leaves {100 * position:.0f} cm and {np.degrees(heading):.1f} degrees, its bearing "
+            f"alone {100 * bearing_only:.0f} cm"
         )
     return Drawing(
         figure,
-        "What one look leaves of a doubt of 47 cm, which lies along the heading, and of 8 degrees, by where the landmark stands. With bearing "
-        "and range, near landmarks leave least of the position's doubt, far ones least of the heading's. The bearing alone tells the "
+        "What one look leaves of a doubt of 47 cm, which lies along the heading, and of 8 degrees, by "
+        "where the landmark stands. With bearing "
+        "and range, near landmarks leave least of the position's doubt, far ones least of the heading's. "
+        "The bearing alone tells the "
         f"position only where the landmark stands beside the robot. {'; '.join(words)}.",
     )
 
