@@ -235,7 +235,10 @@ INNOVATION = Exercise(
         ),
     ],
     alternatives={"arctan2": _arctan, "a loop, a list": _with_a_loop, "complex numbers": _complex},
-    equivalents={},
+    equivalents={
+        "return np.array([(bearing - np.pi) % (2 * np.pi) - np.pi, distance])": "a full turn less, which the remainder takes out",
+        "return [(bearing + np.pi) % (2 * np.pi) - np.pi, distance]": "a list of the same numbers",
+    },
 )
 
 
@@ -348,6 +351,10 @@ NEES = Exercise(
         "Cholesky": _by_cholesky,
         "along the eigenvectors": _by_eigenvalues,
         "columns and an inverse": _by_inverse,
+    },
+    equivalents={
+        "return error @ np.linalg.solve(covariance, error)": "NumPy's number is a number",
+        "return float(np.linalg.solve(covariance, error) @ error)": "a product of two vectors has no order",
     },
 )
 
@@ -544,6 +551,9 @@ COVARIANCE_ELLIPSE = Exercise(
         ),
     ],
     alternatives={"closed form": _closed_form, "svd and chi2": _by_svd, "eig, sorted": _by_eig},
+    equivalents={
+        "x, y = directions[1, :]": "two by two, eigh's eigenvectors have the same rows as columns, up to signs that turn an axis by half a turn",
+    },
 )
 
 
@@ -754,6 +764,9 @@ KALMAN_UPDATE = Exercise(
         "information form": _information,
         "the short form, as lists": _as_lists,
     },
+    equivalents={
+        "left = K @ H - np.eye(len(mean))": "it stands there twice, so its sign does not matter",
+    },
 )
 
 
@@ -954,6 +967,9 @@ LOCALIZE = Exercise(
         "bearing, then range": _one_by_one,
         "information form": _with_information,
         "slopes by differences": _with_differences,
+    },
+    equivalents={
+        "return ([x, y, np.arctan2(np.sin(theta), np.cos(theta))], covariance)": "a list of the same numbers",
     },
 )
 
