@@ -198,7 +198,7 @@ class LabPanel(FunctionPanel):
 
 def readings_table(readings: dict[str, Readings]) -> Table:
     """What the instruments show, a row for each patient."""
-    columns = ("", "bearing", "range", "NIS early", "NIS late", "NIS peak", "NEES early", "NEES late")
+    columns = ("", "bearing (σ)", "range (σ)", "NIS early", "NIS late", "NIS peak", "NEES early", "NEES late")
     return table(columns, [(name, *map(_short, vars(each).values())) for name, each in readings.items()])
 
 
@@ -238,10 +238,10 @@ def draw_instruments(traces: list[Trace], name: str) -> Drawing:
         residuals.axhline(0, color=GREY, lw=1)
         for column, (label, source) in enumerate((("bearing", "ekf"), ("range", "odometry"))):
             style = STYLES[source]
-            shift = 0.15 * (2 * column - 1)
+            shift = 0.22 * (2 * column - 1)
             values = np.clip(scaled[:, column], -9.7, 9.7)
             residuals.plot(
-                steps + shift, values, style.marker, color=style.colour, ms=2.2, alpha=0.5, label=label
+                steps + shift, values, style.marker, color=style.colour, ms=1.8, alpha=0.45, label=label
             )
         residuals.set(title="Residuals", xlabel="step", ylabel="standard deviations, by S", ylim=(-10, 10))
         medians = np.array([np.median(nis[steps == step]) for step in when]) / MEDIAN_NIS

@@ -86,7 +86,7 @@ def _updated(
 
 
 STAGE = Stage(
-    name="the pose on the known map",
+    name="pose",
     lesson="06_localization",
     uses=("localize", "05:predict_pose", "05:predict_covariance"),
     wire=_localise,
