@@ -24,6 +24,7 @@ PLANNED = {
     "02": "goal posts",
     "03": "corners",
     "04": "points on the map",
+    "06": "pose",
     "11": "the estimate",
 }
 

@@ -108,6 +108,8 @@ class ControlPanel:
         self._names |= {"odometry": "odometry"} | (
             {source: _short(type(slam).__name__)} if slam is not None else {}
         )
+        if slam is None and pipeline is not None and pipeline.estimates:
+            self._names[source] = "your estimate"
         self._map = LiveMap(nao.field, self._names)
         self._first_head = nao.head
         self._controls = Controls(
@@ -472,8 +474,12 @@ class ControlPanel:
         paths["odometry"] = cockpit.odometry
         if cockpit.slam is not None:
             paths[self.source] = cockpit.estimated
-        observer = self.source if cockpit.estimated else "odometry"
-        return MapContents(paths, cockpit.estimate, cockpit.seen, observer, self._seen.points)
+        estimate = cockpit.estimate
+        if cockpit.slam is None and self._seen.estimate is not None:
+            estimate = self._seen.estimate
+            paths[self.source] = [estimate.pose]
+        observer = self.source if paths.get(self.source) else "odometry"
+        return MapContents(paths, estimate, cockpit.seen, observer, self._seen.points)
 
     def _refuse_if_closed(self) -> None:
         if self.closed:

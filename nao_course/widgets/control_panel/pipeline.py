@@ -19,6 +19,7 @@ from matplotlib.colors import to_rgb
 from nao_course.exercises.lesson_names import number_of
 from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import Picture, SimulatedNao
+from nao_course.slam import Estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, TooSlow, attempt
 
 Pixels = npt.NDArray[np.uint8]
@@ -52,6 +53,8 @@ class Overlay:
         Points in the robot frame, m (x ahead, y left), to mark on the map.
     text : str
         What came of it, in a few words: "green 62 %, yellow 3 %".
+    estimate : Estimate, optional
+        Where the robot is believed to be, in the world, for the map.
 
     Raises
     ------
@@ -65,6 +68,7 @@ class Overlay:
     pixels: npt.ArrayLike = field(default_factory=lambda: _NONE)
     points: npt.ArrayLike = field(default_factory=lambda: _NONE)
     text: str = ""
+    estimate: Estimate | None = None
 
     def __post_init__(self) -> None:
         """Refuse points that are none."""
@@ -111,6 +115,8 @@ class Stage:
         for each picture. The student's functions are `student`'s: ``student.color_labels(...)``.
     after : tuple of str
         Names of the stages whose results it needs.
+    estimates : bool
+        Whether its overlays have an estimate: then the map has a place for it.
     """
 
     name: str
@@ -118,6 +124,7 @@ class Stage:
     uses: tuple[str, ...]
     wire: Callable[[StudentCode, SimulatedNao], Look]
     after: tuple[str, ...] = ()
+    estimates: bool = False
 
 
 @dataclass(frozen=True)
@@ -148,6 +155,12 @@ class Seen:
     def points(self) -> FloatArray:
         """All points in the robot frame, (N, 2), m."""
         return np.vstack([_NONE, *(as_points(each.points) for each in self.overlays.values())])
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """The last stage's estimate, of those that have one."""
+        found = [each.estimate for each in self.overlays.values() if each.estimate is not None]
+        return found[-1] if found else None
 
     @property
     def names(self) -> str:
@@ -229,6 +242,11 @@ class Pipeline:
         self._student = StudentCode(functions)
         self._looks: dict[str, Look] = {}
         self._left_out: dict[str, str] = {}
+
+    @property
+    def estimates(self) -> bool:
+        """Whether a stage says where the robot is."""
+        return any(stage.estimates for stage in self.stages)
 
     def wake(self) -> None:
         """Try stages again that were left out."""

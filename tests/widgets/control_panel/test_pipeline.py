@@ -7,6 +7,7 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Picture, Truth
+from nao_course.slam import Estimate
 from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
 from nao_course.widgets.control_panel import pipeline as module
 from tests.paths import PROJECT
@@ -183,6 +184,18 @@ def test_the_stage_of_the_documentation_is_made_of_ten_lines_and_marks_what_is_f
     seen = pipeline_of(labels, room["STAGE"], **functions).look(PICTURE)
     assert seen.complaints == () and seen.lines() == ["goal posts: 2 found"]
     assert np.array_equal(seen.overlays["goal posts"].pixels, [(5, 6), (7, 8)]) and seen.names == "goal posts"
+
+
+def test_the_last_stage_that_has_an_estimate_says_where_the_robot_is():
+    def believing(x):
+        estimate = Estimate(Pose(x, 0.0, 0.0), np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
+        look = lambda *_: lambda sight: Overlay(estimate=estimate)  # noqa: E731
+        return Stage(f"at {x}", "01_hsl_filtering", (), look, estimates=True)
+
+    silent = Stage("silent", "01_hsl_filtering", (), lambda *_: lambda sight: Overlay())
+    both = pipeline_of(believing(1.0), believing(2.0), silent)
+    assert both.estimates and both.look(PICTURE).estimate.pose == Pose(2.0, 0.0, 0.0)
+    assert not pipeline_of(silent).estimates and pipeline_of(silent).look(PICTURE).estimate is None
 
 
 # --- at arm's length ---

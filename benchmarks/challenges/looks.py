@@ -1,0 +1,136 @@
+"""Entries to lesson 06's challenge: no look, near landmarks, the surest by the filter's word, an honest one."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks import ROOT
+from nao_course.exercises import Definitions
+from nao_course.geometry import wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+
+Array = npt.NDArray[np.float64]
+BEARING, RANGE = float(np.radians(1.5)), 0.05  # as the robot's sensors have them: rad, part of the range
+SAMPLES = 64  # poses by which a look is judged before it is taken
+ITERATIONS = 8
+
+
+@cache
+def lesson_functions() -> Definitions:
+    """The lesson's own solution, with that of lesson 05."""
+    return load_solution(ROOT / "solutions" / "06_localization.ipynb")
+
+
+def _expected(pose: Array, landmark: Array) -> Array:
+    away = landmark - pose[..., :2]
+    bearing = wrap_angle(np.arctan2(away[..., 1], away[..., 0]) - pose[..., 2])
+    return np.stack([bearing, np.hypot(away[..., 0], away[..., 1])], axis=-1)
+
+
+def _jacobian(pose: Array, landmark: Array) -> Array:
+    dx, dy = landmark - pose[:2]
+    r = np.hypot(dx, dy)
+    return np.array([[dy / r**2, -dx / r**2, -1.0], [-dx / r, -dy / r, 0.0]])
+
+
+def _noise(distance: float) -> Array:
+    return np.diag([BEARING**2, (RANGE * distance) ** 2])
+
+
+def no_look(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
+    """What it was given."""
+    return pose, covariance
+
+
+def nearest(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
+    """The three landmarks that are nearest to where the robot believes to be."""
+    localize = lesson_functions()["localize"]
+    for number in np.argsort(np.hypot(*(landmarks - pose[:2]).T))[:3]:
+        measured, noise = looks.at(int(number))
+        pose, covariance = localize(pose, covariance, measured, landmarks[number], noise)
+    return pose, covariance
+
+
+def greedy(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
+    """Each time the landmark after which the filter would be surest, by the determinant of its covariance."""
+    localize = lesson_functions()["localize"]
+    for _ in range(3):
+        left = []
+        for landmark in landmarks:
+            expected = _expected(pose, landmark)
+            left.append(np.linalg.det(localize(pose, covariance, expected, landmark, _noise(expected[1]))[1]))
+        number = int(np.argmin(left))
+        measured, noise = looks.at(number)
+        pose, covariance = localize(pose, covariance, measured, landmarks[number], noise)
+    return pose, covariance
+
+
+def better(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
+    """The same choice by the mean over sampled poses; all looks fitted together, again and again."""
+    rng = np.random.default_rng(0)
+    prior, information = pose.copy(), np.linalg.inv(covariance)
+    taken: list[tuple[Array, Array, Array]] = []
+    for _ in range(3):
+        samples = rng.multivariate_normal(pose, covariance, SAMPLES)
+        number = int(np.argmax([_gain(samples, covariance, landmark) for landmark in landmarks]))
+        taken.append((landmarks[number], *looks.at(number)))
+        pose, covariance = _fit(prior, information, taken)
+    return pose, covariance
+
+
+def _gain(samples: Array, covariance: Array, landmark: Array) -> float:
+    """Expected logarithm by which a look shrinks the covariance, H at each sample."""
+    gains = []
+    for sample in samples:
+        slopes = _jacobian(sample, landmark)
+        noise = _noise(float(np.hypot(*(landmark - sample[:2]))))
+        gains.append(np.log(np.linalg.det(slopes @ covariance @ slopes.T + noise) / np.linalg.det(noise)))
+    return float(np.mean(gains))
+
+
+def _fit(prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
+    """Most probable pose after all looks, by Gauss-Newton from several starts, and its covariance there."""
+    fits = [
+        _descend(prior + np.array([0.0, 0.0, turn]), prior, information, taken) for turn in (0.0, 0.5, -0.5)
+    ]
+    _, pose, total = min(fits, key=lambda fit: fit[0])
+    pose[2] = wrap_angle(pose[2])
+    return pose, np.linalg.inv(total)
+
+
+def _descend(
+    start: Array, prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]
+) -> tuple[float, Array, Array]:
+    pose = start.copy()
+    for _ in range(ITERATIONS):
+        total, pull, cost = _normal_equations(pose, prior, information, taken)
+        pose = pose + np.linalg.solve(total, pull)
+    total, _, cost = _normal_equations(pose, prior, information, taken)
+    return cost, pose, total
+
+
+def _normal_equations(
+    pose: Array, prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]
+) -> tuple[Array, Array, float]:
+    off = prior - pose
+    total, pull, cost = information.copy(), information @ off, float(off @ information @ off)
+    for landmark, measured, noise in taken:
+        surprise = measured - _expected(pose, landmark)
+        surprise[0] = wrap_angle(surprise[0])
+        slopes, weight = _jacobian(pose, landmark), np.linalg.inv(noise)
+        total = total + slopes.T @ weight @ slopes
+        pull = pull + slopes.T @ weight @ surprise
+        cost += float(surprise @ weight @ surprise)
+    return total, pull, cost
+
+
+LOOK_ENTRIES = {
+    "no look": no_look,
+    "the three nearest": nearest,
+    "the reference": greedy,
+    "a better filter": better,
+}

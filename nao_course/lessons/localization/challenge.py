@@ -1,0 +1,208 @@
+"""The challenge of lesson 06: three looks that make the robot surest, and honestly so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
+from nao_course.exercises.codec import register
+from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
+from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, look_at
+from nao_course.plotting import Drawing, course_style, plot_ellipse, plot_field, plot_landmarks, plot_pose
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.style import GREY
+from nao_course.sim import SensorNoise
+
+ROBOTS = 40
+LOOKS = 3
+DEEPEST = -20.0  # bits: no robot counts less, so that one is not everything
+SHOWN = 3
+
+
+@register
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """A robot's head: ``looks.at(number)`` measures a landmark, three times at most.
+
+    Parameters
+    ----------
+    measurements : ndarray, shape (L, N, 2)
+        (bearing, range) of each of N landmarks, for the first look, the second and the third: rad, m.
+    covariances : ndarray, shape (L, N, 2, 2)
+        Of their noise: rad^2, m^2.
+    """
+
+    measurements: FloatArray
+    covariances: FloatArray
+
+    def __post_init__(self) -> None:
+        """Begin with no look taken; that is no field, for what is given to an entry must stay as it was."""
+        object.__setattr__(self, "_taken", [])
+
+    def at(self, number: int) -> tuple[FloatArray, FloatArray]:
+        """Look at landmark `number`: its measurement (2,) and R (2, 2).
+
+        Raises
+        ------
+        ValueError
+            If there is no such landmark, or all looks are taken.
+        """
+        if isinstance(number, bool) or int(number) != number or not 0 <= number < self.measurements.shape[1]:
+            raise ValueError(f"a landmark's number is 0 to {self.measurements.shape[1] - 1}, got {number!r}")
+        taken: list[int] = self.__dict__["_taken"]
+        look = len(taken)
+        if look >= len(self.measurements):
+            raise ValueError(f"all {len(self.measurements)} looks are taken")
+        taken.append(int(number))
+        return self.measurements[look, int(number)].copy(), self.covariances[look, int(number)].copy()
+
+
+@dataclass(frozen=True, eq=False)
+class LostRobot:
+    """A robot that is not where it believes to be.
+
+    Parameters
+    ----------
+    pose, covariance : ndarray, shape (3,) and (3, 3)
+        What it believes, and honestly: m, rad, field frame.
+    truth : ndarray, shape (3,)
+        Where it is.
+    looks : Looks
+        What it would measure.
+    """
+
+    pose: FloatArray
+    covariance: FloatArray
+    truth: FloatArray
+    looks: Looks
+
+
+def make_robot(seed: int) -> LostRobot:
+    """Put a robot down somewhere, with a belief from which its truth is drawn."""
+    rng = np.random.default_rng([66, seed])
+    pose = np.array([rng.uniform(0.4, 2.4), rng.uniform(-1.6, 1.6), rng.uniform(-np.pi, np.pi)])
+    long, short = np.sort(rng.uniform(0.08, 0.5, 2))[::-1]
+    turned = rotation_2d(rng.uniform(0, np.pi))
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = turned @ np.diag([long**2, short**2]) @ turned.T
+    covariance[2, 2] = np.radians(rng.uniform(3, 20)) ** 2
+    truth = rng.multivariate_normal(pose, covariance)
+    truth[2] = wrap_angle(truth[2])
+    seen = [
+        [look_at(truth, number, SensorNoise(), rng) for number in range(len(LANDMARKS))] for _ in range(LOOKS)
+    ]
+    looks = Looks(
+        np.array([[sight.measurement for sight in row] for row in seen]),
+        np.array([[sight.covariance for sight in row] for row in seen]),
+    )
+    return LostRobot(pose, covariance, truth, looks)
+
+
+def as_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
+    """Return an answer as pose (3,) and covariance (3, 3).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is something else; the message is for the student.
+    """
+    if answer is None:
+        raise TypeError("Your entry returns None: does it end with return pose, covariance?")
+    try:
+        pose, covariance = (np.array(each, dtype=float, subok=False) for each in answer)
+    except (TypeError, ValueError):
+        raise TypeError(
+            "Your entry must return two things: the pose (3,) and its covariance (3, 3)."
+        ) from None
+    if pose.shape != (3,) or covariance.shape != (3, 3):
+        raise ValueError(
+            f"Your pose has shape {pose.shape} and your covariance {covariance.shape}; (3,) and (3, 3) "
+            "are wanted."
+        )
+    if not (np.isfinite(pose).all() and np.isfinite(covariance).all()):
+        raise ValueError("Your belief has NaN or infinite numbers in it.")
+    if not np.allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12):
+        raise ValueError("Your covariance is not symmetric.")
+    if np.linalg.eigvalsh(covariance)[0] <= 0:
+        raise ValueError(
+            "Your covariance has an eigenvalue that is not positive: a direction without any doubt."
+        )
+    return pose, covariance
+
+
+def log_density(pose: FloatArray, covariance: FloatArray, truth: FloatArray) -> tuple[float, float]:
+    """Logarithm (base 2) of a belief's density at the true pose, and the NEES there."""
+    off = np.append(truth[:2] - pose[:2], wrap_angle(truth[2] - pose[2]))
+    root = np.linalg.cholesky(covariance)
+    squared = float(np.sum(np.linalg.solve(root, off) ** 2))
+    nats = -squared / 2 - float(np.log(np.diag(root)).sum()) - 1.5 * np.log(2 * np.pi)
+    return float(nats / np.log(2)), squared
+
+
+def judge(answer: Any, robot: LostRobot) -> CaseScore:
+    """Score a belief: by how many bits its density at the true pose is above that of the belief at first."""
+    pose, covariance = as_belief(answer)
+    after, nees = log_density(pose, covariance, robot.truth)
+    before, _ = log_density(robot.pose, robot.covariance, robot.truth)
+    columns = {
+        "off": 100 * float(np.hypot(*(pose - robot.truth)[:2])),
+        "stated": 100 * float(np.sqrt(covariance[0, 0] + covariance[1, 1])),
+        "NEES": min(nees, 1000.0),
+    }
+    return CaseScore(max(after - before, DEEPEST), columns, (robot, pose, covariance))
+
+
+def draw_worst_robots(run: Run) -> Drawing:
+    """Draw the robots with the fewest bits: before, after, and where they are."""
+    judged = sorted((each for each in run.results if each.kept), key=lambda each: each.score)[:SHOWN]
+    with course_style():
+        figure = Figure(figsize=(9.9, 4.7))
+        for number, each in enumerate(judged, start=1):
+            robot, pose, covariance = each.kept
+            ax = figure.add_subplot(1, SHOWN, number)
+            plot_field(FIELD, ax)
+            plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+            plot_ellipse(robot.pose[:2], robot.covariance[:2, :2], ax, "odometry")
+            plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
+            plot_pose(Pose.from_array(robot.pose), ax, "odometry")
+            plot_pose(Pose.from_array(pose), ax, "ekf")
+            plot_pose(Pose.from_array(robot.truth), ax)
+            ax.set_title(f"{each.name}: {each.score:.1f} bits", fontsize=11)
+        keys = [
+            source_key("truth", "where it is"),
+            source_key("odometry", "believed before, 95 %"),
+            source_key("ekf", "believed after, 95 %"),
+        ]
+        legend_below(figure, keys)
+    said = ", ".join(f"{each.name} with {each.score:.1f} bits" for each in judged)
+    return Drawing(figure, f"Score of {len(run.results)} robots: {run.score:.2f} bits. The worst are {said}.")
+
+
+CHALLENGE = Challenge(
+    lesson="06_localization",
+    title="Challenge 06: three looks",
+    task=f"{ROBOTS} robots do not know well where they are. Write a function of pose, covariance, "
+    "landmarks (10, 2) and looks. It may call "
+    "looks.at(number) three times, which returns a measurement and its R, and returns the pose and "
+    "covariance that it believes then.",
+    scoring="bits gained: how much denser your belief is at the true pose than the belief at first, as a "
+    "logarithm to the base 2, the mean "
+    "over all robots. Who is surer scores more, but only if the truth is where the belief says.",
+    seeds=range(ROBOTS),
+    make=make_robot,
+    given=lambda robot: (robot.pose, robot.covariance, LANDMARKS, robot.looks),
+    judge=judge,
+    figure=draw_worst_robots,
+    columns=(Column("off", " cm", 1), Column("stated", " cm", 1), Column("NEES", "", 1)),
+    rows=recorded_rows(Path(__file__).with_suffix(".json")),
+    nothing=DEEPEST,
+    unit=" bits",
+    case="robot",
+    name_of=partial("robot {}".format),
+)
