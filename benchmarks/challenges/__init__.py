@@ -14,6 +14,7 @@ import numpy as np
 
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
+from benchmarks.challenges.measurement_choice import CHOICE_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
 from nao_course.challenges import Challenge, Run
@@ -25,6 +26,7 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "00_meet_the_nao": SLALOM_ENTRIES,
     "01_hsl_filtering": COLOUR_ENTRIES,
     "02_goalposts": POST_ENTRIES,
+    "08_graph_slam": CHOICE_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

@@ -24,6 +24,7 @@ PLANNED = {
     "02": "goal posts",
     "03": "corners",
     "04": "points on the map",
+    "08": "the map after the drive",
     "11": "the estimate",
 }
 
