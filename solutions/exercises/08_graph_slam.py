@@ -550,6 +550,15 @@ def _in_parts(rng: np.random.Generator, size: int) -> Pair:
     return linked(2 * size, links, {int(order[0]): float(rng.normal(0, 3))})
 
 
+def _apart(rng: np.random.Generator, parts: int) -> Pair:
+    """Several drives that know nothing of each other, the first of which is held."""
+    links = []
+    for part in range(parts):
+        for i, j, difference, epsilon in a_drive(rng, 5, 2):
+            links.append((7 * part + i, 7 * part + j, difference, epsilon))
+    return linked(7 * parts, links, {0: float(rng.normal(0, 3))})
+
+
 def _solve_hidden(rng: np.random.Generator) -> list[Case]:
     return [
         *(
@@ -561,6 +570,7 @@ def _solve_hidden(rng: np.random.Generator) -> list[Case]:
         Case(linked(int(rng.integers(3, 7)), [], {})),
         Case(linked(8, a_drive(rng, 4, 3), {0: float(rng.normal(0, 2))})),
         Case(linked(9, a_drive(rng, 6, 3, (5e-4, 1e-3)), {})),
+        Case(_apart(rng, 4)),
         Case(linked(60, a_drive(rng, 50, 10), {})),
     ]
 
@@ -640,6 +650,9 @@ SOLVE = Exercise(
         "parts that hang together, and the inverse": _solve_parts,
         "singular values": _solve_svd,
         "a walk from the starts, and Cholesky, float32": _solve_walking,
+    },
+    equivalents={
+        "loose = np.flatnonzero(np.linalg.norm(free, axis=1) >= 1e-06)": "no entry is exactly as large",
     },
 )
 
@@ -807,9 +820,9 @@ MARGINALIZE = Exercise(
 
 
 def _network(
-    rng: np.random.Generator, poses: int, every: int, form: str, starts: int = 1
+    rng: np.random.Generator, poses: int, every: int, form: str, starts: int = 1, *, shuffled: bool = True
 ) -> tuple[Any, Array]:
-    """A long corridor with a landmark every few poses, each seen from near by; its variables in any order."""
+    """A long corridor with a landmark every few poses, each seen from near by; its variables in any order, or poses first."""
     landmarks = poses // every
     first, second = [np.arange(poses - 1)], [np.arange(1, poses)]
     for away in range(1, 5):
@@ -818,7 +831,7 @@ def _network(
         second.append(poses + number)
     i, j = np.concatenate(first), np.concatenate(second)
     size, weight = poses + landmarks, 1 / rng.uniform(0.25, 4.0, len(i))
-    order = rng.permutation(size)
+    order = rng.permutation(size) if shuffled else np.arange(size)
     i, j = order[i], order[j]
     truth = rng.normal(0.0, 5.0, size)
     right = weight * (truth[j] - truth[i] + rng.normal(0.0, 0.1, len(i)))
@@ -853,6 +866,7 @@ def _sparse_public() -> list[Case]:
 def _sparse_hidden(rng: np.random.Generator) -> list[Case]:
     return [
         Case(_network(rng, 30_000, 5, "csr", 300)),
+        Case(_network(rng, 16_000, 2, "csc", 160, shuffled=False)),  # as numbered, its factor is nearly full
         Case(_network(rng, 2_000, 4, "csc", 20)),
         Case(_network(rng, 300, 3, "coo")),
         Case(_sparse(a_solved_drive(rng, 12, 5), "csc")),
@@ -976,6 +990,11 @@ SOLVE_SPARSE = Exercise(
         "spsolve": _splu_naturally_named,
         "a narrow band": _banded,
         "conjugate gradients": _gradients,
+    },
+    equivalents={
+        "return scipy.sparse.linalg.splu(omega.tocsc()).solve(xi)": "scipy's own order is a good one, too",
+        "return scipy.sparse.linalg.splu(omega, permc_spec='MMD_AT_PLUS_A').solve(xi)": "splu makes a csc matrix itself, and warns",
+        "loose = np.flatnonzero(starts[part] <= 0.5)": "a number of starts is whole, but for rounding",
     },
 )
 

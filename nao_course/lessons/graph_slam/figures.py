@@ -136,7 +136,9 @@ def draw_valley(omega: npt.ArrayLike, xi: npt.ArrayLike, names: Sequence[str] = 
     with course_style():
         figure = Figure(figsize=(6.8, 5.2))
         ax = figure.add_subplot()
-        ax.contourf(across, along, cost, levels=np.linspace(0, 3, 13), cmap="Greys", alpha=0.5, extend="max")
+        levels = np.linspace(0, 3, 13)
+        greys = [str(0.98 - 0.03 * number) for number in range(len(levels))]
+        ax.contourf(across, along, cost, levels=levels, colors=greys, extend="max")
         looks = (("odometry", 0), ("ekf", 1))
         for source, row in looks:
             rest = right[row] - grid @ matrix[row]

@@ -167,8 +167,8 @@ def draw_marginalised(omega: npt.ArrayLike, poses: int, kept: npt.ArrayLike) -> 
     left = np.where(np.abs(left) > ROUNDING * np.abs(left).max(initial=1e-300), left, 0.0)
     shown = {
         r"$\Omega$": array,
-        "its block of landmarks": block,
-        "landmarks, poses removed": left,
+        "the landmarks' block": block,
+        "poses removed": left,
     }
     with course_style():
         figure = Figure(figsize=(10.2, 4.1))

@@ -57,6 +57,15 @@ def test_to_look_does_not_change_how_the_robot_slips():
     assert Truth(drive()[0]).pose == Truth(blind).pose
 
 
+def test_turning_on_the_spot_breeds_a_second_map_as_the_lesson_says():
+    nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41)
+    pipeline, picture = Pipeline([STAGE], OWN, nao, time_limit=60.0), nao.take_picture("bottom")
+    for _ in range(48):
+        nao.turn(np.radians(15))
+        seen = pipeline.look(picture)
+    assert len(seen.overlays[STAGE.name].points) > 12, "the half field has ten landmarks"
+
+
 def test_nonsense_is_said_in_words():
     for wrong in (lambda omega, xi: None, lambda omega, xi: np.zeros((2, 2)), lambda omega, xi: "x"):
         _, seen = drive({**OWN, "solve": wrong}, steps=0)
