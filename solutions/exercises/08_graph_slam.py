@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -13,6 +14,7 @@ import scipy.sparse.csgraph
 import scipy.sparse.linalg
 
 from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.lessons.graph_slam.drivers import SolvedOrNamed
 
 Array = npt.NDArray[Any]
 Pair = tuple[Array, Array]
@@ -25,7 +27,8 @@ BOTH = Close(rtol=1e-6, atol=1e-9, names=("your omega", "your xi"))
 
 def linked(size: int, links: Sequence[tuple[int, int, float, float]], starts: dict[int, float]) -> Pair:
     """A system of links (first, second, difference, epsilon) and starts (variable: position)."""
-    omega, xi = np.zeros((size, size)), np.zeros(size)
+    omega = np.zeros((size, size))
+    xi = omega.sum(axis=0)
     for variable, position in starts.items():
         omega[variable, variable] += 1.0
         xi[variable] += position
@@ -356,6 +359,12 @@ def _link_mistakes(value: str, first: str, second: str) -> list[Mistake]:
             _link(weight=lambda each: 1.0),
             "Right for epsilon = 1, and the same for every other: all that you add has the factor 1 / epsilon.",
         ),
+        Mistake(
+            "sign of xi and epsilon",
+            _link(weight=lambda each: each, signs=(1.0, -1.0)),
+            f"Two things. The signs of xi are exchanged: xi[{first}] loses the {value}, xi[{second}] gets it. And the weight is "
+            "1 / epsilon, not epsilon.",
+        ),
         Mistake("xi first", _link_swapped_answer, "Return omega first, and xi behind it."),
         Mistake(
             "in place",
@@ -513,6 +522,12 @@ def _solve_named_by(choose: Callable[[Any], Sequence[int]]) -> Callable[..., Any
     return function
 
 
+def _solve_with_another_error(omega: Any, xi: Any) -> Array:
+    if loose := unheld(omega):
+        raise RuntimeError(f"nothing holds {loose}")
+    return np.linalg.solve(omega, xi)
+
+
 def _without_constraint(omega: Any) -> list[int]:
     return [int(each) for each in np.flatnonzero(np.diag(omega) == 0)]
 
@@ -588,7 +603,7 @@ SOLVE = Exercise(
     stars=2,
     public=_solve_public,
     hidden=_solve_hidden,
-    comparison=Close(rtol=1e-5, atol=1e-6),
+    comparison=SolvedOrNamed(),
     driver=DRIVER,
     hints=_SOLVE_HINTS,
     mistakes=[
@@ -597,6 +612,11 @@ SOLVE = Exercise(
             _solve_named_by(lambda omega: []),
             'What can be solved is right. Where it cannot, the message names no variable: NumPy\'s "Singular matrix" does not say '
             "which ones. Find them, and put their numbers into the message of a ValueError.",
+        ),
+        Mistake(
+            "another error",
+            _solve_with_another_error,
+            "You find out that the system cannot be solved. The error has to be a ValueError: whoever calls solve waits for that one.",
         ),
         Mistake(
             "least squares",
@@ -664,7 +684,7 @@ def _schur(**changed: Any) -> Callable[..., Pair]:
     """What is left of a system, with something done in another way."""
 
     def function(omega: Any, xi: Any, keep: Any) -> Pair:
-        omega, xi = np.asarray(omega, dtype=float), np.asarray(xi, dtype=float)
+        omega, xi = np.array(omega, dtype=float), np.array(xi, dtype=float)
         kept = np.asarray(changed.get("order", lambda each: each)(list(keep)), dtype=int)
         gone = np.array([number for number in range(len(xi)) if number not in set(keep)], dtype=int)
         if changed.get("others"):
@@ -678,6 +698,12 @@ def _schur(**changed: Any) -> Callable[..., Pair]:
         )
 
     return function
+
+
+def _schur_untransposed(omega: Any, xi: Any, keep: Any) -> Pair:
+    gone = [number for number in range(len(xi)) if number not in keep]
+    between, inverse = omega[np.ix_(keep, gone)], np.linalg.inv(omega[np.ix_(gone, gone)])
+    return omega[np.ix_(keep, keep)] - between @ inverse @ between, xi[keep] - between @ inverse @ xi[gone]
 
 
 def _cut_of_covariance(omega: Any, xi: Any, keep: Any) -> Pair:
@@ -767,6 +793,23 @@ MARGINALIZE = Exercise(
             "cut out of the inverse",
             _cut_of_covariance,
             "That is the covariance and the answer of the variables that stay. Wanted is a system with that answer: omega and xi.",
+        ),
+        Mistake(
+            "single entries",
+            lambda omega, xi, keep: (omega[keep, keep], xi[keep]),
+            "omega[keep, keep] picks single entries, those on the diagonal. A block is omega[np.ix_(keep, keep)]; and what the others told "
+            "must be taken along.",
+        ),
+        Mistake(
+            "no transpose",
+            _schur_untransposed,
+            "The last factor has the shape of the first, and must have the other one: transpose it. A - B C^-1 B', where B is "
+            "omega[np.ix_(keep, gone)].",
+        ),
+        Mistake(
+            "the answer for xi",
+            lambda omega, xi, keep: (_by_covariance(omega, xi, keep)[0], np.linalg.solve(omega, xi)[keep]),
+            "Omega is right. What you return for xi is the answer x of the variables that stay; xi is the right side of their system.",
         ),
         Mistake(
             "plus",
@@ -902,6 +945,12 @@ def _gradients(omega: Any, xi: Any) -> Any:
     return x.tolist()
 
 
+def _spsolve(omega: Any, xi: Any) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return scipy.sparse.linalg.spsolve(omega.tocsc(), xi)
+
+
 def _dense(omega: Any, xi: Any) -> Any:
     return _solve_parts(omega.toarray(), xi)
 
@@ -932,7 +981,7 @@ SOLVE_SPARSE = Exercise(
     stars=3,
     public=_sparse_public,
     hidden=_sparse_hidden,
-    comparison=Close(rtol=1e-5, atol=1e-6),
+    comparison=SolvedOrNamed(),
     driver=DRIVER,
     seconds=20.0,
     hints=(
@@ -947,6 +996,23 @@ SOLVE_SPARSE = Exercise(
             _dense,
             "You turn the sparse matrix into a dense one. That works for a hundred variables; 30,000 of them are 7 GB of zeros. Keep it sparse, "
             "and use what is in scipy.sparse.linalg.",
+        ),
+        Mistake(
+            "dense, and names nothing",
+            lambda omega, xi: np.linalg.solve(omega.toarray(), xi),
+            "Two things. You make the matrix dense, which ends at a few thousand variables; and where nothing holds a part, its variables have to "
+            "be named.",
+        ),
+        Mistake(
+            "NumPy's solve",
+            lambda omega, xi: np.linalg.solve(omega, xi),
+            "np.linalg.solve does not know sparse matrices: to NumPy this one is a single object. Use what is in scipy.sparse.linalg.",
+        ),
+        Mistake(
+            "spsolve alone",
+            _spsolve,
+            "What can be solved is right. Where it cannot, spsolve warns and gives NaN: find that out before, and raise a ValueError that names the "
+            "variables.",
         ),
         Mistake(
             "names nothing",
@@ -995,6 +1061,7 @@ SOLVE_SPARSE = Exercise(
         "return scipy.sparse.linalg.splu(omega.tocsc()).solve(xi)": "scipy's own order is a good one, too",
         "return scipy.sparse.linalg.splu(omega, permc_spec='MMD_AT_PLUS_A').solve(xi)": "splu makes a csc matrix itself, and warns",
         "loose = np.flatnonzero(starts[part] <= 0.5)": "a number of starts is whole, but for rounding",
+        "starts = np.bincount(part, np.ones(len(xi)) @ omega, count)": "omega is symmetric",
     },
 )
 
