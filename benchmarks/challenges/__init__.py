@@ -17,6 +17,7 @@ from benchmarks.challenges.colours import COLOUR_ENTRIES
 from benchmarks.challenges.hough_corners import CORNER_ENTRIES
 from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES
 from benchmarks.challenges.looks import LOOK_ENTRIES
+from benchmarks.challenges.measurement_choice import CHOICE_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
 from benchmarks.challenges.tilt_entries import TILT_ENTRIES
@@ -33,6 +34,7 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "04_distance": TILT_ENTRIES,
     "05_ekf_derivations": JACOBIAN_ENTRIES,
     "06_localization": LOOK_ENTRIES,
+    "08_graph_slam": CHOICE_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

@@ -1,0 +1,109 @@
+"""How solve and solve_sparse are called and judged: what nothing holds must be named, a large matrix stays sparse."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import scipy.sparse
+
+from nao_course.exercises import Close, Comparison, register, register_driver
+from nao_course.exercises.comparisons.comparison import RIGHT, Verdict
+
+MOST_DENSE = 1000  # variables: a dense matrix of more has 8 MB and more
+_NUMBER = re.compile(
+    r"(?<![\w.-])\d+(?![\w.]*\w)"
+)  # whole numbers of their own: not that of "int64" or "1e-9"
+
+
+class _TooLarge:
+    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying."""
+
+    def toarray(self, *args: Any, **kwargs: Any) -> NoReturn:
+        """Refuse."""
+        size = self.shape[0]  # type: ignore[attr-defined]
+        raise MemoryError(
+            f"as a dense array this matrix has {size} x {size} numbers, most of them 0: leave it sparse"
+        )
+
+    todense = toarray
+
+
+class _LargeArray(_TooLarge, scipy.sparse.csc_array):  # type: ignore[misc]  # scipy has no types
+    """The same as an array of scipy's."""
+
+
+def without_dense(matrix: Any) -> Any:
+    """Return a sparse matrix that refuses to be made dense where it is large; whatever else as it is."""
+    is_large = scipy.sparse.issparse(matrix) and matrix.shape[0] > MOST_DENSE
+    return _LargeArray(matrix) if is_large else matrix
+
+
+@register_driver
+def solution_or_unheld(function: Callable[..., Any], omega: Any, xi: Any) -> Any:
+    """Call a solver.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(omega, xi)`` returns x, or raises a ValueError that names the variables that nothing holds.
+    omega : ndarray or sparse matrix, shape (N, N)
+        Information matrix.
+    xi : ndarray, shape (N,)
+        Right-hand side.
+
+    Returns
+    -------
+    object
+        What it returned; where it raised a ValueError, a dict of the whole numbers in its message and the message.
+    """
+    try:
+        return function(without_dense(omega), xi)
+    except ValueError as error:
+        return {"named": sorted(set(numbers_in(str(error)))), "said": str(error)[:200]}
+
+
+def numbers_in(message: str) -> list[int]:
+    """Return the whole numbers that stand in a message by themselves."""
+    return [int(each) for each in _NUMBER.findall(message)]
+
+
+@register
+@dataclass(frozen=True)
+class SolvedOrNamed(Comparison):
+    """Answers that are close; or, where nothing holds some variables, an error that names just these."""
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare what `solution_or_unheld` brought back."""
+        if _is_error(expected) and _is_error(got):
+            wanted, named = expected["named"], got["named"]
+            if wanted == named:
+                return RIGHT
+            count = f"{len(named)} variable{'' if len(named) == 1 else 's'}"
+            which = "other ones" if len(wanted) == len(named) else f"{len(wanted)} of them"
+            return Verdict(
+                "value", f"your ValueError names {count}, and nothing holds {which}: {got['said']!r}"
+            )
+        if _is_error(expected):
+            return Verdict(
+                "no error",
+                "it answers, and has to raise a ValueError: nothing holds a part of the system",
+            )
+        if _is_error(got):
+            return Verdict(
+                "value", f"there is an answer, and your function raises ValueError: {got['said']!r}"
+            )
+        return Close(rtol=1e-5, atol=1e-6).compare(expected, got)
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether an answer is a mistake's, which may be of any kind."""
+        try:
+            return bool(self.compare(answer, got))
+        except ValueError:
+            return bool(Close().compare(answer, got))
+
+
+def _is_error(answer: Any) -> bool:
+    return isinstance(answer, dict) and answer.keys() == {"named", "said"}

@@ -1,0 +1,211 @@
+"""Figures of lesson 08: the matrix that fills in, the valley of the squared error, and what a weight does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray
+from nao_course.lessons.graph_slam.drives import Constraint, Drive, field_drive, odometry, odometry_first
+from nao_course.lessons.graph_slam.matrices import plot_matrix, sign_keys
+from nao_course.lessons.graph_slam.systems import Builders, Function, map_error, solve_axes, variables_in
+from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_path
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.style import GREY
+from nao_course.sim import Field
+
+_FIELD = Field(2012, half=True)
+
+
+# --- the matrix and the map ---
+
+
+def draw_snapshots(
+    add_initial_position: Function,
+    add_relative_motion: Function,
+    add_relative_measurement: Function,
+    solve: Function,
+) -> Drawing:
+    """Draw how the matrix fills in and the map snaps into place, by the student's functions.
+
+    Returns
+    -------
+    Drawing
+        Four moments of a drive: the matrix above, the map below.
+    """
+    drive = field_drive()
+    builders = Builders(add_initial_position, add_relative_motion, add_relative_measurement)
+    constraints = odometry_first(drive)
+    moments = _moments(constraints)
+    words = []
+    with course_style():
+        figure = Figure(figsize=(12.0, 6.9))
+        above, below = figure.subplots(2, len(moments), height_ratios=(1.0, 1.25))
+        for top, bottom, (title, count) in zip(above, below, moments.items(), strict=True):
+            used = constraints[:count]
+            positions, omega = solve_axes(used, drive.size, builders, solve)
+            plot_matrix(omega, top, len(drive.path))
+            top.set_title(title, fontsize=11)
+            plot_graph_map(drive, used, positions, bottom)
+            said = f"{count} constraints, {say_error(map_error(drive, positions))}"
+            bottom.set_title(said.replace("map off", "off"), fontsize=10)
+            words.append(f"{title}: {said}")
+        for ax in below[1:]:
+            ax.set(ylabel="", yticklabels=[])
+        legend_below(figure, [*sign_keys(), *map_keys()], columns=8)
+    return Drawing(figure, f"The matrix Omega and the map at four moments of a drive. {'; '.join(words)}.")
+
+
+def _moments(constraints: Sequence[Constraint]) -> dict[str, int]:
+    """Numbers of constraints at which to look."""
+    motions = sum(each.kind != "measurement" for each in constraints)
+    tree = len(variables_in(constraints))  # the start, and one constraint for every other variable
+    return {
+        "the commands": motions,
+        "each landmark once": tree,
+        "ten sights more": tree + 10,
+        "everything": len(constraints),
+    }
+
+
+def say_error(error: float) -> str:
+    """Say how far a map is off; NaN where it has no landmark."""
+    return "no landmark" if np.isnan(error) else f"map off by {100 * error:.0f} cm"
+
+
+def map_keys() -> list[Line2D]:
+    """Legend keys of a map with graph, odometry and truth."""
+    truth, graph = STYLES["truth"], STYLES["graph"]
+    return [
+        source_key("odometry"),
+        source_key("graph", "path by the graph"),
+        Line2D(
+            [], [], marker="P", color=graph.colour, ls="", ms=8, mec="white", label="landmark by the graph"
+        ),
+        Line2D([], [], marker="o", mfc="none", mec=truth.colour, ls="", ms=9, label="true landmark"),
+    ]
+
+
+def plot_graph_map(drive: Drive, used: Sequence[Constraint], positions: FloatArray, ax: Axes) -> None:
+    """Draw a map: what some constraints say by odometry and by the graph, (N, 2), beside the truth."""
+    truth, graph = STYLES["truth"], STYLES["graph"]
+    plot_field(_FIELD, ax)
+    poses, marks = positions[: len(drive.path)], positions[len(drive.path) :]
+    ax.plot(*drive.landmarks.T, "o", mfc="none", mec=truth.colour, ms=9, zorder=5)
+    sights = [(each.first, each.second) for each in used if each.kind == "measurement"]
+    rays = np.full((len(sights), 3, 2), np.nan)  # pose, landmark, gap
+    rays[:, :2] = positions[np.array(sights, dtype=int).reshape(-1, 2)]
+    ax.plot(*rays.reshape(-1, 2).T, color=graph.colour, lw=0.6, alpha=0.5, zorder=3)
+    plot_path(odometry(used), ax, "odometry", robot=False)
+    plot_path(poses[np.isfinite(poses).all(axis=1)], ax, "graph", robot=False)
+    ax.plot(*marks.T, "P", color=graph.colour, ms=8, mec="white", zorder=6)
+
+
+# --- the valley ---
+
+
+def draw_valley(omega: npt.ArrayLike, xi: npt.ArrayLike, names: Sequence[str] = ("x1", "L")) -> Drawing:
+    """Draw the sum of squares of a system of three variables over the second and the third, the first being 0.
+
+    Parameters
+    ----------
+    omega : array_like, shape (3, 3)
+        Information matrix.
+    xi : array_like, shape (3,)
+        Its right-hand side.
+    names : (str, str)
+        Of the second and third variable.
+
+    Returns
+    -------
+    Drawing
+        Contours, and for each of both rows of ``omega x = xi`` the line on which it holds.
+    """
+    matrix, right = np.asarray(omega, dtype=float)[1:, 1:], np.asarray(xi, dtype=float)[1:]
+    best = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    across, along = (np.linspace(middle - 1.2, middle + 1.2, 241) for middle in best)
+    grid = np.stack(np.meshgrid(across, along), axis=-1)
+    away = grid - best
+    cost = np.einsum("...i,ij,...j->...", away, matrix, away)
+    with course_style():
+        figure = Figure(figsize=(6.8, 5.2))
+        ax = figure.add_subplot()
+        levels = np.linspace(0, 3, 13)
+        greys = [str(0.98 - 0.03 * number) for number in range(len(levels))]
+        ax.contourf(across, along, cost, levels=levels, colors=greys, extend="max")
+        looks = (("odometry", 0), ("ekf", 1))
+        for source, row in looks:
+            rest = right[row] - grid @ matrix[row]
+            ax.contour(across, along, rest, levels=[0], colors=[STYLES[source].colour], linewidths=2)
+        ax.plot(*best, "D", color=STYLES["graph"].colour, ms=10, mec="white", zorder=6)
+        ax.set(xlabel=f"{names[0]} (steps)", ylabel=f"{names[1]} (steps)", aspect="equal")
+        ax.grid(color="#e3e5e8")
+        keys = [
+            Line2D(
+                [],
+                [],
+                color=STYLES[source].colour,
+                lw=2,
+                label=f"row of {names[row]}: slope along {names[row]} is 0",
+            )
+            for source, row in looks
+        ]
+        keys.append(
+            Line2D(
+                [], [], color=STYLES["graph"].colour, marker="D", ls="", ms=9, label="both: the lowest point"
+            )
+        )
+        legend_below(figure, keys, columns=2)
+    return Drawing(
+        figure,
+        f"The sum of squares over {names[0]} and {names[1]}. On one line the row of {names[0]} holds, on the other "
+        f"that of {names[1]}; they cross at the lowest point, ({best[0]:.2f}, {best[1]:.2f}) steps.",
+    )
+
+
+# --- weights ---
+
+
+def draw_weights(answer: Callable[[float], Any], formula: Callable[[FloatArray], FloatArray]) -> Drawing:
+    """Draw how an answer moves between what odometry and what the landmark says.
+
+    Parameters
+    ----------
+    answer : callable
+        ``answer(epsilon_motion)`` returns x1 in steps, by the student's functions.
+    formula : callable
+        The same from the formula, for an array.
+
+    Returns
+    -------
+    Drawing
+        A curve over the motion's variance.
+    """
+    epsilons = np.logspace(-2, 2, 81)
+    tried = np.logspace(-2, 2, 13)
+    found = np.array([float(answer(each)) for each in tried])
+    with course_style():
+        figure = Figure(figsize=(7.6, 4.2))
+        ax = figure.add_subplot()
+        ax.axhline(5, color=STYLES["odometry"].colour, ls="--", lw=1.6, label="odometry alone: 5")
+        ax.axhline(6, color=STYLES["truth"].colour, ls=":", lw=1.8, label="by way of the landmark: 6")
+        ax.plot(epsilons, formula(epsilons), color=STYLES["ekf"].colour, lw=2, label="equation 8.4")
+        look = STYLES["graph"]
+        ax.plot(tried, found, look.marker, color=look.colour, ms=7, mec="white", label="your graph")
+        ax.axvline(1, color=GREY, lw=0.8)
+        ax.set(xscale="log", ylim=(4.9, 6.1), ylabel="pose x1 (steps)")
+        ax.set_xlabel(r"$\varepsilon$ of the motion (steps$^2$); each measurement has 1")
+        ax.legend(loc="center right")
+        ax.grid(color="#e3e5e8")
+    at = float(np.interp(0.0, np.log10(tried), found))
+    return Drawing(
+        figure,
+        f"The pose between odometry's 5 and the landmark's 6 steps. With equal variances it is {at:.2f}; with a "
+        f"motion's variance of 0.01 it is {found[0]:.2f}, of 100 {found[-1]:.2f}.",
+    )

@@ -1,0 +1,138 @@
+"""What lesson 08 adds to the student's robot: the map of the drive, one linear graph for each axis."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nao_course.geometry import FloatArray, Pose
+from nao_course.plotting.drawing import say_count
+from nao_course.sim import SimulatedNao
+from nao_course.slam import Measurement, measured_points
+from nao_course.widgets.attempts import StudentCode
+from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+
+STEP, TURN = 0.25, np.radians(20)  # m, rad: after so much of either there is a new pose in the graph
+GATE = 0.4  # m: a landmark of the same kind that is nearer is the same one
+MOTION_EPSILON = 0.004  # m^2 for a metre, and as much for standing still a little
+SIGHT_EPSILON = 0.002  # m^2 for a range of one metre; it grows with its square
+
+
+@dataclass
+class _Graph:
+    """Two systems that grow, and where their variables are."""
+
+    student: StudentCode
+    kinds: list[str] = field(default_factory=list)  # "pose", or the landmark's kind
+    systems: list[Any] = field(default_factory=lambda: [(np.zeros((0, 0)), np.zeros(0)) for _ in range(2)])
+    positions: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    odometry: list[Pose] = field(default_factory=list)  # of the poses
+    measured: int = 0
+
+    def new_variable(self, kind: str, at: FloatArray) -> int:
+        """Add a variable to both systems, at first at (2,) in metres."""
+        self.kinds.append(kind)
+        self.positions = np.vstack([self.positions, at])
+        self.systems = [
+            (np.pad(np.asarray(omega, dtype=float), (0, 1)), np.pad(np.asarray(xi, dtype=float), (0, 1)))
+            for omega, xi in self.systems
+        ]
+        return len(self.kinds) - 1
+
+    def add(self, function: str, *constraint: Any) -> None:
+        """Add a constraint to both systems by the student's function; its value is the last of `constraint` but one."""
+        *variables, value, epsilon = constraint
+        more = () if epsilon is None else (epsilon,)
+        call = getattr(self.student, function)
+        self.systems = [
+            call(omega, xi, *variables, float(value[axis]), *more)
+            for axis, (omega, xi) in enumerate(self.systems)
+        ]
+
+    def solved(self) -> None:
+        """Solve both systems."""
+        columns = [np.asarray(self.student.solve(*system), dtype=float) for system in self.systems]
+        self.positions = np.column_stack(columns).reshape(len(self.kinds), 2)
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """The landmarks, (N, 2) in metres, in the frame of the start."""
+        return self.positions[[number for number, kind in enumerate(self.kinds) if kind != "pose"]]
+
+
+def _start_or_move(graph: _Graph, odometry: Pose) -> int:
+    """Add the pose at which the robot is; the heading is odometry's, so its motions are in the start's directions."""
+    at = np.array([odometry.x, odometry.y])
+    if not graph.odometry:
+        number = graph.new_variable("pose", at)
+        graph.add("add_initial_position", number, at, None)
+    else:
+        before = max(number for number, kind in enumerate(graph.kinds) if kind == "pose")
+        moved = at - graph.odometry[-1].as_array()[:2]
+        number = graph.new_variable("pose", graph.positions[before] + moved)
+        epsilon = MOTION_EPSILON * (0.1 + float(np.hypot(*moved)))
+        graph.add("add_relative_motion", before, number, moved, epsilon)
+    graph.odometry.append(odometry)
+    return number
+
+
+def _measure(graph: _Graph, pose: int, heading: float, seen: tuple[Measurement, ...]) -> None:
+    """Add what is seen from a pose: each to the nearest landmark of its kind, or to a new one."""
+    for each in seen:
+        offset = measured_points([each], Pose(0.0, 0.0, heading))[0]
+        at = graph.positions[pose] + offset
+        alike = [number for number, kind in enumerate(graph.kinds) if kind == each.kind]
+        away = np.hypot(*(graph.positions[alike] - at).T)
+        known = alike[int(np.argmin(away))] if len(alike) and away.min() < GATE else None
+        landmark = graph.new_variable(each.kind, at) if known is None else known
+        graph.add("add_relative_measurement", pose, landmark, offset, SIGHT_EPSILON * (0.1 + each.range**2))
+        graph.measured += 1
+
+
+def _as_seen_by_a_copy(nao: SimulatedNao, camera: str) -> tuple[Measurement, ...]:
+    """What the ideal detector reports; of a copy, because to look must not change how the robot slips next."""
+    shared = {id(part): part for part in (nao.model, nao.field, nao.reality)}
+    return copy.deepcopy(nao, shared).sense(camera)
+
+
+def _is_new(graph: _Graph, odometry: Pose) -> bool:
+    """Whether the robot has gone far enough from its last pose in the graph."""
+    if not graph.odometry:
+        return True
+    moved = graph.odometry[-1].inverse() @ odometry
+    return bool(np.hypot(moved.x, moved.y) >= STEP - 1e-9 or abs(moved.theta) >= TURN - 1e-9)
+
+
+def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> Look:
+    """Fill two systems with what the robot does and sees, and solve them."""
+    graph = _Graph(student)
+
+    def look(sight: Sight) -> Overlay:
+        odometry = nao.odometry
+        if _is_new(graph, odometry):
+            seen = _as_seen_by_a_copy(nao, sight.picture.camera)
+            pose = _start_or_move(graph, odometry)
+            _measure(graph, pose, odometry.theta, seen)
+            graph.solved()
+        last = max(number for number, kind in enumerate(graph.kinds) if kind == "pose")
+        since = odometry.as_array()[:2] - graph.odometry[-1].as_array()[:2]
+        x, y = graph.positions[last] + since
+        points = Pose(float(x), float(y), odometry.theta).to_local(graph.landmarks)
+        poses = say_count(len(graph.odometry), "pose")
+        text = (
+            f"{say_count(len(points), 'landmark')} from {poses}, {say_count(graph.measured, 'measurement')}"
+        )
+        return Overlay(graph.landmarks, points=points, text=text)
+
+    return look
+
+
+STAGE = Stage(
+    name="the map after the drive",
+    lesson="08_graph_slam",
+    uses=("add_initial_position", "add_relative_motion", "add_relative_measurement", "solve"),
+    wire=_map_the_drive,
+)

@@ -1,0 +1,102 @@
+"""Figures of lesson 08: what they say is what they show."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.graph_slam.costs import draw_costs
+from nao_course.lessons.graph_slam.drives import corridor, field_drive
+from nao_course.lessons.graph_slam.figures import draw_snapshots, draw_valley, draw_weights
+from nao_course.lessons.graph_slam.matrices import (
+    correlations,
+    draw_correlations,
+    draw_fill_in,
+    draw_marginalised,
+    fewest_neighbours_first,
+    fill_in,
+    share,
+)
+from nao_course.lessons.graph_slam.systems import assemble
+from nao_course.lessons.graph_slam.turning import ANGLES, HEADINGS, draw_turning, turn_that_doubles
+from nao_course.lessons.graph_slam.weighting import POWERS, draw_powers, unlike_drive
+from tests.lessons.graph_slam.test_systems import BUILDERS, link, start
+
+WALK = corridor(18, np.random.default_rng(4))
+OMEGA, XI = assemble(WALK.constraints, WALK.size, BUILDERS, 0)
+
+
+def test_fill_in_is_where_the_factor_is_not_zero(rng):
+    for order in (list(range(len(OMEGA))), fewest_neighbours_first(OMEGA != 0), rng.permutation(len(OMEGA))):
+        factor = np.linalg.cholesky(OMEGA[np.ix_(order, order)])
+        pattern = fill_in(OMEGA != 0, order)
+        assert not (np.abs(factor) > 1e-12)[~pattern].any()
+        assert np.count_nonzero(factor) > 0.99 * pattern.sum(), "but for what is too small for a number"
+
+
+def test_a_star_fills_when_its_middle_goes_first_and_not_when_it_goes_last():
+    star = np.eye(6, dtype=bool)
+    star[0] = star[:, 0] = True
+    assert fill_in(star, range(6)).sum() == 21
+    assert fill_in(star, range(5, -1, -1)).sum() == 11
+    assert fewest_neighbours_first(star).index(0) >= 4, "at the end there are two, each with one neighbour"
+    said = draw_fill_in(star, 1).alt
+    assert "as numbered: 21" in said and "fewest neighbours first: 11" in said
+
+
+def test_the_valleys_lowest_point_is_the_solution():
+    system = start(np.zeros((3, 3)), np.zeros(3), 0, 0.0)
+    for each in ((0, 1, 5.0), (0, 2, 9.0), (1, 2, 3.0)):
+        system = link(*system, *each)
+    assert "lowest point, (5.33, 8.67) steps" in draw_valley(*system).alt
+
+
+def test_the_snapshots_say_how_the_error_falls():
+    said = draw_snapshots(start, link, link, np.linalg.solve).alt
+    for words in (
+        "15 constraints, no landmark",
+        "map off by 53 cm",
+        "off by 16 cm",
+        "everything: 60 constraints, map off by 4",
+    ):
+        assert words in said
+
+
+def test_weights_and_marginal_blocks_are_said_in_numbers():
+    assert (
+        "equal variances it is 5.33" in draw_weights(lambda e: (5 / e + 3) / (1 / e + 0.5), lambda e: e).alt
+    )
+    left = np.ones((2, 2))
+    assert draw_marginalised(np.eye(4), 2, left).alt.endswith("100 % once poses are removed.")
+    with pytest.raises(ValueError, match=r"shape \(2, 2\)"):
+        draw_marginalised(np.eye(4), 2, np.eye(3))
+
+
+def test_correlations_are_those_of_the_inverse_with_a_held_start():
+    found = correlations(OMEGA)
+    assert np.diag(found) == pytest.approx(1) and np.abs(found[0, 1:]).max() < 0.05
+    drive = field_drive()
+    said = draw_correlations(drive, BUILDERS).alt
+    assert f"{100 * share(assemble(drive.constraints, drive.size, BUILDERS, 0)[0]):.0f} % of Omega" in said
+
+
+def test_the_turn_that_doubles_an_error_is_between_its_angles():
+    errors = 0.1 + 0.02 * np.degrees(ANGLES)
+    assert turn_that_doubles(errors) == pytest.approx(5.0)
+    assert np.isnan(turn_that_doubles(np.full(len(ANGLES), 0.1)))
+    said = draw_turning(dict.fromkeys(HEADINGS, errors)).alt
+    assert said.count("0.50 m at 20 degrees") == len(HEADINGS)
+
+
+def test_each_measurement_of_an_unlike_drive_has_the_variance_that_it_says():
+    true = field_drive(0, noise=0.0)
+    ratios = [
+        (ours.value - clean.value) / np.sqrt(ours.epsilon)
+        for seed in range(20)
+        for ours, clean in zip(unlike_drive(seed).constraints, true.constraints, strict=True)
+        if ours.kind != "start"
+    ]
+    assert np.std(ratios) == pytest.approx(1.0, rel=0.05)
+    assert "Least at 2." in draw_powers((np.array(POWERS) - 2) ** 2 + 0.1).alt
+
+
+def test_the_costs_are_the_recorded_ones():
+    assert "100000 variables" in draw_costs().alt

@@ -1,0 +1,73 @@
+"""The graph panel: constraints arrive, the matrix fills in, and what is missing is named."""
+
+import numpy as np
+
+from nao_course.lessons.graph_slam.matrices import NEGATIVE, POSITIVE
+from nao_course.lessons.graph_slam.panel import CELL, GraphPanel, paint_matrix
+from tests.lessons.graph_slam.test_systems import link, start
+
+
+def panel(**changed):
+    functions = {
+        "add_initial_position": start,
+        "add_relative_motion": link,
+        "add_relative_measurement": link,
+        "solve": np.linalg.solve,
+    }
+    return GraphPanel(**{**functions, **changed})
+
+
+def blank(*given):
+    raise NotImplementedError
+
+
+def colour_of(cell):
+    return "#{:02x}{:02x}{:02x}".format(*cell)
+
+
+def test_a_cell_has_the_colour_of_its_sign_and_the_newest_ones_have_a_frame():
+    painted = paint_matrix(np.array([[2.0, -1.0], [-1.0, 0.0]]), 1, (0,))
+    middle = [
+        painted[CELL // 2, CELL // 2],
+        painted[CELL // 2, CELL + CELL // 2],
+        painted[-CELL // 2, -CELL // 2],
+    ]
+    assert [colour_of(each) for each in middle] == [POSITIVE, NEGATIVE, "#ffffff"]
+    assert (painted[2, 2] != painted[CELL // 2, CELL // 2]).any()
+
+
+def test_each_constraint_fills_the_matrix_and_moves_the_map():
+    shown = panel()
+    shown.set(count=1)
+    assert "start: x0 is at (0.30, -1.30) m" in shown.summary() and "1 of 625 entries" in shown.summary()
+    assert "No landmark." in shown.summary()
+    shown.set(count=25, order="odometry first")
+    assert "Map off by 53 cm." in shown.summary()
+    shown.set(count=60)
+    assert "Map off by 4 cm." in shown.summary() and set(shown.shown.drawings) == {"Your map"}
+
+
+def test_sights_that_are_hardly_trusted_leave_the_path_to_odometry():
+    shown = panel()
+    shown.set(count=60, variance="x 10000")
+    far = shown.summary()
+    shown.set(variance="x 1/100")
+    assert "Map off by 4 cm." not in far and "Map off by 4 cm." in shown.summary()
+
+
+def test_what_solve_says_of_a_map_without_a_start_is_said():
+    def refuse(omega, xi):
+        raise ValueError("nothing holds 0, 1")
+
+    shown = panel(solve=refuse)
+    assert "There is no map. Your solve says: nothing holds 0, 1" in shown.summary()
+    assert "Your Omega" in shown.shown.pictures
+    shown.set(held=False, count=1)
+    assert "No constraint has arrived." in shown.summary()
+
+
+def test_what_is_not_written_is_named_and_the_rest_is_shown():
+    for name, number in (("add_initial_position", 1), ("add_relative_motion", 2), ("solve", 4)):
+        shown = panel(**{name: blank})
+        assert f"Finish exercise 8.{number}" in shown.summary()
+        assert ("Your Omega" in shown.shown.pictures) is (name == "solve")

@@ -1,0 +1,53 @@
+"""Systems from the student's functions: what is not there stays open, and what is wrong is said."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.graph_slam.drives import field_drive
+from nao_course.lessons.graph_slam.systems import Builders, assemble, map_error, solve_axes, variables_in
+
+DRIVE = field_drive()
+
+
+def start(omega, xi, index, position):
+    omega, xi = omega.copy(), xi.copy()
+    omega[index, index] += 1
+    xi[index] += position
+    return omega, xi
+
+
+def link(omega, xi, first, second, value, epsilon=1.0):
+    row = np.eye(len(xi))[second] - np.eye(len(xi))[first]
+    return omega + np.outer(row, row) / epsilon, xi + row * value / epsilon
+
+
+BUILDERS = Builders(start, link, link)
+
+
+def test_only_variables_that_something_is_known_of_are_solved_for():
+    used = DRIVE.constraints[:6]
+    positions, omega = solve_axes(used, DRIVE.size, BUILDERS, np.linalg.solve)
+    known = variables_in(used)
+    assert np.isfinite(positions[known]).all() and np.isnan(np.delete(positions, known, axis=0)).all()
+    assert omega.shape == (DRIVE.size, DRIVE.size)
+    assert np.isnan(solve_axes((), DRIVE.size, BUILDERS, np.linalg.solve)[0]).all()
+
+
+def test_the_error_of_a_map_is_that_of_its_landmarks():
+    moved = DRIVE.truth + (0.3, 0.4)
+    assert map_error(DRIVE, moved) == pytest.approx(0.5)
+    moved[-1] = np.nan
+    assert map_error(DRIVE, moved) == pytest.approx(0.5)
+    assert np.isnan(map_error(DRIVE, np.full((DRIVE.size, 2), np.nan)))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda *given: None, "must return \\(omega, xi\\), got NoneType"),
+        (lambda omega, xi, *given: (xi, omega), "must keep their shapes"),
+    ],
+)
+def test_a_function_that_returns_something_else_is_told(wrong, said):
+    with pytest.raises(ValueError, match=said):
+        assemble(DRIVE.constraints, DRIVE.size, Builders(wrong, link, link), 0)
