@@ -18,7 +18,8 @@ import numpy.typing as npt
 from benchmarks import ROOT, Result, Table
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
-from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet, total
+from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
+from nao_course.metrics import total
 from nao_course.sim import Field, Reality, standard_scenes
 
 Pixels = npt.NDArray[np.uint8]

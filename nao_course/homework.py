@@ -17,7 +17,7 @@ from typing import Any
 
 from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 
 __all__ = ["NOTEBOOKS", "RELEASE", "Receipt", "Renewal", "installed_versions", "renew", "submit", "zipped"]
 
@@ -112,6 +112,17 @@ def submit(folder: Path, out: Path) -> Receipt:
                 f"{name} has {len(content) / 2**20:.0f} MB, {MOST_BYTES // 2**20} are the most: "
                 "in JupyterLab choose Edit, Clear Outputs of All Cells, and save"
             )
+    helpers = [name for name in files if name.endswith(".py")]
+    if len(helpers) > MOST_HELPERS:
+        raise ValueError(
+            f"{len(helpers)} Python files are beside the notebooks, {MOST_HELPERS} are the most: "
+            "move away what the notebooks do not import"
+        )
+    if large := [name for name in helpers if len(files[name]) > LARGEST_HELPER]:
+        raise ValueError(
+            f"{large[0]} has {len(files[large[0]]) / 2**20:.1f} MB, "
+            f"{LARGEST_HELPER // 2**20} MB is the most for a Python file"
+        )
     now = datetime.now(UTC)
     releases = {str(metadata(each, "nao_course").get("version", "unknown")) for each in notebooks.values()}
     time = now.isoformat(timespec="seconds")

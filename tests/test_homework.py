@@ -172,6 +172,8 @@ def test_the_receipts_version_is_that_of_the_release_a_notebook_came_from(tmp_pa
         ({NAME: "{ half of it"}, f"{NAME} is not a notebook"),
         ({NAME: '{"cells": 3}'}, f"{NAME} is not a notebook"),
         ({NAME: '{"cells": []}', "91_b.ipynb": ""}, "91_b.ipynb is not a notebook"),
+        ({NAME: '{"cells": []}', "big.py": "#" * (2**20 + 1)}, "big.py has 1.0 MB, 1 MB is the most"),
+        ({NAME: '{"cells": []}'} | {f"m{n}.py": "" for n in range(21)}, "21 Python files .* 20 are the most"),
     ],
 )
 def test_what_cannot_be_handed_in_is_said_and_no_zip_is_written(tmp_path, files, said):

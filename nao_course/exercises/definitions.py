@@ -20,6 +20,7 @@ from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, 
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
+MOST_HELPERS, LARGEST_HELPER = 20, 2**20  # Python files beside a notebook that come along, and bytes of each
 MOST_WRITTEN = 2**16  # characters of a written answer
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)

@@ -21,7 +21,13 @@ from nao_course.instructor.autograding.batch import Summary, feedback_writer, me
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret
 from nao_course.instructor.autograding.session import open_session
-from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, with_earlier
+from nao_course.instructor.collecting.submissions import (
+    Gathered,
+    Submission,
+    gather,
+    of_lessons,
+    with_earlier,
+)
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.reports import exports, marking_sheets
@@ -41,7 +47,7 @@ def grade_folder(
     ValueError, OSError
         If there is nothing to grade, or it cannot be kept.
     typer.Exit
-        With status 1 where a submission has neither a score nor a reason.
+        With status 1 where a submission has neither a score nor a reason, or something that may be one was left out.
     """
     with scratch_folder() as scratch:
         load_secret()  # what is missing is said before there is a journal
@@ -58,8 +64,8 @@ def grade_folder(
             journal.began(path)
             waiting = add_earlier(waiting, course, journal.places(), scratch)
             summary = run(console, journal, out, waiting, jobs, require_sandbox)
-            _show(console, journal, summary, {each.lesson for each in waiting}, found.unknown)
-    if summary.failed:
+            _show(console, journal, summary, {each.lesson for each in waiting}, found)
+    if summary.failed or found.not_graded:
         raise typer.Exit(1)
 
 
@@ -130,7 +136,7 @@ def _progress(console: Console, total: int) -> Iterator[Callable[[Submission], N
 
 
 def _show(
-    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], unknown: Sequence[str]
+    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
 ) -> None:
     """Say what a run came to."""
     table = Table("", "submissions")
@@ -144,9 +150,9 @@ def _show(
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
     for title, lines in (
         ("Refused", reasons),
-        ("Left out", unknown),
+        ("Left out", found.unknown[len(found.not_graded) :]),
         ("Seen by the sandbox", summary.attempts),
-        ("NOT GRADED", summary.failed),
+        ("NOT GRADED", (*summary.failed, *found.not_graded)),
     ):
         if lines:
             console.print(title + ":")
@@ -195,7 +201,7 @@ def regrade_student(
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
             mine = add_earlier(mine, load_course(), places, scratch)
             summary = run(console, journal, grades, mine, 1, "")
-            _show(console, journal, summary, [result.lesson], ())
+            _show(console, journal, summary, [result.lesson], Gathered((), ()))
     if summary.failed:
         raise typer.Exit(1)
 

@@ -170,10 +170,14 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
     """Grade the submission as that of one student in a class of one."""
     shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
     (scratch / "unpacked").mkdir()
-    found = gather(scratch / "class", scratch / "unpacked", [lesson])
+    found = gather(scratch / "class", scratch / "unpacked", [lesson], one_student=True)
     used = lessons_used(course, lesson)
     (scratch / "earlier").mkdir()
-    before = gather(scratch / "class", scratch / "earlier", course.names(), used).submissions if used else ()
+    before = (
+        gather(scratch / "class", scratch / "earlier", course.names(), used, one_student=True).submissions
+        if used
+        else ()
+    )
     waiting = with_earlier(
         of_lessons(found, [lesson]),
         {(each.student, each.lesson): each for each in before},

@@ -8,7 +8,14 @@ from nao_course.plotting.drawing import Drawing, Table, image_tag, table
 from nao_course.plotting.ellipses import ellipse_outlines, estimate_outlines, plot_ellipse
 from nao_course.plotting.maps import draw_map, plot_estimate, plot_field, plot_landmarks, plot_measurements
 from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose
-from nao_course.plotting.pictures import draw_labels, draw_picture, draw_pictures, painted, plot_picture
+from nao_course.plotting.pictures import (
+    draw_labels,
+    draw_picture,
+    draw_pictures,
+    painted,
+    plot_found,
+    plot_picture,
+)
 from nao_course.plotting.style import (
     LABEL_COLOURS,
     LANDMARK_MARKERS,
@@ -39,6 +46,7 @@ __all__ = [
     "plot_ellipse",
     "plot_estimate",
     "plot_field",
+    "plot_found",
     "plot_landmarks",
     "plot_measurements",
     "plot_path",

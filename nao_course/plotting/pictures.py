@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from nao_course.geometry import FloatArray, as_points
 from nao_course.plotting.drawing import Drawing, say_count
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import HALO, LABEL_COLOURS, course_style
+from nao_course.plotting.style import FOUND, HALO, LABEL_COLOURS, course_style
 from nao_course.sim import LABELS, Picture, VisibleLandmark
 
 
@@ -193,6 +193,12 @@ def draw_pictures(
         for name, picture, array in zip(names, pictures, arrays, strict=True)
     )
     return Drawing(figure, f"{say_count(len(arrays), 'picture')} side by side. {said}.", photo=True)
+
+
+def plot_found(points: npt.ArrayLike, ax: Axes, size: float = 13) -> None:
+    """Mark points (K, 2), (u, v) px, that were found in a picture, with rings that stand out from any picture."""
+    for colour, width in (("white", 4.6), (FOUND, 2.4)):
+        ax.plot(*as_points(points).T, "o", color=colour, mfc="none", ms=size, mew=width)
 
 
 def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:

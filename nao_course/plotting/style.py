@@ -45,6 +45,7 @@ LANDMARK_MARKERS: Mapping[str, str] = MappingProxyType({"corner": "P", "post": "
 
 CARPET, LINE, YELLOW, GREY = "#b5d1ac", "#ffffff", "#f0c419", "#6b7280"
 LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
+FOUND = "#ff3b81"  # rings at what was found in a picture; apart from carpet, posts and lines
 HALO = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
 _OWN_STYLE = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same letters on every machine

@@ -57,9 +57,9 @@ def page_is_safe(graded: Graded, attacks: Sequence[Attack], attack: Attack, hidd
     assert "nao_attack" not in parser.seen
 
 
-def nothing_is_left(graded: Graded) -> None:
+def nothing_is_left(graded: Graded, status: int = 0) -> None:
     """The run ended well, each student has one row, and nothing but the grades has changed."""
-    assert graded.status == 0, graded.output[-3000:]
+    assert graded.status == status, graded.output[-3000:]
     assert graded.students == sorted(graded.expected)
     assert graded.again == 0
     assert graded.processes == []

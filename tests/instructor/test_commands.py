@@ -197,10 +197,16 @@ def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed
     (handed_in / "ada" / "essay.ipynb").write_text("{}")
     (handed_in / "[red]x[").mkdir()
     shutil.copy(handed_in / "ada" / f"{chain.LESSON}.ipynb", handed_in / "[red]x[")
+    (handed_in / "gil").mkdir()
+    for number in range(25):
+        (handed_in / "ada" / f"junk{number}.txt").write_text("junk")
     said = run("grade", handed_in, "--out", tmp_path / "grades")
-    assert said.exit_code == 0
-    assert "ada/essay.ipynb: it is named after no lesson" in said.output
-    assert ("[red]x[", chain.LESSON) in kept(tmp_path / "grades")
+    assert said.exit_code == 1
+    not_graded = said.output.partition("NOT GRADED:")[2]
+    assert "ada/essay.ipynb: it is named after no lesson" in not_graded
+    assert "gil: no lesson's notebook is in it" in not_graded and "junk" not in not_graded
+    students = {student for student, _ in kept(tmp_path / "grades")}
+    assert {"ada", "bob", "[red]x["} < students and "gil" not in students
 
 
 def test_an_error_of_the_graders_own_is_said_and_the_status_is_not_0(

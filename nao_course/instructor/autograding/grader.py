@@ -485,7 +485,7 @@ class SubmissionGrader:
 
     def failure(self, task: Task, outcome: Outcome) -> HiddenResult:
         """Say how a case failed that has no answer."""
-        return describe_failure(outcome, self.files, task.public.seconds)
+        return describe_failure(task.public.name, outcome, self.files, task.public.seconds)
 
 
 def _is_right(result: ExerciseResult) -> bool:

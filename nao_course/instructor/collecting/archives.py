@@ -11,7 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
@@ -23,7 +23,8 @@ MOST_DIRECTORY = 2**20  # bytes of a student's zip's table of contents
 LARGEST_ZIP = 4 * MOST_BYTES
 DEEPEST = 6  # folders in folders
 MOST_RATIO, SMALL = 200, 10 * 2**20  # how much smaller a file may be in a zip, where it is not small anyhow
-_LEFT_OUT = {"__MACOSX", "kept", "release", "__pycache__"}
+_NOBODYS = {"__MACOSX", ".DS_Store", ".gitkeep"}  # in a folder of all students
+_LEFT_OUT = {*_NOBODYS, "kept", "release", "__pycache__"}  # in a student's
 _BAD = (
     zipfile.BadZipFile,
     zlib.error,
@@ -60,6 +61,8 @@ class Item:
         What it is in its zip.
     problem : str
         Why it is not taken, where it is not.
+    ignored : bool
+        Whether it is a program's, such as a checkpoint, or stands for an empty folder: it only says whose folder it is.
     """
 
     parts: tuple[str, ...]
@@ -68,6 +71,7 @@ class Item:
     time: float = 0.0
     entry: zipfile.ZipInfo | None = None
     problem: str = ""
+    ignored: bool = False
 
     def content(self, most: int) -> bytes:
         """Return what is in it.
@@ -156,9 +160,12 @@ def _walk(folder: Path, parts: tuple[str, ...]) -> Iterator[Item]:
     except OSError as error:
         yield Item(parts, folder, problem=f"the folder cannot be read: {error.strerror}")
         return
+    if not entries:
+        yield Item((*parts, ""), folder, ignored=True)
     for entry in entries:
         path, name = Path(entry.path), (*parts, entry.name)
-        if _is_left_out(entry.name):
+        if _is_left_out(entry.name, named_by_students=bool(parts)):
+            yield Item(name, path, ignored=True)
             continue
         notebook = entry.name.lower().endswith(".ipynb")
         if entry.is_dir(follow_symlinks=False) and not notebook:
@@ -180,8 +187,11 @@ def _mode_problem(mode: int) -> str:
     return kinds.get(stat.S_IFMT(mode), "it is a device or pipe, not a file")
 
 
-def _is_left_out(name: str) -> bool:
-    return name.startswith(".") or name in _LEFT_OUT
+def _is_left_out(name: str, *, named_by_students: bool) -> bool:
+    """Whether a file or folder is a program's; a student's own folder is called as the student is, whatever that is."""
+    if named_by_students:
+        return name.startswith(".") or name in _LEFT_OUT
+    return name in _NOBODYS
 
 
 def in_zip(path: Path, *, students: bool) -> list[Item]:
@@ -205,7 +215,14 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
         with zipfile.ZipFile(file) as archive:
             found = [each for each in archive.infolist() if not each.is_dir()]
     items = [_item(path, each) for each in found]
-    return [each for each in items if not any(map(_is_left_out, each.parts))]
+    return [replace(each, ignored=_is_ignored(each.parts, students)) for each in items]
+
+
+def _is_ignored(parts: tuple[str, ...], students: bool) -> bool:
+    first, *others = parts
+    return _is_left_out(first, named_by_students=students) or any(
+        _is_left_out(each, named_by_students=True) for each in others
+    )
 
 
 def _refuse_a_large_one(file: IO[bytes]) -> None:

@@ -24,9 +24,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_NAME = 100
+LONGEST_FILE = 1000  # characters of a file's name in which a lesson is looked for: more than file systems take
 _MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
 _CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
-_COPY = r"(?:[ _-]*(?:\(\d+\)|(?:copy|kopie|v|final) ?\d*|\d{1,3}))*"
+# What browsers, Jupyter and people put behind a name. Possessive: a student's name of any length costs one pass.
+_COPY = re.compile(r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|v|final) ?+\d*+|\d++))*+", re.IGNORECASE)
+_RECEIPT = re.compile(r"submission-\d{8}-\d{6}", re.IGNORECASE)
 _RESUBMITTED = re.compile(r"-(\d{1,3})$")
 _PLAIN = re.compile(r"[a-z0-9_][a-z0-9_.-]{0,59}(?<![.])")
 _HASHED = re.compile(r".*-[0-9a-f]{16}")
@@ -67,22 +70,40 @@ def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | Non
         return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
     if len(parts) > 1:
         return NamedFile(first, last)
-    if canvas := _CANVAS.fullmatch(first):
-        stem, dot, suffix = canvas["file"].rpartition(".")
-        again = _RESUBMITTED.search(stem)
-        name = _RESUBMITTED.sub("", stem) + dot + suffix
-        order = (int(again[1]) if again else 0, int(canvas["handed_in"][:18]))
-        return NamedFile(f"{canvas['student']}_{canvas['user']}", name, order)
-    stem, _, suffix = first.rpartition(".")
-    for pattern in (_lesson_pattern(lessons), r"(?P<lesson>submission-\d{8}-\d{6})"):
-        found = re.fullmatch(rf"(?P<student>.*?){pattern}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
-        if found and (student := found["student"].strip("_- ")):
-            return NamedFile(student, first[found.start("lesson") :])
-    return NamedFile(stem, first) if re.fullmatch(r"submission-.*", stem) and suffix == "zip" else None
+    canvas, plain = _canvas(first), _plain(first, lessons)
+    if canvas and (lesson_of(canvas.file, lessons) or _RECEIPT.match(canvas.file) or not plain):
+        return canvas
+    return plain  # mueller_123456_01_hsl_filtering.ipynb has Canvas's numbers, and is none of its names
 
 
-def _lesson_pattern(lessons: Sequence[str]) -> str:
-    return "(?P<lesson>" + "|".join(re.sub("[_-]", "[ _-]", name) for name in lessons) + ")"
+def _canvas(name: str) -> NamedFile | None:
+    """Whose a file is by Canvas's way of naming."""
+    if not (found := _CANVAS.fullmatch(name)):
+        return None
+    stem, dot, suffix = found["file"].rpartition(".")
+    again = _RESUBMITTED.search(stem)
+    file = _RESUBMITTED.sub("", stem) + dot + suffix
+    order = (int(again[1]) if again else 0, int(found["handed_in"][:18]))
+    return NamedFile(f"{found['student']}_{found['user']}", file, order)
+
+
+def _plain(name: str, lessons: Sequence[str]) -> NamedFile | None:
+    """Whose a file is where the student's name precedes the lesson's."""
+    stem, _, suffix = name.rpartition(".")
+    for found in (*_lessons_in(stem, lessons), *_followed_by_copy(_RECEIPT, stem)):
+        if student := stem[: found.start()].strip("_- "):
+            return NamedFile(student, name[found.start() :])
+    return NamedFile(stem, name) if stem.startswith("submission-") and suffix == "zip" else None
+
+
+def _lessons_in(stem: str, lessons: Sequence[str]) -> list[re.Match[str]]:
+    """Where a lesson's name stands, with nothing behind it but what is put behind a copy."""
+    names = "|".join(re.sub("[_-]", "[ _-]", re.escape(name).replace(r"\-", "-")) for name in lessons)
+    return _followed_by_copy(re.compile(names, re.IGNORECASE), stem) if names else []
+
+
+def _followed_by_copy(name: re.Pattern[str], stem: str) -> list[re.Match[str]]:
+    return [found for found in name.finditer(stem[:LONGEST_FILE]) if _COPY.fullmatch(stem, found.end())]
 
 
 def lesson_of(file: str, lessons: Sequence[str]) -> str:
@@ -94,9 +115,16 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
     '01_hsl_filtering'
     """
     stem = file.rpartition(".")[0] or file
-    found = re.fullmatch(rf"(?:.*[_ -])?{_lesson_pattern(lessons)}{_COPY}", stem, re.IGNORECASE | re.DOTALL)
-    name = re.sub("[ -]", "_", found["lesson"].lower()) if found else ""
-    return next((each for each in lessons if each.replace("-", "_") == name), "") if name else ""
+    for found in _lessons_in(stem, lessons):
+        if found.start() == 0 or stem[found.start() - 1] in "_ -":
+            name = re.sub("[ -]", "_", found[0].lower())
+            return next((each for each in lessons if each.replace("-", "_") == name), "")
+    return ""
+
+
+def is_a_platforms(folder: str) -> bool:
+    """Whether a folder is called as Moodle calls that of one student."""
+    return bool(_MOODLE.fullmatch(folder))
 
 
 def safe_name(student: str) -> str:

@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.instructor.collecting.archives import (
     LARGEST_ZIP,
     Item,
@@ -22,10 +22,17 @@ from nao_course.instructor.collecting.archives import (
     in_zip,
     read_plain,
 )
-from nao_course.instructor.collecting.names import NamedFile, clean_name, lesson_of, name_file
+from nao_course.instructor.collecting.names import (
+    NamedFile,
+    clean_name,
+    is_a_platforms,
+    lesson_of,
+    name_file,
+)
 
-MOST_HELPERS, LARGEST_HELPER = 20, 2**20
 _MOST_NOTES = 20
+NOT_COUNTED, NOT_ALONG = " does not count: ", " does not come along: "  # behind the file's name
+_ALIKE = "{} folders or files are named so alike that nobody can tell whose is whose: rename them"
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
 
@@ -70,12 +77,15 @@ class Gathered:
     submissions, refused : tuple of Submission
         Those to grade; those that a reason stands against.
     unknown : tuple of str
-        Files of which nobody can say whose or of which lesson they are, each with the reason.
+        Files of which nobody can say whose or of which lesson they are, each with the reason; first `not_graded`.
+    not_graded : tuple of str
+        Those of them that may be somebody's work, and students' folders with no lesson's notebook in them.
     """
 
     submissions: tuple[Submission, ...]
     refused: tuple[Submission, ...] = ()
     unknown: tuple[str, ...] = ()
+    not_graded: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -156,7 +166,12 @@ def with_earlier(
 
 
 def gather(
-    path: Path, scratch: Path, lessons: Sequence[str], wanted: Sequence[str] | None = None
+    path: Path,
+    scratch: Path,
+    lessons: Sequence[str],
+    wanted: Sequence[str] | None = None,
+    *,
+    one_student: bool = False,
 ) -> Gathered:
     """Find all submissions; of several of one student and lesson, the newest one that can be taken.
 
@@ -170,6 +185,8 @@ def gather(
         Names of the lessons that there are.
     wanted : sequence of str, optional
         Those to find; all by default. Where it is one, a zip that cannot be opened counts as a submission of it.
+    one_student : bool
+        Whether the one folder in it is a student's, whatever is in that.
 
     Returns
     -------
@@ -183,29 +200,37 @@ def gather(
     """
     search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted))
     if path.is_dir():
-        items: Iterable[Item] = in_folder(path)
+        items = list(in_folder(path))
     elif path.is_file():
         try:
-            items = _unwrapped(in_zip(path.resolve(), students=False))
+            items = in_zip(path.resolve(), students=False)
         except Refused as refused:
             raise ValueError(
                 f"{path}: a folder of submissions, or a zip of them, is wanted; {refused}"
             ) from None
     else:
         raise ValueError(f"there is no {path}: a folder of submissions, or a zip of them, is wanted")
-    for item in items:
+    for item in items if one_student else _unwrapped(items, search.lessons):
         search.look_at(item)
     return search.result()
 
 
-def _unwrapped(items: list[Item]) -> list[Item]:
-    """Without the one folder that all of a zip is in, where that holds several students' folders or files."""
-    tops = {item.parts[0] for item in items if len(item.parts) > 1}
-    inner = {item.parts[1] for item in items if len(item.parts) > 1}
-    whole = len(tops) == 1 and all(len(item.parts) > 1 for item in items)
-    if whole and len(inner) > 1 and all(len(item.parts) > 2 for item in items):
-        return [replace(item, parts=item.parts[1:]) for item in items]
-    return items
+def _unwrapped(items: list[Item], lessons: Sequence[str]) -> list[Item]:
+    """Without the one folder that all is in, where that holds several students' folders.
+
+    It does if two of the folders in it hold the same lesson. A folder called as a platform calls a student's is one.
+    """
+    inside = [item for item in items if not item.ignored]
+    tops = {item.parts[0] for item in inside}
+    if len(tops) != 1 or any(len(item.parts) < 3 or is_a_platforms(item.parts[0]) for item in inside):
+        return items
+    works = {
+        (item.parts[1], lesson_of(item.parts[-1], lessons) or item.parts[-1][-4:].lower()) for item in inside
+    }
+    kinds = [kind for _, kind in works if kind in (*lessons, ".zip")]
+    if len(set(kinds)) == len(kinds):
+        return items
+    return [replace(item, parts=item.parts[1:]) for item in items if len(item.parts) > 1]
 
 
 # --- who handed in what ---
@@ -229,15 +254,22 @@ class _Search:
         self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
         self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
         self.unknown: list[str] = []
+        self.lost: list[str] = []  # what may be somebody's work
+        self.folder = ""  # of the student whose files are being looked at; empty for a file in no folder
+        self.folders: dict[str, bool] = {}  # whether there is something in it that may be work
+        self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
         self.unpacked = 0
 
     def look_at(self, item: Item) -> None:
         """Sort a file in."""
+        self.folder = item.parts[0] if len(item.parts) > 1 else ""
+        self.folders.setdefault(self.folder, not self.folder)
+        if item.ignored:
+            return
         shown = clean_name("/".join(item.parts))
         name = name_file(item.parts, self.lessons)
         if name is None:
-            if item.parts[-1] not in ("receipt.json",):
-                self.unknown.append(f"{shown}: it names no student and lesson")
+            self.leave_out(shown, "it names no student and lesson", item.size)
         elif name.file.lower().endswith(".zip"):
             self.look_into(item, name, shown)
         else:
@@ -255,14 +287,16 @@ class _Search:
                     replace(item, problem=str(refused)), name, lesson, (), (name.order, item.time), shown
                 )
             else:
-                self.unknown.append(f"{shown}: {refused}")
+                self.leave_out(shown, str(refused))
             return
         time = _receipt_time(inside) or item.time
         for each in inside:
             within = f"{shown}/{clean_name('/'.join(each.parts))}"
             inner = NamedFile(name.student, each.parts[-1], name.order)
+            if each.ignored:
+                continue
             if inner.file.lower().endswith(".zip"):
-                self.unknown.append(f"{within}: a zip within a zip is not opened")
+                self.leave_out(within, "a zip within a zip is not opened")
             else:
                 self.take(each, inner, (path, each.parts[:-1]), name.order, time, within)
 
@@ -276,11 +310,20 @@ class _Search:
             if lesson:
                 self.add(item, name, lesson, home, (order, time), shown)
             else:
-                self.unknown.append(f"{shown}: it is named after no lesson of this course")
+                self.leave_out(shown, "it is named after no lesson of this course")
         elif _MODULE.fullmatch(name.file):
             self.helpers[home].append((name.file, item))
-        elif name.file != "receipt.json":
-            self.unknown.append(f"{shown}: {item.problem or 'it is no notebook'}")
+        else:
+            self.leave_out(shown, item.problem or "it is no notebook", item.size)
+
+    def leave_out(self, shown: str, reason: str, size: int = 0) -> None:
+        """Remember what does not count; a notebook, a zip or a folder may be somebody's work."""
+        file = shown.rpartition("/")[2].lower()
+        if file == "receipt.json":
+            return
+        may_be_work = file.endswith((".ipynb", ".zip")) or not size  # a folder, a link, a pipe
+        (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")
+        self.folders[self.folder] |= may_be_work
 
     def add(
         self,
@@ -298,7 +341,9 @@ class _Search:
             item = replace(
                 item, problem=f"it has {item.size / 2**20:.0f} MB; {MOST_BYTES // 2**20} MB are the most"
             )
+        self.folders[self.folder] = True
         key = (clean_name(name.student), lesson)
+        self.spellings[key[0]].add(name.student)
         found = self.candidates[key]
         found.append(_Candidate(item, (*order, shown, len(found)), home, shown))  # a zip's later one counts
 
@@ -306,10 +351,17 @@ class _Search:
         """Choose what counts and unpack it."""
         keys = sorted(key for key in self.candidates if key[1] in self.wanted)
         chosen = [self.choose(*key) for key in keys]
+        empty = [
+            f"{clean_name(folder)}: no lesson's notebook is in it"
+            for folder in self.folders
+            if not self.folders[folder]
+        ]
+        lost = (*self.lost, *empty)
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
-            tuple(self.unknown),
+            (*lost, *self.unknown),
+            lost,
         )
 
     def choose(self, student: str, lesson: str) -> Submission:
@@ -318,17 +370,19 @@ class _Search:
         best = next((each for each in newest if not each.item.problem), newest[0])
         others = [each for each in newest if each is not best]
         notes = [
-            f"{each.shown} does not count: {each.item.problem or 'another one is newer'}"
+            f"{each.shown}{NOT_COUNTED}{each.item.problem or 'another one is newer'}"
             for each in others[:_MOST_NOTES]
         ]
         made = Submission(student, lesson, best.item.source, file=best.shown, reason=best.item.problem)
+        if len(self.spellings[student]) > 1:
+            made = replace(made, reason=_ALIKE.format(len(self.spellings[student])))
         if made.reason:
             return replace(made, notes=tuple(notes))
         helpers: list[tuple[str, Item]] = []
         for name, item in self.helpers.get(best.home, []):
             if len(helpers) >= MOST_HELPERS or item.size > LARGEST_HELPER or item.problem:
                 problem = item.problem or f"{MOST_HELPERS} of at most {LARGEST_HELPER // 2**20} MB are taken"
-                notes.append(f"{name} does not come along: {problem}")
+                notes.append(f"{name}{NOT_ALONG}{problem}")
             else:
                 helpers.append((name, item))
         try:

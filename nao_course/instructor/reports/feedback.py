@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.collecting.submissions import NOT_ALONG, NOT_COUNTED
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
@@ -134,6 +135,7 @@ def feedback_page(score: Score) -> str:
         ),
         *(_refused(result) if result.status == "refused" else _exercises(score)),
         *_written(score),
+        *_left_out(result),
         _footer(result),
     )
 
@@ -267,11 +269,11 @@ def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
     """Notes; and that an earlier mistake was not counted twice."""
     notes = "\n".join(exercise.notes)
     if exercise.with_reference and exercise.earned > 0:
-        text = (
-            f"It does not work with your own earlier functions; with ours it does: {_points(exercise.earned)}."
-        )
+        text = f"It does not work with your own earlier functions; with ours it does: {_points(exercise.earned)}."
         whole = exercise.earned >= exercise.points
-        title = "An earlier mistake is not counted twice" if whole else "An earlier mistake costs a part of it"
+        title = (
+            "An earlier mistake is not counted twice" if whole else "An earlier mistake costs a part of it"
+        )
         yield Said("box", f"{text}\n{notes}", title, "good")
         return
     if exercise.with_reference:
@@ -346,6 +348,12 @@ def _refused(result: SubmissionResult) -> Iterator[Markup]:
     yield _box("bad", "Why", result.reason or "The reason was not recorded: please ask.")
     yield element("h2", "What to do now")
     yield element("ol", *(element("li", prose(step)) for step in (*advice, *_STEPS)))
+
+
+def _left_out(result: SubmissionResult) -> Iterator[Markup]:
+    """Name the student's files that did not count, each with the reason."""
+    if told := [each for each in result.notes if NOT_COUNTED in each or NOT_ALONG in each]:
+        yield _box("warn", "Files that were left out", "\n".join(told))
 
 
 def _footer(result: SubmissionResult) -> Markup:

@@ -7,7 +7,7 @@ from nao_course.lessons.goalposts.figures import (
     draw_recall,
     draw_turning_head,
 )
-from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet, total
+from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
 from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
 from nao_course.lessons.goalposts.scenes import (
     PostScene,
@@ -19,6 +19,7 @@ from nao_course.lessons.goalposts.scenes import (
     scenes_by_distance,
     turning_head,
 )
+from nao_course.metrics import total
 
 __all__ = [
     "Feet",

@@ -13,15 +13,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from nao_course.geometry import FloatArray, as_points
-from nao_course.lessons.goalposts.measuring import FootMatch, total, wilson_interval
+from nao_course.lessons.goalposts.measuring import FootMatch
 from nao_course.lessons.goalposts.scenes import turning_head
-from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_picture
+from nao_course.metrics import total, wilson_interval
+from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
 from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import GREY, HALO
+from nao_course.plotting.style import FOUND, GREY, HALO
 from nao_course.sim import LABELS
 
-FOOT, CANDIDATE = "#ff3b81", "#7a2cff"  # of what was found; apart from carpet, posts and lines
+CANDIDATE = "#7a2cff"  # apart from feet, carpet, posts and lines
 _NONE: tuple[()] = ()
 
 
@@ -71,11 +72,13 @@ def draw_feet(
         for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
             plot_picture(np.asarray(picture), ax, ticks=False)
             ax.plot(*near.T, ".", color=CANDIDATE, ms=4, path_effects=HALO)
-            plot_feet(points, ax)
+            plot_found(points, ax)
             ax.set_title(title, fontsize=11)
         for ax in grid[len(pictures) :]:
             ax.set_axis_off()
-        keys = [Line2D([], [], color=FOOT, marker="o", mfc="none", ls="", ms=10, mew=2.2, label="foot found")]
+        keys = [
+            Line2D([], [], color=FOUND, marker="o", mfc="none", ls="", ms=10, mew=2.2, label="foot found")
+        ]
         if candidates:
             keys.insert(0, Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate"))
         legend_below(figure, keys)
@@ -86,12 +89,6 @@ def draw_feet(
     return Drawing(
         figure, f"{say_count(len(found), 'picture')} with the feet found in them. {said}.", photo=True
     )
-
-
-def plot_feet(points: FloatArray, ax: Axes, size: float = 13) -> None:
-    """Mark points (K, 2), (u, v) px, with rings that stand out from any picture."""
-    for colour, width in (("white", 4.6), (FOOT, 2.4)):
-        ax.plot(*points.T, "o", color=colour, mfc="none", ms=size, mew=width)
 
 
 def draw_turning_head(find: Callable[[Any], Any]) -> Drawing:
@@ -124,7 +121,7 @@ def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 
         words = [_plot_column(ax, array[:, u], u, look_down) for ax, u in zip(axes, columns, strict=True)]
         axes[0].set_ylabel("v (px)")
         keys: list[Any] = label_keys(LABELS)
-        keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOOT, lw=2, label=f"{look_down} pixels below"))
+        keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOUND, lw=2, label=f"{look_down} pixels below"))
         legend_below(figure, keys, columns=3)
     return Drawing(figure, f"Columns of labels from above. {' '.join(words)}")
 
@@ -145,8 +142,8 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     green = int((column[foot + 1 : foot + 1 + look_down] == LABELS.index("green")).sum())
     others = np.flatnonzero(column[:foot] != LABELS.index("yellow"))
     run = foot - (int(others[-1]) if len(others) else -1)
-    ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOOT, lw=2))
-    plot_feet(np.array([[0.5, foot]]), ax, size=10)
+    ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOUND, lw=2))
+    plot_found(np.array([[0.5, foot]]), ax, size=10)
     ax.set_xlabel(f"foot {foot}\n{green} of {look_down} green\nrun {run} px")
     return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
 

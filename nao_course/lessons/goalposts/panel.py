@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import as_points
-from nao_course.lessons.goalposts.figures import CANDIDATE, FOOT
+from nao_course.lessons.goalposts.figures import CANDIDATE
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.plotting import painted
+from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
 Pixels = npt.NDArray[np.uint8]
@@ -25,7 +26,7 @@ def mark_feet(pixels: npt.ArrayLike, feet: npt.ArrayLike, candidates: npt.ArrayL
     for u, v in as_points(candidates, name="candidates (u, v)"):
         cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
     for u, v in as_points(feet, name="feet (u, v)"):
-        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOOT), 2 * scale)):
+        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOUND), 2 * scale)):
             cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
     return shown
 
@@ -118,7 +119,7 @@ class PostPanel(FunctionPanel):
         """Show the scene, its labels, the candidates, and at last the feet."""
         scene = self._scenes[values.scene]
         yield {"What you find": scene.pixels}
-        yield Legend({"candidate": CANDIDATE, "foot": FOOT})
+        yield Legend({"candidate": CANDIDATE, "foot": FOUND})
         labels = student.label(scene.pixels)
         yield {"Your labels": painted(labels)}
         candidates = student.post_candidates(labels, values.min_green, values.look_down, values.min_height)

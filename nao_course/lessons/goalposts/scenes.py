@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.goalposts.measuring import REACH, Feet, FootMatch, match_feet
+from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
+from nao_course.metrics import REACH
 from nao_course.sim import NAO_V4, CameraView, Field, PictureTruth, Reality, SimulatedNao, render
 from nao_course.sim.nao import TorsoTilt
 from nao_course.sim.render import YELLOW

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,39 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
+from nao_course.challenges.rooms import Place, places
 from nao_course.lessons.hsl_filtering.challenge_figure import draw_lost_points
-from nao_course.sim import LABELS, Reality, Scene
-from nao_course.sim.scenes import random_scene
+from nao_course.sim import LABELS, Scene
 
-SIZE = (320, 240)
 ENOUGH = 300  # pixels of white and of yellow that every scene has at least
 ROOMS = {"dark": (601, 602, 603), "harsh": (604, 605, 606)}  # by preset; parameters are tuned in others
 SCENES_PER_ROOM = 5
 YELLOW, WHITE = LABELS.index("yellow"), LABELS.index("white")
 
 
-@dataclass(frozen=True)
-class Place:
-    """Which scene: a preset of `Reality`, the seed of its room, and its number in that room."""
-
-    preset: str
-    room: int
-    number: int
-
-    def __str__(self) -> str:
-        """Such as "dark 7": the seventh of the dark scenes."""
-        before = ROOMS[self.preset].index(self.room) * SCENES_PER_ROOM
-        return f"{self.preset} {before + self.number + 1}"
+def shows_enough(scene: Scene) -> bool:
+    """Whether a picture shows both enough white and enough yellow."""
+    return all((scene.truth.labels == label).sum() >= ENOUGH for label in (WHITE, YELLOW))
 
 
 def make_scene(place: Place) -> Scene:
-    """Take the picture of a place: one of those that show both enough white and enough yellow."""
-    reality = getattr(Reality, place.preset)(seed=place.room)
-    rng = np.random.default_rng([place.room, place.number])
-    while True:
-        scene = random_scene(SIZE, reality, rng)
-        if min((scene.truth.labels == label).sum() for label in (WHITE, YELLOW)) >= ENOUGH:
-            return scene
+    """Take the picture of a place: one of those that show enough white and yellow."""
+    return place.scene(shows_enough)
 
 
 def on_the_field(truth: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
@@ -109,12 +93,7 @@ CHALLENGE = Challenge(
     scoring="the mean of F1 of white and F1 of yellow, over all scenes. F1 is 2 both / (called + there), in pixels. "
     "White counts from the far edge of the carpet down, yellow in the whole picture; every scene shows 300 pixels of "
     "each at least.",
-    seeds=tuple(
-        Place(preset, room, number)
-        for preset, rooms in ROOMS.items()
-        for room in rooms
-        for number in range(SCENES_PER_ROOM)
-    ),
+    seeds=places(ROOMS, SCENES_PER_ROOM),
     make=make_scene,
     given=lambda scene: (scene.pixels,),
     judge=judge,
@@ -127,7 +106,4 @@ CHALLENGE = Challenge(
         Column("white behind", " %", 0),
     ),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
-    name_of=lambda place: (
-        f"{place.preset} {(place.room - ROOMS[place.preset][0]) * SCENES_PER_ROOM + place.number + 1}"
-    ),
 )

@@ -9,12 +9,17 @@ import pytest
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons import All, Close, Each, Property, Unordered
 from nao_course.exercises.exercise import PublicExercise
-from nao_course.exercises.running import Outcome
-from nao_course.instructor.autograding.failures import describe_failure, describe_outcome, own_line
+from nao_course.exercises.running import Outcome, alarm
+from nao_course.instructor.autograding.failures import (
+    definition_lines,
+    describe_failure,
+    describe_outcome,
+    own_line,
+)
 from nao_course.instructor.collecting.submissions import Files
 
 EXERCISE = PublicExercise("f", "90.1", 1.0, 1, Close(), [], [], [], "", True)
-SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1'
+SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1\n\ndef g(x):\n    return TABLE[x]'
 
 
 def described(expected, got, comparison=None, case=None):
@@ -36,8 +41,10 @@ def files():
     ("line", "own"),
     [
         ("line 2: return x / 0", True),
-        ("line 2: return x.gone", True),
         ('line 3: y = "é"  # return x / 1', True),
+        ("line 3: return x / 0", False),  # it stands in another line
+        ("line 2: return x.gone", False),  # of a helper file
+        ("line 6: return TABLE[x]", False),  # of another function
         ("line 2: return x / 1", False),
         ("line 2: x / 0", False),
         ("line 2: return x / 0.123", False),
@@ -46,8 +53,44 @@ def files():
         ("", False),
     ],
 )
-def test_a_line_is_told_where_it_stands_in_the_submission_as_a_whole(files, line, own):
-    assert own_line(line, files) == (line if own else "")
+def test_a_line_is_told_where_it_stands_in_the_exercises_own_definition(files, line, own):
+    assert own_line(line, files, "f") == (line if own else "")
+
+
+def notebook(*sources):
+    cells = [{"cell_type": "code", "source": source} for source in sources]
+    return json.dumps({"cells": cells}).encode()
+
+
+def test_of_several_definitions_the_last_one_is_read_with_its_signature_and_comments():
+    second = "import numpy\n\ndef f(\n    x,\n) -> float:\n# why\n\n    return x\nf(1)"
+    found = definition_lines(notebook(SOURCE, second, "g = 1"), "f")
+    assert sorted(number for number, _ in found) == [3, 4, 5, 6, 7, 8] and (8, "return x") in found
+    assert (2, "self.x = 1") not in definition_lines(notebook("class F:\n  self.x = 1"), "f")
+    assert (2, "self.x = 1") in definition_lines(notebook("class F:\n  self.x = 1"), "F")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b'{"cells": 7}',
+        b'{"cells": [7]}',
+        b"[" * 10**5,
+        notebook("def f(x):\n" + " \n" * 200),
+        b" " * 2**22,
+    ],
+    ids=lambda content: f"{len(content)} bytes",
+)
+def test_no_line_is_told_of_what_is_no_notebook_or_of_a_table_of_lines(content):
+    assert definition_lines(content, "f") == frozenset()
+
+
+def test_blanks_without_end_are_read_in_one_pass():
+    with alarm(60.0):
+        assert definition_lines(notebook("def f(x):\n    return x\n" + " " * 2**20), "f")
 
 
 @pytest.mark.parametrize(
@@ -69,8 +112,10 @@ def test_a_difference_is_told_by_its_kind_and_without_a_value(expected, got, sai
 
 
 def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(files):
-    assert describe_failure(Outcome("raised", text="KeyError: 5"), files, 1.0).text == "It raises KeyError."
-    told = describe_failure(Outcome("raised", text="E3_14: 5", line="line 1: 5"), files, 1.0)
+    assert (
+        describe_failure("f", Outcome("raised", text="KeyError: 5"), files, 1.0).text == "It raises KeyError."
+    )
+    told = describe_failure("f", Outcome("raised", text="E3_14: 5", line="line 1: 5"), files, 1.0)
     assert (told.text, told.line) == ("It raises an exception of its own.", "")
 
 
@@ -83,7 +128,7 @@ def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(fi
     ],
 )
 def test_how_a_process_died_is_told_without_a_number_of_the_students(files, text, said):
-    assert describe_failure(Outcome("died", text=text), files, 1.0).text == said
+    assert describe_failure("f", Outcome("died", text=text), files, 1.0).text == said
 
 
 def test_of_a_law_on_a_hidden_case_no_word_is_told():

@@ -2,6 +2,7 @@
 
 import pytest
 
+from nao_course.exercises.running import alarm
 from nao_course.instructor.collecting.names import LONGEST_NAME, clean_name, lesson_of, name_file, safe_name
 
 LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
@@ -87,6 +88,9 @@ def test_students_names_hold_nothing_that_a_terminal_obeys():
         (("Ada L_12_assignsubmission_file_", "x.ipynb"), "Ada L_12", "x.ipynb"),
         (("Ada L_12_assignsubmission_file_x.ipynb",), "Ada L_12", "x.ipynb"),
         (("lada_LATE_12_34_x-2.ipynb",), "lada_12", "x.ipynb"),
+        (("mueller_123456_01_hsl_filtering.ipynb",), "mueller_123456", "01_hsl_filtering.ipynb"),
+        (("team_7_01_hsl_filtering.ipynb",), "team_7", "01_hsl_filtering.ipynb"),
+        (("team_7_01_01_hsl_filtering.ipynb",), "team_7", "01_hsl_filtering.ipynb"),
         (("submission-20260301-120000.zip",), "submission-20260301-120000", "submission-20260301-120000.zip"),
     ],
 )
@@ -102,3 +106,35 @@ def test_a_file_without_a_student_is_nobodys():
 def test_canvas_says_which_of_two_is_the_later_one():
     first, again = (name_file((f"ada_12_34_x{copy}.ipynb",), LESSONS) for copy in ("", "-1"))
     assert first.order < again.order
+
+
+LONG = 60_000
+PIECES = [
+    "1",
+    "a",
+    "_",
+    "-",
+    " ",
+    ".",
+    "(1)",
+    "_1",
+    "-1",
+    " copy",
+    "-0a",
+    "\n",
+    "01_hsl_filtering",
+    "_assignsubmission_",
+]
+
+
+@pytest.mark.parametrize("piece", PIECES)
+@pytest.mark.parametrize(
+    "before", ["", "01_hsl_filtering", "x_1_2_01_hsl_filtering", "Ada_1_assignsubmission_file_"]
+)
+def test_names_of_any_length_are_read_in_one_pass(piece, before):
+    for name in (before + piece * (LONG // len(piece)) + "x.ipynb", before + piece * 60 + "x.ipynb"):
+        with alarm(120.0):
+            name_file((name,), LESSONS)
+            name_file((name, name), LESSONS)
+            lesson_of(name, LESSONS)
+        assert len(safe_name(name)) <= 60 and len(clean_name(name)) <= LONGEST_NAME

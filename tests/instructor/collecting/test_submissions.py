@@ -87,6 +87,73 @@ def test_a_zip_of_the_whole_folder_is_looked_into(look, tmp_path):
     assert [student for student, _ in who(look(packed(tmp_path / "in.zip", files)))] == ["ada", "bob"]
 
 
+@pytest.mark.parametrize("kind", ["folder", "zip"])
+def test_one_folder_around_all_students_is_taken_away_and_a_students_own_is_not(look, tmp_path, kind):
+    def students(*names):
+        path = tmp_path / f"in{len(list(tmp_path.iterdir()))}"
+        folder = kind == "folder"
+        found = look(
+            put(path, *names) if folder else packed(path.with_suffix(".zip"), dict.fromkeys(names, NOTEBOOK))
+        )
+        return [student for student, _ in who(found)]
+
+    assert students(*(f"wrapper/{student}/{HSL}" for student in ("ada", "bob", "cleo"))) == [
+        "ada",
+        "bob",
+        "cleo",
+    ]
+    alone = "Ada Lovelace_1234567_assignsubmission_file_"
+    assert students(f"{alone}/eve/{HSL}", f"{alone}/bob/{HSL}") == ["Ada Lovelace_1234567"]
+    assert students("ada/week 1/00_meet_the_nao.ipynb", f"ada/week 2/{HSL}") == ["ada", "ada"]
+    assert students(f"ada/{HSL}", f"ada/old/{HSL}") == ["ada"]
+
+
+def test_the_folder_of_one_student_is_hers_whatever_is_in_it(tmp_path):
+    put(tmp_path / "in", f"submission/a/{HSL}", f"submission/b/{HSL}")
+    assert who(gather(tmp_path / "in", tmp_path / "scratch", LESSONS, one_student=True)) == [
+        ("submission", HSL[:-6])
+    ]
+
+
+@pytest.mark.parametrize("student", ["release", "kept", "__pycache__", ".x"])
+def test_a_student_may_be_called_as_a_program_calls_its_folders(look, tmp_path, student):
+    assert who(look(put(tmp_path / "in", f"{student}/{HSL}"))) == [(student, "01_hsl_filtering")]
+    assert who(look(packed(tmp_path / "in.zip", {f"{student}/{HSL}": NOTEBOOK}))) == [
+        (student, "01_hsl_filtering")
+    ]
+
+
+def test_students_whose_names_look_alike_are_refused_and_neither_has_the_others_work(look, tmp_path):
+    alike = [("Ada", "Ada "), ("M\u00fcller", "Mu\u0308ller")]
+    names = [f"{student}/{HSL}" for pair in alike for student in pair]
+    found = look(packed(tmp_path / "in.zip", dict.fromkeys([*names, f"bob/{HSL}"], NOTEBOOK)))
+    assert who(found) == [("bob", "01_hsl_filtering")]
+    assert {student for student, _ in reasons(found)} == {"Ada", "Müller"}
+    assert all("2 folders or files are named so alike" in reason for reason in reasons(found).values())
+
+
+def test_whoever_is_not_graded_is_named_before_what_nobody_misses(look, tmp_path):
+    put(
+        tmp_path / "in",
+        f"ada/{HSL}",
+        "bob/mine.py",
+        "cleo/essay.pdf",
+        "dan/kept/01_hsl_filtering.ipynb",
+        "eve/work.ipynb",
+    )
+    put(tmp_path / "in", *(f"ada/junk{number}.txt" for number in range(25)))
+    (tmp_path / "in" / "fay").mkdir()
+    found = look(tmp_path / "in")
+    assert [each.split("/")[0].split(":")[0] for each in found.not_graded] == [
+        "eve",
+        "bob",
+        "cleo",
+        "dan",
+        "fay",
+    ]
+    assert found.unknown[:5] == found.not_graded and len(found.unknown) == 5 + 26
+
+
 # --- which one counts ---
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
-from nao_course.lessons.goalposts.measuring import Feet, match_feet, total
+from nao_course.lessons.goalposts.measuring import Feet, match_feet
 from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.metrics import total
 from nao_course.sim import Field, standard_scenes
 from tests.paths import PROJECT
 

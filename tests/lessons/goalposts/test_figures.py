@@ -15,9 +15,9 @@ from nao_course.lessons.goalposts.measuring import FootMatch
 
 BLACK = np.zeros((24, 32, 3), dtype=np.uint8)
 MATCHES = [
-    FootMatch(np.array([0.5, 1.5]), np.array([True, False]), 1),
-    FootMatch(np.array([1.2]), np.array([True]), 0),
-    FootMatch(np.zeros(0), np.zeros(0, dtype=bool), 2),
+    FootMatch(np.array([True, False]), 1, np.array([0.5, 1.5])),
+    FootMatch(np.array([True]), 0, np.array([1.2])),
+    FootMatch(np.zeros(0, dtype=bool), 2, np.zeros(0)),
 ]
 
 
