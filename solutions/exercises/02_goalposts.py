@@ -73,6 +73,8 @@ def _search(
             enough = green > wanted if changed.get("more_green") else green >= wanted
             if changed.get("no_rule"):
                 enough = True
+            if changed.get("mean_of_what_is_left"):
+                enough = len(below) > 0 and green / len(below) >= min_green / look_down
             above = column[: v + 1][::-1]
             run = int((above == YELLOW).sum() if changed.get("gaps") else np.cumprod(above == YELLOW).sum())
             high = run > needed if changed.get("more_height") else run >= needed
@@ -118,6 +120,34 @@ def _a_mask(labels: Any, min_green: int, look_down: int, min_height: float) -> A
     for u, v in _search(labels, min_green, look_down, min_height):
         mask[int(v), int(u)] = True
     return mask
+
+
+def _over_the_edge(labels: Any, min_green: int, look_down: int, min_height: float) -> Array:
+    """The climb asks no row whether it is still in the picture: labels[-1, u] is the lowest again, and so on."""
+    labels = np.asarray(labels)
+    for u, v in _candidates(labels, min_green, look_down, 0.0).astype(int):
+        n = 0
+        while labels[v - n, u] == YELLOW:
+            n += 1
+    return _candidates(labels, min_green, look_down, min_height)
+
+
+def _with_height(needed: Any) -> Any:
+    """The search with another least height in pixels, needed(min_height * H)."""
+
+    def function(labels: Any, min_green: int, look_down: int, min_height: float) -> Array:
+        height = np.shape(labels)[0]
+        return _candidates(labels, min_green, look_down, needed(min_height * height) / height)
+
+    return function
+
+
+def _height_of_240(labels: Any, min_green: int, look_down: int, min_height: float) -> Array:
+    return _candidates(labels, min_green, look_down, min_height * 240 / np.shape(labels)[0])
+
+
+def _nothing(*given: Any) -> Array:
+    return np.zeros((0, 2))
 
 
 def _candidates_list(labels: Any, min_green: int, look_down: int, min_height: float) -> Any:
@@ -182,6 +212,11 @@ def _candidates_public() -> list[Case]:
         ),
         Case((_columns("yyyyoyygggww", "yyyyyyygggww", "yyoyyyygggww"), 2, 4, 0.5), "posts with holes"),
         Case((_columns("ooyyyygg", "oooyyyyg", "ooooyyyy"), 1, 4, 0.25), "at the lower edge"),
+        Case((_columns("ooyyyygg", "oooyyyyg"), 2, 4, 0.25), "at the lower edge, two of four green"),
+        Case(
+            (_columns("yyyyyyyy", "oyyyyyyy"), 0, 3, 0.5), "yellow down to the lower edge, no green asked for"
+        ),
+        Case((_columns("oyyogyog", "gooyyygg"), 0, 2, 0.0), "neither green nor height asked for"),
         Case(
             (_columns("gggyyyyy", "gggyyyyw"), 1, 3, 0.25), "nothing but the edge below, and green at the top"
         ),
@@ -219,6 +254,8 @@ def _candidates_hidden(rng: np.random.Generator) -> list[Case]:
             )
         ),
         Case((np.full((12, int(rng.integers(5, 9))), YELLOW, dtype=np.uint8), 1, 4, 0.25)),
+        Case((np.full((12, int(rng.integers(5, 9))), YELLOW, dtype=np.uint8), 0, 4, 0.25)),
+        Case((_columns("ooyyyygg", "oooyyyyg", "ogyyyygw"), 2, int(rng.integers(4, 7)), 0.25)),
         Case((field(16, int(rng.integers(8, 20)), 5), 1, 4, 0.25)),
     ]
 
@@ -237,6 +274,36 @@ POST_CANDIDATES = Exercise(
         "from the foot while the pixel is yellow, and count. The post needs at least min_height * labels.shape[0] of them, the foot included.",
     ),
     mistakes=[
+        Mistake(
+            "nothing found",
+            _nothing,
+            "You find nothing, whatever the picture. One of the two tests never passes: print the green pixels and the run of one column.",
+        ),
+        Mistake(
+            "height of 240 rows",
+            _height_of_240,
+            "You ask for min_height * 240 pixels. The pictures here have fewer rows: labels.shape[0] says how many.",
+        ),
+        Mistake(
+            "share of what is left",
+            _changed(mean_of_what_is_left=True),
+            "At the lower edge you take the share of the few pixels that are left. Count the green ones: what is below the last row is not green.",
+        ),
+        Mistake(
+            "climbs over the edge",
+            _over_the_edge,
+            "A column that is yellow from top to bottom makes your climb leave the picture: labels[-1, u] is the lowest row again. Stop at row 0.",
+        ),
+        Mistake(
+            "height rounded down",
+            _with_height(int),
+            "int() rounds down: a run of 2 pixels is lower than 0.25 of 10 rows, which is 2.5. Compare with the number as it is.",
+        ),
+        Mistake(
+            "more than both",
+            _changed(more_green=True, more_height=True),
+            "Exactly min_green green pixels and exactly the least height count: at least means >=, both times.",
+        ),
         Mistake(
             "top-down",
             _changed(top_down=True),
@@ -408,6 +475,44 @@ def _to_any(points: Any, max_distance: float) -> Array:
     return np.array([np.mean(g, axis=0) for g in groups]).reshape(-1, 2)
 
 
+def _first_by(column: int) -> Any:
+    """Points in the order of a column, each into the first group that has a near one; groups never join."""
+
+    def function(points: Any, max_distance: float) -> Array:
+        points = np.asarray(points, dtype=float).reshape(-1, 2)
+        return _to_any(points[np.argsort(points[:, column], kind="stable")], max_distance)
+
+    return function
+
+
+def _to_last(points: Any, max_distance: float) -> Array:
+    """In the order of the columns, each into the first group whose last point is near."""
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    groups: list[list[Array]] = []
+    for point in points[np.argsort(points[:, 0], kind="stable")]:
+        home = next((g for g in groups if np.hypot(*(g[-1] - point)) <= max_distance), None)
+        if home is None:
+            groups.append([point])
+        else:
+            home.append(point)
+    return np.array([np.mean(g, axis=0) for g in groups]).reshape(-1, 2)
+
+
+def _joined(points: Any, max_distance: float, most: int = 99, wanted: Any = any) -> Array:
+    """Each point joins the groups that are near it: at most so many, near any of their points, or all."""
+    groups: list[list[Array]] = []
+    for point in np.asarray(points, dtype=float).reshape(-1, 2):
+        near, far = [], []
+        for g in groups:
+            (near if wanted(np.hypot(*(p - point)) <= max_distance for p in g) else far).append(g)
+        groups = [*far, *near[most:], [point, *(p for g in near[:most] for p in g)]]
+    return np.array([np.mean(g, axis=0) for g in groups]).reshape(-1, 2)
+
+
+def _to_first_no_shape(points: Any, max_distance: float) -> Array:
+    return _to_first(points, max_distance) if len(points) else np.array([])
+
+
 def _neighbours(points: Any, max_distance: float) -> Array:
     points = np.asarray(points, dtype=float).reshape(-1, 2)
     near = np.linalg.norm(points[:, None] - points, axis=2) <= max_distance
@@ -521,6 +626,15 @@ def _clusters_public() -> list[Case]:
             "one cluster above the other",
         ),
         Case((_chain(rng, 9, 3.0), 4.0), "a shuffled chain"),
+        Case(
+            (np.array([(0, 0), (1, 10), (5, 5)], dtype=float), 8.0), "two points that only a third one joins"
+        ),
+        Case((np.array([(0, 0), (10, 1), (5, 5)], dtype=float), 8.0), "the same, turned over"),
+        Case((np.array([(0, 0), (1, 6), (3, -4)], dtype=float), 7.0), "a point between two others"),
+        Case(
+            (np.array([(50, 40), (70, 40), (60, 52), (60, 44)], dtype=float), 11.0),
+            "three points that only a fourth one joins",
+        ),
         Case((np.zeros((0, 2)), 5.0), "no points"),
         Case((np.array([(7.0, 9.0)]), 5.0), "one point"),
     ]
@@ -544,6 +658,9 @@ def _clusters_hidden(rng: np.random.Generator) -> list[Case]:
                 4.0,
             )
         ),
+        Case((rng.permutation(rng.uniform(10, 60, 2) + np.array([(0, 0), (1, 10), (5, 5)])), 8.0)),
+        Case((rng.permutation(rng.uniform(10, 60, 2) + np.array([(0, 0), (1, 6), (3, -4)])), 7.0)),
+        Case((rng.uniform(10, 60, 2) + np.array([(0.0, 0), (20, 0), (10, 12), (10, 4)]), 11.0)),
         Case((rng.uniform(0, 60, (25, 2)).round(1), 7.03)),
         Case((rng.uniform(0, 60, (25, 2)).round(1), 10.03)),
         Case((np.zeros((0, 2)), float(rng.uniform(1, 9)))),
@@ -574,6 +691,41 @@ CLUSTER_POINTS = Exercise(
             "clusters never join",
             _to_any,
             "It depends on the order of the points: one that is near two clusters joins them to one.",
+        ),
+        Mistake(
+            "sorted by column, clusters never join",
+            _first_by(0),
+            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+        ),
+        Mistake(
+            "sorted by row, clusters never join",
+            _first_by(1),
+            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+        ),
+        Mistake(
+            "near the last point only",
+            _to_last,
+            "You sort by column and compare with a cluster's last point only. It is enough to be near any point of it, and who is near two clusters joins them.",
+        ),
+        Mistake(
+            "at most two joined",
+            lambda points, max_distance: _joined(points, max_distance, most=2),
+            "You join at most two clusters. A point can be near three of them, or more: then all become one.",
+        ),
+        Mistake(
+            "near to all points",
+            lambda points, max_distance: _joined(points, max_distance, wanted=all),
+            "You ask that a point is near to all points of a cluster. It is enough to be near to one.",
+        ),
+        Mistake(
+            "near the first point only, no shape",
+            _to_first_no_shape,
+            "A chain breaks in your clusters: it is enough to be near any point of a cluster, not only its first. And no points give shape (0, 2).",
+        ),
+        Mistake(
+            "whole numbers",
+            _with(middle=lambda group: group.mean(axis=0).astype(int)),
+            "Your averages have lost what stands behind the point: int cuts it off. An average is a float.",
         ),
         Mistake(
             "only neighbours averaged",
@@ -669,25 +821,44 @@ CLUSTER_POINTS = Exercise(
 # --- 2.3 find_goalposts ---
 
 
-def _scaled(labels: Any, scale: float | None = None, **changed: Any) -> Array:
-    labels = np.asarray(labels)
-    scale = labels.shape[0] / 240 if scale is None else scale
-    found = _candidates(labels, round(8 * scale), max(round(10 * scale), 1), 0.1, **changed)
-    return _clusters(found, 20 * scale)
+def _scaled(
+    labels: Any,
+    scale: float | None = None,
+    rule: tuple[float, float] = (8, 10),
+    least: float = 0.1,
+    gap: float = 20,
+    **changed: Any,
+) -> Array:
+    """The detector with its values at 240 rows changed, or something of its search."""
+    return _clusters(_not_clustered(labels, scale, rule, least, **changed), gap * _scale(labels, scale))
+
+
+def _not_clustered(
+    labels: Any,
+    scale: float | None = None,
+    rule: tuple[float, float] = (8, 10),
+    least: float = 0.1,
+    **changed: Any,
+) -> Array:
+    green, down = (max(round(each * _scale(labels, scale)), 1) for each in rule)
+    return _candidates(labels, green, down, least, **changed)
+
+
+def _scale(labels: Any, scale: float | None = None) -> float:
+    return float(np.shape(labels)[0] / 240 if scale is None else scale)
+
+
+def _with_values(**changed: Any) -> Any:
+    return lambda labels: _scaled(labels, **changed)
 
 
 def _fixed(labels: Any) -> Array:
     return _scaled(labels, scale=1.0)
 
 
-def _fixed_small(labels: Any) -> Array:
-    found = _candidates(labels, 3, 4, 0.1)
-    return _clusters(found, 1.0)
-
-
-def _not_clustered(labels: Any) -> Array:
-    scale = np.shape(labels)[0] / 240
-    return _candidates(labels, round(8 * scale), max(round(10 * scale), 1), 0.1)
+def _whole_scale(labels: Any) -> Array:
+    scale = np.shape(labels)[0] // 240
+    return _clusters(_candidates(labels, 8 * scale, 10 * scale, 0.1), 20 * scale)
 
 
 def _one_foot(labels: Any) -> Array:
@@ -730,7 +901,7 @@ def _feet_by_sums(labels: Any) -> Array:
     """Other values, other tools."""
     labels = np.asarray(labels)
     height = labels.shape[0]
-    found = _candidates_by_sums(labels, round(height / 40), round(height / 20), 0.1)
+    found = _candidates_by_sums(labels, round(height / 30), round(height / 20), 0.1)
     return _clusters_scipy(found, height / 12)
 
 
@@ -795,6 +966,51 @@ def _narrow(rows: int, left: int) -> Array:
     return labels
 
 
+def _strip(rows: int, below: str, foot: float = 0.5, high: float = 0.4, columns: int = 12) -> Array:
+    """A strip of a picture with something yellow in it, `high` parts of the height; and what is below, by letters.
+
+    Each letter stands for a 240th of the height, and the rest of the ground is green: o other, g green, w white.
+    """
+    labels, v = field(rows, columns, rows // 5), round(foot * rows)
+    stand(labels, columns // 4, columns // 2, max(v + 1 - round(high * rows), 0), v)
+    for i, letter in enumerate(below):
+        from_row, to_row = (v + 1 + round(each * rows / 240) for each in (i, i + 1))
+        labels[from_row:to_row] = "ogyw".index(letter)
+    return labels
+
+
+def _with_gap(labels: Array) -> Array:
+    """The middle third of a post's columns has noise right below it, so that no foot is found there."""
+    rows, columns = np.nonzero(labels == YELLOW)
+    below, third = rows.max() + 1, (np.ptp(columns) + 1) // 3
+    labels[below : below + max(len(labels) // 40, 1), columns.min() + third : columns.max() + 1 - third] = (
+        OTHER
+    )
+    return labels
+
+
+def _strips(rows: int, columns: int, foot: float) -> list[Array]:
+    """Feet with a line below, close or a little lower, low and broken posts; and two things behind the field."""
+    return [
+        _strip(rows, "ggww", foot, columns=columns),
+        _strip(rows, "gggggggggggww", foot, columns=columns),
+        _strip(rows, "", foot, high=0.13, columns=columns),
+        _with_gap(_strip(rows, "", foot, columns=columns)),
+        _strip(rows, "ogggggwwwwwww", foot, columns=columns),
+        _strip(rows, "o" * 14, foot, columns=columns),
+    ]
+
+
+STRIPS = (
+    "a strip of 240 rows, a thin line right below the foot",
+    "a strip of 240 rows, a thin line a little below the foot",
+    "a strip of 240 rows, a post far away",
+    "a strip of 240 rows, noise below the middle of a post",
+    "a strip of 240 rows, a bag above a thin strip of green",
+    "a strip of 240 rows, a bag above the wall",
+)
+
+
 def _posts_public() -> list[Case]:
     rng = np.random.default_rng(23)
     cut = _near_edge(48, 0.0)
@@ -810,6 +1026,7 @@ def _posts_public() -> list[Case]:
         Case((nothing,), "a bag and no post"),
         Case((np.repeat(np.repeat(_goal(rng, 24, left=0.2, right=0.7), 2, 0), 2, 1),), "another goal"),
         Case((_goal(rng, 36, left=0.15, right=0.7, depth=0.6),), "a smaller picture"),
+        *(Case((labels,), name) for labels, name in zip(_strips(240, 12, 0.5), STRIPS, strict=True)),
     ]
 
 
@@ -821,6 +1038,11 @@ def _posts_hidden(rng: np.random.Generator) -> list[Case]:
         Case((_near_edge(480, 0.0),)),
         *(Case((_narrow(rows, int(rng.integers(5, rows))),)) for rows in (48, 72, 240)),
         Case((field(120, int(rng.integers(100, 160)), 40),)),
+        *(
+            Case((labels,))
+            for rows in (240, 480)
+            for labels in _strips(rows, rows // 16, rng.uniform(0.4, 0.7))
+        ),
     ]
 
 
@@ -843,6 +1065,46 @@ FIND_GOALPOSTS = Exercise(
             "values for 240 rows",
             _fixed,
             "Right for 240 rows. In smaller pictures your values in pixels ask for more green than there is: let them grow with labels.shape[0].",
+        ),
+        Mistake(
+            "all green, and deep",
+            _with_values(rule=(12, 12), gap=48),
+            "You ask for nothing but green below a foot, and farther down than a twenty-fourth of the height. A line may lie there.",
+        ),
+        Mistake(
+            "all green",
+            _with_values(rule=(10, 10)),
+            "You ask for nothing but green below a foot. A thin line may lie there, or a pixel of noise: a fifth of the pixels may be something else.",
+        ),
+        Mistake(
+            "one green pixel far down",
+            _with_values(rule=(1, 24)),
+            "You look far down, and a little green is enough for you. Below nearly everything there is carpet in the end: ask for more of it, nearer.",
+        ),
+        Mistake(
+            "half green",
+            _with_values(rule=(5, 10)),
+            "You find a bag above a thin strip of green. Where only half of the pixels below are green, nothing stands on the carpet: ask for more.",
+        ),
+        Mistake(
+            "a fifth of the height",
+            _with_values(least=0.2),
+            "You lose posts far away: one that is a tenth of the picture's height has to be found.",
+        ),
+        Mistake(
+            "short linkage",
+            _with_values(gap=2),
+            "You report one post twice where noise takes out the columns in its middle: let candidates that are farther apart be one post.",
+        ),
+        Mistake(
+            "scale in whole numbers",
+            _whole_scale,
+            "In small pictures your values are 0: // rounds down, and 48 // 240 is 0. Divide with /, and round what has to be whole at the end.",
+        ),
+        Mistake(
+            "nothing found",
+            _nothing,
+            "You find nothing, whatever the picture. Print what your candidates are before they are clustered.",
         ),
         Mistake(
             "not clustered",
@@ -889,11 +1151,8 @@ FIND_GOALPOSTS = Exercise(
         (
             "scale = len(labels) / 241",
             "scale = len(labels) / 239",
-            "min_green, look_down = np.ceil([9 * scale, 10 * scale]).astype(int)",
             "min_green, look_down = np.ceil([7 * scale, 10 * scale]).astype(int)",
             "min_green, look_down = np.ceil([8 * scale, 11 * scale]).astype(int)",
-            "min_green, look_down = np.ceil([8 * scale, 9 * scale]).astype(int)",
-            "min_green, look_down = np.ceil([scale, 10 * scale]).astype(int)",
             "min_green, look_down = np.floor([8 * scale, 10 * scale]).astype(int)",
             "return cluster_points(candidates, 21 * scale)",
             "return cluster_points(candidates, 19 * scale)",
@@ -914,7 +1173,8 @@ PLAN = LessonPlan(
                 "To save time: most columns have no post.": "It does save time, but hardly any: the columns with yellow are few. The reason is "
                 "what a column would find if it went on.",
                 "Because what is above it cannot be a foot.": "A foot stands on the carpet, and the carpet is below everything else. If the lowest "
-                "yellow of a column hangs over something else, all yellow above it does so even more.",
+                "yellow of a column hangs over something else, all yellow above it does so even more. The rule has a price: a yellow speck in the "
+                "line before a post gives up a true foot.",
                 "Because a post is always the lowest yellow thing in a picture.": "A peel on the carpet is lower, and so is a bag before the "
                 "goal. It is the lowest in its own column that counts.",
             },
