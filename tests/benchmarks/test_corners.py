@@ -83,7 +83,7 @@ def test_middle_lines_lie_on_the_field_s_lines_to_a_fraction_of_a_pixel():
             np.abs(world[:, 0] - x1).max() if x1 == x2 else np.abs(world[:, 1] - y1).max()
             for x1, y1, x2, y2 in field.lines
         ]
-        straight += min(beside) < 0.02
+        straight += min(beside) < 0.006
     assert straight >= 4
     assert straight >= len(lines) - 3  # the circle's chords
 
