@@ -186,12 +186,13 @@ class DerivationSheet:
 
 
 class _SheetView:
-    """The widgets of a sheet: a grid of fields; Enter in one of them, or the button, checks them all."""
+    """The widgets of a sheet: a grid of fields; leaving one, Enter in it, or the button checks them all."""
 
     def __init__(self, sheet: DerivationSheet) -> None:
         import ipywidgets
 
         self.sheet = sheet
+        self._filling = False  # while fields are filled in from code
         self.fields = [
             [
                 ipywidgets.Text(placeholder="", tooltip=sheet._place(*at), continuous_update=False)
@@ -201,6 +202,7 @@ class _SheetView:
         ]
         for field in (field for row in self.fields for field in row):
             field.layout = ipywidgets.Layout(width="auto", border=_PLAIN)
+            field.observe(self.check, names="value")
         heads = [ipywidgets.HTML(f"<b>by {escape(name)}</b>") for name in sheet.by]
         lines = [
             [ipywidgets.HTML(f"<b>{escape(name)}</b>"), *row]
@@ -224,15 +226,18 @@ class _SheetView:
 
     def check(self, _: Any = None) -> None:
         """Check what stands in the fields."""
-        self.sheet.write([[field.value for field in row] for row in self.fields])
+        if not self._filling:
+            self.sheet.write([[field.value for field in row] for row in self.fields])
 
     def show(self, table: list[list[Any]], marks: Mapping[tuple[int, int], str], said: str) -> None:
         """Show entries, frame the right and the wrong ones, and say what was found."""
+        self._filling = True
         for row, line in enumerate(self.fields):
             for column, field in enumerate(line):
                 found = marks.get((row, column))
                 field.value = str(table[row][column])
                 field.layout.border = _PLAIN if found is None else _WRONG if found else _RIGHT
+        self._filling = False
         self.said.value = Message(said)._repr_html_()
 
 

@@ -80,10 +80,21 @@ def test_the_fields_are_framed_and_keep_what_is_typed():
     for row, texts in zip(view.fields, [["1", "d*sin(theta)"], ["0", ""]], strict=True):
         for field, text in zip(row, texts, strict=True):
             field.value = text
-    view.check()
     borders = [field.layout.border_top for row in view.fields for field in row]
     assert borders[:3] == [_RIGHT, _WRONG, _RIGHT] and borders[3] not in (_RIGHT, _WRONG)
     assert "2 of 4 are right" in view.said.value and view.fields[0][1].value == "d*sin(theta)"
+
+
+def test_entries_that_are_written_from_code_stand_in_the_fields_and_are_checked_once(monkeypatch):
+    shown = sheet()
+    shown._repr_mimebundle_()
+    judged = []
+    monkeypatch.setattr(shown, "_judged", lambda table: judged.append(table) or ("judged", {}))
+    shown.write(RIGHT)
+    assert [[field.value for field in row] for row in shown._view.fields] == RIGHT
+    assert judged == [RIGHT] and "judged" in shown._view.said.value
+    shown._view.check()
+    assert len(judged) == 2
 
 
 def test_a_cell_that_is_run_again_shows_the_sheet_as_it_was():

@@ -29,6 +29,14 @@ def test_no_two_mistakes_look_alike_and_none_looks_right():
     assert len({each.tobytes() for each in [matrix + 0.0 for matrix in matrices]}) == len(MISTAKES) + 1
 
 
+def test_dx_and_dy_change_places_and_the_signs_stay():
+    dx, dy = 1.8, 1.2
+    bearing = with_mistake("bearing by x, y: dx and dy swapped", *AT)[0, :2]
+    distance = with_mistake("range by l_x, l_y: dx and dy swapped", *AT)[1, 3:]
+    assert np.allclose(bearing, np.array([dx, -dy]) / (dx**2 + dy**2))
+    assert np.allclose(distance, np.array([dy, dx]) / np.hypot(dx, dy))
+
+
 def test_a_right_name_scores_less_one_for_each_call():
     case = WrongJacobian(WRONG[0])
     ask = case.ask()
