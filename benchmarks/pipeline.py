@@ -17,6 +17,7 @@ import numpy.typing as npt
 from benchmarks import ROOT, Result, Table
 from benchmarks.posts import COLOURS, GREEN, MOST_MS, OWN, label, loop_over_columns, milliseconds
 from nao_course.exercises import load_definitions
+from nao_course.lessons.hough_corners import white_lines
 from nao_course.sim import standard_scenes
 
 Pixels = npt.NDArray[np.uint8]
@@ -43,9 +44,9 @@ def _in_range(hls: Any, low: tuple[float, ...], high: tuple[float, ...]) -> npt.
     return np.asarray(cv2.inRange(hls, np.ceil(low), np.floor(high))).view(np.bool_)
 
 
-def white_lines(picture: Pixels) -> Pixels:
+def lines_of(picture: Pixels) -> Pixels:
     """What Canny is given."""
-    return np.uint8(255) * (CORNERS["erase_background"](quick_labels(picture)) == 3)
+    return white_lines(CORNERS["erase_background"](quick_labels(picture)))
 
 
 def calls_alone(picture: Pixels, lines: Pixels) -> None:
@@ -73,7 +74,7 @@ def pixel_by_pixel(picture: Pixels) -> Any:
             count = count + 1 if labels[v, u] == 1 else 0
             v += 1
         kept[: v - 7 if count == 7 else height, u] = 0
-    return CORNERS["hough_segments"](np.uint8(255) * (kept == 3))
+    return CORNERS["hough_segments"](white_lines(kept))
 
 
 def _label_of(red: int, green: int, blue: int, threshold: float) -> int:
@@ -93,7 +94,7 @@ def _label_of(red: int, green: int, blue: int, threshold: float) -> int:
 
 def timed(pictures: Sequence[Pixels]) -> dict[str, float]:
     """Milliseconds a picture, by stage."""
-    labels, lines = ([make(each) for each in pictures] for make in (quick_labels, white_lines))
+    labels, lines = ([make(each) for each in pictures] for make in (quick_labels, lines_of))
     prepared = {id(picture): white for picture, white in zip(pictures, lines, strict=True)}
 
     def all_of_it(picture: Pixels) -> None:

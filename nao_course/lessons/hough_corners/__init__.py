@@ -1,7 +1,7 @@
 """What lesson 03, Hough corners, alone uses."""
 
 from nao_course.lessons.hough_corners.figures import draw_close_up, draw_places, draw_segments
-from nao_course.lessons.hough_corners.measuring import count_corners, line_picture, with_others
+from nao_course.lessons.hough_corners.measuring import count_corners, white_lines, with_others
 from nao_course.lessons.hough_corners.panel import CornerPanel
 from nao_course.lessons.hough_corners.results import (
     draw_costs,
@@ -35,13 +35,13 @@ __all__ = [
     "draw_segments",
     "goal_line_left",
     "last_seen",
-    "line_picture",
     "match_pictures",
     "mean_cost",
     "real_pictures",
     "rows_between",
     "three_places",
     "tuning_pictures",
+    "white_lines",
     "with_others",
 ]
 

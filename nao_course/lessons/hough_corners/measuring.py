@@ -24,7 +24,7 @@ WHITE_WITHIN, SEGMENT_WITHIN = 3.0, 6.0  # px at 240 rows
 PARALLEL = float(np.sin(np.radians(10.0)))
 
 
-def line_picture(labels: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+def white_lines(labels: npt.ArrayLike) -> npt.NDArray[np.uint8]:
     """Return what is white in labels (H, W) as a picture: 255 where it is, 0 elsewhere."""
     return np.uint8(255) * (np.asarray(labels) == 3)
 
@@ -78,7 +78,7 @@ def count_corners(
     for picture in pictures:
         labels = np.asarray(label(picture.pixels.copy()))
         kept = np.asarray(erase_background(labels))
-        segments = np.asarray(hough_segments(line_picture(kept)), dtype=float).reshape(-1, 4)
+        segments = np.asarray(hough_segments(white_lines(kept)), dtype=float).reshape(-1, 4)
         for corner in picture.truth.corners:
             white, still = (near_white(each, corner) for each in (labels, kept))
             left += [True, white, still, *near_segments(segments, corner)]

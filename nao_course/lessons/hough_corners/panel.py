@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nao_course.geometry import as_points
 from nao_course.lessons.hough_corners.figures import SEGMENTS
-from nao_course.lessons.hough_corners.measuring import line_picture
+from nao_course.lessons.hough_corners.measuring import white_lines
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import corner_cost
 from nao_course.plotting import painted
@@ -92,7 +92,7 @@ class CornerPanel(FunctionPanel):
         left = student.erase_background(labels, values.run)
         yield {"What is left": painted(left)}
         segments = as_points(
-            student.hough_segments(line_picture(left), values.gap, values.length),
+            student.hough_segments(white_lines(left), values.gap, values.length),
             4,
             "segments (u1, v1, u2, v2)",
         )

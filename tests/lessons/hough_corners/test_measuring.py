@@ -6,9 +6,9 @@ import pytest
 from nao_course.lessons.hough_corners.measuring import (
     STEPS,
     count_corners,
-    line_picture,
     near_segments,
     near_white,
+    white_lines,
     with_others,
 )
 from nao_course.lessons.hough_corners.scenes import CornerPicture
@@ -50,9 +50,7 @@ def test_the_steps_get_what_the_one_before_returned():
 
 
 def test_lines_are_255_where_labels_are_white():
-    assert (
-        line_picture([[0, 1, 2, 3]]).tolist() == [[0, 0, 0, 255]] and line_picture(LABELS).dtype == np.uint8
-    )
+    assert white_lines([[0, 1, 2, 3]]).tolist() == [[0, 0, 0, 255]] and white_lines(LABELS).dtype == np.uint8
 
 
 @pytest.mark.parametrize(("distance", "near"), [(3.0, True), (3.1, False)])

@@ -72,7 +72,8 @@ def test_the_table_of_other_pictures_is_what_the_benchmark_recorded():
         ("a real NAO on a straight walk", "real straight walk"),
     ):
         nothing, paper = recorded[name]["nothing"], recorded[name]["the paper's"]
-        costs = f"{nothing['missed']} | {nothing['cost']:.2f} | {paper['cost']:.2f} | {paper['low']:.2f} to {paper['high']:.2f}"
+        interval = f"{paper['low']:.2f} to {paper['high']:.2f}"
+        costs = f"{nothing['missed']} | {nothing['cost']:.2f} | {paper['cost']:.2f} | {interval}"
         assert f"| {row} ({nothing['pictures']}) | {costs} |" in TEXT
 
 
