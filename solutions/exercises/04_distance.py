@@ -52,7 +52,7 @@ def ground_in_view(rng: np.random.Generator, view: CameraView, number: int) -> A
     found = np.zeros((0, 2))
     while len(found) < number:
         bearing, away = view.yaw + rng.uniform(-0.5, 0.5, 400), rng.uniform(0.8, 5.0, 400)
-        points = np.column_stack([away * np.cos(bearing), away * np.sin(bearing)])
+        points = away[:, None] * np.column_stack([np.cos(bearing), np.sin(bearing)])
         found = np.vstack([found, points[view.contains(view.project(points))]])
     return found[:number]
 

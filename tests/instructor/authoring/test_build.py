@@ -242,6 +242,14 @@ def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
     assert Path("notebooks/images/a.png").read_bytes() == b"png"
 
 
+def test_a_file_that_a_lesson_links_to_goes_with_its_student_copy_too(course):
+    (course.solutions / "images").mkdir()
+    (course.solutions / "images" / "sheet.pdf").write_bytes(b"%PDF")
+    write(course.text("01_toy"), "Words", "Print [the sheet](images/sheet.pdf), and read [more](docs/setup.md).")
+    assert run("build").exit_code == 0
+    assert Path("notebooks/images/sheet.pdf").read_bytes() == b"%PDF"
+
+
 OPENING = "# A toy\n\n![what it shows](images/01_payoff.png)"
 PAYOFF = """
 ```{code-cell} ipython3

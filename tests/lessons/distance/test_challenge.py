@@ -15,6 +15,7 @@ SCENE = line_picture_of(48)
 def test_the_truth_is_off_by_nothing_and_a_degree_by_one():
     true = SCENE.true_view
     assert judge((true.pitch, true.roll, 0.01), SCENE).score == pytest.approx(0.0)
+    assert judge((true.pitch - np.radians(1), true.roll, 0.01), SCENE).score == pytest.approx(1.0)
     scored = judge(np.array([true.pitch + np.radians(1), true.roll - np.radians(2), np.radians(0.5)]), SCENE)
     assert scored.score == pytest.approx(1.0)
     assert scored.columns == pytest.approx(

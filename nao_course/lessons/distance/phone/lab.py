@@ -152,7 +152,7 @@ class PhoneLab(FunctionPanel):
         by_hand = CameraView.from_fov(
             SIZE, hfov, values.height / 100 / SCALE, float(np.radians(values.pitch))
         )
-        missing = [letter for letter in CLICKED if letter not in clicked]
+        missing = sorted(CLICKED.keys() - clicked.keys())
         if missing:
             return by_hand, None, f"Click the corner {missing[0]} of the field, then the button {missing[0]}."
         try:
