@@ -55,7 +55,84 @@ def field(
     return labels
 
 
-# --- 3.1 erase_background ---
+# --- 3.1 line_picture ---
+
+
+def _lines_public() -> list[Case]:
+    return [
+        Case((columns("owgy", "wwoo", "ygow"),), "three columns of 4 pixels"),
+        Case((field([(5, 20, 60, 26), (30, 24, 20, 46)], 14),), "lines on carpet below a wall"),
+        Case((columns("oggy", "gyog"),), "nothing white"),
+        Case((scattered(np.random.default_rng(30), 40, 30),), "labels by chance"),
+    ]
+
+
+def _lines_hidden(rng: np.random.Generator) -> list[Case]:
+    return [
+        *(Case((scattered(rng, int(rng.integers(4, 60)), int(rng.integers(4, 60))),)) for _ in range(4)),
+        Case((np.full((5, 7), WHITE, dtype=np.uint8),)),
+        Case((np.full((6, 3), int(rng.choice([OTHER, GREEN, YELLOW])), dtype=np.uint8),)),
+        Case((np.zeros((0, 4), dtype=np.uint8),)),
+    ]
+
+
+LINE_PICTURE = Exercise(
+    name="line_picture",
+    points=1,
+    stars=1,
+    public=_lines_public,
+    hidden=_lines_hidden,
+    comparison=Exact(),
+    hints=(
+        "labels == 3 is true where a pixel is white. How does true become 255?",
+        "np.where takes what is asked, what holds where it is true, and what holds elsewhere. The result counts in int64: .astype(np.uint8) makes a picture of it.",
+    ),
+    mistakes=[
+        Mistake(
+            "true and false",
+            lambda labels: np.asarray(labels) == WHITE,
+            "You return true and false. A picture is wanted: 255 and 0, as np.uint8.",
+        ),
+        Mistake(
+            "ones",
+            lambda labels: (np.asarray(labels) == WHITE).astype(np.uint8),
+            "Your white is 1, which looks black in a picture. It has to be 255.",
+        ),
+        Mistake(
+            "the labels left",
+            lambda labels: np.where(np.asarray(labels) == WHITE, labels, 0).astype(np.uint8),
+            "You keep the label 3 where it is white. A picture wants 255 there.",
+        ),
+        Mistake(
+            "black lines",
+            lambda labels: np.where(np.asarray(labels) == WHITE, 0, 255).astype(np.uint8),
+            "Your lines are black on white. They have to be 255, and all else 0.",
+        ),
+        Mistake(
+            "yellow too",
+            lambda labels: np.where(np.asarray(labels) >= YELLOW, 255, 0).astype(np.uint8),
+            "Yellow, label 2, becomes 255 as well. Goal posts are no lines: only label 3 is.",
+        ),
+        Mistake(
+            "all but green",
+            lambda labels: np.where(np.asarray(labels) != GREEN, 255, 0).astype(np.uint8),
+            "All that is not green becomes 255. Only label 3 is white.",
+        ),
+    ],
+    alternatives={
+        "a product": lambda labels: (np.asarray(labels) == 3).astype(np.uint8) * np.uint8(255),
+        "pixel by pixel": lambda labels: np.array(
+            [[255 if label == 3 else 0 for label in row] for row in labels], dtype=np.uint8
+        ).reshape(np.shape(labels)),
+        "OpenCV": lambda labels: (
+            cv2.inRange(np.asarray(labels), 3, 3) if np.size(labels) else np.array(labels)
+        ),
+        "a table": lambda labels: np.array([0, 0, 0, 255], dtype=np.uint8)[labels],
+    },
+)
+
+
+# --- 3.2 erase_background ---
 
 
 def _erase(labels: Any, run: int, **changed: Any) -> Array:
@@ -233,7 +310,7 @@ ERASE_BACKGROUND = Exercise(
 )
 
 
-# --- 3.2 hough_segments ---
+# --- 3.3 hough_segments ---
 
 
 def _hough(picture: Any, gap: float, length: float, /, **changed: Any) -> Array:
@@ -444,7 +521,7 @@ HOUGH_SEGMENTS = Exercise(
 )
 
 
-# --- 3.3 segment_intersection ---
+# --- 3.4 segment_intersection ---
 
 PARALLEL = float(np.sin(np.radians(10.0)))
 
@@ -710,7 +787,7 @@ SEGMENT_INTERSECTION = Exercise(
 )
 
 
-# --- 3.4 remove_doubles ---
+# --- 3.5 remove_doubles ---
 
 
 def _kept(points: Any, radius: float, **changed: Any) -> Array:
@@ -898,7 +975,7 @@ REMOVE_DOUBLES = Exercise(
 )
 
 
-# --- 3.5 find_corners ---
+# --- 3.6 find_corners ---
 
 
 def _corners(labels: Any, gap: float, length: float, /, **changed: Any) -> Array:
@@ -1035,7 +1112,7 @@ FIND_CORNERS = Exercise(
     name="find_corners",
     points=5,
     stars=3,
-    uses=("erase_background", "hough_segments", "segment_intersection", "remove_doubles"),
+    uses=("line_picture", "erase_background", "hough_segments", "segment_intersection", "remove_doubles"),
     public=_corners_public,
     hidden=_corners_hidden,
     comparison=Points(tolerance=10.0),
@@ -1118,7 +1195,14 @@ FIND_CORNERS = Exercise(
 
 
 PLAN = LessonPlan(
-    exercises=[ERASE_BACKGROUND, HOUGH_SEGMENTS, SEGMENT_INTERSECTION, REMOVE_DOUBLES, FIND_CORNERS],
+    exercises=[
+        LINE_PICTURE,
+        ERASE_BACKGROUND,
+        HOUGH_SEGMENTS,
+        SEGMENT_INTERSECTION,
+        REMOVE_DOUBLES,
+        FIND_CORNERS,
+    ],
     questions=[
         Question(
             "why_two_edges",

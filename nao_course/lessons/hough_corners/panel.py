@@ -76,9 +76,9 @@ class CornerPanel(FunctionPanel):
             },
             unfinished={
                 "label": "Finish lesson 01 to see this: lines are searched in your labels.",
-                "erase_background": "Finish exercise 3.1 to see what is left of the labels.",
-                "hough_segments": "Finish exercise 3.2 to see your segments.",
-                "find_corners": "Finish exercise 3.5 to see the corners.",
+                "erase_background": "Finish exercise 3.2 to see what is left of the labels.",
+                "hough_segments": "Finish exercise 3.3 to see your segments.",
+                "find_corners": "Finish exercise 3.6 to see the corners.",
             },
         )
 
