@@ -779,9 +779,15 @@ def _bearing_range(pose: Any, landmark: Any) -> Array:
 
 
 def _slopes(pose: Any, landmark: Any) -> Array:
-    bearing, distance = _bearing_range(pose, landmark)
-    c, s = np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)
-    return np.array([[s / distance, -c / distance, -1.0], [-c, -s, 0.0]])
+    """How bearing and range change with the pose, by central differences."""
+    columns = []
+    for step in 1e-6 * np.eye(3):
+        change = _bearing_range(np.add(pose, step), landmark) - _bearing_range(
+            np.subtract(pose, step), landmark
+        )
+        change[0] = wrapped(change[0])
+        columns.append(change / 2e-6)
+    return np.column_stack(columns)
 
 
 def _localized(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any, **changed: Any) -> Any:
@@ -834,17 +840,11 @@ def _with_information(pose: Any, covariance: Any, measurement: Any, landmark: An
     return [new, left]
 
 
-def _with_differences(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    """Slopes by central differences."""
-    pose = np.asarray(pose, dtype=float)
-    columns = []
-    for step in 1e-6 * np.eye(3):
-        change = _bearing_range(pose + step, landmark) - _bearing_range(pose - step, landmark)
-        change[0] = wrapped(change[0])
-        columns.append(change / 2e-6)
+def _less(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    """What is known is taken off."""
     difference = np.asarray(measurement) - _bearing_range(pose, landmark)
     difference[0] = wrapped(difference[0])
-    return _less_what_is_known(pose, covariance, difference, np.column_stack(columns), R)
+    return _less_what_is_known(np.asarray(pose), covariance, difference, _slopes(pose, landmark), R)
 
 
 def _look(
@@ -966,7 +966,7 @@ LOCALIZE = Exercise(
     alternatives={
         "bearing, then range": _one_by_one,
         "information form": _with_information,
-        "slopes by differences": _with_differences,
+        "what is known is taken off": _less,
     },
     equivalents={
         "return ([x, y, np.arctan2(np.sin(theta), np.cos(theta))], covariance)": "a list of the same numbers",

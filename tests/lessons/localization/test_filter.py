@@ -100,6 +100,17 @@ def test_the_short_form_breaks_where_the_lesson_says_and_josephs_does_not(own):
         assert f"| {said[0]} | {said[1]} |" in text
 
 
+def test_in_single_precision_the_short_form_breaks_at_a_millimetre_and_josephs_does_not(own):
+    def single(update):
+        return lambda *given: tuple(
+            np.float32(value) for value in update(*(np.asarray(each, dtype=np.float32) for each in given))
+        )
+
+    joseph = own["kalman_update"]
+    assert smallest_eigenvalue(single(short_form), 0.01) > 0 > smallest_eigenvalue(single(short_form), 0.001)
+    assert smallest_eigenvalue(single(joseph), 0.001) > 0 and smallest_eigenvalue(single(joseph), 0.0001) > 0
+
+
 def test_the_map_is_the_fields_corners_and_posts():
     posts = [tuple(each) for each, kind in zip(LANDMARKS.tolist(), KINDS, strict=True) if kind == "post"]
     assert posts == [tuple(each) for each in Field(2012).posts.tolist()] and len(LANDMARKS) == 10
