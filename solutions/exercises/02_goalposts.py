@@ -670,8 +670,8 @@ def _clusters_hidden(rng: np.random.Generator) -> list[Case]:
 
 CLUSTER_POINTS = Exercise(
     name="cluster_points",
-    points=3,
-    stars=2,
+    points=4,
+    stars=3,
     public=_clusters_public,
     hidden=_clusters_hidden,
     comparison=Points(tolerance=0.05),
@@ -695,12 +695,12 @@ CLUSTER_POINTS = Exercise(
         Mistake(
             "sorted by column, clusters never join",
             _first_by(0),
-            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+            "Sorting by column is not enough: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
         ),
         Mistake(
             "sorted by row, clusters never join",
             _first_by(1),
-            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+            "You sort by row, which helps no more than sorting by column: a point that is near two of your clusters joins them to one.",
         ),
         Mistake(
             "near the last point only",
