@@ -75,6 +75,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "with size 0": "That array is empty: ask for its length before you take something out of it.",
     "is out of bounds for axis": "Indices count from 0: the last of n is n - 1, and drawn with rng.integers(0, n) none "
     "is larger.",
+    "arrays used as indices must be of integer": "Indices are whole numbers: round(...) what you compute them from.",
     "slice indices must be integers": "Limits of a slice are whole numbers: round(...) makes one of a float.",
     "'function' object has no attribute": "That is a function, not an array. Is it the name that you mean?",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",

@@ -30,6 +30,11 @@ def mark_feet(
     """
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).repeat(SIZE, axis=0).repeat(SIZE, axis=1)
     scale = max(1, round(len(shown) / 240))
+    for u, v in _shown_at(candidates, "candidates (u, v)"):
+        cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
+    for u, v in _shown_at(feet, "feet (u, v)"):
+        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOUND), 2 * scale)):
+            cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
     for u, v in _shown_at(true, "true feet (u, v)"):
         for colour, thickness in ((255, 255, 255), 3 * scale), ((0, 0, 0), scale):
             cv2.drawMarker(
@@ -41,11 +46,6 @@ def mark_feet(
                 thickness,
                 cv2.LINE_AA,
             )
-    for u, v in _shown_at(candidates, "candidates (u, v)"):
-        cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
-    for u, v in _shown_at(feet, "feet (u, v)"):
-        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOUND), 2 * scale)):
-            cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
     return shown
 
 
