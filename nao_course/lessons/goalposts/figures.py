@@ -79,7 +79,7 @@ def draw_feet(
         keys = [Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate")]
         keys = keys if candidates else []
         if any(map(len, found)) or not keys:
-            ring = {"color": FOUND, "marker": "o", "mfc": "none", "ms": 10, "mew": 2.2}
+            ring: dict[str, Any] = {"color": FOUND, "marker": "o", "mfc": "none", "ms": 10, "mew": 2.2}
             keys.append(Line2D([], [], ls="", label="foot found", **ring))
         legend_below(figure, keys)
     said = "; ".join(
@@ -236,7 +236,7 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
         for name, end in ends.items():
             at = camera + ((end - camera) @ along) * along
             at_axis, at_line, ha = aside[name]
-            look = {"textcoords": "offset points", "color": FOUND, "ha": ha}
+            look: dict[str, Any] = {"textcoords": "offset points", "color": FOUND, "ha": ha}
             ax.plot(*np.transpose([camera, end]), color=truth, lw=1.2)
             ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
             ax.plot(*at, "o", color=FOUND, ms=5)
