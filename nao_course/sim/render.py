@@ -30,7 +30,7 @@ Labels = npt.NDArray[np.uint8]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 LABELS = ("other", "green", "yellow", "white")
 
-# Colours as the camera shows them (0..255): typical of the real pictures of 2013, see docs/real_data.md.
+# Colours as the camera shows them (0..255): typical of the real pictures of 2013.
 SHOWN = {
     "carpet": (99, 152, 90),
     "line": (245, 248, 247),

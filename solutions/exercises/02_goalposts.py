@@ -509,6 +509,26 @@ def _joined(points: Any, max_distance: float, most: int = 99, wanted: Any = any)
     return np.array([np.mean(g, axis=0) for g in groups]).reshape(-1, 2)
 
 
+def _to_mean(points: Any, max_distance: float) -> Array:
+    """Each point joins the first group whose mean is near."""
+    groups: list[list[Array]] = []
+    for point in np.asarray(points, dtype=float).reshape(-1, 2):
+        home = next((g for g in groups if np.hypot(*(np.mean(g, axis=0) - point)) <= max_distance), None)
+        if home is None:
+            groups.append([point])
+        else:
+            home.append(point)
+    return np.array([np.mean(g, axis=0) for g in groups]).reshape(-1, 2)
+
+
+def _one_round(points: Any, max_distance: float) -> Array:
+    """Each point takes the smallest number among its neighbours, once."""
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    near = np.linalg.norm(points[:, None] - points, axis=2) <= max_distance
+    names = np.array([np.flatnonzero(row)[0] for row in near], dtype=int)
+    return np.array([points[names == name].mean(axis=0) for name in np.unique(names)]).reshape(-1, 2)
+
+
 def _to_first_no_shape(points: Any, max_distance: float) -> Array:
     return _to_first(points, max_distance) if len(points) else np.array([])
 
@@ -670,8 +690,8 @@ def _clusters_hidden(rng: np.random.Generator) -> list[Case]:
 
 CLUSTER_POINTS = Exercise(
     name="cluster_points",
-    points=3,
-    stars=2,
+    points=4,
+    stars=3,
     public=_clusters_public,
     hidden=_clusters_hidden,
     comparison=Points(tolerance=0.05),
@@ -695,12 +715,12 @@ CLUSTER_POINTS = Exercise(
         Mistake(
             "sorted by column, clusters never join",
             _first_by(0),
-            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+            "Sorting by column is not enough: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
         ),
         Mistake(
             "sorted by row, clusters never join",
             _first_by(1),
-            "Sorting does not help against every order: a point that is near two of your clusters joins them to one. In yours it goes to the first.",
+            "You sort by row, which helps no more than sorting by column: a point that is near two of your clusters joins them to one.",
         ),
         Mistake(
             "near the last point only",
@@ -721,6 +741,21 @@ CLUSTER_POINTS = Exercise(
             "near the first point only, no shape",
             _to_first_no_shape,
             "A chain breaks in your clusters: it is enough to be near any point of a cluster, not only its first. And no points give shape (0, 2).",
+        ),
+        Mistake(
+            "near the mean",
+            _to_mean,
+            "You compare a point with a cluster's mean. Single linkage asks whether it is near to any point of the cluster.",
+        ),
+        Mistake(
+            "one round",
+            _one_round,
+            "Your numbers travel one step only: repeat it until none changes, and a chain of any length gets one number.",
+        ),
+        Mistake(
+            "nothing found",
+            _nothing,
+            "You return no points at all: there is one for each cluster, and a point without neighbours is a cluster, too.",
         ),
         Mistake(
             "whole numbers",
@@ -854,6 +889,10 @@ def _with_values(**changed: Any) -> Any:
 
 def _fixed(labels: Any) -> Array:
     return _scaled(labels, scale=1.0)
+
+
+def _by_width(labels: Any) -> Array:
+    return _scaled(labels, scale=np.shape(labels)[1] / 320)
 
 
 def _whole_scale(labels: Any) -> Array:
@@ -1032,7 +1071,7 @@ def _posts_public() -> list[Case]:
 
 def _posts_hidden(rng: np.random.Generator) -> list[Case]:
     return [
-        *(Case((labels,)) for labels in _goal_cases(rng, (48, 60, 120, 240, 480))),
+        *(Case((labels,)) for labels in _goal_cases(rng, (36, 48, 60, 120, 240, 480))),
         Case((_near_edge(48, 0.085),)),
         Case((_near_edge(240, 0.06),)),
         Case((_near_edge(480, 0.0),)),
@@ -1095,6 +1134,31 @@ FIND_GOALPOSTS = Exercise(
             "short linkage",
             _with_values(gap=2),
             "You report one post twice where noise takes out the columns in its middle: let candidates that are farther apart be one post.",
+        ),
+        Mistake(
+            "linkage below a pixel",
+            _with_values(gap=5),
+            "In small pictures your linkage is less than one pixel, and each column is a post of its own. A larger one does no harm: posts are far apart.",
+        ),
+        Mistake(
+            "long linkage",
+            _with_values(gap=60),
+            "You make one post of two: they are a fifth of the picture's height apart, and in small pictures that is not many pixels.",
+        ),
+        Mistake(
+            "a low height",
+            _with_values(least=1 / 40),
+            "What lies on the carpet passes as a post. Your least height is too low: a post is a tenth of the picture's height high.",
+        ),
+        Mistake(
+            "arguments swapped",
+            _with_values(rule=(10, 8)),
+            "You ask for more green pixels than you look at. The order of the arguments is min_green, look_down.",
+        ),
+        Mistake(
+            "part of the width",
+            _by_width,
+            "You scale with the width. Some of the pictures are narrow strips: what grows is the height, labels.shape[0].",
         ),
         Mistake(
             "scale in whole numbers",

@@ -2,6 +2,7 @@
 
 from unittest import mock
 
+import numpy as np
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
@@ -66,3 +67,20 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(caps
         assert "does not know" not in capsys.readouterr().out
     finally:
         InteractiveShell.clear_instance()
+
+
+@pytest.mark.parametrize(
+    ("slip", "advice"),
+    [
+        (lambda: np.zeros(0)[0], "That array is empty"),
+        (lambda: np.zeros(3)[3], "the last of n is n - 1"),
+        (lambda: np.zeros(3)[0:1.6], "Limits of a slice are whole numbers"),
+        (lambda: np.zeros(3)[np.array([0.5])], "Indices are whole numbers"),
+        (lambda: (lambda: 0).shape, "a function, not an array"),
+    ],
+)
+def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
+    with pytest.raises((IndexError, TypeError, AttributeError)) as caught:
+        slip()
+    (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
+    assert advice in said

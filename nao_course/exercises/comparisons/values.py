@@ -184,12 +184,16 @@ class Points(Comparison):
         if np.isnan(have).any():
             return Verdict("nan", "your answer has NaN in it")
         if len(have) != len(wanted):
-            return Verdict("value", f"your answer has {len(have)} points, which is not the right number")
+            points = "1 point" if len(have) == 1 else f"{len(have)} points"
+            return Verdict("value", f"your answer has {points}, which is not the right number")
         with np.errstate(all="ignore"):
             near = np.linalg.norm(wanted[:, None] - have[None].astype(float), axis=2) <= self.tolerance
         missed = len(have) - most_pairs(near)
         if missed:
-            return Verdict("value", f"{missed} of your {len(have)} points are at no right place")
+            points = (
+                "1 point is" if len(have) == 1 else f"{len(have)} points {'is' if missed == 1 else 'are'}"
+            )
+            return Verdict("value", f"{missed} of your {points} at no right place")
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:

@@ -5,7 +5,9 @@ from nao_course.lessons.goalposts.figures import (
     draw_feet,
     draw_heights,
     draw_recall,
+    draw_side,
     draw_turning_head,
+    score_table,
 )
 from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
 from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
@@ -31,6 +33,7 @@ __all__ = [
     "draw_feet",
     "draw_heights",
     "draw_recall",
+    "draw_side",
     "draw_turning_head",
     "mark_feet",
     "match_feet",
@@ -39,6 +42,7 @@ __all__ = [
     "post_height",
     "robot_before",
     "scenes_by_distance",
+    "score_table",
     "total",
     "turning_head",
 ]

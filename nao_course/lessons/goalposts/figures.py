@@ -17,7 +17,7 @@ from nao_course.lessons.goalposts.measuring import FootMatch
 from nao_course.lessons.goalposts.scenes import turning_head
 from nao_course.metrics import total, wilson_interval
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
-from nao_course.plotting.drawing import say_count
+from nao_course.plotting.drawing import Table, say_count, table
 from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.plotting.style import FOUND, GREY, HALO
 from nao_course.sim import LABELS
@@ -76,18 +76,23 @@ def draw_feet(
             ax.set_title(title, fontsize=11)
         for ax in grid[len(pictures) :]:
             ax.set_axis_off()
-        keys = [
-            Line2D([], [], color=FOUND, marker="o", mfc="none", ls="", ms=10, mew=2.2, label="foot found")
-        ]
-        if candidates:
-            keys.insert(0, Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate"))
+        keys = [Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate")]
+        keys = keys if candidates else []
+        if any(map(len, found)) or not keys:
+            ring: dict[str, Any] = {"color": FOUND, "marker": "o", "mfc": "none", "ms": 10, "mew": 2.2}
+            keys.append(Line2D([], [], ls="", label="foot found", **ring))
         legend_below(figure, keys)
     said = "; ".join(
         f"{title}: {_say_points(points, 'foot', 'feet')}"
         for title, points in zip(pictures, found, strict=True)
+        if len(points) or not candidates
     )
+    with_what = "the candidates" if candidates and not said else "the feet found"
     return Drawing(
-        figure, f"{say_count(len(found), 'picture')} with the feet found in them. {said}.", photo=True
+        figure,
+        f"{say_count(len(found), 'picture')} with {with_what} in {'it' if len(found) == 1 else 'them'}. "
+        f"{said or ', '.join(pictures)}.",
+        photo=True,
     )
 
 
@@ -121,6 +126,7 @@ def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 
         words = [_plot_column(ax, array[:, u], u, look_down) for ax, u in zip(axes, columns, strict=True)]
         axes[0].set_ylabel("v (px)")
         keys: list[Any] = label_keys(LABELS)
+        keys.append(Line2D([], [], color=FOUND, marker=">", ls="", ms=9, label="lowest yellow"))
         keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOUND, lw=2, label=f"{look_down} pixels below"))
         legend_below(figure, keys, columns=3)
     return Drawing(figure, f"Columns of labels from above. {' '.join(words)}")
@@ -133,7 +139,7 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     for first, last in zip((0, *edges), (*edges, height), strict=True):
         ax.add_patch(Rectangle((0, first - 0.5), 1, last - first, fc=LABEL_COLOURS[column[first]], ec="none"))
     ax.add_patch(Rectangle((0, -0.5), 1, height, fill=False, ec=GREY, lw=1))
-    ax.set(xlim=(-0.15, 1.15), ylim=(height - 0.5, -0.5), xticks=[])
+    ax.set(xlim=(-0.3, 1.15), ylim=(height - 0.5, -0.5), xticks=[])
     ax.set_title(f"column {u}", fontsize=11, loc="center")
     yellow = np.flatnonzero(column == LABELS.index("yellow"))
     if not len(yellow):
@@ -143,8 +149,8 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     others = np.flatnonzero(column[:foot] != LABELS.index("yellow"))
     run = foot - (int(others[-1]) if len(others) else -1)
     ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOUND, lw=2))
-    plot_found(np.array([[0.5, foot]]), ax, size=10)
-    ax.set_xlabel(f"foot {foot}\n{green} of {look_down} green\nrun {run} px")
+    ax.plot(-0.17, foot, ">", color=FOUND, ms=9, clip_on=False)
+    ax.set_xlabel(f"lowest yellow {foot}\n{green} of {look_down} green\nrun {run} px")
     return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
 
 
@@ -183,12 +189,13 @@ def draw_heights(
             ms=6,
             label="measured: yellow pixels in a column",
         )
-        crossings = {}
+        crossings: dict[str, float] = {}
         for style, (name, limit) in zip(("--", ":", "-."), limits.items(), strict=False):
             ax.axhline(
                 limit, color=STYLES["odometry"].colour, ls=style, lw=1.6, label=f"{name}: {limit:g} px"
             )
-            crossings[name] = float(x[y >= limit].max()) if (y >= limit).any() else float("nan")
+            if x[y >= limit].size and y.min() < limit:
+                crossings[name] = float(x[y >= limit].max())
         ax.set(
             xlabel="distance of the post (m)",
             ylabel="height in the picture (px)",
@@ -196,8 +203,65 @@ def draw_heights(
             xlim=(0, None),
         )
         ax.legend()
-    said = ", ".join(f"{name} at {at:.1f} m" for name, at in crossings.items())
-    return Drawing(figure, f"Height of a goal post in the picture by distance. Equation 2.1 meets {said}.")
+    met = [f"meets {name} at {at:.1f} m" for name, at in crossings.items()]
+    met += [f"stays above {name}" for name in limits if name not in crossings]
+    return Drawing(
+        figure,
+        f"Height of a goal post in the picture by distance, to {x.max():.1f} m. Equation 2.1 {', '.join(met)}.",
+    )
+
+
+def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pitch: float = 0.26) -> Drawing:
+    """Draw a camera that looks down at a goal post, from the side, with what the pitch does to the foot.
+
+    Parameters
+    ----------
+    distance : float
+        From below the camera to the post, metres.
+    height, post : float
+        Of the camera and of the post, metres.
+    pitch : float
+        How far the camera looks down, rad.
+    """
+    camera, along = np.array([0.0, height]), np.array([np.cos(pitch), -np.sin(pitch)])
+    truth, axis = STYLES["truth"].colour, STYLES["odometry"].colour
+    ends = {"foot": np.array([distance, 0.0]), "top": np.array([distance, post])}
+    with course_style():
+        figure = Figure(figsize=(8.6, 4.2))
+        ax = figure.add_subplot()
+        ax.axhline(0, color="#3a9a50", lw=3)
+        ax.plot([distance] * 2, [0, post], color="#d9a800", lw=7, solid_capstyle="butt")
+        ax.plot(*np.transpose([camera, camera + 1.28 * distance * along]), color=axis, ls="--", lw=1.6)
+        aside = {"foot": ((8, 6), (8, 0), "left"), "top": ((-6, -16), (-8, 30), "right")}  # of words, points
+        for name, end in ends.items():
+            at = camera + ((end - camera) @ along) * along
+            at_axis, at_line, ha = aside[name]
+            look: dict[str, Any] = {"textcoords": "offset points", "color": FOUND, "ha": ha}
+            ax.plot(*np.transpose([camera, end]), color=truth, lw=1.2)
+            ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
+            ax.plot(*at, "o", color=FOUND, ms=5)
+            ax.annotate(f"z of the {name}", at, at_axis, **look)
+            ax.annotate(f"y of the {name}", (at + end) / 2, at_line, **look)
+        ax.plot(*camera, "s", color="black", ms=9)
+        ax.plot([0, distance], [height] * 2, color=GREY, lw=1)
+        ax.plot([0, 0], [0, height], color=GREY, lw=1)
+        places = {
+            "camera": (-0.05, height + 0.06),
+            "h": (-0.05, height / 2),
+            "d": (distance / 2, -0.07),
+            "H": (distance + 0.04, post * 0.75),
+            "p": (0.3, height - 0.06),
+        }
+        for word, place in places.items():
+            ax.text(*place, word, fontsize=12, style="normal" if word == "camera" else "italic")
+        ax.set(xlim=(-0.15, 1.4 * distance), ylim=(-0.12, post + 0.06), aspect="equal")
+        ax.set_axis_off()
+    return Drawing(
+        figure,
+        "A camera at height h, from the side, that looks down by p, at a post of height H at distance d. From foot "
+        "and top of the post a line falls at a right angle on the camera's axis: z is how far along the axis it "
+        "meets it, y is how long it is.",
+    )
 
 
 def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) -> Drawing:
@@ -217,7 +281,7 @@ def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) 
     """
     with course_style():
         figure = Figure(figsize=(9.6, 4.1))
-        left, right = figure.subplots(1, 2, sharey=True)
+        left, right = figure.subplots(1, 2, sharex=True, sharey=True)
         looks = (("ekf", -0.06), ("odometry", 0.06), ("graph", 0.0))
         for (name, each), (source, aside) in zip(matches.items(), looks, strict=False):
             look = STYLES[source]
@@ -229,7 +293,7 @@ def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) 
                     {"color": look.colour, "marker": look.marker, "label": name},
                     aside,
                 )
-        left.set(ylabel="part", title="Recall: of the feet, found")
+        left.set(ylabel="share", title="Recall: of the feet, found")
         right.set(title="Precision: of the points, right")
         for ax in (left, right):
             ax.set(xlabel="distance (m)", ylim=(-0.02, 1.05), xlim=(0, None))
@@ -242,7 +306,7 @@ def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) 
 def recall_counts(matches: Sequence[FootMatch], width: float = 1.0) -> dict[int, tuple[int, int]]:
     """Count feet (found, all) in bins of distance, by the bin's number."""
     every = total(matches)
-    bins = (every.distances // width).astype(int)
+    bins = _bins(every.distances, width)
     return {int(b): (int(every.found[bins == b].sum()), int((bins == b).sum())) for b in np.unique(bins)}
 
 
@@ -251,10 +315,38 @@ def precision_counts(matches: Sequence[FootMatch], width: float = 1.0) -> dict[i
     counts: dict[int, tuple[int, int]] = {}
     for each in matches:
         if len(each.distances) and (points := int(each.found.sum()) + each.false):
-            number = int(each.distances.min() // width)
+            number = int(_bins(each.distances.min(), width))
             right, every = counts.get(number, (0, 0))
             counts[number] = (right + int(each.found.sum()), every + points)
     return dict(sorted(counts.items()))
+
+
+def _bins(distances: npt.ArrayLike, width: float) -> npt.NDArray[np.int_]:
+    """Numbers of the bins that distances are in; one at the edge of two is in the nearer one."""
+    return np.maximum(np.ceil(np.asarray(distances) / width - 1e-6).astype(int) - 1, 0)
+
+
+def score_table(found: Mapping[str, Mapping[str, Sequence[FootMatch]]]) -> Table:
+    """Set in a table what detectors find in sets of pictures.
+
+    Parameters
+    ----------
+    found : mapping of str to mapping of str to sequence of FootMatch
+        The matches of each set's pictures, by detector: ``found[set][detector]``.
+
+    Returns
+    -------
+    Table
+        A row for each, with the 95 % interval of the recall.
+    """
+    rows = []
+    for pictures, detectors in found.items():
+        for name, matches in detectors.items():
+            every = total(matches)
+            low, high = wilson_interval(every.hits, len(every.found))
+            recall = f"{every.hits} of {len(every.found)}"
+            rows.append((pictures, name, recall, f"{low:.0%} to {high:.0%}", every.false))
+    return table(("pictures", "detector", "feet found", "95 % interval", "false points"), rows)
 
 
 def _plot_parts(

@@ -55,7 +55,8 @@ class FootMatch(PointMatch):
 
     def __str__(self) -> str:
         """In words."""
-        return f"{self.hits} of {len(self.found)} feet found, {self.false} false"
+        feet = f"{self.hits} of {len(self.found)} feet found" if len(self.found) else "no foot to find"
+        return f"{feet}, {self.false} false"
 
 
 def match_feet(points: npt.ArrayLike, feet: Feet, reach: float = REACH) -> FootMatch:

@@ -9,26 +9,49 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.geometry import as_points
+from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.goalposts.figures import CANDIDATE
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.plotting import painted
+from nao_course.plotting.drawing import say_count
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
 Pixels = npt.NDArray[np.uint8]
+SIZE = 2  # times: how much larger than the camera's the shown pictures are
 
 
-def mark_feet(pixels: npt.ArrayLike, feet: npt.ArrayLike, candidates: npt.ArrayLike = ()) -> Pixels:
-    """Return a copy of a picture (H, W, 3) with candidates as dots and feet as circles; points are (u, v) px."""
-    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
+def mark_feet(
+    pixels: npt.ArrayLike, feet: npt.ArrayLike, candidates: npt.ArrayLike = (), true: npt.ArrayLike = ()
+) -> Pixels:
+    """Return a picture (H, W, 3) at twice its size: candidates as dots, feet as circles, true feet as crosses.
+
+    Points are (u, v) px of the picture as it was given.
+    """
+    shown = np.ascontiguousarray(pixels, dtype=np.uint8).repeat(SIZE, axis=0).repeat(SIZE, axis=1)
     scale = max(1, round(len(shown) / 240))
-    for u, v in as_points(candidates, name="candidates (u, v)"):
+    for u, v in _shown_at(candidates, "candidates (u, v)"):
         cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
-    for u, v in as_points(feet, name="feet (u, v)"):
+    for u, v in _shown_at(feet, "feet (u, v)"):
         for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOUND), 2 * scale)):
             cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
+    for u, v in _shown_at(true, "true feet (u, v)"):
+        for colour, thickness in ((255, 255, 255), 3 * scale), ((0, 0, 0), scale):
+            cv2.drawMarker(
+                shown,
+                (round(u), round(v)),
+                colour,
+                cv2.MARKER_TILTED_CROSS,
+                8 * scale,
+                thickness,
+                cv2.LINE_AA,
+            )
     return shown
+
+
+def _shown_at(points: npt.ArrayLike, name: str) -> FloatArray:
+    """Where pixels (u, v) have their middles in the enlarged picture."""
+    return as_points(points, name=name) * SIZE + (SIZE - 1) / 2
 
 
 class PostPanel(FunctionPanel):
@@ -109,7 +132,7 @@ class PostPanel(FunctionPanel):
             ],
             student={"label": label, "post_candidates": post_candidates, "cluster_points": cluster_points},
             unfinished={
-                "label": "Finish exercise 1.6 of lesson 01 to see this: the posts are searched in your labels.",
+                "label": "Finish exercises 1.3 and 1.5 of lesson 01 to see this: posts are searched in your labels.",
                 "post_candidates": "Finish exercise 2.1 to see your candidates.",
                 "cluster_points": "Finish exercise 2.2 to see the feet.",
             },
@@ -118,15 +141,18 @@ class PostPanel(FunctionPanel):
     def _search(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the scene, its labels, the candidates, and at last the feet."""
         scene = self._scenes[values.scene]
-        yield {"What you find": scene.pixels}
-        yield Legend({"candidate": CANDIDATE, "foot": FOUND})
+        yield {"What you find": mark_feet(scene.pixels, ())}
+        yield Legend({"candidate": CANDIDATE, "foot found": FOUND, "true foot (cross)": "#000000"})
         labels = student.label(scene.pixels)
-        yield {"Your labels": painted(labels)}
+        yield {"Your labels": mark_feet(painted(labels), ())}
         candidates = student.post_candidates(labels, values.min_green, values.look_down, values.min_height)
         yield {"Your labels": mark_feet(painted(labels), (), candidates)}
         feet = student.cluster_points(as_points(candidates), values.max_distance)
-        yield {"What you find": mark_feet(scene.pixels, feet, candidates)}
-        yield f"{len(candidates)} candidates in {len(feet)} clusters: {scene.match(feet)}."
+        yield {"What you find": mark_feet(scene.pixels, feet, candidates, scene.feet.pixels)}
+        counts = f"{say_count(len(candidates), 'candidate')} in {say_count(len(feet), 'cluster')}"
+        asks_too_much = values.min_green > values.look_down
+        more = f" Of {values.look_down} pixels never {values.min_green} are green." if asks_too_much else ""
+        yield f"{counts}: {scene.match(feet)}.{more}"
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:

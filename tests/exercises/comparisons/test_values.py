@@ -263,3 +263,12 @@ def test_an_answer_that_was_rounded_hears_how_exact_it_has_to_be_and_one_that_is
 def test_whole_numbers_that_came_with_a_point_hear_where_to_say_it():
     text = Exact().compare(np.zeros(3, dtype=np.uint8), np.zeros(3)).text
     assert "numbers with a point (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text
+
+
+def test_points_are_counted_in_words_of_their_number():
+    one, two = np.array([[0.0, 0.0]]), np.array([[0.0, 0.0], [9.0, 9.0]])
+    assert "has 1 point, which" in Points().compare(two, one).text
+    assert "has 2 points, which" in Points().compare(one, two).text
+    assert "1 of your 1 point is at" in Points().compare(one, one + 5).text
+    assert "1 of your 2 points is at" in Points().compare(two, two + [[5, 0], [0, 0]]).text
+    assert "2 of your 2 points are at" in Points().compare(two, two + 5).text

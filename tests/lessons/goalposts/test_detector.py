@@ -6,7 +6,7 @@ import pytest
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
 from nao_course.lessons.goalposts.measuring import Feet, match_feet
-from nao_course.lessons.goalposts.scenes import PostScene
+from nao_course.lessons.goalposts.scenes import PostScene, approach
 from nao_course.metrics import total
 from nao_course.sim import Field, standard_scenes
 from tests.paths import PROJECT
@@ -34,6 +34,15 @@ def on_real(name, folder):
 
 def test_the_limits_are_those_of_the_lesson():
     assert f"GREEN, YELLOW = {GREEN}, {YELLOW}" in (PROJECT / "solutions" / "02_goalposts.md").read_text()
+
+
+def test_what_is_found_is_the_posts_front_about_four_centimetres_before_its_middle():
+    for scene in approach([0.9, 1.2, 1.6, 2.0]):
+        view, feet = scene.view, OWN["find_goalposts"](scene.labels)
+        found = feet[np.hypot(*(feet - scene.nearest).T).argmin()]
+        down = (np.array([found[1], scene.nearest[1]]) - view.centre[1]) / view.focal[1]
+        near, far = view.height / np.tan(view.pitch + np.arctan(down))
+        assert 0.02 <= far - near <= 0.06
 
 
 def test_on_the_64_real_scenes_36_of_39_feet_are_found_and_at_most_one_is_false(data_dir):

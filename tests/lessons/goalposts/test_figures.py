@@ -8,8 +8,10 @@ from nao_course.lessons.goalposts.figures import (
     draw_feet,
     draw_heights,
     draw_recall,
+    draw_side,
     precision_counts,
     recall_counts,
+    score_table,
 )
 from nao_course.lessons.goalposts.measuring import FootMatch
 
@@ -34,6 +36,8 @@ def test_candidates_have_a_key_only_where_they_are_drawn():
 
     assert keys(draw_feet({"a": BLACK}, [[(3, 4)]])) == ["foot found"]
     assert keys(draw_feet({"a": BLACK}, [[(3, 4)]], [[(3, 4)]])) == ["candidate", "foot found"]
+    only = draw_feet({"a": BLACK}, [()], [[(3, 4)]])
+    assert keys(only) == ["candidate"] and only.alt == "1 picture with the candidates in it. a."
 
 
 def test_a_column_says_its_foot_its_green_and_its_run():
@@ -47,13 +51,27 @@ def test_a_column_says_its_foot_its_green_and_its_run():
 def test_the_height_says_where_it_meets_its_limits():
     line = np.linspace(1, 8, 701)
     drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": 40})
-    assert drawing.alt.endswith("Equation 2.1 meets a fifth at 5.0 m, a tenth at 6.0 m.")
+    assert drawing.alt.endswith("to 8.0 m. Equation 2.1 meets a fifth at 5.0 m, meets a tenth at 6.0 m.")
+    drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": 24})
+    assert drawing.alt.endswith("Equation 2.1 meets a fifth at 5.0 m, stays above a tenth.")
 
 
 def test_recall_counts_feet_and_precision_points_by_distance():
     assert recall_counts(MATCHES) == {0: (1, 1), 1: (1, 2)}
     assert precision_counts(MATCHES) == {0: (1, 2), 1: (1, 1)}
     assert recall_counts(MATCHES, width=2.0) == {0: (2, 3)}
+    at_the_edge = [FootMatch(np.array([True]), 0, np.array([6.0000000004]))]
+    assert recall_counts(at_the_edge) == precision_counts(at_the_edge) == {5: (1, 1)}
+
+
+def test_the_table_has_a_row_for_each_set_and_detector_with_its_interval():
+    (row,) = score_table({"forty": {"yours": MATCHES}}).rows
+    assert row == ("forty", "yours", "2 of 3", "21% to 94%", "3")
+
+
+def test_the_camera_from_the_side_has_the_formulas_lengths():
+    texts = {text.get_text() for text in draw_side().figure.axes[0].texts}
+    assert {"h", "d", "H", "p", "z of the foot", "y of the top"} <= texts
 
 
 def test_recall_says_the_sums():
