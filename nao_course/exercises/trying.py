@@ -72,22 +72,17 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "started? The grader runs what you define, and no demonstrations.",
     "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "
     "all of them: say values[mask] there, too, or np.where(mask, values, others).",
-<<<<<<< HEAD
-    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1. rng.integers(0, n) stays below n by "
-    "itself.",
-    "inhomogeneous shape": "One entry of your matrix is itself an array, where one number is wanted: pose[2] is the "
-    "heading, pose all three numbers.",
-    "loop of ufunc does not support argument 0 of type": "np.sin and its like take numbers, no symbols: in SymPy say "
-    "sin, cos, sqrt and atan2.",
-    "has no attribute 'arctan2'": "np.arctan2 takes numbers, no symbols: in SymPy it is atan2.",
-=======
     "with size 0": "That array is empty: ask for its length before you take something out of it.",
     "is out of bounds for axis": "Indices count from 0: the last of n is n - 1, and drawn with rng.integers(0, n) none "
     "is larger.",
     "arrays used as indices must be of integer": "Indices are whole numbers: round(...) what you compute them from.",
     "slice indices must be integers": "Limits of a slice are whole numbers: round(...) makes one of a float.",
     "'function' object has no attribute": "That is a function, not an array. Is it the name that you mean?",
->>>>>>> wt-h
+    "inhomogeneous shape": "One entry of your matrix is itself an array, where one number is wanted: pose[2] is the "
+    "heading, pose all three numbers.",
+    "loop of ufunc does not support argument 0 of type": "np.sin and its like take numbers, no symbols: in SymPy say "
+    "sin, cos, sqrt and atan2.",
+    "has no attribute 'arctan2'": "np.arctan2 takes numbers, no symbols: in SymPy it is atan2.",
     "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
 }
 _HOMES = {  # of what a student may call in any notebook

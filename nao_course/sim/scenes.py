@@ -19,12 +19,8 @@ SceneSet = Literal["tune", "report", "whole_tune", "whole"]
 
 _SCENES = 30  # as many as the seed paper's "random locations on the soccer field"
 _ROOMS = 5  # of each set
-<<<<<<< HEAD
 _WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM = 60, 10, 10**9
-# The real pictures' head was told -31 degrees, but they look 6.4 degrees lower than that (docs/real_data.md).
-=======
 # The real pictures' head was told -31 degrees, but they look 6.4 degrees lower than that.
->>>>>>> wt-h
 _HEAD_PITCH, _PITCH_SPREAD = np.radians(-31.0 + 6.4), np.radians(1.0)
 _REACH = 4.0  # metres: a picture must show a corner or post no farther than this
 
