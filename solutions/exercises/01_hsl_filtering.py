@@ -78,11 +78,11 @@ def _hsl(picture: Array, **changed: Any) -> tuple[Array, Array, Array]:
 def _no_red_line(picture: Array) -> tuple[Array, Array, Array]:
     """The scaffold's two lines alone."""
     _, saturation, lightness = _hsl(picture)
-    red, green, blue = (picture[..., channel] / 255 for channel in range(3))
+    red, green, blue = np.moveaxis(picture / 255, -1, 0)
     top, bottom = picture.max(axis=2) / 255, picture.min(axis=2) / 255
-    divisor = np.where(top == bottom, 1.0, top - bottom)
-    sixths = np.where(top == green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)
-    return 60 * sixths % 360, saturation, lightness
+    spread = np.where(top > bottom, top - bottom, 1.0)
+    by_green, by_blue = 2 + (blue - red) / spread, 4 + (red - green) / spread
+    return 60 * np.where(green == top, by_green, by_blue) % 360, saturation, lightness
 
 
 def _overflow(picture: Array) -> tuple[Array, Array, Array]:

@@ -528,7 +528,7 @@ PARALLEL = float(np.sin(np.radians(10.0)))
 
 def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
     """Where two segments meet, with one thing done in another way."""
-    a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    a, b = (np.array(each, dtype=float) for each in (first, second))
     p, q, d, e = a[:2], b[:2], a[2:] - a[:2], b[2:] - b[:2]
     n, m = float(np.hypot(*d)), float(np.hypot(*e))
     cross = d[0] * e[1] - d[1] * e[0]
@@ -663,7 +663,7 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
         ends = []
         for angle in angles:
             start = rng.choice([-60.0, -20.0, 2.0, 4.0, 8.0, 12.0])
-            way = np.array([np.cos(angle), np.sin(angle)])
+            way = np.stack([np.cos(angle), np.sin(angle)])
             ends.append(
                 np.concatenate([meeting + start * way, meeting + (start + rng.uniform(24, 90)) * way])
             )
@@ -1188,7 +1188,7 @@ FIND_CORNERS = Exercise(
         "points = np.array([each for each in meetings if each is not None]).reshape(-2, 2)": "NumPy takes any negative number for the one that it computes",
         "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "inside = ((points >= 0) & (points <= labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
-        "meetings = [segment_intersection(second, first) for first, second in combinations(segments, 2)]": "both segments are treated alike",
+        "meetings = [segment_intersection(second, first) for first, second in pairs]": "both segments are treated alike",
         "return remove_doubles(points[inside], 11.0)": "which of several near crossings stays is left open",
     },
 )

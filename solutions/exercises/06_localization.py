@@ -833,8 +833,8 @@ def _one_by_one(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: 
 
 
 def _with_information(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    expected, H = _bearing_range(pose, landmark), _slopes(pose, landmark)
-    difference = np.asarray(measurement) - expected
+    H = _slopes(pose, landmark)
+    difference = np.asarray(measurement) - _bearing_range(pose, landmark)
     difference[0] = np.angle(np.exp(1j * difference[0]))
     new, left = _information(np.asarray(pose), covariance, difference, H, R)
     return [new, left]

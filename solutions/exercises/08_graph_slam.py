@@ -73,7 +73,7 @@ def a_solved_drive(rng: np.random.Generator, poses: int, landmarks: int) -> Pair
 
 def _start(weight: float = 1.0, sign: float = 1.0) -> Callable[..., Pair]:
     def function(omega: Any, xi: Any, index: int, position: float) -> Pair:
-        omega, xi = np.array(omega, dtype=float), np.array(xi, dtype=float)
+        omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
         omega[index, index] += weight
         xi[index] += sign * position
         return omega, xi
@@ -220,7 +220,7 @@ def _link(**changed: Any) -> Callable[..., Pair]:
     """The four additions and the two, with something changed."""
 
     def function(omega: Any, xi: Any, first: int, second: int, value: float, epsilon: float = 1.0) -> Pair:
-        omega, xi = np.array(omega, dtype=float), np.array(xi, dtype=float)
+        omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
         if changed.get("swapped"):
             first, second = second, first
         if changed.get("next"):
@@ -684,7 +684,7 @@ def _schur(**changed: Any) -> Callable[..., Pair]:
     """What is left of a system, with something done in another way."""
 
     def function(omega: Any, xi: Any, keep: Any) -> Pair:
-        omega, xi = np.array(omega, dtype=float), np.array(xi, dtype=float)
+        omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
         kept = np.asarray(changed.get("order", lambda each: each)(list(keep)), dtype=int)
         gone = np.array([number for number in range(len(xi)) if number not in set(keep)], dtype=int)
         if changed.get("others"):
@@ -719,7 +719,7 @@ def _by_covariance(omega: Any, xi: Any, keep: Any) -> Pair:
 
 
 def _one_by_one(omega: Any, xi: Any, keep: Any) -> Any:
-    omega, xi = np.array(omega, dtype=float), np.array(xi, dtype=float)
+    omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
     for gone in sorted(set(range(len(xi))) - {int(each) for each in keep}):
         column, value, pivot = omega[:, gone].copy(), xi[gone], omega[gone, gone]
         omega -= np.outer(column, column) / pivot
