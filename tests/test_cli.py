@@ -93,7 +93,7 @@ def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
 
 STUDENTS_PYTHON = """
 import json, sys
-for name in ("jupytext", "nbgrader", "nbclient", "IPython", "cosmic_ray"):
+for name in ("jupytext", "nbgrader", "nbclient", "jupyterlab", "cosmic_ray"):  # IPython comes with ipywidgets
     sys.modules[name] = None  # as if it were not installed
 from typer.testing import CliRunner
 from nao_course.cli import app

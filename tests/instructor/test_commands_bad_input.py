@@ -254,7 +254,7 @@ def _zip(path, *names):
         (lambda place: fill(place / "empty.zip", b""), "is wanted"),
         (lambda place: fill(place / "broken.zip", b"PK\3\4" + bytes(500)), "is wanted"),
         (lambda place: _zip(place / "nothing.zip"), "holds no submissions"),
-        (lambda place: fill(place / "new" / ".hidden" / "x.ipynb", b"{}").parent.parent, "holds no submissions"),
+        (lambda place: fill(place / "new" / ".DS_Store", b"{}").parent, "holds no submissions"),
         (lambda place: fill(place / "new" / "x", b"").parent.joinpath("..", "empty"), "is wanted"),
         (lambda place: Path("/dev/null"), "is wanted"),
         (lambda place: Path("/dev/zero"), "is wanted"),
