@@ -44,6 +44,7 @@ _RUN = (
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
 _FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}  # a table, of a list, set or dict
+_BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # those that run the cell as Python
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
@@ -315,6 +316,10 @@ def _parse(source: str, file: str) -> list[ast.stmt]:
         try:
             return ast.parse(source, file).body
         except SyntaxError:
+            if len(source) > LONGEST_COMMANDED:
+                source = _BLANKS.sub(
+                    r"\1", source
+                )  # a cat on the keyboard; lines are then counted without them
             if len(source) > LONGEST_COMMANDED or not any(sign in source for sign in "%!?"):
                 raise
         tree = ast.parse(_as_ipython_reads(source), file)

@@ -369,12 +369,13 @@ def test_a_notebook_in_another_language_is_refused_and_python_under_another_kern
     assert list(load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))) == ["f"]
 
 
-@pytest.mark.parametrize("blank", [" " * 200_000 + "#", "\n" * 200_000, "? " * 100_000])
-def test_ipythons_own_lines_are_looked_for_in_cells_that_people_write(load, blank):
+@pytest.mark.parametrize(
+    ("blank", "read"), [(" " * 200_000 + "#", ["f"]), ("\n" * 200_000, ["f"]), ("? " * 100_000, [])]
+)
+def test_ipythons_own_lines_are_looked_for_in_cells_that_people_write(load, blank, read):
     with alarm(120.0):
         assert load("%time 1\ndef f(): return 1\n" + blank[:5000] + blank[-1:])["f"]() == 1
-        found = load("%time 1\ndef f(): return 1\n" + blank)
-    assert list(found) == [] and "SyntaxError" in found.skipped[0].reason
+        assert list(load("%time 1\ndef f(): return 1\n" + blank)) == read
 
 
 def test_a_folder_a_missing_file_and_a_huge_one_are_refused(tmp_path):

@@ -94,6 +94,7 @@ def words_of_checks(data):
             each,
             cases=[case.name for case in each.cases],
             mistakes=[mistake.message for mistake in each.mistakes],
+            earlier=[call.use for call in each.earlier],
         )
         for each in public.exercises
     ]

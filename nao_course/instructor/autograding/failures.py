@@ -43,7 +43,13 @@ _KNOWN_ERRORS = {
         "SystemExit",
         "TypeError",
     ),
-    *("UnboundLocalError", "ValueError", "ZeroDivisionError", "error"),  # OpenCV's is called error
+    *(
+        "RuntimeError",
+        "UnboundLocalError",
+        "ValueError",
+        "ZeroDivisionError",
+        "error",
+    ),  # OpenCV's is called error
 }
 _LINE = re.compile(r"line (\d{1,5}): (.+)")
 LARGEST_READ = 2 * 2**20  # bytes of a notebook of which lines are told
