@@ -23,7 +23,7 @@ MOST_DIRECTORY = 2**20  # bytes of a student's zip's table of contents
 LARGEST_ZIP = 4 * MOST_BYTES
 DEEPEST = 6  # folders in folders
 MOST_RATIO, SMALL = 200, 10 * 2**20  # how much smaller a file may be in a zip, where it is not small anyhow
-_NOBODYS = {"__MACOSX", ".DS_Store", ".gitkeep"}  # in a folder of all students
+_NOBODYS = {"__MACOSX", ".DS_Store", ".git", ".gitkeep", ".ipynb_checkpoints"}  # in a folder of all students
 _LEFT_OUT = {*_NOBODYS, "kept", "release", "__pycache__"}  # in a student's
 _BAD = (
     zipfile.BadZipFile,
@@ -214,7 +214,7 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
             _refuse_a_large_one(file)
         with zipfile.ZipFile(file) as archive:
             found = [each for each in archive.infolist() if not each.is_dir()]
-    items = [_item(path, each) for each in found]
+    items = [item for each in found if (item := _item(path, each)).parts[0] not in _NOBODYS]
     return [replace(each, ignored=_is_ignored(each.parts, students)) for each in items]
 
 

@@ -123,6 +123,15 @@ def test_a_student_may_be_called_as_a_program_calls_its_folders(look, tmp_path, 
     ]
 
 
+@pytest.mark.parametrize(
+    "name", [".git/config", ".ipynb_checkpoints/stray.ipynb", "__MACOSX/ada/._x.ipynb", ".DS_Store"]
+)
+def test_what_programs_leave_beside_all_students_is_nobodys(look, tmp_path, name):
+    found = look(put(tmp_path / "in", f"ada/{HSL}", name))
+    assert who(found) == [("ada", "01_hsl_filtering")] and found.unknown == ()
+    assert look(packed(tmp_path / "in.zip", {f"ada/{HSL}": NOTEBOOK, name: b"x"})).unknown == ()
+
+
 def test_students_whose_names_look_alike_are_refused_and_neither_has_the_others_work(look, tmp_path):
     alike = [("Ada", "Ada "), ("M\u00fcller", "Mu\u0308ller")]
     names = [f"{student}/{HSL}" for pair in alike for student in pair]
