@@ -75,19 +75,20 @@ class FilterPage:
             raise AssertionError(f"{words!r} is not in the panel's words, which are {self.words()!r}")
 
     def drag(self, slider, pixels, steps, pause=0):
-        """Drag a slider with the mouse, there and back again, and hold it."""
+        """Drag a slider with the mouse, evenly there and back again, and hold it."""
         grip = self.handle(slider).bounding_box()
         x, y = grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2
         self.page.mouse.move(x, y)
         self.page.mouse.down()
         for step in range(1, steps + 1):
-            self.page.mouse.move(x + pixels * np.sin(np.pi * step / steps * 2.5), y)
+            there_and_back = 2 / np.pi * np.arcsin(np.sin(np.pi * step / steps * 2.5))
+            self.page.mouse.move(x + pixels * there_and_back, y)
             self.page.wait_for_timeout(pause)
 
     def updates(self, steps=240, pause=12, slider="light"):
         """Drag a slider to and fro; return when each new picture of labels was decoded, ms."""
         self.page.evaluate(_WATCH)
-        self.drag(slider, 60, steps, pause)
+        self.drag(slider, 44, steps, pause)  # the light's slider ends after 46 pixels, and then nothing changes
         self.page.mouse.up()
         self.page.wait_for_timeout(500)
         return np.array(self.page.evaluate("() => window.naoLoads"))
