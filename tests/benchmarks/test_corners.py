@@ -231,20 +231,23 @@ def test_pieces_on_one_line_are_merged_and_others_are_not():
     pieces = pieces_along(
         (10, 10, 50, 18), (60, 20, 110, 30), (10, 30, 50, 38), (200, 48, 240, 56), (10, 10, 18, 50)
     )
-    lines = merge(pieces, 1.0, LineSettings())
+    lines = merge(pieces, 1.0, LineSettings(), 0.0)
     assert (
         len(lines) == 4
     )  # the first two are one; a gap of 90 px keeps another apart, though it is on the line
     np.testing.assert_allclose(lines.ends[0], (10, 10, 110, 30), atol=1e-6)
-    assert len(merge(pieces, 1.0, replace(LineSettings(), merged=False))) == 5
+    assert len(merge(pieces, 1.0, replace(LineSettings(), merged=False), 0.0)) == 5
+    long_enough = merge(pieces, 1.0, LineSettings(), 45.0)
+    np.testing.assert_array_equal(long_enough.ends, lines.ends[lines.length >= 45.0])
+    assert 0 < len(long_enough) < len(lines)
 
 
 def test_a_curve_bends_and_a_line_does_not():
     angle = np.linspace(0.0, 0.6, SAMPLES)
     arc = 60 * np.column_stack([np.cos(angle), np.sin(angle)]) + 100
     curve = Pieces(arc[None], np.ones((1, SAMPLES), dtype=bool), np.full(1, 3.0), arc[[0, -1]][None])
-    assert merge(curve, 1.0, LineSettings()).bend[0] == pytest.approx(60 * (1 - np.cos(0.3)), rel=0.1)
-    assert merge(pieces_along((0, 0, 50, 10)), 1.0, LineSettings()).bend[0] < 1e-9
+    assert merge(curve, 1.0, LineSettings(), 0.0).bend[0] == pytest.approx(60 * (1 - np.cos(0.3)), rel=0.1)
+    assert merge(pieces_along((0, 0, 50, 10)), 1.0, LineSettings(), 0.0).bend[0] < 1e-9
 
 
 def crossings(*ends, reach=2.0, arm=5.0):

@@ -91,9 +91,9 @@ def find_corners_better(picture: npt.ArrayLike, settings: PictureSettings = CHOS
 
     first_row = max(0, int(planes.first_row - 4 * scale))
     pieces = line_pieces(planes, first_row, widest, s.pieces)
-    lines = merge(pieces, scale, s.lines)
+    lines = merge(pieces, scale, s.lines, s.shortest)
     straight = lines.bend <= s.bend * scale + s.bend_length * lines.length
-    lines = lines.where(straight & (lines.length >= np.maximum(s.shortest * scale, s.slender * lines.width)))
+    lines = lines.where(straight & (lines.length >= s.slender * lines.width))
     found = find_crossings(
         lines.ends,
         s.reach_width * lines.width,

@@ -151,6 +151,11 @@ class _Straight:
         ends = np.stack([centre + low[:, None] * way, centre + high[:, None] * way], axis=1)
         return cls(centre, way, high - low, ends)
 
+    def line(self, i: int) -> _Line:
+        """The line of one piece."""
+        first, last = np.sort((self.ends[i] - self.centre[i]) @ self.way[i]).tolist()
+        return _Line(self.centre[i], self.way[i], first, last)
+
     def on(self, line: _Line, settings: LineSettings, scale: float) -> npt.NDArray[np.bool_]:
         """Which pieces (N,) lie on a line or its extension."""
         normal = np.array([-line.way[1], line.way[0]])
@@ -162,7 +167,7 @@ class _Straight:
         return np.asarray((aside <= limit) & straight & (gap <= settings.gap * scale))
 
 
-def merge(pieces: Pieces, scale: float, settings: LineSettings) -> Lines:
+def merge(pieces: Pieces, scale: float, settings: LineSettings, shortest: float) -> Lines:
     """Put pieces together that lie on one straight line.
 
     Parameters
@@ -173,6 +178,8 @@ def merge(pieces: Pieces, scale: float, settings: LineSettings) -> Lines:
         Pixels of this picture in one of a picture 320 wide.
     settings : LineSettings
         When pieces are one line.
+    shortest : float
+        Lines that are shorter are left out, px of a picture 320 wide.
 
     Returns
     -------
@@ -189,7 +196,7 @@ def merge(pieces: Pieces, scale: float, settings: LineSettings) -> Lines:
         if not free[i]:
             continue
         mine = np.arange(len(pieces)) == i
-        line = _Line.through(pieces, moments, mine)
+        line = straight.line(int(i))
         while settings.merged:
             joined = mine | (free & straight.on(line, settings, scale))
             if (joined == mine).all():
@@ -197,7 +204,9 @@ def merge(pieces: Pieces, scale: float, settings: LineSettings) -> Lines:
             mine = joined
             line = _Line.through(pieces, moments, mine)
         free &= ~mine
+        if line.last - line.first < shortest * scale:
+            continue
         ends.append(line.ends)
         width.append(np.median(pieces.width[mine]))
         bend.append(line.bend(pieces.middles[mine][pieces.good[mine]]))
-    return Lines(np.array(ends), np.array(width), np.array(bend))
+    return Lines(np.array(ends).reshape(-1, 4), np.array(width), np.array(bend))

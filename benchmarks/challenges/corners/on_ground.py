@@ -160,9 +160,9 @@ def _lines(picture: npt.ArrayLike, view: CameraView, settings: GroundSettings) -
     if planes is None:
         return Lines.none()
     pieces = line_pieces(planes, _first_row(planes, view), _Widest(view, settings), settings.pieces)
-    lines = merge(_undistorted(pieces, view), planes.scale, settings.lines)
+    lines = merge(_undistorted(pieces, view), planes.scale, settings.lines, settings.shortest)
     straight = lines.bend <= settings.bend * planes.scale + settings.bend_length * lines.length
-    return lines.where(straight & (lines.length >= settings.shortest * planes.scale))
+    return lines.where(straight)
 
 
 def _first_row(planes: Planes, view: CameraView) -> int:
