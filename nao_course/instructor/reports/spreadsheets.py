@@ -14,8 +14,13 @@ from nao_course.instructor.reports.html import visible
 
 LARGEST = 64 * 2**20  # bytes of a table that is read
 LONGEST = 30_000  # characters of a cell; spreadsheets hold 32,767
-_FORMULA = re.compile(r"'*\s*[=+\-@\t\r\uff1d\uff0b\uff0d\uff20]")
 _SEPARATORS = (",", ";", "\t", "|")
+# Where a cell begins, also in a sheet that is split at a separator or line end that this one does not split at.
+# Only commas are safe: what holds one stands in quotation marks.
+_BEGINS = r"(?:\A|(?<=[;|\t\r\n]))"
+_FORMULA = r"'*[^\S;|\t\r\n]*[=+\-@\uff1d\uff0b\uff0d\uff20]"
+_BARE = re.compile(rf"{_BEGINS}(?={_FORMULA})|\A(?='*[\t\r])")
+_ESCAPED = re.compile(rf"{_BEGINS}'(?={_FORMULA})|\A'(?='*[\t\r])")
 
 
 class TableError(ValueError):
@@ -43,19 +48,23 @@ class Row:
 
 
 def escape_formula(text: str) -> str:
-    """Put an apostrophe before what a spreadsheet would run as a formula; see `unescape_formula`.
+    """Put an apostrophe before all that a spreadsheet would run as a formula, whatever it splits at.
+
+    `unescape_formula` takes them away again.
 
     Examples
     --------
     >>> escape_formula("=1+1"), escape_formula("Ada"), unescape_formula(escape_formula("'=1+1"))
     ("'=1+1", 'Ada', "'=1+1")
+    >>> escape_formula("x;=1+1")
+    "x;'=1+1"
     """
-    return f"'{text}" if _FORMULA.match(text) else text
+    return _BARE.sub("'", text)
 
 
 def unescape_formula(cell: str) -> str:
-    """Take away the apostrophe that `escape_formula` put there."""
-    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+    """Take away the apostrophes that `escape_formula` put there."""
+    return _ESCAPED.sub("", cell)
 
 
 def table(rows: Iterable[Sequence[str | float | None]]) -> bytes:

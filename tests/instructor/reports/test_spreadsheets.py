@@ -19,12 +19,25 @@ from nao_course.instructor.reports.spreadsheets import (
 
 
 @settings(max_examples=200, deadline=None)
-@given(st.text())
+@given(st.text() | st.text("x'=+-@; |,\t\r\n"))
 @example("'=x")
 @example(" =x")
+@example("'\t")
+@example("x;'=1")
 def test_escaping_a_formula_can_be_undone(text):
     assert unescape_formula(escape_formula(text)) == text
     assert escape_formula(text)[:1] not in tuple("=+-@\t\r")
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
+@pytest.mark.parametrize(
+    "text", ["x;=cmd|' /C calc'!A0", "x\t=1", "a|+1", "a\n=1+1", "a\r\n -1", "a; @SUM(1)", ";;=1"]
+)
+def test_no_cell_is_a_formula_whatever_a_sheet_is_split_at(text, separator):
+    made = table([["Ada", text, 1.5], [text, "late, but =1", None]]).decode("utf-8-sig")
+    for line in made.splitlines():
+        for cell in line.split(separator):
+            assert cell.strip(' "')[:1] not in tuple("=+-@") or cell.startswith("'"), cell
 
 
 def test_an_answer_longer_than_a_cell_is_cut_with_a_word():
