@@ -6,6 +6,7 @@ __all__: list[str] = [
     "layers",
     "linux",
     "protocol",
+    "system_calls",
     "warm_server",
     "worker",
     "worker_process",

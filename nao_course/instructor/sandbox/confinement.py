@@ -9,7 +9,6 @@ import signal
 import site
 import sys
 import sysconfig
-import tempfile
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +20,8 @@ if sys.platform != "win32":
 if sys.platform == "linux":
     from nao_course.instructor.sandbox import linux
 
+# What a process may read of itself; its mounts would tell where the course lies.
+_OWN_PROCESS = ("cmdline", "comm", "fd", "limits", "maps", "smaps", "stat", "statm", "status")
 SCRATCH = "/scratch"  # in a worker's own view of the files
 UNUSED_USER = 1_900_000_000  # of the host: the first of a range that nobody uses
 _USERS = ((UNUSED_USER, 1000), (65534, 1))  # the first of a range, and how many
@@ -50,7 +51,7 @@ class Bounds:
     memory: int = 2 * 2**30
     processes: int = 48
     scratch: int = 128 * 2**20
-    files: int = 128
+    files: int = 64
     cpu_seconds: int = 150
 
 
@@ -174,7 +175,7 @@ def narrow_view(paths: Iterable[str]) -> None:
     The process must be in a PID namespace of its own, too: it gets its own /proc.
     """
     linux.mount("none", "/", flags=linux.MS_REC | linux.MS_PRIVATE)
-    devices = [f"/dev/{name}" for name in ("null", "zero", "urandom", "random")]
+    devices = [f"/dev/{name}" for name in ("null", "urandom", "random")]  # zero: shared memory
     paths = list(paths)
     sources = {path: os.open(path, os.O_PATH) for path in [*_outermost(paths), *devices]}
     links = {link: target for path in paths for link, target in _links(path)}
@@ -213,58 +214,6 @@ def _bind(source: int, target: str, *, device: bool) -> None:
     linux.mount(path, target, flags=linux.MS_BIND | linux.MS_REC)
     attributes = linux.ATTR_NOSUID if device else linux.ATTR_NOSUID | linux.ATTR_NODEV
     linux.mount_attributes(target, attributes if device else attributes | linux.ATTR_RDONLY)
-
-
-_DENIED_CALLS = (
-    *("socket", "connect", "bind", "listen", "accept", "accept4"),
-    *("ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "pidfd_getfd", "kcmp"),
-    *("mount", "umount", "umount2", "pivot_root", "chroot", "move_mount", "open_tree", "fsopen", "fsconfig"),
-    *("fsmount", "fspick", "mount_setattr", "unshare", "setns", "quotactl", "swapon", "swapoff"),
-    *("keyctl", "add_key", "request_key", "bpf", "perf_event_open", "userfaultfd", "fanotify_init"),
-    *("io_uring_setup", "io_uring_enter", "io_uring_register", "io_setup"),
-    *("kexec_load", "kexec_file_load", "init_module", "finit_module", "delete_module", "reboot", "acct"),
-    *("open_by_handle_at", "name_to_handle_at", "lookup_dcookie", "syslog", "vhangup", "iopl", "ioperm"),
-    *("modify_ldt", "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "sethostname"),
-    *("setdomainname", "migrate_pages", "move_pages", "nfsservctl", "personality"),
-    *("shmget", "shmat", "shmctl", "semget", "semop", "semctl", "msgget", "msgsnd", "msgrcv", "mq_open"),
-    *("memfd_create", "memfd_secret"),  # memory that no limit counts
-    "setsid",  # the kernel shares processors out by session: more of them would be more than a worker's share
-)
-
-
-_FILE_CHANGES = (  # of files, which Landlock does not know; in a view of its own, a worker may
-    *("chmod", "fchmod", "fchmodat", "fchmodat2", "chown", "lchown", "fchown", "fchownat"),
-    *("utime", "utimes", "futimesat", "utimensat", "setxattr", "lsetxattr", "fsetxattr", "setxattrat"),
-    *("removexattr", "lremovexattr", "fremovexattr", "removexattrat"),
-)
-
-
-def seccomp_program(on: Collection[str]) -> bytes:
-    """Compile the filter of system calls for a worker behind some layers; libseccomp is needed.
-
-    Raises
-    ------
-    ImportError, OSError, RuntimeError
-        If there is no pyseccomp, or no libseccomp.
-    """
-    import pyseccomp
-
-    rules = pyseccomp.SyscallFilter(pyseccomp.ALLOW)
-    for name in _DENIED_CALLS if "mount namespace" in on else (*_DENIED_CALLS, *_FILE_CHANGES):
-        with contextlib.suppress(OSError, ValueError):  # a call that this processor or library does not know
-            rules.add_rule(pyseccomp.ERRNO(errno.EPERM), name)
-    for flag in (1 << bit for bit in range(32)):
-        if flag & linux.NEW_NAMESPACE:
-            argument = pyseccomp.Arg(0, pyseccomp.MASKED_EQ, flag, flag)
-            rules.add_rule(pyseccomp.ERRNO(errno.EPERM), "clone", argument)
-    # Its flags lie in memory, which a filter cannot read: without it, libraries use clone.
-    rules.add_rule(pyseccomp.ERRNO(errno.ENOSYS), "clone3")
-    other = pyseccomp.Arg(0, pyseccomp.NE, 1)  # a socketpair of another family than Unix
-    rules.add_rule(pyseccomp.ERRNO(errno.EPERM), "socketpair", other)
-    with tempfile.TemporaryFile() as file:
-        rules.export_bpf(file)
-        file.seek(0)
-        return file.read()
 
 
 # --- what each worker does ---
@@ -351,9 +300,10 @@ class Confinement:
         linux.no_new_privileges()
         linux.not_dumpable()
         if "landlock" in self.on:
-            read = [(path, linux.FS_READ) for path in (*self.paths, "/proc/self") if folders]
+            own = [path for name in _OWN_PROCESS if os.path.exists(path := f"/proc/self/{name}")]
+            read = [(path, linux.FS_READ) for path in (*self.paths, *own) if folders]
             devices = [("/dev/null", linux.FS_READ_FILE | linux.FS_WRITE_FILE)]
-            devices += [(f"/dev/{name}", linux.FS_READ_FILE) for name in ("zero", "urandom", "random")]
+            devices += [(f"/dev/{name}", linux.FS_READ_FILE) for name in ("urandom", "random")]
             linux.landlock([*read, *devices] if folders else [], folders)
         if "seccomp" in self.on:
             linux.load_filter(self.program)

@@ -33,13 +33,13 @@ from nao_course.instructor.sandbox.confinement import (
     enter_namespaces,
     narrow_view,
     readable,
-    seccomp_program,
 )
 from nao_course.instructor.sandbox.protocol import MOST_REQUEST, SINGLE_THREADED, describe_end
 from nao_course.instructor.sandbox.worker_process import answer_calls
 
 if sys.platform == "linux":
     from nao_course.instructor.sandbox import linux
+    from nao_course.instructor.sandbox.system_calls import seccomp_program
 
 _LIBRARIES = (
     "cv2",
@@ -54,6 +54,7 @@ _LIBRARIES = (
     "scipy.stats",
     "sympy",
 )
+_MOST_WAITING = 10.0  # seconds for a namespace to end
 _WATCH = 0.05  # seconds between two looks at how much memory the workers hold
 TOO_MUCH_MEMORY = "the process and its children used more than {0} MB of memory"
 
@@ -71,11 +72,12 @@ class NamespaceInit:
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.itself, signal.SIGKILL)
 
-    def wait(self) -> None:
-        """Wait until it, and with it the namespace, is gone."""
-        poll = select.poll()
+    def wait(self, meanwhile: Callable[[], object]) -> None:
+        """Wait until it, and with it the namespace, is gone, but not for ever; do something in the meantime."""
+        poll, end = select.poll(), time.monotonic() + _MOST_WAITING
         poll.register(self.itself, select.POLLIN)
-        poll.poll()
+        while not poll.poll(10) and time.monotonic() < end:
+            meanwhile()
         os.close(self.itself)
 
 
@@ -84,7 +86,8 @@ class NamespaceFactory:
 
     def __init__(self, confinement: Confinement, users: list[int]) -> None:
         self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        if os.fork() == 0:
+        self.process = os.fork()
+        if self.process == 0:
             try:
                 _close_all_but([theirs.fileno()])
                 _make_namespaces(theirs, confinement, users[-1] if users else None)
@@ -231,7 +234,7 @@ class ForkServer:
         except OSError:
             if init:
                 init.kill()
-                init.wait()
+                init.wait(self.sweep)
             raise
         finally:
             if init and self.ours is not None:
@@ -282,7 +285,7 @@ class ForkServer:
                 os.killpg(worker.process, signal.SIGKILL)
         _, status = os.waitpid(worker.process, 0)
         if worker.init:
-            worker.init.wait()
+            worker.init.wait(self.sweep)
         self.sweep()
         if not self.mounts:
             shutil.rmtree(worker.folder, ignore_errors=True)
@@ -291,13 +294,14 @@ class ForkServer:
         return describe_end(os.waitstatus_to_exitcode(status))
 
     def sweep(self) -> None:
-        """End what workers left behind; where there is no PID namespace, it becomes the server's child."""
-        if self.ours is not None:
-            return
+        """End what workers left to the server: orphans, and children that were made in its name."""
         known = {worker.process for worker in self.workers.values()}
+        if self.factory:
+            known.add(self.factory.process)
         while strays := [child for child in _children(os.getpid()) if child not in known]:
             for stray in strays:
-                os.kill(stray, signal.SIGKILL)
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(stray, signal.SIGKILL)
                 os.waitpid(stray, 0)
 
     def watch(self) -> None:

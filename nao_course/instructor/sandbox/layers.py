@@ -19,11 +19,11 @@ from nao_course.instructor.sandbox.confinement import (
     enter_namespaces,
     narrow_view,
     readable,
-    seccomp_program,
 )
 
 if sys.platform == "linux":
     from nao_course.instructor.sandbox import linux
+    from nao_course.instructor.sandbox.system_calls import seccomp_program
 
 #   process     nothing else: a student's code can read and write what the grader can.
 #   landlock    files, TCP, signals, abstract sockets are closed; UDP and the number of processes are not.

@@ -240,6 +240,79 @@ def test_calls_that_only_an_attack_needs_are_denied(confined):
     assert denied(attempt(worker, "checked(libc.memfd_create(b'x', 0))"))
 
 
+BETWEEN_WORKERS = {
+    "a lock": "import fcntl\nfcntl.flock(open(os.__file__), fcntl.LOCK_SH)",
+    "a record lock": "import fcntl\nfcntl.lockf(open(os.__file__), fcntl.LOCK_SH | fcntl.LOCK_NB)",
+    "asking for a lock": "import fcntl\nfcntl.fcntl(open(os.__file__), 36, bytes(32))",
+    "a note of changes": "import fcntl\nfcntl.fcntl(os.open(os.path.dirname(os.__file__), 0), 1026, 1)",
+    "a lease": "import fcntl\nfcntl.fcntl(open(os.__file__), 1024, 0)",
+    "inotify": "checked(libc.inotify_init())",
+    "inotify with flags": "checked(libc.inotify_init1(0))",
+}
+BY_THE_CACHE = {
+    "advice on a file": "os.posix_fadvise(os.open(os.__file__, 0), 0, 0, os.POSIX_FADV_DONTNEED)",
+    "reading ahead": "checked(libc.readahead(os.open(os.__file__, 0), ctypes.c_long(0), 4096))",
+    "what is cached": "import mmap\np = libc.mmap\np.restype = ctypes.c_void_p\n"
+    "at = p(None, 4096, 1, 2, os.open(os.__file__, 0), 0)\n"
+    "checked(libc.mincore(ctypes.c_void_p(at), 4096, ctypes.create_string_buffer(1)))",
+    "only what is cached": "os.preadv(os.open(os.__file__, 0), [bytearray(9)], 0, os.RWF_NOWAIT)",
+    "page out": "import mmap\nmmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).madvise(21)",
+    "cold": "import mmap\nmmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).madvise(20)",
+}
+UNCOUNTED = {
+    "shared memory": "import mmap\nmmap.mmap(-1, 4096)",
+    "shared zeros": "import mmap\nmmap.mmap(os.open('/dev/zero', 0), 4096, access=mmap.ACCESS_READ)",
+    "larger buffers": "a, b = socket.socketpair()\na.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 2**20)",
+    "a child of the server": "checked(libc.syscall(56, 0x8000 | 17, None, None, None, None))",
+}
+
+
+@linux
+@pytest.mark.parametrize("way", [*BETWEEN_WORKERS, *BY_THE_CACHE, *UNCOUNTED])
+def test_what_passes_messages_or_memory_by_is_denied(confined, way):
+    if way == "a child of the server" and os.uname().machine != "x86_64":
+        pytest.skip("the number of the call is that of x86-64")
+    outcome = attempt(confined(), {**BETWEEN_WORKERS, **BY_THE_CACHE, **UNCOUNTED}[way])
+    assert denied(outcome, "PermissionError", "FileNotFoundError"), outcome
+
+
+@linux
+@pytest.mark.parametrize("layers", [ALL, ("landlock",)], ids=["all", "landlock"])
+@pytest.mark.parametrize("name", ["mountinfo", "mounts", "mountstats", "task"])
+def test_a_process_does_not_see_where_its_view_comes_from(confined, layers, name):
+    source = "os.listdir(args[0]) if args[0].endswith('task') else open(args[0]).read()"
+    assert denied(attempt(confined(*layers), source, f"/proc/self/{name}"))
+
+
+@linux
+@pytest.mark.skipif(os.uname().machine != "x86_64", reason="the number of the call is that of x86-64")
+def test_a_child_that_was_made_in_the_servers_name_ends_with_its_worker(confined, servers):
+    """Nobody but the server can clear it away, and the namespace, which lasts until then, would never end."""
+    first, second = confined(*NAMESPACES), confined(*NAMESPACES)
+    assert attempt(second, "1").value == "1"
+    server = servers(*NAMESPACES).process
+    source = "checked(libc.syscall(56, 0x8000 | 17, None, None, None, None)) or time.sleep(1000)"
+    assert int(attempt(first, source).value) > 0
+    first.close()
+    assert servers(*NAMESPACES).process == server
+    assert attempt(second, "2").value == "2" and second.deaths == 0
+    assert attempt(confined(*NAMESPACES), "3").value == "3"
+
+
+@linux
+def test_what_honest_code_needs_is_not_denied(confined):
+    worker = confined()
+    for source in (
+        "os.preadv(os.open(os.__file__, 0), [bytearray(9)], 0)",
+        "subprocess.__name__, os.pipe(), len(os.listdir('/proc/self/fd'))",
+        "import asyncio\nasyncio.run(asyncio.sleep(0))",
+        "import mmap\nmmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).madvise(4)",
+        "from concurrent.futures import ThreadPoolExecutor as T\nlist(T(2).map(abs, [1]))",
+        "import tempfile\ntempfile.TemporaryFile().fileno()",
+    ):
+        assert (made := attempt(worker, source)).status == "value", (source, made)
+
+
 @linux
 @pytest.mark.parametrize("layers", [ALL, NAMESPACES, ("landlock",)], ids=["all", "namespaces", "landlock"])
 def test_a_worker_has_no_privileges_and_cannot_get_any(confined, layers):
