@@ -31,7 +31,7 @@ from nao_course.instructor.authoring.plans import (
     raised_at,
     reference_of,
 )
-from nao_course.instructor.sandbox.worker import SECONDS_IN_ALL
+from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL
 
 LARGEST_PICTURE = 64 * 48  # pixels; a lesson's public data travels with the package
 MOST_NUMBERS = 250_000  # of any other array: a matrix of 500x500

@@ -6,8 +6,8 @@ __all__: list[str] = [
     "failures",
     "grader",
     "lending",
-    "lock",
     "scratch",
     "secret",
     "session",
+    "tries",
 ]

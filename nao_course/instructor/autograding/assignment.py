@@ -7,7 +7,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
 _NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py")
-RULES = "2"  # how it is graded; another number has everything graded again
+RULES = "3"  # how it is graded; another number has everything graded again
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,8 @@ class Task:
         What a student's check knows.
     hidden : tuple of Case
         With what is expected.
+    second : tuple of Case
+        The same, drawn anew: for who gets a second try, and may remember the first.
     uses : tuple of str
         Earlier exercises that it calls.
     with_reference : float
@@ -46,6 +48,7 @@ class Task:
 
     public: PublicExercise
     hidden: tuple[Case, ...]
+    second: tuple[Case, ...] = ()
     uses: tuple[str, ...] = ()
     with_reference: float = 1.0
     mistakes: Mapping[str, str] = field(default_factory=dict)
@@ -128,6 +131,10 @@ class Assignment:
     earlier: tuple[EarlierLesson, ...] = ()
     classes: Mapping[str, UsedClass] = field(default_factory=dict)
 
+    def anew(self) -> Assignment:
+        """The same assignment with other hidden cases, the same for everybody's second try."""
+        return replace(self, tasks=tuple(replace(each, hidden=each.second) for each in self.tasks))
+
     def within(self, seconds: float) -> Assignment:
         """The same assignment with another wall clock for everything."""
         tasks = [replace(each, public=replace(each.public, seconds=seconds)) for each in self.tasks]
@@ -164,7 +171,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     with resolved_by(solutions_beside(notebook)):
         public = publish(name, plan, reference)
         tasks = tuple(
-            _task(each, known, reference[each.name], int(keyed(secret, "hidden cases", name, each.name), 16))
+            _task(each, known, reference[each.name], partial(keyed, secret, "hidden cases", name, each.name))
             for each, known in zip(plan.exercises, public.exercises, strict=True)
         )
     earlier = tuple(
@@ -274,10 +281,13 @@ def class_source(notebook: Path, name: str) -> str:
     return ""
 
 
-def _task(exercise: Exercise, public: PublicExercise, function: Callable[..., Any], seed: int) -> Task:
+def _task(
+    exercise: Exercise, public: PublicExercise, function: Callable[..., Any], drawn: Callable[..., str]
+) -> Task:
     return Task(
         public,
-        tuple(hidden_cases(exercise, function, seed)),
+        tuple(hidden_cases(exercise, function, int(drawn(), 16))),
+        tuple(hidden_cases(exercise, function, int(drawn("second try"), 16))),
         tuple(exercise.uses),
         exercise.with_reference,
         {mistake.message: mistake.name for mistake in exercise.mistakes},

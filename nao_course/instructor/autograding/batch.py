@@ -13,7 +13,7 @@ from pathlib import Path
 from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, submission_hash
-from nao_course.instructor.autograding.lock import ReadWriteLock
+from nao_course.instructor.autograding.tries import SecondChances
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
@@ -95,7 +95,7 @@ def grade_all(
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set, lock=ReadWriteLock())
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, chances=SecondChances())
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     try:
         for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):

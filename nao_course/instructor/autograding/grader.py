@@ -43,20 +43,18 @@ from nao_course.instructor.autograding.lending import (
     where_from,
     with_what_classes_use,
 )
-from nao_course.instructor.autograding.lock import ReadWriteLock
+from nao_course.instructor.autograding.tries import SecondChances, as_told_before, in_spite_of_the_server
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.submissions import Files, Submission, read
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
 from nao_course.instructor.sandbox.layers import SandboxError
-from nao_course.instructor.sandbox.protocol import UNREADABLE, EarlierNotebook, ServerEnded
+from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Found, Worker
 
 LONGEST_ANSWER = 20_000  # characters of a written answer
 LONGEST_TEXT = 1000  # of what a public check says
 _MOST_NOTES = 20
-_MOST_TRIES = 4  # at a submission whose processes die
-_MOST_SERVERS = 3  # warm servers that may die under one submission
 
 
 class GraderError(RuntimeError):
@@ -73,7 +71,7 @@ def grade(
     server: WarmServer | None = None,
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
-    lock: ReadWriteLock | None = None,
+    chances: SecondChances | None = None,
 ) -> SubmissionResult:
     """Grade a submission.
 
@@ -89,8 +87,8 @@ def grade(
         The sandbox level that this is, for the result.
     stopped : callable
         Asked before each call: whether to give up.
-    lock : ReadWriteLock, optional
-        Shared by all that are graded at the same time.
+    chances : SecondChances, optional
+        Those of the run.
 
     Returns
     -------
@@ -106,13 +104,18 @@ def grade(
     Stopped
         If it was to give up.
     """
-    start = time.monotonic()
-    try:
-        result = _agreed(
-            lambda: _in_spite_of_the_server(
-                lambda: _grade(submission, assignment, server, stopped, lock or ReadWriteLock())
-            )
+    start, allowance = time.monotonic(), Allowance()
+    chances = chances or SecondChances()
+
+    def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
+        return in_spite_of_the_server(
+            lambda: _grade(submission, assignment, server, stopped, chances, allowance)
         )
+
+    try:
+        result, deaths = work(assignment)
+        if deaths:
+            result = as_told_before(work(assignment.anew())[0], result)
     except (Stopped, SandboxError):
         raise
     except Exception as error:
@@ -122,52 +125,27 @@ def grade(
     return replace(result, level=level, seconds=time.monotonic() - start)
 
 
-def _agreed(work: Callable[[], tuple[SubmissionResult, int]]) -> SubmissionResult:
-    """Grade until no process has died, or two results agree.
-
-    A process may have been ended by somebody outside, or because the machine was short of memory. What is the
-    submission's own doing happens again.
-    """
-    result, deaths = work()
-    for _ in range(_MOST_TRIES - 1):
-        if not deaths:
-            break
-        before = result
-        result, deaths = work()
-        if result == before:
-            break
-    return result
-
-
-def _in_spite_of_the_server(
-    work: Callable[[], tuple[SubmissionResult, int]],
-) -> tuple[SubmissionResult, int]:
-    """Begin again where the warm server died: that is no fault of this submission, as far as anyone can tell."""
-    for _ in range(_MOST_SERVERS - 1):
-        with contextlib.suppress(ServerEnded):
-            return work()
-    return work()
-
-
 def _grade(
     submission: Submission,
     assignment: Assignment,
     server: WarmServer | None,
     stopped: Callable[[], bool],
-    lock: ReadWriteLock,
+    chances: SecondChances,
+    allowance: Allowance,
 ) -> tuple[SubmissionResult, int]:
-    """Grade once; also say how many processes died on the way."""
+    """Grade once; also say how many processes somebody outside may have ended on the way."""
     try:
         files = read(submission)
     except Refused as refused:
         return refuse(submission, assignment, str(refused)), 0
     with _laid_out(files, assignment.lesson) as notebook:
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
-        with _worker(notebook, assignment, server, helpers, handed_in_earlier(files, assignment)) as worker:
+        earlier = handed_in_earlier(files, assignment)
+        with _worker(notebook, assignment, server, allowance, helpers, earlier) as worker:
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
-            grader = SubmissionGrader(worker, assignment, files, server, stopped, lock)
+            grader = SubmissionGrader(worker, assignment, files, server, stopped, chances)
             exercises = grader.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
@@ -231,6 +209,7 @@ def _worker(
     notebook: Path,
     assignment: Assignment,
     server: WarmServer | None,
+    allowance: Allowance,
     helpers: tuple[Path, ...] = (),
     earlier: Sequence[EarlierNotebook] = (),
     instead: Mapping[str, str] | None = None,
@@ -243,6 +222,7 @@ def _worker(
         helpers=helpers,
         earlier=earlier,
         instead=instead or {},
+        allowance=allowance,
     )
 
 
@@ -295,9 +275,9 @@ class SubmissionGrader:
         files: Files,
         server: WarmServer | None,
         stopped: Callable[[], bool],
-        lock: ReadWriteLock,
+        chances: SecondChances,
     ) -> None:
-        self.stopped, self.lock = stopped, lock
+        self.stopped, self.chances, self.had_one = stopped, chances, False
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of processes that an exercise was run in once more
         self.attempts: list[str] = []  # seen there
@@ -427,7 +407,15 @@ class SubmissionGrader:
         earlier = [notebooks[each.lesson] for each in self.assignment.earlier if each.lesson in notebooks]
         instead = {use: source for use, source in classes.items() if ":" not in use}
         own = self.worker
-        return _worker(own.notebook, self.assignment, self.server, tuple(own.helpers), earlier, instead)
+        return _worker(
+            own.notebook,
+            self.assignment,
+            self.server,
+            own.allowance,
+            tuple(own.helpers),
+            earlier,
+            instead,
+        )
 
     def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> Iterator[Outcome]:
         """Call a function for each case, up to one that is the last; who asks for the next need not keep the others."""
@@ -438,24 +426,23 @@ class SubmissionGrader:
                 break
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
-        """Call a function; a time-out is tried once more in a fresh worker, while no other submission runs."""
-        for held in (self.lock.shared, self.lock.exclusive):
-            if self.stopped():
-                raise Stopped
-            self.worker.seconds = exercise.seconds
-            with held():
-                outcome = self.answer(exercise, case)
-            if outcome.status != "timed out":
-                break
+        """Call a function; a submission's first time-out is tried once more, with twice the time."""
+        outcome = self.answer(exercise, case, exercise.seconds)
+        if outcome.status == "timed out" and not self.had_one:
+            self.had_one = True
+            if self.chances.take(2 * exercise.seconds):
+                outcome = self.answer(exercise, case, 2 * exercise.seconds)
         return (
             replace(outcome, status="raised", text="KeyboardInterrupt")
             if outcome.status == "interrupted"
             else outcome
         )
 
-    def answer(self, exercise: PublicExercise, case: Case) -> Outcome:
+    def answer(self, exercise: PublicExercise, case: Case, seconds: float) -> Outcome:
         """Make the calls of a case; all of them together have the time of one."""
-        end = time.monotonic() + exercise.seconds
+        if self.stopped():
+            raise Stopped
+        self.worker.seconds, end = seconds, time.monotonic() + seconds
 
         def call(each: Case) -> Outcome:
             if time.monotonic() > end:

@@ -12,7 +12,7 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
@@ -33,6 +33,7 @@ SINGLE_THREADED = {
     "MKL_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
 }
+SECONDS_IN_ALL = 120.0  # for one submission, all tries and processes together
 _KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
 
 
@@ -82,6 +83,35 @@ class Ended(Exception):  # noqa: N818 - no error: students' processes end
     def __init__(self, status: Status, text: str) -> None:
         super().__init__(text)
         self.outcome = Outcome(status, text=text)
+
+
+@dataclass
+class Allowance:
+    """Wall clock that workers may use together, and how much of it they have used, in seconds."""
+
+    seconds: float = SECONDS_IN_ALL
+    spent: float = 0.0
+
+    def left(self, most: float) -> float:
+        """Seconds for what is asked next, at most some.
+
+        Raises
+        ------
+        Ended
+            If there are none.
+        """
+        if self.spent >= self.seconds:
+            raise Ended("timed out", f"all {self.seconds:g} s that a submission has are used up")
+        return min(most, self.seconds - self.spent)
+
+    @contextlib.contextmanager
+    def clock(self) -> Iterator[None]:
+        """Count the time of a block."""
+        began = time.monotonic()
+        try:
+            yield
+        finally:
+            self.spent += time.monotonic() - began
 
 
 class Channel:
@@ -155,11 +185,20 @@ class Channel:
         raise NotImplementedError
 
 
+_BY_SIGNAL = "the process was ended by signal"
+_FROM_OUTSIDE = (1, 2, 9, 15)  # SIGHUP, SIGINT, SIGKILL, SIGTERM
+
+
 def describe_end(code: int) -> str:
     """Say what became of a process, from the status it ended with."""
     if code < 0:
-        return f"the process was ended by signal {-code} ({signal.strsignal(-code)})"
+        return f"{_BY_SIGNAL} {-code} ({signal.strsignal(-code)})"
     return f"the process ended itself with status {code}"
+
+
+def ended_from_outside(description: str) -> bool:
+    """Whether `describe_end` tells of an end that the process may have no part in, such as the kernel's for memory."""
+    return description.startswith(tuple(f"{_BY_SIGNAL} {each} " for each in _FROM_OUTSIDE))
 
 
 def _ready(pipe: int, what: str, seconds: float) -> bool:

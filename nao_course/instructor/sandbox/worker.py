@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -31,11 +31,13 @@ from nao_course.instructor.sandbox.protocol import (
     MOST_NOTES,
     MOST_OUTPUT,
     UNREADABLE,
+    Allowance,
     Channel,
     EarlierNotebook,
     Ended,
     ServerEnded,
     describe_end,
+    ended_from_outside,
     scrubbed_environment,
 )
 from nao_course.instructor.sandbox.warm_server import Fork, WarmServer
@@ -48,7 +50,6 @@ MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
-SECONDS_IN_ALL = 120.0  # for one submission
 _KEPT = ("SYSTEMROOT", "TEMP", "TMP", "TMPDIR", "NAO_COURSE_DATA")  # of the environment
 
 
@@ -98,8 +99,8 @@ class Worker:
         Notebooks of earlier lessons, in their order, whose functions the notebook uses.
     instead : mapping of str to str
         Source of classes that take the place of the notebook's while it is loaded.
-    total : float
-        Wall clock for everything that it does, in seconds.
+    allowance : Allowance
+        For everything that it does, and what others do who share it.
 
     Raises
     ------
@@ -124,7 +125,7 @@ class Worker:
     helpers: Sequence[Path] = ()
     earlier: Sequence[EarlierNotebook] = ()
     instead: Mapping[str, str] = field(default_factory=dict)
-    total: float = SECONDS_IN_ALL
+    allowance: Allowance = field(default_factory=Allowance)
     _channel: Channel | None = field(default=None, init=False, repr=False)
     _lent: dict[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]] = field(
         default_factory=dict, init=False, repr=False
@@ -139,7 +140,6 @@ class Worker:
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
     _calls: int = field(default=0, init=False, repr=False)
-    _spent: float = field(default=0.0, init=False, repr=False)
 
     def __enter__(self) -> Self:
         """Return the worker; its process starts with the first call."""
@@ -159,7 +159,7 @@ class Worker:
     def definitions(self) -> Found:
         """What the notebook defines; nothing, with a reason, where it cannot be loaded."""
         try:
-            with self._clock():
+            with self.allowance.clock():
                 self._running()
         except Ended as ended:
             self.close()
@@ -177,7 +177,7 @@ class Worker:
 
     @property
     def deaths(self) -> int:
-        """How many of its processes have died under it: by the student's code, or by someone outside."""
+        """How many of its processes may have been ended by someone outside, or for want of memory on the machine."""
         return self._deaths
 
     def lend(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
@@ -211,11 +211,11 @@ class Worker:
         self._calls += 1
         question = encode(("call", self._calls, name, case.args, case.kwargs, driver))
         try:
-            with self._clock():
+            with self.allowance.clock():
                 channel = self._running()
                 if name not in self._found.names:
                     return Outcome("not found")
-                channel.ask(question, self._seconds())
+                channel.ask(question, self.allowance.left(self.seconds))
                 number = self._answering(channel)
                 outcome = self._next(channel)
             if number != self._calls or not _well_formed(outcome):
@@ -230,22 +230,7 @@ class Worker:
             raise
 
     def _count(self, ended: Ended) -> None:
-        self._deaths += ended.outcome.status == "died"
-
-    @contextlib.contextmanager
-    def _clock(self) -> Iterator[None]:
-        """Count the time of the block as the submission's."""
-        began = time.monotonic()
-        try:
-            yield
-        finally:
-            self._spent += time.monotonic() - began
-
-    def _seconds(self) -> float:
-        """For what is asked next."""
-        if self._spent >= self.total:
-            raise Ended("timed out", f"all {self.total:g} s that a submission has are used up")
-        return min(self.seconds, self.total - self._spent)
+        self._deaths += ended.outcome.status == "died" and ended_from_outside(ended.outcome.text)
 
     def _next(self, channel: Channel) -> Any:
         """What the worker says next, but for what it tells of attempts."""
@@ -276,7 +261,7 @@ class Worker:
                     except CodecError as error:  # what came just fitted; with what goes along, it does not
                         answer = encode(("answer", Outcome("unsendable", text=str(error))))
                     waited = time.monotonic() - began
-                    self._spent -= waited
+                    self.allowance.spent -= waited
                     channel.deadline += waited
                     channel.send(answer)
                 case said:
@@ -305,7 +290,7 @@ class Worker:
                     self._failed = ended
         told = (dict(self.overrides), sorted(self._lent))
         if self._defined != told:
-            self._channel.ask(encode(("define", *told)), self._seconds())
+            self._channel.ask(encode(("define", *told)), self.allowance.left(self.seconds))
             self._found = replace(self._found, names=_texts(self._next(self._channel)))
             self._defined = told
         return self._channel
@@ -322,7 +307,7 @@ class Worker:
 
     def _start(self) -> Channel:
         """A new process, for notebooks that are trusted or not."""
-        self._seconds()
+        self.allowance.left(self.seconds)
         if self.server is None:
             return _OwnProcess(self.notebook.parent)
         if self.server.forks:
@@ -349,7 +334,7 @@ class Worker:
         request = ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
         at = (0, 0)
         try:
-            channel.ask(encode(request), self._seconds())
+            channel.ask(encode(request), self.allowance.left(self.seconds))
             while (said := self._next(channel)) != "loaded":
                 match said:
                     case ("at", int(cell), int(line)):
@@ -367,7 +352,7 @@ class Worker:
         """Have the notebook loaded; the worker says which statement comes next before it runs."""
         left_out = [list(place) for place in self._left_out]
         request = ("load", self.notebook.name, content, self.setup, left_out, dict(self.instead))
-        channel.ask(encode(request), self._seconds())
+        channel.ask(encode(request), self.allowance.left(self.seconds))
         at = None
         try:
             while True:

@@ -52,7 +52,10 @@ def test_an_assignment_is_another_one_when_what_it_grades_by_changes(tmp_path, a
 
 @pytest.mark.parametrize(
     ("folder", "old", "new"),
-    [("solutions", "return 2 * x", "return x + x"), ("notebooks", "import numpy as np", "import numpy as np, math")],
+    [
+        ("solutions", "return 2 * x", "return x + x"),
+        ("notebooks", "import numpy as np", "import numpy as np, math"),
+    ],
 )
 def test_an_assignment_is_another_one_when_an_earlier_lesson_that_it_uses_changes(tmp_path, folder, old, new):
     course = pair.make_course(tmp_path)

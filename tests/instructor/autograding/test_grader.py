@@ -2,16 +2,18 @@
 
 import json
 import pickle
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from nao_course.exercises.comparisons.values import Close
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding import grader as module
+from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.lock import ReadWriteLock
+from nao_course.instructor.autograding.tries import SecondChances
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
@@ -325,7 +327,7 @@ def test_each_call_has_the_seconds_of_its_exercise(server, tmp_path, monkeypatch
     monkeypatch.setattr(module.Worker, "call", noted)
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     result = grade(Submission("ada", chain.LESSON, path), assignment, server)
-    assert given == {"double": {10.0}, "plus_one": {10.0}, "both": {10.0}, "total": {45.0}}
+    assert given == {"double": {10.0}, "plus_one": {10.0}, "both": {10.0}, "total": {45.0, 90.0}}
     assert "longer than 45 seconds" in of(result, "total").text
     assert "stopped after 45 seconds" in " ".join(of(result, "total").public)
 
@@ -346,42 +348,110 @@ def test_the_second_try_after_a_time_out_counts(server, assignment, tmp_path, mo
     assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
 
 
-@pytest.mark.slow
-def test_the_second_try_has_the_machine_to_itself(server, assignment, tmp_path, monkeypatch):
-    real, inside, together = module.Worker.call, [], []
+ALL_SLOW = "import time\n" + "\n".join(f"def {name}(x):\n    time.sleep(1000)" for name in chain.RIGHT)
+
+
+def timed_calls(monkeypatch, assignment):
+    """Each call of a student's function that was made, with its seconds."""
+    calls, real = [], module.Worker.call
 
     def call(self, name, case, driver=""):
-        inside.append(name)
-        together.append((self.notebook.parent, name, len(inside)))
-        try:
-            return real(self, name, case, driver)
-        finally:
-            inside.remove(name)
+        if self.notebook != assignment.reference:
+            calls.append((name, self.seconds))
+        return real(self, name, case, driver)
 
     monkeypatch.setattr(module.Worker, "call", call)
+    return calls
+
+
+def test_one_time_out_of_a_submission_gets_twice_the_time_and_no_other(marked, assignment, monkeypatch):
+    calls = timed_calls(monkeypatch, assignment)
+    result = marked(content=chain.notebook({}, extra=ALL_SLOW), seconds=0.5)
+    assert {each.state for each in result.exercises} == {"timed out"}
+    assert calls[:2] == [(calls[0][0], 0.5), (calls[0][0], 1.0)]
+    assert {seconds for _, seconds in calls[2:]} == {0.5} and {name for name, _ in calls} == set(chain.RIGHT)
+
+
+def test_what_only_needs_a_little_more_time_is_right(marked, monkeypatch):
+    real, slow = module.Worker.call, []
+
+    def call(self, name, case, driver=""):
+        if name == "double" and len(case.args[0]) == 4 and not slow:
+            slow.append(case)
+            return module.Outcome("timed out")
+        return real(self, name, case, driver)
+
+    monkeypatch.setattr(module.Worker, "call", call)
+    assert of(marked(), "double").state == "right" and slow
+
+
+def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
+    calls, chances = timed_calls(monkeypatch, assignment), SecondChances(2.5)
     slow = {"double": "import time\ndef double(x):\n    time.sleep(1000)"}
-    quick = assignment.within(2.0)
-    lock = ReadWriteLock()
-
-    def graded(number):
+    for number in range(4):
         path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
-        return grade(Submission(f"s{number}", chain.LESSON, path), quick, server, lock=lock)
-
-    with ThreadPoolExecutor(3) as pool:
-        results = list(pool.map(graded, range(3)))
-    assert {result.exercises[0].state for result in results} == {"timed out"}
-    tries = [each for each in together if each[1] == "double" and each[0] != assignment.reference.parent]
-    seconds = [second for _, second in tries_of_each(tries)]
-    assert len(seconds) == 3 and {many for _, _, many in seconds} == {1}
-    assert max(many for _, _, many in together) > 1
+        submission = Submission(f"s{number}", chain.LESSON, path)
+        result = grade(submission, assignment.within(0.5), server, chances=chances)
+        assert of(result, "double").state == "timed out"
+    assert calls.count(("double", 1.0)) == 2 and chances.seconds == 0.5
 
 
-def tries_of_each(tries):
-    """First and second try of each submission, whatever came between them."""
-    by_folder = {}
-    for each in tries:
-        by_folder.setdefault(each[0], []).append(each)
-    return [(first, second) for first, second in by_folder.values()]
+def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tmp_path, monkeypatch):
+    seen = []
+    real = module._grade
+
+    def noted(*words):
+        seen.append((words[0], words[-1]))
+        result, _ = real(*words)
+        return result, 1
+
+    monkeypatch.setattr(module, "_grade", noted)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    grade(Submission("ada", chain.LESSON, path), assignment, server)
+    (_, first), (_, second) = seen
+    assert first is second and first.spent > 0 and first.seconds == 120.0
+
+
+DIES = "import os\nn = []\ndef double(x):\n    n.append(x.shape)\n    {}\n    return 2 * x"
+
+
+@pytest.mark.parametrize(
+    ("how", "tries"),
+    [
+        ("os._exit(3)", 1),
+        ("os.kill(os.getpid(), 11)", 1),
+        ("os.abort()", 1),
+        ("os.kill(os.getpid(), 9)", 2),
+        ("os.kill(os.getpid(), 15)", 2),
+    ],
+)
+def test_only_who_may_have_been_ended_by_somebody_else_gets_a_second_try(marked, monkeypatch, how, tries):
+    drawn, real = [], module._grade
+    monkeypatch.setattr(module, "_grade", lambda *words: (drawn.append(words[1]), real(*words))[1])
+    result = marked({"double": DIES.format(how)})
+    assert of(result, "double").state == "died" and len(drawn) == tries
+    if tries == 2:
+        first, second = ([case.args[0] for task in each.tasks for case in task.hidden] for each in drawn)
+        assert [len(each) for each in first] == [len(each) for each in second]
+        assert not any(np.array_equal(a, b) for a in first for b in second if np.size(a) > 1)
+        assert drawn[0].hash == drawn[1].hash
+
+
+def test_a_second_try_tells_of_public_cases_what_the_first_did(marked, monkeypatch):
+    """By then it may have found a way to remember hidden inputs, and its page shows what a public case raises."""
+    real, tries = module._grade, []
+
+    def noted(submission, assignment, *words):
+        result, _ = real(submission, assignment, *words)
+        tries.append(1)
+        lines = (f"90.1 double: what it remembers in try {len(tries)}",)
+        told = [replace(each, public=lines) if each.name == "double" else each for each in result.exercises]
+        return replace(result, exercises=tuple(told)), len(tries) == 1
+
+    monkeypatch.setattr(module, "_grade", noted)
+    result = marked({"double": "def double(x):\n    raise ValueError"})
+    assert len(tries) == 2 and "in try 1" in told_to_the_student(result)
+    assert "in try 2" not in told_to_the_student(result)
 
 
 # --- what cannot be graded ---
@@ -449,7 +519,7 @@ def test_a_lost_server_has_the_submission_graded_again(server, assignment, tmp_p
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
     died.clear()
-    monkeypatch.setattr(module, "_MOST_SERVERS", 2)
+    monkeypatch.setattr(tries_module, "MOST_SERVERS", 2)
     with pytest.raises(GraderError, match="gone"):
         grade(Submission("ada", chain.LESSON, path), assignment, server)
 

@@ -256,7 +256,7 @@ def test_what_the_second_run_does_counts_like_the_first(assignment, warm_server,
     ends = "import os\ndef walk(x):\n    if Walker:\n        open('/etc/of_the_second_run')"
     functions = {
         "Walker": "Walker = None",
-        "walk": ends.replace("open(", "try: open(") + "\n        except OSError: os._exit(3)",
+        "walk": ends.replace("open(", "try: open(") + "\n        except OSError: os.kill(os.getpid(), 9)",
     }
     result = grade(second_of(tmp_path, functions), assignment, warm_server)
     assert of(result, "walk").state == "died" and deaths == [deaths[0]] * 2 and deaths[0] > 0

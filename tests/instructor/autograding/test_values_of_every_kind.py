@@ -19,7 +19,7 @@ from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
-from nao_course.instructor.autograding.lock import ReadWriteLock
+from nao_course.instructor.autograding.tries import SecondChances
 from nao_course.instructor.collecting.submissions import Files, Submission
 from nao_course.student import notebooks as student
 from nao_course.student import overview
@@ -92,7 +92,7 @@ def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
     monkeypatch.setattr(grader_module.time, "monotonic", lambda: float(next(clock)))
     worker = SimpleNamespace(call=lambda *_: Outcome("value", 1.0))
     grader = SubmissionGrader(worker, replace(assignment, seconds=10.0), None, None, lambda: False, None)
-    assert grader.answer(public, task.hidden[0]).status == "timed out"
+    assert grader.answer(public, task.hidden[0], public.seconds).status == "timed out"
     assert next(clock) < 20
 
 
@@ -102,7 +102,7 @@ def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
         task, hidden=task.hidden[:1] * 40, public=replace(task.public, cases=task.public.cases[:1] * 4)
     )
     worker = SimpleNamespace(call=lambda *_: Outcome("value", np.zeros(2**18)))
-    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, ReadWriteLock())
+    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, SecondChances())
     tracemalloc.start()
     assert grader.hidden(many).state == "wrong"
     lines, last = grader.public(many.public)

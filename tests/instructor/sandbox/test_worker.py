@@ -15,6 +15,7 @@ from nao_course.exercises import Case
 from nao_course.exercises.codec import encode
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox import worker as module
+from nao_course.instructor.sandbox.protocol import Allowance
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
 
@@ -168,7 +169,7 @@ def running(notebook, server):
 
 @pytest.fixture
 def disturbed(notebook, server):
-    with Worker(notebook, seconds=AMPLE, total=10 * AMPLE, server=server) as worker:
+    with Worker(notebook, seconds=AMPLE, allowance=Allowance(10 * AMPLE), server=server) as worker:
         worker.call("double", ONE)
         yield worker
         worker.seconds = AMPLE
@@ -465,7 +466,7 @@ def asks_for_another(x):
 @pytest.fixture
 def lending(tmp_path, server):
     path = toy.write(tmp_path / "own.ipynb", LENDING)
-    with Worker(path, seconds=AMPLE, total=10 * AMPLE, server=server) as worker:
+    with Worker(path, seconds=AMPLE, allowance=Allowance(10 * AMPLE), server=server) as worker:
         yield worker
 
 
@@ -500,7 +501,7 @@ def test_time_in_the_grader_is_not_the_students(lending, monkeypatch):
     monkeypatch.setattr(time, "monotonic", lambda: real() + sum(slept))
 
     def slowly(args, kwargs):
-        slept.append(2 * lending.total)
+        slept.append(2 * lending.allowance.seconds)
         return Outcome("value", 1.0)
 
     lending.lend({"base": slowly})
@@ -523,12 +524,12 @@ def test_asking_for_ever_and_for_what_is_not_lent_gains_nothing(lending, monkeyp
 def test_a_submission_has_a_total_of_time(notebook, server):
     with Worker(notebook, seconds=AMPLE, server=server) as worker:
         worker.definitions  # noqa: B018 - it loads
-        worker.seconds, worker.total = 0.4, worker._spent + 1.0
+        worker.seconds, worker.allowance.seconds = 0.4, worker.allowance.spent + 1.0
         said = [worker.call("sleeps", ONE).text]
         assert said == ["no answer within 0.4 s"]
         while said[-1].startswith("no answer within"):  # each takes some of it: there is an end
             said.append(worker.call("sleeps", ONE).text)
-        assert said[-1] == f"all {worker.total:g} s that a submission has are used up"
+        assert said[-1] == f"all {worker.allowance.seconds:g} s that a submission has are used up"
 
 
 def test_the_texts_of_an_answer_are_bounded_whoever_writes_them(tmp_path, server):
@@ -588,7 +589,7 @@ def g(x):
     return 3 * x
 """
     path = toy.write(tmp_path / "own.ipynb", source)
-    with Worker(path, seconds=AMPLE, total=10 * AMPLE, server=server) as worker:
+    with Worker(path, seconds=AMPLE, allowance=Allowance(10 * AMPLE), server=server) as worker:
         for _ in range(2):
             worker.definitions  # noqa: B018 - it loads
             worker.seconds = 0.5

@@ -1,0 +1,49 @@
+"""What gets a second try: a time-out, a process that somebody else may have ended, a warm server that died."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.sandbox.protocol import ServerEnded
+
+SECOND_CHANCES = 300.0  # seconds of a run that time-outs get besides
+MOST_SERVERS = 3  # that may die under one submission
+
+
+@dataclass
+class SecondChances:
+    """Time that a run has for calls that took too long, because the machine may have been busy."""
+
+    seconds: float = SECOND_CHANCES
+    _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
+
+    def take(self, seconds: float) -> bool:
+        """Take some, if there is that much left."""
+        with self._lock:
+            granted = seconds <= self.seconds
+            self.seconds -= seconds if granted else 0.0
+        return granted
+
+
+def as_told_before(second: SubmissionResult, first: SubmissionResult) -> SubmissionResult:
+    """A second try's result with what the first said of public cases: a second one may know hidden inputs by then."""
+    before = {each.name: each for each in first.exercises}
+    told = [
+        each if each.state == "right" else replace(each, public=before[each.name].public, hint="", mistake="")
+        for each in second.exercises
+    ]
+    return replace(second, exercises=tuple(told))
+
+
+def in_spite_of_the_server(
+    work: Callable[[], tuple[SubmissionResult, int]],
+) -> tuple[SubmissionResult, int]:
+    """Begin again where the warm server died: that is no fault of this submission, as far as anyone can tell."""
+    for _ in range(MOST_SERVERS - 1):
+        with contextlib.suppress(ServerEnded):
+            return work()
+    return work()
