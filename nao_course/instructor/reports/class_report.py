@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 HARDEST = 5  # exercises that are named
 MOST_LISTED = 200  # refused submissions
+MOST_MISTAKES = 30  # of a lesson that are named
 _KINDS: dict[
     str, tuple[str, str, tuple[State, ...]]
 ] = {  # colour, hatch, states; safe for colour-blind readers
@@ -74,6 +75,28 @@ class ExerciseSummary:
     points: float
     share: float
     counts: dict[str, int]
+
+
+@dataclass(frozen=True)
+class MistakeSummary:
+    """A mistake that the lesson's author foresaw, and how many of a class made it.
+
+    Parameters
+    ----------
+    title : str
+        Number and name of the exercise.
+    name : str
+        Of the mistake, as it was declared.
+    message : str
+        What the check told the student.
+    many : int
+        Submissions.
+    """
+
+    title: str
+    name: str
+    message: str
+    many: int
 
 
 def write_report(journal: Journal, path: Path) -> Path:
@@ -123,6 +146,7 @@ def _lesson(lesson: str, made: Sequence[Score]) -> Iterator[Markup]:
         yield _exercises_figure(exercises, len(graded))
         yield from _hardest(exercises)
         yield _exercises_table(exercises)
+        yield from _mistakes_table(mistakes_of(graded))
     if refused:
         rows = [(each.result.student, each.result.reason or "no reason was recorded") for each in refused]
         yield from _named(f"Refused: {len(refused)}", rows)
@@ -174,6 +198,47 @@ def _exercise(given: Sequence[tuple[Score, ExerciseResult]]) -> ExerciseSummary:
         for score, each in given
     ]
     return ExerciseSummary(f"{last.number} {last.name}".strip(), last.points, mean(shares), counts)
+
+
+def mistakes_of(graded: Sequence[Score]) -> list[MistakeSummary]:
+    """Count the mistakes that a class made, the most frequent first.
+
+    Parameters
+    ----------
+    graded : sequence of Score
+        Of one lesson; refused ones left out.
+    """
+    made = Counter(
+        (f"{each.number} {each.name}".strip(), each.mistake, each.hint)
+        for score in graded
+        for each in score.result.exercises
+        if each.mistake
+    )
+    ordered = sorted(made.items(), key=lambda item: (-item[1], item[0]))
+    return [MistakeSummary(*words, many) for words, many in ordered]
+
+
+def _mistakes_table(mistakes: Sequence[MistakeSummary]) -> Iterator[Markup]:
+    """What to say to the class: the mistakes that were made, each with the words of its check."""
+    if not mistakes:
+        return
+    names = ["exercise", "submissions", "mistake", "what the check said"]
+    head = element("tr", *(element("th", name, scope="col") for name in names))
+    rows = [
+        element(
+            "tr",
+            element("th", element("code", each.title), scope="row"),
+            element("td", str(each.many), class_="number"),
+            element("td", each.name),
+            element("td", each.message),
+        )
+        for each in mistakes[:MOST_MISTAKES]
+    ]
+    table = element("table", element("thead", head), element("tbody", *rows))
+    yield element("h3", "Mistakes that the class made")
+    yield card(table)
+    if len(mistakes) > MOST_MISTAKES:
+        yield element("p", f"and {len(mistakes) - MOST_MISTAKES} rarer ones", class_="soft")
 
 
 def _hardest(exercises: Sequence[ExerciseSummary]) -> Iterator[Markup]:

@@ -12,8 +12,15 @@ from hypothesis import strategies as st
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, State
 from nao_course.instructor.gradebook.scores import score, scores
-from nao_course.instructor.reports.class_report import _KINDS, exercises_of, report_page, write_report
-from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results
+from nao_course.instructor.reports.class_report import (
+    _KINDS,
+    MOST_MISTAKES,
+    exercises_of,
+    mistakes_of,
+    report_page,
+    write_report,
+)
+from tests.pages import FOR_ASSISTANTS, HOSTILE, RUBRIC, Page, answer, exercise, result, results
 
 LESSON = "01_hsl_filtering"
 
@@ -63,6 +70,30 @@ def test_the_hardest_exercises_come_first_and_solved_ones_are_not_named():
     text = Page(report_page(made)).text
     hardest = text[text.index("Hardest") : text.index("exercise points")]
     assert re.findall(r"e\d", hardest) == ["e0", "e1", "e2", "e3", "e4"] and "easy" not in hardest
+
+
+def test_the_mistakes_of_the_class_are_counted_the_most_frequent_first():
+    made = [
+        *(("hue in degrees", "Your hue is in degrees.") for _ in range(3)),
+        ("sign", "The sign is turned."),
+        ("", "1.1 f: 2 of 3 cases pass."),
+    ]
+    results = [
+        result(f"s{i}", exercise("wrong", number="1.1", name="f", mistake=name, hint=hint))
+        for i, (name, hint) in enumerate(made)
+    ]
+    counted = mistakes_of(scores(results))
+    assert [(each.name, each.many) for each in counted] == [("hue in degrees", 3), ("sign", 1)]
+    page = Page(report_page(scores(results)))
+    assert "1.1 f 3 hue in degrees Your hue is in degrees." in page.text and page.offences() == []
+    assert "Mistakes that the class made" not in report_page(class_of("right"))
+
+
+def test_of_very_many_mistakes_the_rarest_are_only_counted():
+    made = [
+        result(f"s{i}", exercise("wrong", mistake=f"m{i}", hint=f"h{i}")) for i in range(MOST_MISTAKES + 4)
+    ]
+    assert "and 4 rarer ones" in Page(report_page(scores(made))).text
 
 
 def test_refused_submissions_are_listed_with_reasons_and_lower_no_mean():
@@ -125,7 +156,7 @@ def test_the_bars_of_the_histogram_hold_every_submission():
 def test_any_class_has_a_page_without_secrets(some):
     text = report_page(scores(some))
     assert Page(text).offences() == []
-    assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
+    assert not [secret for secret in (RUBRIC, FOR_ASSISTANTS) if secret in text]
 
 
 DRAWN = (
