@@ -222,7 +222,7 @@ def _mistakes_table(mistakes: Sequence[MistakeSummary]) -> Iterator[Markup]:
     """What to say to the class: the mistakes that were made, each with the words of its check."""
     if not mistakes:
         return
-    names = ["exercise", "submissions", "mistake", "what the check said"]
+    names = ["exercise", "times", "mistake", "what the check said"]
     head = element("tr", *(element("th", name, scope="col") for name in names))
     rows = [
         element(
