@@ -7,7 +7,7 @@ import sys
 import warnings
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import resources
@@ -22,7 +22,7 @@ from nao_course.exercises.earlier import watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
-from nao_course.exercises.trying import Message, Remarked, explain_unknown_names, try_out
+from nao_course.exercises.trying import Message, Remarked, explain_unknown_names, show, try_out
 
 _SECONDS_FOR_A_REASON = 2.0  # wall clock of a case of another exercise that is looked at
 _DATA = "checks"
@@ -162,7 +162,7 @@ class Checks:
         names = [each.name for each in self.lesson.exercises]
         raise ValueError(f"lesson {self.lesson.name} has no exercise {name!r}; it has {names}")
 
-    def __call__(self, name: str, function: Any) -> Report | Message:
+    def __call__(self, name: str, function: Any) -> Report | Message | None:
         """Check what you wrote.
 
         Parameters
@@ -175,20 +175,28 @@ class Checks:
         Returns
         -------
         Report
-            Shown below the cell.
+            Shown below the cell. Nothing under nbgrader, where it has been shown already: a cell's value is read as
+            points there, and whatever a right answer writes to stderr, such as a warning, makes them 0.
 
         Raises
         ------
         CheckFailed
             If it is not right, and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
         """
-        try:
-            report: Report | Message = _unless_old(self._report(self.exercise(name), function))
-        except ValueError as error:
-            report = Message(str(error))
+        with redirect_stderr(sys.stdout) if _under_nbgrader() else nullcontext():
+            report = self._said(name, function)
         if strict() and not (isinstance(report, Report) and report):
             raise CheckFailed(repr(report))
+        if _under_nbgrader():
+            show(report)
+            return None
         return report
+
+    def _said(self, name: str, function: Any) -> Report | Message:
+        try:
+            return _unless_old(self._report(self.exercise(name), function))
+        except ValueError as error:
+            return Message(str(error))
 
     def _report(self, exercise: PublicExercise, function: Any) -> Report:
         report = grade_public(exercise, function)
@@ -280,7 +288,11 @@ def _defined_beside(function: Any) -> Mapping[str, Any]:
 
 def strict() -> bool:
     """Whether a check that is not passed must raise: under nbgrader, and in tests."""
-    return bool(os.environ.get("NBGRADER_EXECUTION") or os.environ.get("NAO_COURSE_STRICT"))
+    return _under_nbgrader() or bool(os.environ.get("NAO_COURSE_STRICT"))
+
+
+def _under_nbgrader() -> bool:
+    return bool(os.environ.get("NBGRADER_EXECUTION"))
 
 
 def lesson(name: str) -> tuple[Checks, Callable[[str], Message]]:

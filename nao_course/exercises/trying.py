@@ -61,6 +61,15 @@ class Remarked:
         return f"<div>{Message(self.text)._repr_html_()}{below}</div>"
 
 
+def show(what: object) -> None:
+    """Show something below the cell that runs; print it where there is no notebook."""
+    ipython = sys.modules.get("IPython")  # where it is not imported, there is no notebook
+    if ipython and ipython.get_ipython():
+        ipython.display.display(what)
+    else:
+        sys.stdout.write(f"{what!r}\n")
+
+
 _BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
 _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
     "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "

@@ -256,12 +256,27 @@ def test_mistakes_are_recognised_in_every_kind_of_comparison(plan, comparison, a
 @pytest.mark.parametrize("variable", ["NAO_COURSE_STRICT", "NBGRADER_EXECUTION"])
 def test_strict_checks_raise_unless_they_are_right(check, monkeypatch, variable):
     monkeypatch.setenv(variable, "1")
-    assert check("clamp", lambda x, low, high: sorted([low, x, high])[1])
+    check("clamp", lambda x, low, high: sorted([low, x, high])[1])
     for function in (unwritten, lambda x, low, high: x, interrupted):
         with pytest.raises(CheckFailed, match=r"90\.1 clamp"):
             check("clamp", function)
     with pytest.raises(CheckFailed, match="no exercise"):
         check("nothing", unwritten)
+
+
+def test_under_nbgrader_a_right_answer_writes_nothing_to_stderr_and_is_no_number(check, monkeypatch, capsys):
+    """It takes a cell's value for points, and gives 0 for anything on stderr."""
+
+    def clamp(x, low, high):
+        print("here", file=sys.stderr)  # so do warnings
+        return sorted([low, x, high])[1]
+
+    assert check("clamp", clamp).state == "right"
+    assert "here" in capsys.readouterr().err
+    monkeypatch.setenv("NBGRADER_EXECUTION", "1")
+    assert check("clamp", clamp) is None
+    told = capsys.readouterr()
+    assert told.err == "" and "here" in told.out and "90.1 clamp" in told.out
 
 
 def test_unknown_names_are_answered_with_the_known_ones(check):

@@ -29,6 +29,7 @@ from nao_course.instructor.authoring.stamps import edited, stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
+CODE_STUB = {"python": "raise NotImplementedError"}
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")
 
@@ -271,9 +272,8 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
         Without solutions and outputs; what a student may not change is locked, and its checksum noted.
     """
     notebook = nbformat.from_dict(solved)
-    stub = {"python": "raise NotImplementedError"}
     resources: dict[str, Any] = {}
-    clear = ClearSolutions(code_stub=stub, text_stub=ANSWER_HERE)
+    clear = ClearSolutions(code_stub=CODE_STUB, text_stub=ANSWER_HERE)
     for preprocessor in (clear, LockCells(), ClearOutput(), ComputeChecksums()):
         notebook, resources = preprocessor.preprocess(notebook, resources)
     return notebook

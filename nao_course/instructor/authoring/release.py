@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from nao_course.exercises.checking import unpack
+from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.build import CHECKS, build
+from nao_course.instructor.authoring.build import CHECKS, CODE_STUB, build
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
@@ -30,7 +31,7 @@ ALL_LESSONS = "all lessons"  # what is told of when it is no single one
 
 
 def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: None) -> Path:
-    """Write the zip of a release.
+    """Write the zip of a release, and beside it settings for those who use nbgrader.
 
     Parameters
     ----------
@@ -65,7 +66,18 @@ def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: No
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{FOLDER}-{course.version}.zip"
     path.write_bytes(zipped({f"{FOLDER}/{name}": content for name, content in files.items()}))
+    (out / "nbgrader_config.py").write_text(nbgrader_config(), encoding="utf-8")
     return path
+
+
+def nbgrader_config() -> str:
+    """Return what nbgrader needs to make the same student copies from the solutions as this course does."""
+    return (
+        "# For nbgrader, beside its folder source/ with the solutions: it makes student copies like the release's.\n"
+        "c = get_config()  # noqa: F821 - nbgrader puts it there\n"
+        f"c.ClearSolutions.code_stub = {CODE_STUB!r}\n"
+        f"c.ClearSolutions.text_stub = {ANSWER_HERE!r}\n"
+    )
 
 
 def contents(course: Course, names: list[str]) -> dict[str, bytes]:

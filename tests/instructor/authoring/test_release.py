@@ -15,7 +15,7 @@ import pytest
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import LessonError, load_course
-from nao_course.instructor.authoring.release import release_problems
+from nao_course.instructor.authoring.release import nbgrader_config, release_problems
 from tests.paths import PROJECT
 from tests.toy.course import run, with_a_written_question
 
@@ -113,10 +113,19 @@ def test_an_instructors_answer_in_a_release_is_refused(course):
 
 # --- nbgrader ---
 
+NOISE = """
+
+def {name}(*args, right={name}, **kwargs):
+    print("what a right answer may write", file=sys.stderr)
+    return right(*args, **kwargs)
+
+import sys
+"""
+
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Object of type <Submitted")  # nbgrader's own, from SQLAlchemy
-@pytest.mark.parametrize("name", COURSE.names())
+@pytest.mark.parametrize("name", COURSE.names()[1::6])  # all are built in one way, and each takes half a minute
 def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, monkeypatch):
     """The executed solution is nbgrader's source; a solved and a blank copy of the release are handed in."""
     from nbgrader.apps import NbGraderAPI
@@ -134,7 +143,8 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
         for _, cell in lesson_text.code_cells(lesson_text.read_lesson(COURSE.text(name)), "exercise")
     }
     for _, cell in lesson_text.code_cells(solved, "exercise"):
-        cell.source = solutions[lesson_text.exercise_name(cell)]
+        exercise = lesson_text.exercise_name(cell)
+        cell.source = solutions[exercise] + NOISE.format(name=exercise)
     for _, cell in lesson_text.written_cells(solved):
         cell.source = "One pixel decides it."
     for student, notebook in (("blank", blank), ("solved", solved)):
@@ -146,6 +156,7 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
     config = Config()
     config.CourseDirectory.root = str(tmp_path)
     config.ExecutePreprocessor.timeout = 120
+    exec(nbgrader_config(), {"get_config": lambda: config})
     api = NbGraderAPI(config=config)
     for result in (
         api.generate_assignment(name),
@@ -153,7 +164,8 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
         api.autograde(name, "blank"),
     ):
         assert result["success"], result["log"] + str(result["error"])
-    assert (tmp_path / "release" / name / f"{name}.ipynb").is_file()
+    made = nbformat.read(tmp_path / "release" / name / f"{name}.ipynb", as_version=4)
+    assert [cell.source for cell in made.cells] == [cell.source for cell in blank.cells]
     plan = COURSE.plan(name)
     points = sum(exercise.points for exercise in plan.exercises)
     with api.gradebook as gradebook:
