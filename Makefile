@@ -42,15 +42,16 @@ test-slow: .venv/dev.stamp
 
 test-all: test test-slow  ## everything: the quick tier, then the slow tests and the browser
 
-bench: .venv/dev.stamp  ## measure the course against its peers
+bench: .venv/bench.stamp  ## measure the course against its peers
 	$(PY) -m benchmarks $(BENCH_ARGS)
 
 build: .venv/dev.stamp  ## make the students' notebooks from solutions/*.md
 	$(PY) -m nao_course.cli build
 
-lock: .venv/dev.stamp  ## renew both lock files
+lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
-	$(LOCK) --upgrade --all-extras --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
+	$(LOCK) --upgrade --extra lab --extra instructor --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
+	$(LOCK) --upgrade --extra bench --constraint requirements-dev.lock --output-file requirements-bench.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
 	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist
@@ -73,6 +74,11 @@ clean:  ## remove .venv and every cache; your notebooks stay
 	@echo "Setting up .venv for tests and instructors; the first time this downloads some 340 MB."
 	$(call install,requirements-dev.lock)
 	@touch .venv/lab.stamp $@
+
+# The peers that the course is measured beside, on top of the big lock.
+.venv/bench.stamp: .venv/dev.stamp requirements-bench.lock
+	$(call install,requirements-bench.lock)
+	@touch $@
 
 define install
 @$(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }

@@ -16,7 +16,7 @@ import pytest
 
 from tests.paths import PROJECT
 
-LOCKS = ("requirements.lock", "requirements-dev.lock")
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock")
 
 
 # Lock files
@@ -74,20 +74,24 @@ def test_a_lock_without_hash_or_version_or_with_an_address_is_found_out(broken):
 
 
 def test_what_a_student_runs_is_what_the_instructor_tests():
-    student, instructor = ((PROJECT / name).read_text(encoding="utf-8") for name in LOCKS)
     without_marker = [
-        {entry.split(" ;")[0] for entry in lock_entries(text)} for text in (student, instructor)
+        {entry.split(" ;")[0] for entry in lock_entries((PROJECT / name).read_text(encoding="utf-8"))}
+        for name in LOCKS
     ]
-    assert without_marker[0] - without_marker[1] == set()
+    student, instructor, bench = without_marker
+    assert student - instructor == set()
+    peers = {requirement_name(each) for each in declared()["bench"]}
+    assert {requirement_name(each) for each in bench - instructor} == peers
 
 
 def test_every_dependency_is_locked_and_has_its_reason_written_down():
     tables = declared()
-    small, big = (locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS)
+    small, big, bench = (locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS)
     student = {requirement_name(each) for table in ("core", "lab", "build") for each in tables[table]}
     everything = {requirement_name(each) for table in tables.values() for each in table}
     assert student - small == set()
-    assert everything - big == set()
+    assert everything - big == {requirement_name(each) for each in tables["bench"]}
+    assert everything - big - bench == set()
     page = (PROJECT / "docs" / "dependencies.md").read_text(encoding="utf-8")
     explained = {name.lower() for name in re.findall(r"^\| `([\w.-]+)", page, re.MULTILINE)}
     assert explained == everything
