@@ -272,14 +272,16 @@ def regrade(
 @app.command(hidden=_STUDENTS)
 def export(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
-    format_: str = typer.Option(..., "--format", help="csv or gradescope."),
+    format_: str = typer.Option(..., "--format", help="csv, gradescope, moodle or canvas."),
     lesson: str = typer.Option("", help="Number of a lesson; by default all."),
+    sheet: Path = typer.Option(None, help="Moodle's or Canvas's own sheet, to be filled in."),
+    column: str = typer.Option("", help="Column of that sheet for the points, or how it begins."),
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
-        for line in commands.export(grades, format_, lesson):
+        for line in commands.export(grades, format_, lesson, sheet, column):
             _say(line)
 
 

@@ -30,8 +30,9 @@ from nao_course.instructor.collecting.submissions import (
 )
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
-from nao_course.instructor.reports import exports, marking_sheets
-from nao_course.instructor.reports.html import counted
+from nao_course.instructor.reports import exports, marking_sheets, platforms
+from nao_course.instructor.reports.feedback import feedback_page
+from nao_course.instructor.reports.html import counted, write_whole
 
 FEEDBACK = "feedback"
 _SHOWN = 20  # reasons of each kind, and names of those who wait
@@ -257,7 +258,9 @@ def override(result: SubmissionResult, change: str, reason: str) -> Override:
 # --- for other systems and for people ---
 
 
-def export(grades: Path, format_: str, lesson: str = "") -> Iterator[str]:
+def export(
+    grades: Path, format_: str, lesson: str = "", sheet: Path | None = None, column: str = ""
+) -> Iterator[str]:
     """Write grades for another system; yield what to say about it.
 
     Parameters
@@ -268,17 +271,53 @@ def export(grades: Path, format_: str, lesson: str = "") -> Iterator[str]:
         One of `exports.FORMATS`.
     lesson : str
         Number or name; all where empty.
+    sheet : Path or None
+        A platform's own, to be filled in.
+    column : str
+        Of that sheet, where the points go.
 
     Raises
     ------
     ValueError
-        If there is no such format, journal or lesson.
+        If there is no such format, journal, lesson or sheet.
     """
     if exports.check_format(format_) == "gradescope":
         yield from _gradescope(grades, lesson)
         return
     with Journal(grades, make=False) as journal:
+        if format_ in platforms.PLATFORMS:
+            yield from _platform(journal, grades, format_, lesson, sheet, column)
+            return
         yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
+
+
+def _platform(
+    journal: Journal, grades: Path, platform: str, lesson: str, sheet: Path | None, column: str
+) -> Iterator[str]:
+    """A platform's own sheet filled in and, for Moodle, the zip of feedback."""
+    if sheet is None:
+        raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
+    name = _lesson(journal, lesson) or _only_lesson(journal)
+    made = exports.all_scores(journal, name)
+    filled = platforms.fill_sheet(platform, sheet, made, column)
+    folder = grades / exports.FOLDER
+    path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
+    yield f"wrote {path}: {counted(filled.filled, 'row')} filled in"
+    if platform == "moodle":
+        pages = {each.result.student: feedback_page(each).encode() for each in made}
+        archive, _ = platforms.moodle_feedback(pages)
+        path = write_whole(folder / f"moodle_feedback_{name}.zip", archive)
+        yield f"wrote {path}: for Moodle's 'Upload multiple feedback files in a zip'"
+    for said, who in (("Graded, but in no row", filled.without_row), ("Not graded", filled.without_grade)):
+        if who:
+            yield f"{said}: {', '.join(who)}"
+
+
+def _only_lesson(journal: Journal) -> str:
+    there = sorted({each.lesson for each in journal.each_result()})
+    if len(there) != 1:
+        raise JournalError(f"say which lesson: --lesson NN; graded are {', '.join(there) or 'none'}")
+    return there[0]
 
 
 def _gradescope(grades: Path, lesson: str) -> Iterator[str]:

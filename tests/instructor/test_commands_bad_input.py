@@ -28,6 +28,7 @@ READERS = {
     "regrade again": ("regrade", "@GRADES", "--student", "ada"),
     "export csv": ("export", "@GRADES", "--format", "csv"),
     "export gradescope": ("export", "@GRADES", "--format", "gradescope"),
+    "export moodle": ("export", "@GRADES", "--format", "moodle", "--sheet", "@THEIRS"),
     "marks": ("marks", "@GRADES"),
     "marks of a sheet": ("marks", "@GRADES", "@SHEET"),
     "report": ("report", "@GRADES"),
@@ -53,11 +54,18 @@ def place(tmp_path, monkeypatch, assignment):
         journal.keep(refuse(Submission("ada", chain.LESSON, path), assignment, "it is broken"))
         journal.began(tmp_path / "in")
     (tmp_path / "sheet.csv").write_text("student,points\nada,1\n")
+    (tmp_path / "theirs.csv").write_text("Identifier,Full name,Grade\nParticipant 12,Ada,\n")
     return tmp_path
 
 
 def words(place, command, **others):
-    names = {"GRADES": place / "grades", "IN": place / "in", "SHEET": place / "sheet.csv"} | others
+    names = {
+        "GRADES": place / "grades",
+        "IN": place / "in",
+        "SHEET": place / "sheet.csv",
+        "THEIRS": place / "theirs.csv",
+    }
+    names |= others
     return [str(names[word[1:]]) if word.startswith("@") else word for word in ALL[command]]
 
 
@@ -348,6 +356,14 @@ def test_a_submission_that_is_not_there_any_more_is_said(place):
 @pytest.mark.parametrize("format_", ["", "CSV", "xlsx", "../csv", "\x1b[31m", "x" * 300])
 def test_a_format_that_there_is_not_is_said(place, format_):
     refused(place, ["export", place / "grades", f"--format={format_}"], "csv")
+
+
+def test_a_platforms_sheet_has_to_be_given_and_to_be_theirs(place):
+    for platform in ("moodle", "canvas"):
+        refused(place, ["export", place / "grades", "--format", platform], "--sheet")
+        for sheet in ("nothing.csv", "in", "secret"):
+            given = ["--sheet", place / sheet]
+            refused(place, ["export", place / "grades", "--format", platform, *given], sheet.split(".")[0])
 
 
 @pytest.mark.parametrize("format_", ["csv", "gradescope"])

@@ -6,5 +6,6 @@ __all__: list[str] = [
     "feedback",
     "html",
     "marking_sheets",
+    "platforms",
     "spreadsheets",
 ]

@@ -13,9 +13,10 @@ from nao_course.instructor.gradebook.records import ExerciseResult, WrittenAnswe
 from nao_course.instructor.gradebook.scores import Score, scores
 from nao_course.instructor.reports.feedback import said_of
 from nao_course.instructor.reports.html import counted, number, visible, write_whole
+from nao_course.instructor.reports.platforms import PLATFORMS
 from nao_course.instructor.reports.spreadsheets import table
 
-FORMATS = ("csv", "gradescope")
+FORMATS = ("csv", "gradescope", *PLATFORMS)
 FOLDER = "exports"  # in GRADES
 _MISSING = "not handed in"
 
@@ -35,7 +36,7 @@ def check_format(name: str) -> str:
     if name in FORMATS:
         return name
     later = " nbgrader's gradebook comes in a later version." if name == "nbgrader" else ""
-    raise ExportError(f"there is no format {name!r}; there are {' and '.join(FORMATS)}.{later}")
+    raise ExportError(f"there is no format {name!r}; there are {', '.join(FORMATS)}.{later}")
 
 
 def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:

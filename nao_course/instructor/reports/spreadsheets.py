@@ -94,6 +94,31 @@ def fitting(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}\n… (cut here: a cell holds no more)"
 
 
+def read_rows(path: Path) -> list[list[str]]:
+    """Read a CSV file of another program's, whatever it holds, with the separator that makes most of its first row.
+
+    Returns
+    -------
+    list of list of str
+        All rows but empty ones, cells as they are.
+
+    Raises
+    ------
+    TableError
+        If it is no table.
+    """
+    text, separators = _without_hint(_text(path))
+    best = max(
+        separators, key=lambda each: len(next(csv.reader(io.StringIO(text, newline=""), delimiter=each), []))
+    )
+    try:
+        return [
+            row for row in csv.reader(io.StringIO(text, newline=""), delimiter=best, strict=True) if any(row)
+        ]
+    except csv.Error as error:
+        raise _no_table(path, error) from None
+
+
 def read_table(path: Path, header: Sequence[str]) -> list[Row]:
     """Read a CSV file that a spreadsheet may have saved in its own way.
 
@@ -126,8 +151,12 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
     except csv.Error as error:
-        raise TableError(f"{path.name} is no CSV table: {error}. Save it as CSV again.") from None
+        raise _no_table(path, error) from None
     return list(_rows(path.name, rows, header))
+
+
+def _no_table(path: Path, error: csv.Error) -> TableError:
+    return TableError(f"{path.name} is no CSV table: {error}. Save it as CSV again.")
 
 
 def _few(names: Sequence[str]) -> str:
