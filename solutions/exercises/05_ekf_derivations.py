@@ -1055,10 +1055,16 @@ def _with_mod() -> tuple[Any, Any]:
     return sympy.Matrix([sympy.Mod(_MODEL[0] + sympy.pi, whole) - sympy.pi, _MODEL[1]]), _derived()
 
 
-def _with_arctan() -> tuple[Any, Any]:
-    """atan has the same slope as atan2, but for the side."""
-    model = sympy.Matrix([sympy.atan(_dy / _dx) - _theta, sympy.sqrt(_q)])
-    return model, model.jacobian(_BY)
+def _with_half_angle() -> tuple[Any, Any]:
+    """The angle by half of it, with SymPy's own Jacobian, not simplified."""
+    r = sympy.sqrt(_q)
+    model = sympy.Matrix([[2 * sympy.atan2(_dy, r + _dx) - _theta, r]])
+    return model, model.T.jacobian(_BY)
+
+
+def _bearing_model(bearing: Any, distance: Any = None) -> Function:
+    """Another model, with the Jacobian that fits it."""
+    return _symbolic(model=sympy.Matrix([bearing, sympy.sqrt(_q) if distance is None else distance]))
 
 
 def _as_lists() -> tuple[Any, Any]:
@@ -1080,7 +1086,7 @@ DERIVE = Exercise(
         Case((_points(np.random.default_rng(57)), ["x", "y", "theta"]), "twelve robots and landmarks")
     ],
     hidden=lambda rng: [Case((_points(rng), ["x", "y", "theta"])) for _ in range(2)],
-    comparison=Derivative(by=("x", "y", "theta")),
+    comparison=Derivative(by=("x", "y", "theta"), period=(2 * np.pi, 0.0)),
     hints=(
         "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and bring all to the denominator dx^2 + dy^2.",
         "dx = l_x - x, so the inner derivative by x is -1: every slope by x or y is minus the slope by dx or dy. theta stands in the bearing alone, once.",
@@ -1141,19 +1147,45 @@ DERIVE = Exercise(
         ),
         Mistake(
             "atan2 the other way",
-            _symbolic(model=sympy.Matrix([sympy.atan2(_dx, _dy) - _theta, sympy.sqrt(_q)])),
+            _bearing_model(sympy.atan2(_dx, _dy) - _theta),
             "Your Jacobian fits your model, but your model has atan2(dx, dy): y comes first.",
         ),
         Mistake(
+            "atan for atan2",
+            _bearing_model(sympy.atan(_dy / _dx) - _theta),
+            "Your Jacobian is right, your model is not: atan(dy / dx) cannot tell a landmark behind from one ahead, atan2(dy, dx) can. They have the "
+            "same slopes.",
+        ),
+        Mistake(
             "from the landmark",
-            _symbolic(model=sympy.Matrix([sympy.atan2(_dy, _dx) + _theta, sympy.sqrt(_q)])),
+            _bearing_model(sympy.atan2(-_dy, -_dx) - _theta),
+            "Your Jacobian is right, your model is not: it looks from the landmark to the robot, half a turn off. dx is l_x - x.",
+        ),
+        Mistake(
+            "heading added",
+            _bearing_model(sympy.atan2(_dy, _dx) + _theta),
             "Your Jacobian fits your model, but your model adds theta. A bearing counts from the heading: subtract it.",
+        ),
+        Mistake(
+            "to the right",
+            _bearing_model(_theta - sympy.atan2(_dy, _dx)),
+            "Your Jacobian fits your model, but its bearings are positive to the right: it is atan2(dy, dx) - theta.",
+        ),
+        Mistake(
+            "heading forgotten",
+            _bearing_model(sympy.atan2(_dy, _dx)),
+            "Your Jacobian fits your model, but your bearing counts from the x axis. It counts from the heading: subtract theta.",
+        ),
+        Mistake(
+            "root forgotten",
+            _bearing_model(sympy.atan2(_dy, _dx) - _theta, _q),
+            "Your Jacobian fits your model, but your range is the squared distance: the root is missing.",
         ),
     ],
     alternatives={
         "by SymPy": lambda: (_MODEL, _derived()),
         "with the wrap": _with_mod,
-        "the report's arctan, whose slope is the same": _with_arctan,
+        "half the angle, the model a row": _with_half_angle,
         "lists": _as_lists,
         "real symbols": _real_symbols,
     },

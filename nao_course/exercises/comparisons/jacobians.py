@@ -38,8 +38,8 @@ def jacobian(
     -------
     dict or None
         For `Derivative`; None where nothing came, {} where it is no pair. "jacobian" and "differences": ndarrays of
-        shape (N, R, C), the second by central differences of the model. "terms": for each entry, row by row, an ndarray
-        (K, N) of the terms of its derivative.
+        shape (N, R, C), the second by central differences of the model; "model": its values (N, R). "terms": for each
+        entry, row by row, an ndarray (K, N) of the terms of its derivative.
 
     Raises
     ------
@@ -52,6 +52,8 @@ def jacobian(
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         return None if answer is None else {}  # the comparison says what is wanted
     model, derived = (_by_name(sympy.Matrix(each)) for each in answer)
+    if model.rows == 1:  # a model that lies on its side is the same model
+        model = model.T
     unknown = sorted(
         str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
     )
@@ -78,6 +80,7 @@ def jacobian(
     return {
         "jacobian": evaluate(derived, numbers),
         "differences": np.stack(differences, axis=2),
+        "model": evaluate(model, numbers).reshape(numbers.shape[1], -1),
         "terms": terms,
     }
 
@@ -104,10 +107,14 @@ class Derivative(Comparison):
         Names of what the columns are derivatives by.
     tolerance : float
         Relative and absolute; central differences are good to 1e-8 or so.
+    period : tuple of float
+        For each row of the model, after how much its value is the same again: 2 pi for an angle, 0 for a length. With it
+        the model's values must be the reference's, too; without, its slopes are enough.
     """
 
     by: tuple[str, ...]
     tolerance: float = 1e-5
+    period: tuple[float, ...] = ()
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a Jacobian with the model beside it, then with the reference's."""
@@ -125,7 +132,7 @@ class Derivative(Comparison):
             return Verdict("nan", "your model is not a number at some of the points")
         wrong = ~self._same(derived, slopes)
         if not wrong.any():
-            if self._same(derived, expected["jacobian"]).all():
+            if self._same(derived, expected["jacobian"]).all() and self._same_model(expected, got):
                 return RIGHT
             return Verdict(
                 "value", "your Jacobian fits your model, but the model is not the one that is asked for"
@@ -176,12 +183,24 @@ class Derivative(Comparison):
             )
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether the Jacobians are the same, and so are the slopes of the models beside them."""
+        """Whether the Jacobians are the same, and so are the models beside them, or their slopes where no more is asked."""
         arrays = _arrays(got)
-        if arrays is None:
+        if arrays is None or not self._same_model(answer, got):
             return False
         both = zip(arrays[:2], (answer["jacobian"], answer["differences"]), strict=True)
         return all(bool(Close().compare(wanted, have)) for have, wanted in both)
+
+    def _same_model(self, wanted: Any, got: Any) -> bool:
+        """Whether the models' values (N, R) agree, whole turns aside; always where nothing says how."""
+        if not self.period:
+            return True
+        have = got.get("model")
+        if not isinstance(have, np.ndarray) or have.shape != wanted["model"].shape:
+            return False
+        away = have.astype(float) - wanted["model"]
+        period = np.array(self.period)
+        turns = np.divide(away, period, out=np.zeros_like(away), where=period > 0)
+        return bool(self._same(away - np.round(turns) * period, np.zeros_like(away)).all())
 
     def _same(self, one: Floats, other: Floats) -> npt.NDArray[np.bool_]:
         """Which entries (R, C), or elements of a list (K), agree at all points."""
