@@ -200,7 +200,10 @@ def _why(kind: type) -> str:
     """What to say of SymPy's expressions, which are easily made where numbers are wanted: cos for np.cos."""
     if str(kind.__module__).partition(".")[0] != "sympy":
         return ""
-    return "; it holds expressions of SymPy: numbers come from np.cos, np.sin, np.sqrt and np.arctan2, not from cos, sin, sqrt and atan2"
+    return (
+        "; it holds expressions of SymPy: numbers come from np.cos, np.sin, np.sqrt and np.arctan2, not from cos, sin, "
+        "sqrt and atan2"
+    )
 
 
 def _state(rng: np.random.Generator) -> dict[str, Any]:

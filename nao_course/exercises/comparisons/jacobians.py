@@ -16,13 +16,12 @@ from nao_course.exercises.running import register_driver
 
 Floats = npt.NDArray[np.float64]
 
+UNKNOWN_SLIP = "compare it with a small change of that variable in your model"
 STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-10 from rounding
 
 
 @register_driver
-def jacobian(
-    function: Callable[[], Any], points: dict[str, Floats], by: list[str]
-) -> dict[str, Any] | None:
+def jacobian(function: Callable[[], Any], points: dict[str, Floats], by: list[str]) -> dict[str, Any] | None:
     """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
 
     Parameters
@@ -65,7 +64,8 @@ def jacobian(
     def evaluate(matrix: Any, at: Floats) -> Floats:
         compiled = sympy.lambdify(list(symbols.values()), matrix, "numpy")
         with np.errstate(all="ignore"):  # what is no number is told as such
-            return np.array([compiled(*each) for each in at.T], dtype=float)
+            values = np.array([compiled(*each) for each in at.T], dtype=complex)
+        return np.where(values.imag == 0, values.real, np.nan)
 
     differences = []
     for name in by:
@@ -108,8 +108,8 @@ class Derivative(Comparison):
     tolerance : float
         Relative and absolute; central differences are good to 1e-8 or so.
     period : tuple of float
-        For each row of the model, after how much its value is the same again: 2 pi for an angle, 0 for a length. With it
-        the model's values must be the reference's, too; without, its slopes are enough.
+        For each row of the model, after how much its value is the same again: 2 pi for an angle, 0 for a length. With
+        it the model's values must be the reference's, too; without, its slopes are enough.
     """
 
     by: tuple[str, ...]
@@ -179,11 +179,11 @@ class Derivative(Comparison):
             )
             yield (
                 (row, column),
-                next(slips, "compare it with a small change of that variable in your model"),
+                next(slips, UNKNOWN_SLIP),
             )
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether the Jacobians are the same, and so are the models beside them, or their slopes where no more is asked."""
+        """Whether the Jacobians are the same, and so are the slopes of the models beside them, and their values."""
         arrays = _arrays(got)
         if arrays is None or not self._same_model(answer, got):
             return False
@@ -224,8 +224,11 @@ class Derivative(Comparison):
         if any(self._same(missing, 2 * term) for term in terms):
             yield "the sign of one term is the wrong way round"
         scale = float(slope @ slope)
-        factor = float(derived @ slope) / scale if scale else 0.0
-        if self._same(derived, factor * slope):
+        with np.errstate(invalid="ignore", over="ignore"):
+            factor = float(derived @ slope) / scale if scale else 0.0
+        if np.allclose(derived, slope, rtol=1e-2, atol=1e-3):
+            yield "it is close, but rounded: write it exactly"
+        elif self._same(derived, factor * slope):
             yield f"it is {factor:.4g} times as large as it should be"
 
 
