@@ -135,7 +135,7 @@ def _moderate(value: Any) -> Any:
 
 def _is_small(number: Any, limit: float) -> bool:
     """Whether a plain number is not larger than a limit; what has to be worked out first is not asked."""
-    return bool(number.is_Number and abs(number) <= limit)
+    return bool(number.is_Number and number.is_finite and abs(number) <= limit)
 
 
 def _function(name: str) -> str:
@@ -171,12 +171,20 @@ class DerivationSheet:
         Symbols that are 0 where the slopes are taken, such as a noise.
     rows : sequence of str
         What the model's rows are called; numbers otherwise.
+    known : sequence of sequences
+        (R, C) entries that stand there at first, an empty text where there is none.
     """
 
     def __init__(
-        self, title: str, model: Any, by: Sequence[Any], zero: Sequence[Any] = (), rows: Sequence[str] = ()
+        self,
+        title: str,
+        model: Any,
+        by: Sequence[Any],
+        zero: Sequence[Any] = (),
+        rows: Sequence[str] = (),
+        known: Sequence[Sequence[Any]] = (),
     ) -> None:
-        self.title, self.model = title, model
+        self.title, self.model, self.known = title, model, known
         self.by = [str(each) for each in by]
         self.rows = list(rows) or [f"row {number}" for number in range(1, len(model) + 1)]
         free = {str(each): each for each in sorted({*model.free_symbols, *by}, key=str)}
@@ -308,6 +316,8 @@ class DerivationSheet:
         """Show the fields; the text where no widget lives."""
         if self._view is None:
             self._view = _SheetView(self)
+            if self.known:
+                self.write([list(map(str, row)) for row in self.known])
         return {**self._view.box._repr_mimebundle_(**kwargs), "text/plain": repr(self)}
 
 
@@ -369,13 +379,24 @@ class _SheetView:
 
 @cache  # a cell that is run again shows the sheet as it was filled in
 def _sheet(
-    title: str, model: Any, by: tuple[Any, ...], zero: tuple[Any, ...], rows: tuple[str, ...]
+    title: str,
+    model: Any,
+    by: tuple[Any, ...],
+    zero: tuple[Any, ...],
+    rows: tuple[str, ...],
+    known: tuple[tuple[Any, ...], ...],
 ) -> DerivationSheet:
-    return DerivationSheet(title, model, by, zero, rows)
+    return DerivationSheet(title, model, by, zero, rows, known)
 
 
 def derivation(
-    title: str, model: Any, by: Sequence[Any], *, zero: Sequence[Any] = (), rows: Sequence[str] = ()
+    title: str,
+    model: Any,
+    by: Sequence[Any],
+    *,
+    zero: Sequence[Any] = (),
+    rows: Sequence[str] = (),
+    known: Sequence[Sequence[Any]] = (),
 ) -> DerivationSheet:
     """Return a sheet for the Jacobian of a model that is derived with pen and paper.
 
@@ -391,6 +412,8 @@ def derivation(
         Symbols that are 0 where the slopes are taken, such as a noise.
     rows : sequence of str
         What the model's rows are called.
+    known : sequence of sequences
+        (R, C) entries that stand there at first, an empty text where there is none.
 
     Returns
     -------
@@ -405,4 +428,4 @@ def derivation(
     >>> sheet.write([["y", "-x"], [1, ""]])
     2 of 4 are right. product by y: its sign is the wrong way round. 1 to go.
     """
-    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows))
+    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows), tuple(map(tuple, known)))

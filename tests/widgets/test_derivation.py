@@ -117,7 +117,9 @@ def test_the_likely_slip_is_named(at, entry, said, recwarn):
     assert not recwarn.list
 
 
-@pytest.mark.parametrize("entry", [None, sympy.Symbol("phi"), [1], print, float("nan"), sympy.Matrix([1]), 1j])
+@pytest.mark.parametrize(
+    "entry", [None, sympy.Symbol("phi"), [1], print, float("nan"), sympy.Matrix([1]), 1j]
+)
 def test_whatever_comes_from_code_is_the_one_wrong_entry(entry):
     said = repr(sheet().write([[1, entry], [0, 1]]))
     assert said.startswith("3 of 4 are right. new x by theta: ") and len(said) < 200
@@ -152,3 +154,15 @@ def test_a_cell_that_is_run_again_shows_the_sheet_as_it_was():
     first = derivation("kept", MODEL, [x, theta])
     assert derivation("kept", Matrix(MODEL), [x, theta]) is first
     assert derivation("another", MODEL, [x, theta]) is not first
+
+
+def test_entries_that_are_known_stand_there_at_first_and_can_be_changed():
+    known = sheet(known=[[1, ""], ["", 1]])
+    view = known._repr_mimebundle_() and known._view
+    assert [[field.value for field in row] for row in view.fields] == [["1", ""], ["", "1"]]
+    assert "2 of 4 are right. 2 to go." in view.said.value
+    view.fields[0][1].value = "-d*sin(theta)"
+    assert "3 of 4 are right. 1 to go." in view.said.value
+    assert derivation("known", MODEL, [x, theta], known=[[1, ""], ["", 1]]) is derivation(
+        "known", MODEL, [x, theta], known=[[1, ""], ["", 1]]
+    )
