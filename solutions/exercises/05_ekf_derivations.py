@@ -613,6 +613,11 @@ LANDMARK_POSITION = Exercise(
             lambda pose, measurement: _position(pose, measurement)[0] - pose[0] + np.asarray(pose)[:2],
             "Both of your rows have the cosine: the sine belongs to y.",
         ),
+        Mistake(
+            "shifted, then turned",
+            lambda pose, measurement: rotation_2d(pose[2]) @ (_position((*pose[:2], 0.0), measurement)),
+            "You turn the robot's own place along with the landmark: turn first, then add x and y.",
+        ),
     ],
     alternatives={
         "poses and frames": _position_by_frames,
@@ -1005,6 +1010,11 @@ PREDICT_COVARIANCE = Exercise(
             lambda P, pose, control, Q: _spread(P, pose, control, Q) if control[0] >= 0 else np.asarray(P),
             "Where the robot drives backwards, your covariance stays as it was. The formula is the same there.",
         ),
+        Mistake(
+            "where the drive ends",
+            lambda P, pose, control, Q: _spread(P, _moved(pose, control), control, Q),
+            "You take the Jacobians at the pose behind the motion. They belong to the pose before it.",
+        ),
     ],
     alternatives={
         "both in one product": _spread_with(_spread_in_one),
@@ -1140,6 +1150,11 @@ LANDMARK_JACOBIANS = Exercise(
             "both transposed",
             lambda pose, measurement: tuple(each.T for each in _place_slopes(pose, measurement)),
             "Both are transposed: rows are l_x and l_y, columns what they are differentiated by.",
+        ),
+        Mistake(
+            "side by side",
+            lambda pose, measurement: np.hstack(_place_slopes(pose, measurement)),
+            "You return one matrix (2, 5). Two are wanted: return by_pose, by_measurement.",
         ),
         Mistake(
             "minus forgotten once",
@@ -1502,6 +1517,7 @@ _ROW_MESSAGES = {
     "dx and dy swapped": "In the bearing's row dx and dy have changed places.",
     "dx and dy swapped, signs kept": "In the bearing's row dx and dy have changed places. The signs are right.",
     "dx and dy swapped in the range": "In the range's row dx and dy have changed places.",
+    "the range's row not divided": "The range's slopes are not divided: by r, the root.",
     "the root's half": "The range's slopes are half as large as they should be: the 2 of the inner derivative cancels that of the root.",
     "the root's two": "The range's slopes are twice as large as they should be: the root's derivative is 1 / (2 sqrt(q)).",
 }
@@ -1517,6 +1533,7 @@ def slips(right: Function) -> list[Mistake]:
         "dx and dy swapped": bearing_swapped,
         "dx and dy swapped, signs kept": entries_swapped(0, -1.0),
         "dx and dy swapped in the range": entries_swapped(1, 1.0),
+        "the range's row not divided": by_power(1, 1),
         "the root's half": doubled(0.5),
         "the root's two": doubled(2.0),
     }

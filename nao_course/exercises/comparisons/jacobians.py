@@ -57,7 +57,9 @@ def jacobian(function: Callable[[], Any], points: dict[str, Floats], by: list[st
         str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
     )
     if unknown:
-        raise ValueError(f"the symbols here are called {list(points)}; yours has {unknown}, too")
+        raise ValueError(
+            f"the symbols here are called {list(points)}; yours has {unknown}, too: put in what stands for it"
+        )
     symbols = {name: sympy.Symbol(name) for name in points}
     numbers = np.stack([points[name] for name in points])  # (symbols, N)
 
