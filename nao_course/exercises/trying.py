@@ -71,12 +71,20 @@ def show(what: object) -> None:
 
 
 _BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
+_POWER = "A power is ** in Python: x**2. The sign ^ means something else."
+_PLACE = "of a pose (x, y, theta), pose[:2] is the place."
 _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
     "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "
     "between comparisons in brackets, or np.where.",
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
+    "ufunc 'bitwise_xor' not supported": _POWER,
+    "unsupported operand type(s) for ^": _POWER,
+    "shapes (3,) (2,)": f"Three numbers and two do not fit together: {_PLACE}",
+    "shapes (2,) (3,)": f"Three numbers and two do not fit together: {_PLACE}",
+    "Cannot convert expression to float": "A function that wants numbers got symbols of SymPy: leave it out, or take "
+    "SymPy's own.",
     "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
     "started? The grader runs what you define, and no demonstrations.",
     "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "

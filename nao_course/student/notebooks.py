@@ -277,7 +277,10 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
     except ValueError as error:  # it names the file
         problem = f"{error}."
     except TimeIsUp:
-        problem = f"{path.name} takes longer than {seconds:g} s: does a loop outside a function never end?"
+        problem = (
+            f"{path.name} takes longer than {seconds:g} s: is the computer busy, or does a loop outside a function "
+            "never end?"
+        )
     return _Notebook(path, Definitions({}), problem)
 
 

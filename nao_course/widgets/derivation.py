@@ -7,18 +7,38 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.comparisons.jacobians import Derivative, jacobian
+from nao_course.exercises.comparisons.jacobians import UNKNOWN_SLIP, Derivative, jacobian
 from nao_course.exercises.trying import Message
 
 POINTS = 12  # at which slopes are compared
+LONGEST = 300  # letters of an entry
+LARGEST = 10**12  # of a number, and of both parts of a fraction: exact powers take for ever
+STEEPEST = 20  # power
+TOO_LARGE = "There is too large a number in it."
 _FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "atan2")
+_NUMPY_NAMES = {"arctan": "atan", "arctan2": "atan2"}
+_LIBRARIES = ("np", "numpy", "math", "sympy", "sp")
+_SIGNS = {
+    "\N{MINUS SIGN}": "-",
+    "\N{EN DASH}": "-",
+    "\N{MIDDLE DOT}": "*",
+    "\N{DOT OPERATOR}": "*",
+    "\N{MULTIPLICATION SIGN}": "*",
+    "\N{SUPERSCRIPT TWO}": "**2",
+    "^": "**",
+    "θ": "theta",
+    "ϑ": "theta",
+    "α": "alpha",
+    "β": "beta",
+    "π": "pi",
+}
 _OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -51,15 +71,22 @@ def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
     ValueError
         If it is none; the message says what to write instead.
     """
-    text = typed.strip().replace("\N{MINUS SIGN}", "-").replace("θ", "theta").replace("α", "alpha")
-    text = text.replace("β", "beta").replace("·", "*").replace("π", "pi").replace("^", "**")
+    text = typed.strip()
+    for sign, meaning in _SIGNS.items():
+        text = text.replace(sign, meaning)
+    if len(text) > LONGEST:
+        raise ValueError(f"{text[:20]!r}... is too long: at most {LONGEST} letters.")
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ValueError(
-            f"{typed!r} cannot be read. Write it as in Python: -d*sin(theta), with a * for each product."
+            f"{_short(typed)!r} cannot be read. Write it as in Python: -d*sin(theta), with a * for each product."
         ) from None
     return _expression(tree, symbols)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
@@ -67,26 +94,66 @@ def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
 
     match node:
         case ast.Constant(int() | float() as number) if not isinstance(number, bool):
-            return sympy.sympify(number)
+            return _moderate(sympy.sympify(number))
         case ast.Name("pi"):
             return sympy.pi
         case ast.Name(name) if name in symbols:
             return symbols[name]
         case ast.Name(name):
-            raise ValueError(f"{name!r} is no symbol of this model; there are {', '.join(symbols)}.")
+            raise ValueError(_unknown(name, symbols))
         case ast.UnaryOp(ast.USub(), operand):
             return -_expression(operand, symbols)
         case ast.UnaryOp(ast.UAdd(), operand):
             return _expression(operand, symbols)
         case ast.BinOp(left, sign, right) if type(sign) in _OPERATORS:
-            return _OPERATORS[type(sign)](_expression(left, symbols), _expression(right, symbols))
-        case ast.Call(ast.Name(name), arguments, []) if name in _FUNCTIONS:
-            return getattr(sympy, name)(*(_expression(each, symbols) for each in arguments))
+            parts = _expression(left, symbols), _expression(right, symbols)
+            if isinstance(sign, ast.Pow) and parts[1].is_number and not _is_small(parts[1], STEEPEST):
+                raise ValueError(f"{_short(ast.unparse(right))} is too large a power.")
+            return _moderate(_OPERATORS[type(sign)](*parts))
+        case ast.Call(ast.Attribute(ast.Name(library), name), arguments, []) if library in _LIBRARIES:
+            return _expression(ast.Call(ast.Name(name), arguments, []), symbols)
+        case ast.Call(ast.Name(name), arguments, []) if _function(name):
+            parts = tuple(_expression(each, symbols) for each in arguments)
+            if _function(name) == "exp" and any(each.is_number and not _is_small(each, 50) for each in parts):
+                raise ValueError(TOO_LARGE)
+            return getattr(sympy, _function(name))(*parts)
         case ast.Call(ast.Name(name)) if name in symbols:
             raise ValueError(f"A * is missing behind {name}.")
+        case ast.Call(ast.Name(name)) if before := _before_function(name, symbols):
+            raise ValueError(f"A * is missing behind {before}.")
         case ast.Call(ast.Constant(number)):
             raise ValueError(f"A * is missing behind {number!r}.")
-    raise ValueError(f"{ast.unparse(node)} cannot be read: use + - * / and {', '.join(_FUNCTIONS)}.")
+    raise ValueError(f"{_short(ast.unparse(node))} cannot be read: use + - * / and {', '.join(_FUNCTIONS)}.")
+
+
+def _moderate(value: Any) -> Any:
+    """Return a value, unless it is a number that SymPy would work at for ever."""
+    if value.is_Rational and max(abs(value.p), value.q) > LARGEST:
+        raise ValueError(TOO_LARGE)
+    return value
+
+
+def _is_small(number: Any, limit: float) -> bool:
+    """Whether a plain number is not larger than a limit; what has to be worked out first is not asked."""
+    return bool(number.is_Number and number.is_finite and abs(number) <= limit)
+
+
+def _function(name: str) -> str:
+    """SymPy's name of a function, NumPy's and one in capitals among them; "" where there is none."""
+    name = _NUMPY_NAMES.get(name.lower(), name.lower())
+    return name if name in _FUNCTIONS else ""
+
+
+def _before_function(name: str, symbols: Mapping[str, Any]) -> str:
+    """The symbol that stands before a function without a sign between them: d in dsin."""
+    return next((each for each in symbols if name.startswith(each) and _function(name[len(each) :])), "")
+
+
+def _unknown(name: str, symbols: Mapping[str, Any]) -> str:
+    for function in _FUNCTIONS:
+        if name.startswith(function) and name[len(function) :] in symbols:
+            return f"{function} wants brackets: {function}({name[len(function) :]})."
+    return f"{_short(name)!r} is no symbol of this model; there are {', '.join(symbols)}."
 
 
 class DerivationSheet:
@@ -104,12 +171,20 @@ class DerivationSheet:
         Symbols that are 0 where the slopes are taken, such as a noise.
     rows : sequence of str
         What the model's rows are called; numbers otherwise.
+    known : sequence of sequences
+        (R, C) entries that stand there at first, an empty text where there is none.
     """
 
     def __init__(
-        self, title: str, model: Any, by: Sequence[Any], zero: Sequence[Any] = (), rows: Sequence[str] = ()
+        self,
+        title: str,
+        model: Any,
+        by: Sequence[Any],
+        zero: Sequence[Any] = (),
+        rows: Sequence[str] = (),
+        known: Sequence[Sequence[Any]] = (),
     ) -> None:
-        self.title, self.model = title, model
+        self.title, self.model, self.known = title, model, known
         self.by = [str(each) for each in by]
         self.rows = list(rows) or [f"row {number}" for number in range(1, len(model) + 1)]
         free = {str(each): each for each in sorted({*model.free_symbols, *by}, key=str)}
@@ -128,7 +203,10 @@ class DerivationSheet:
         entries : sequence of sequences, or sympy.Matrix
             (R, C) texts, numbers or expressions; an empty text is an entry that is not derived yet.
         """
-        table = [list(row) for row in (entries.tolist() if hasattr(entries, "tolist") else entries)]
+        try:
+            table = [list(row) for row in (entries.tolist() if hasattr(entries, "tolist") else entries)]
+        except TypeError:
+            table = []
         if [len(row) for row in table] != [len(self.by)] * len(self.rows):
             return Message(f"The matrix has {len(self.rows)} rows and {len(self.by)} columns.")
         said, marks = self._judged(table)
@@ -145,7 +223,7 @@ class DerivationSheet:
             if isinstance(entry, str) and not entry.strip():
                 continue
             try:
-                read[at] = parse(entry, self.symbols) if isinstance(entry, str) else sympy.sympify(entry)
+                read[at] = parse(entry, self.symbols) if isinstance(entry, str) else self._sympified(entry)
                 marks[at] = ""
             except (ValueError, TypeError, AttributeError, ZeroDivisionError) as error:
                 marks[at] = str(error)
@@ -154,11 +232,67 @@ class DerivationSheet:
         with np.errstate(all="ignore"):
             try:
                 got = jacobian(lambda: (self.model, read), self._points, self.by)
-            except (ValueError, TypeError) as error:
-                return str(error), marks
-        faults = Derivative(tuple(self.by)).faults(got)
+                faults = Derivative(tuple(self.by)).faults(got)
+                faults |= {
+                    at: self._slip(at, read[at]) for at, said in faults.items() if said == UNKNOWN_SLIP
+                }
+            except (ValueError, TypeError, OverflowError) as error:
+                return f"These entries cannot be computed: {error}", marks
         marks = {at: said or faults.get(at, "") for at, said in marks.items()}
         return self._said(marks), marks
+
+    def _sympified(self, entry: Any) -> Any:
+        """An entry that came as a number or expression, of the model's symbols only."""
+        import sympy
+
+        expression = sympy.sympify(entry, strict=True)
+        if not isinstance(expression, sympy.Expr):
+            raise ValueError(f"{_short(str(entry))} is no expression.")
+        for name in sorted(map(str, expression.free_symbols)):
+            if name not in self._points:
+                raise ValueError(_unknown(name, self.symbols))
+        return expression
+
+    def _slip(self, at: tuple[int, int], entry: Any) -> str:
+        """Name what one easily writes instead of a slope, where an entry is just that."""
+        import sympy
+
+        likely = list(self._likely(*at))
+        finite = entry.xreplace({sympy.zoo: sympy.nan})  # NumPy has no complex infinity
+        compiled = sympy.lambdify(list(self._points), [finite, *(each for _, each in likely)], "numpy")
+        values = np.array(
+            [compiled(*point) for point in zip(*self._points.values(), strict=True)], dtype=complex
+        )
+        return next(
+            (
+                text
+                for (text, _), column in zip(likely, values.T[1:], strict=True)
+                if np.allclose(column, values[:, 0], rtol=1e-5, atol=1e-5)
+            ),
+            UNKNOWN_SLIP,
+        )
+
+    def _likely(self, row: int, column: int) -> Iterator[tuple[str, Any]]:
+        """Expressions that are likely slips for an entry, and what each is."""
+        import sympy
+
+        everywhere = sympy.diff(self.model[row], sympy.Symbol(self.by[column]))
+        nothing = dict.fromkeys(self._zero, 0)
+        slope = everywhere.subs(nothing)
+        for term in sympy.Add.make_args(sympy.expand(self.model[row].subs(nothing))):
+            yield "that is a term of the model itself: differentiate it", term
+        partner = {sympy.sin: sympy.cos, sympy.cos: sympy.sin}
+        swapped = slope.replace(
+            lambda each: each.func in partner, lambda each: partner[each.func](*each.args)
+        )
+        yield "sine and cosine have changed places", swapped
+        yield "sine and cosine have changed places, and the sign is the wrong way round", -swapped
+        for symbol in sorted(slope.free_symbols, key=str):
+            yield f"the factor {symbol} is missing", slope / symbol
+            yield f"the factor {symbol} is missing, and the sign is the wrong way round", -slope / symbol
+            yield f"{symbol} is missing in it", slope.subs(symbol, 0)
+        for name in sorted(self._zero):
+            yield f"it is taken where {name} is 1, not 0", everywhere.subs(nothing | {name: 1})
 
     def _said(self, marks: Mapping[tuple[int, int], str]) -> str:
         total, right = len(self.rows) * len(self.by), sum(not said for said in marks.values())
@@ -182,6 +316,8 @@ class DerivationSheet:
         """Show the fields; the text where no widget lives."""
         if self._view is None:
             self._view = _SheetView(self)
+            if self.known:
+                self.write([list(map(str, row)) for row in self.known])
         return {**self._view.box._repr_mimebundle_(**kwargs), "text/plain": repr(self)}
 
 
@@ -243,13 +379,24 @@ class _SheetView:
 
 @cache  # a cell that is run again shows the sheet as it was filled in
 def _sheet(
-    title: str, model: Any, by: tuple[Any, ...], zero: tuple[Any, ...], rows: tuple[str, ...]
+    title: str,
+    model: Any,
+    by: tuple[Any, ...],
+    zero: tuple[Any, ...],
+    rows: tuple[str, ...],
+    known: tuple[tuple[Any, ...], ...],
 ) -> DerivationSheet:
-    return DerivationSheet(title, model, by, zero, rows)
+    return DerivationSheet(title, model, by, zero, rows, known)
 
 
 def derivation(
-    title: str, model: Any, by: Sequence[Any], *, zero: Sequence[Any] = (), rows: Sequence[str] = ()
+    title: str,
+    model: Any,
+    by: Sequence[Any],
+    *,
+    zero: Sequence[Any] = (),
+    rows: Sequence[str] = (),
+    known: Sequence[Sequence[Any]] = (),
 ) -> DerivationSheet:
     """Return a sheet for the Jacobian of a model that is derived with pen and paper.
 
@@ -265,6 +412,8 @@ def derivation(
         Symbols that are 0 where the slopes are taken, such as a noise.
     rows : sequence of str
         What the model's rows are called.
+    known : sequence of sequences
+        (R, C) entries that stand there at first, an empty text where there is none.
 
     Returns
     -------
@@ -279,4 +428,4 @@ def derivation(
     >>> sheet.write([["y", "-x"], [1, ""]])
     2 of 4 are right. product by y: its sign is the wrong way round. 1 to go.
     """
-    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows))
+    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows), tuple(map(tuple, known)))

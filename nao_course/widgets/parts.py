@@ -39,6 +39,28 @@ COMMON_CSS = """
 """
 
 
+# ipywidgets gives a slider's handles no name, and noUiSlider rounds the value it tells to one digit. Where a page
+# forbids such handlers, the words beside the slider and what is said below remain.
+_SLIDER_NAMES = """const panel = this.closest('.nao-panel');
+if (!panel || panel.naoNames) return;
+const put = (each, key, words) => { if (each.getAttribute(key) !== words) each.setAttribute(key, words); };
+const name = () => panel.querySelectorAll('.widget-slider').forEach(slider => {
+  const words = slider.querySelector('.widget-label')?.textContent || '';
+  const handles = slider.querySelectorAll('[role=slider]');
+  handles.forEach((handle, i) => {
+    put(handle, 'aria-label', handles.length > 1 ? words + (i ? ', to' : ', from') : words);
+    const value = handle.getAttribute('aria-valuetext');
+    if (value && isFinite(value)) put(handle, 'aria-valuenow', value);
+  });
+  const typed = slider.querySelector('.widget-readout');
+  if (typed) { put(typed, 'role', 'textbox'); put(typed, 'aria-label', words + ', typed'); }
+});
+panel.naoNames = new MutationObserver(name);
+panel.naoNames.observe(panel, {subtree: true, childList: true, attributes: true,
+  attributeFilter: ['aria-valuetext', 'aria-valuenow']});
+name();"""
+
+
 class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
     """A picture with a tooltip, its name for screen readers: ipywidgets looks for a description beside it."""
 
@@ -94,8 +116,8 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
 
 
 def styles(own: str) -> Any:
-    """Return the look of a panel: what all have in common, and its own rules of CSS."""
-    return ipywidgets.HTML(f"<style>{COMMON_CSS}{own}</style>")
+    """Return the look of a panel: what all have in common, and its own rules of CSS; and names for its sliders."""
+    return ipywidgets.HTML(f'<style onload="{html.escape(_SLIDER_NAMES)}">{COMMON_CSS}{own}</style>')
 
 
 def html_line(text: str, name: str) -> Any:

@@ -249,6 +249,33 @@ PREDICT_POSE = Exercise(
             lambda pose, control: _moved(pose, (control[0], -control[1])),
             "The turn has the wrong sign: positive is to the left, and headings count to the left, too.",
         ),
+        Mistake(
+            "heading halfway",
+            lambda pose, control: (
+                _moved((*pose[:2], pose[2] + control[1] / 2), control) - [0, 0, control[1] / 2]
+            ),
+            "You drive along theta + alpha / 2, as if the robot turned on its way. It drives straight, along its old heading, and turns afterwards.",
+        ),
+        Mistake(
+            "turn for heading",
+            lambda pose, control: _moved(pose, control) - [0, 0, pose[2]],
+            "Your new heading is alpha alone. The robot turns by alpha: add it to theta.",
+        ),
+        Mistake(
+            "heading in degrees",
+            lambda pose, control: _moved(pose, control) * [1, 1, 180 / np.pi],
+            "Your new heading is in degrees. It is wanted in radians.",
+        ),
+        Mistake(
+            "backwards",
+            lambda pose, control: _moved(pose, (-control[0], control[1])),
+            "Your robot drives backwards: the displacement is added, x + d cos(theta).",
+        ),
+        Mistake(
+            "never backwards",
+            lambda pose, control: _moved(pose, (abs(control[0]), control[1])),
+            "A negative distance drives backwards; in your answer it drives ahead.",
+        ),
     ],
     alternatives={
         "composed poses": _moved_by_poses,
@@ -406,6 +433,41 @@ EXPECTED_MEASUREMENT = Exercise(
             lambda pose, landmark: _measured(pose, landmark) ** [1, 2],
             "Your range is the squared distance: the root is missing.",
         ),
+        Mistake(
+            "to the right",
+            _by_direction(lambda dx, dy, theta: theta - math.atan2(dy, dx)),
+            "Your bearings are positive to the right. They count to the left, as headings do: the direction minus theta.",
+        ),
+        Mistake(
+            "from the field's origin",
+            lambda pose, landmark: _measured((0.0, 0.0, pose[2]), landmark),
+            "You look from the middle of the field: subtract the robot's x and y from the landmark's first.",
+        ),
+        Mistake(
+            "heading taken for degrees",
+            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx) - math.radians(theta)),
+            "The heading is in radians already.",
+        ),
+        Mistake(
+            "wrapped on one side",
+            _by_direction(
+                lambda dx, dy, theta: math.atan2(dy, dx) - theta,
+                wrap=lambda angle: angle - 2 * np.pi if angle > np.pi else angle,
+            ),
+            "You bring angles above pi down, and none below -pi up. wrap_angle does both.",
+        ),
+        Mistake(
+            "without a side",
+            _by_direction(lambda dx, dy, theta: abs(float(wrap_angle(math.atan2(dy, dx) - theta)))),
+            "Your bearings have no sign: a cosine cannot tell left from right.",
+        ),
+        Mistake(
+            "round the corner",
+            lambda pose, landmark: np.array(
+                [_measured(pose, landmark)[0], np.abs(landmark - np.asarray(pose)[:2]).sum()]
+            ),
+            "Your range is the way along both axes. The range is the straight one: the root of the sum of the squares.",
+        ),
     ],
     alternatives={
         "in the robot's frame": _measured_in_robot_frame,
@@ -536,6 +598,26 @@ LANDMARK_POSITION = Exercise(
             _by_angle(lambda theta, bearing: math.radians(theta + bearing)),
             "Heading and bearing are in radians already.",
         ),
+        Mistake(
+            "bearing forgotten",
+            _by_angle(lambda theta, bearing: theta),
+            "You place the landmark straight ahead: the bearing is missing, theta + beta.",
+        ),
+        Mistake(
+            "behind",
+            _by_angle(lambda theta, bearing: theta + bearing + np.pi),
+            "Your landmark lies on the opposite side of the robot: the way to it is added, x + r cos(theta + beta).",
+        ),
+        Mistake(
+            "the cosine twice",
+            lambda pose, measurement: _position(pose, measurement)[0] - pose[0] + np.asarray(pose)[:2],
+            "Both of your rows have the cosine: the sine belongs to y.",
+        ),
+        Mistake(
+            "shifted, then turned",
+            lambda pose, measurement: rotation_2d(pose[2]) @ (_position((*pose[:2], 0.0), measurement)),
+            "You turn the robot's own place along with the landmark: turn first, then add x and y.",
+        ),
     ],
     alternatives={
         "poses and frames": _position_by_frames,
@@ -614,9 +696,9 @@ MOTION_JACOBIANS = Exercise(
     hidden=_moves_hidden,
     comparison=Close(names=("F", "G")),
     hints=(
-        "F is 3 x 3: row i is equation i of 5.4, column j says by which of x, y, theta you differentiate. Seven of its nine entries are 0 or 1.",
+        "F is 3 x 3: row i is line i of equation 5.5, column j says by which of x, y, theta you differentiate. Seven of its nine entries are 0 or 1.",
         "In F only the column by theta is interesting: the derivative of d cos(theta), and that of d sin(theta). In G the first column is how x and "
-        "y grow with e_x: look at the factors of e_x in equation 5.4.",
+        "y grow with e_x: look at the factors of e_x in equation 5.5.",
     ),
     mistakes=[
         Mistake(
@@ -700,6 +782,42 @@ MOTION_JACOBIANS = Exercise(
             called_with(_motion_slopes, heading=heading_in_degrees),
             "The heading is in radians already, as np.cos and np.sin want it.",
         ),
+        Mistake(
+            "cosine and sine swapped",
+            _last_column(lambda d, c, s: d * c, lambda d, c, s: -d * s),
+            "In F's column by theta the rows have changed places: the new x holds the cosine, whose derivative is -sin.",
+        ),
+        Mistake(
+            "the heading's one",
+            with_change(_motion_slopes, in_part(0, factors((1, 1, 1), (1, 1, 1), (1, 1, 0)))),
+            "F[2, 2] is 0, but a heading that was wrong stays wrong: the new theta contains the old one.",
+        ),
+        Mistake(
+            "the place's ones",
+            with_change(_motion_slopes, in_part(0, factors((0, 1, 1), (1, 0, 1), (1, 1, 1)))),
+            "F[0, 0] and F[1, 1] are 0, but the new place contains the old one: x' = x + ...",
+        ),
+        Mistake(
+            "nothing across",
+            with_change(_motion_slopes, in_part(1, factors((1, 0, 1), (1, 0, 1), (1, 1, 1)))),
+            "G's second column is zero: the error across moves the robot to its left, by (-sin, cos).",
+        ),
+        Mistake(
+            "the sign across",
+            with_change(_motion_slopes, in_part(1, factors((1, -1, 1), (1, 1, 1), (1, 1, 1)))),
+            "G[0, 1] has the wrong sign: left of a robot that looks along theta is (-sin, cos).",
+        ),
+        Mistake(
+            "the turn's error before the drive",
+            with_change(
+                _motion_slopes,
+                lambda matrices, *arguments: (
+                    matrices[0],
+                    np.column_stack([matrices[1][:, :2], matrices[0][:, 2]]),
+                ),
+            ),
+            "Your error of the turn moves the place. The robot turns after the drive: G's third column is (0, 0, 1).",
+        ),
     ],
     alternatives={
         "central differences": _motion_by_differences,
@@ -774,14 +892,18 @@ def _spreads_public() -> list[Case]:
         ("heading along the y axis", random_covariance(rng), small, LEFT),
         ("a small uncertainty", small, small / 4, FACING),
     ]
-    return [Case((P, pose, np.array([1.5, 0.4]), Q), name) for name, P, Q, pose in cases]
+    drives = [Case((P, pose, np.array([1.5, 0.4]), Q), name) for name, P, Q, pose in cases]
+    backwards = (random_covariance(rng), SLANTED, np.array([-0.8, 0.2]), random_covariance(rng))
+    return [*drives, Case(backwards, "backwards")]
 
 
 def _spreads_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+    cases = [
         Case((random_covariance(rng), random_pose(rng), random_control(rng), random_covariance(rng)))
         for _ in range(8)
     ]
+    backwards = np.array([-rng.uniform(0.3, 0.9), 0.4])
+    return [*cases, Case((random_covariance(rng), random_pose(rng), backwards, random_covariance(rng)))]
 
 
 PREDICT_COVARIANCE = Exercise(
@@ -793,7 +915,7 @@ PREDICT_COVARIANCE = Exercise(
     hidden=_spreads_hidden,
     comparison=Close(rtol=1e-4, atol=1e-7, names=("x", "y", "theta")),
     hints=(
-        "Equation 5.5, with F and G of your motion_jacobians. In NumPy @ is the product of matrices, .T the transpose.",
+        "Equation 5.6, with F and G of your motion_jacobians. In NumPy @ is the product of matrices, .T the transpose.",
         "F, G = motion_jacobians(pose, control). Then two products of three matrices each, and their sum: the transposed one stands on the right.",
     ),
     mistakes=[
@@ -863,6 +985,36 @@ PREDICT_COVARIANCE = Exercise(
             _spread_with(lambda F, P, G, Q: F @ P @ F.T - G @ Q @ G.T),
             "You subtract the drive's errors. Errors that do not know of each other add up.",
         ),
+        Mistake(
+            "F for both",
+            _spread_with(lambda F, P, G, Q: F @ (P + Q) @ F.T),
+            "F stands round both covariances. It carries the old one; the drive's errors are carried by G.",
+        ),
+        Mistake(
+            "variances only, of the drive",
+            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G @ np.diag(np.diag(Q)) @ G.T),
+            "You take the diagonal of control_covariance only. Errors may be correlated: take all of it.",
+        ),
+        Mistake(
+            "variances only, of the pose",
+            _spread_with(lambda F, P, G, Q: F @ np.diag(np.diag(P)) @ F.T + G @ Q @ G.T),
+            "You take the diagonal of the old covariance only. After one drive place and heading are correlated: take all of it.",
+        ),
+        Mistake(
+            "control_covariance not used",
+            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G @ G.T),
+            "Your second term has no control_covariance in it: G @ control_covariance @ G.T.",
+        ),
+        Mistake(
+            "not backwards",
+            lambda P, pose, control, Q: _spread(P, pose, control, Q) if control[0] >= 0 else np.asarray(P),
+            "Where the robot drives backwards, your covariance stays as it was. The formula is the same there.",
+        ),
+        Mistake(
+            "where the drive ends",
+            lambda P, pose, control, Q: _spread(P, _moved(pose, control), control, Q),
+            "You take the Jacobians at the pose behind the motion. They belong to the pose before it.",
+        ),
     ],
     alternatives={
         "both in one product": _spread_with(_spread_in_one),
@@ -908,6 +1060,17 @@ def _first_column(change: Function) -> Function:
         return by_pose, by_measurement
 
     return with_change(_place_slopes, changed)
+
+
+def _per_metre(number: int) -> Function:
+    """A column that lacks the factor of the range."""
+
+    def change(matrix: Any, pose: Any, measurement: Any) -> Array:
+        changed = np.array(matrix, dtype=float)
+        changed[:, number] /= measurement[1]
+        return changed
+
+    return change
 
 
 LANDMARK_JACOBIANS = Exercise(
@@ -988,6 +1151,75 @@ LANDMARK_JACOBIANS = Exercise(
             lambda pose, measurement: tuple(each.T for each in _place_slopes(pose, measurement)),
             "Both are transposed: rows are l_x and l_y, columns what they are differentiated by.",
         ),
+        Mistake(
+            "side by side",
+            lambda pose, measurement: np.hstack(_place_slopes(pose, measurement)),
+            "You return one matrix (2, 5). Two are wanted: return by_pose, by_measurement.",
+        ),
+        Mistake(
+            "minus forgotten once",
+            with_change(_place_slopes, in_part(0, factors((1, 1, -1), (1, 1, 1)))),
+            "by_pose[0, 2] has the wrong sign: the derivative of the cosine is minus the sine.",
+        ),
+        Mistake(
+            "minus forgotten by the bearing",
+            with_change(_place_slopes, in_part(1, factors((-1, 1), (1, 1)))),
+            "by_measurement[0, 0] has the wrong sign: the derivative of the cosine is minus the sine.",
+        ),
+        Mistake(
+            "range forgotten by the heading",
+            with_change(_place_slopes, in_part(0, _per_metre(2))),
+            "by_pose's column by theta lacks the factor r: a far landmark moves more.",
+        ),
+        Mistake(
+            "range forgotten by the bearing",
+            with_change(_place_slopes, in_part(1, _per_metre(0))),
+            "by_measurement's column by the bearing lacks the factor r: a far landmark moves more.",
+        ),
+        Mistake(
+            "range too much",
+            with_change(
+                _place_slopes,
+                in_part(1, lambda matrix, pose, measurement: matrix * np.array([1.0, measurement[1]])),
+            ),
+            "by_measurement's column by the range still has r in it: the derivative of r cos(...) by r is cos(...).",
+        ),
+        Mistake(
+            "bearing forgotten",
+            lambda pose, measurement: _place_slopes(pose, (0.0, measurement[1])),
+            "The bearing is missing in your slopes: the angle is theta + beta everywhere.",
+        ),
+        Mistake(
+            "bearing forgotten by the heading",
+            lambda pose, measurement: (
+                _place_slopes(pose, (0.0, measurement[1]))[0],
+                _place_slopes(pose, measurement)[1],
+            ),
+            "by_pose's column by theta has the angle theta. It is theta + beta, as in equation 5.3.",
+        ),
+        Mistake(
+            "heading forgotten by the bearing",
+            lambda pose, measurement: (
+                _place_slopes(pose, measurement)[0],
+                _place_slopes((0.0, 0.0, 0.0), measurement)[1],
+            ),
+            "by_measurement has the angle beta. It is theta + beta, as in equation 5.3.",
+        ),
+        Mistake(
+            "bearing subtracted",
+            lambda pose, measurement: _place_slopes(pose, (-measurement[0], measurement[1])),
+            "Your angle is theta - beta. It is theta + beta, as in equation 5.3.",
+        ),
+        Mistake(
+            "range taken first",
+            lambda pose, measurement: _place_slopes(pose, measurement[::-1]),
+            "You take the measurement as (range, bearing). It is (bearing, range).",
+        ),
+        Mistake(
+            "not differentiated",
+            _first_column(lambda column, measurement: column[::-1] * [1, -1]),
+            "The slopes by heading and bearing have cosine and sine in each other's place: they are -r sin and r cos.",
+        ),
     ],
     alternatives={
         "central differences": _place_by_differences,
@@ -1055,10 +1287,16 @@ def _with_mod() -> tuple[Any, Any]:
     return sympy.Matrix([sympy.Mod(_MODEL[0] + sympy.pi, whole) - sympy.pi, _MODEL[1]]), _derived()
 
 
-def _with_arctan() -> tuple[Any, Any]:
-    """atan has the same slope as atan2, but for the side."""
-    model = sympy.Matrix([sympy.atan(_dy / _dx) - _theta, sympy.sqrt(_q)])
-    return model, model.jacobian(_BY)
+def _with_half_angle() -> tuple[Any, Any]:
+    """The angle by half of it, with SymPy's own Jacobian, not simplified."""
+    r = sympy.sqrt(_q)
+    model = sympy.Matrix([[2 * sympy.atan2(_dy, r + _dx) - _theta, r]])
+    return model, model.T.jacobian(_BY)
+
+
+def _bearing_model(bearing: Any, distance: Any = None) -> Function:
+    """Another model, with the Jacobian that fits it."""
+    return _symbolic(model=sympy.Matrix([bearing, sympy.sqrt(_q) if distance is None else distance]))
 
 
 def _as_lists() -> tuple[Any, Any]:
@@ -1080,7 +1318,7 @@ DERIVE = Exercise(
         Case((_points(np.random.default_rng(57)), ["x", "y", "theta"]), "twelve robots and landmarks")
     ],
     hidden=lambda rng: [Case((_points(rng), ["x", "y", "theta"])) for _ in range(2)],
-    comparison=Derivative(by=("x", "y", "theta")),
+    comparison=Derivative(by=("x", "y", "theta"), period=(2 * np.pi, 0.0)),
     hints=(
         "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and bring all to the denominator dx^2 + dy^2.",
         "dx = l_x - x, so the inner derivative by x is -1: every slope by x or y is minus the slope by dx or dy. theta stands in the bearing alone, once.",
@@ -1141,19 +1379,45 @@ DERIVE = Exercise(
         ),
         Mistake(
             "atan2 the other way",
-            _symbolic(model=sympy.Matrix([sympy.atan2(_dx, _dy) - _theta, sympy.sqrt(_q)])),
+            _bearing_model(sympy.atan2(_dx, _dy) - _theta),
             "Your Jacobian fits your model, but your model has atan2(dx, dy): y comes first.",
         ),
         Mistake(
+            "atan for atan2",
+            _bearing_model(sympy.atan(_dy / _dx) - _theta),
+            "Your Jacobian is right, your model is not: atan(dy / dx) cannot tell a landmark behind from one ahead, atan2(dy, dx) can. They have the "
+            "same slopes.",
+        ),
+        Mistake(
             "from the landmark",
-            _symbolic(model=sympy.Matrix([sympy.atan2(_dy, _dx) + _theta, sympy.sqrt(_q)])),
+            _bearing_model(sympy.atan2(-_dy, -_dx) - _theta),
+            "Your Jacobian is right, your model is not: it looks from the landmark to the robot, half a turn off. dx is l_x - x.",
+        ),
+        Mistake(
+            "heading added",
+            _bearing_model(sympy.atan2(_dy, _dx) + _theta),
             "Your Jacobian fits your model, but your model adds theta. A bearing counts from the heading: subtract it.",
+        ),
+        Mistake(
+            "to the right",
+            _bearing_model(_theta - sympy.atan2(_dy, _dx)),
+            "Your Jacobian fits your model, but its bearings are positive to the right: it is atan2(dy, dx) - theta.",
+        ),
+        Mistake(
+            "heading forgotten",
+            _bearing_model(sympy.atan2(_dy, _dx)),
+            "Your Jacobian fits your model, but your bearing counts from the x axis. It counts from the heading: subtract theta.",
+        ),
+        Mistake(
+            "root forgotten",
+            _bearing_model(sympy.atan2(_dy, _dx) - _theta, _q),
+            "Your Jacobian fits your model, but your range is the squared distance: the root is missing.",
         ),
     ],
     alternatives={
         "by SymPy": lambda: (_MODEL, _derived()),
         "with the wrap": _with_mod,
-        "the report's arctan, whose slope is the same": _with_arctan,
+        "half the angle, the model a row": _with_half_angle,
         "lists": _as_lists,
         "real symbols": _real_symbols,
     },
@@ -1211,11 +1475,33 @@ def by_power(row: int, power: int, columns: slice = np.s_[:2]) -> Function:
     return change
 
 
+def with_range(matrix: Any, pose: Any, landmark: Any) -> Array:
+    """dx and dy as they are: both rows without their division."""
+    r = _range_of(pose, landmark)
+    return np.asarray(matrix) * np.array([[r**2], [r]])
+
+
 def bearing_swapped(matrix: Any, *arguments: Any) -> Array:
     """dx and dy at each other's place in the bearing's row, signs as they were there."""
     changed = np.array(matrix, dtype=float)
     changed[0, :2] = changed[0, 1::-1]
     return changed
+
+
+def entries_swapped(row: int, sign: float) -> Function:
+    """dx and dy at each other's place in a row, the signs of the places kept: -1 where the two differ in sign."""
+
+    def change(matrix: Any, *arguments: Any) -> Array:
+        changed = np.array(matrix, dtype=float)
+        changed[row, :2] = sign * changed[row, 1::-1]
+        return changed
+
+    return change
+
+
+def doubled(factor: float) -> Function:
+    """The range's row, larger by a factor."""
+    return lambda matrix, *arguments: np.asarray(matrix) * np.array([[1.0], [factor]])
 
 
 def bearing_in_degrees(matrix: Any, *arguments: Any) -> Array:
@@ -1229,6 +1515,11 @@ _ROW_MESSAGES = {
     "r for r^2": "The bearing's slopes are divided by r; it has to be r^2 = dx^2 + dy^2.",
     "r^2 for r": "The range's slopes are divided by r^2; it has to be r, the root.",
     "dx and dy swapped": "In the bearing's row dx and dy have changed places.",
+    "dx and dy swapped, signs kept": "In the bearing's row dx and dy have changed places. The signs are right.",
+    "dx and dy swapped in the range": "In the range's row dx and dy have changed places.",
+    "the range's row not divided": "The range's slopes are not divided: by r, the root.",
+    "the root's half": "The range's slopes are half as large as they should be: the 2 of the inner derivative cancels that of the root.",
+    "the root's two": "The range's slopes are twice as large as they should be: the root's derivative is 1 / (2 sqrt(q)).",
 }
 
 
@@ -1240,6 +1531,11 @@ def slips(right: Function) -> list[Mistake]:
         "r for r^2": by_power(0, 1),
         "r^2 for r": by_power(1, -1),
         "dx and dy swapped": bearing_swapped,
+        "dx and dy swapped, signs kept": entries_swapped(0, -1.0),
+        "dx and dy swapped in the range": entries_swapped(1, 1.0),
+        "the range's row not divided": by_power(1, 1),
+        "the root's half": doubled(0.5),
+        "the root's two": doubled(2.0),
     }
     return [
         Mistake(name, with_change(right, change), _ROW_MESSAGES[name]) for name, change in changes.items()
@@ -1293,6 +1589,16 @@ MEASUREMENT_JACOBIAN_POSE = Exercise(
             "r for r^2, inner derivative forgotten",
             with_change(with_change(_look_slopes, by_power(0, 1)), factors((-1, -1, 1), (-1, -1, 1))),
             "Two things: the slopes by x and y have the wrong sign, for dx = l_x - x; and the bearing's are divided by r^2.",
+        ),
+        Mistake(
+            "range by the heading",
+            with_change(_look_slopes, lambda matrix, *arguments: matrix - [[0, 0, 0], [0, 0, 1]]),
+            "The range's slope by theta is -1 in your matrix. A robot that turns on the spot comes no nearer: 0.",
+        ),
+        Mistake(
+            "one sign in the bearing",
+            with_change(_look_slopes, factors((1, -1, 1), (1, 1, 1))),
+            "The bearing's slope by y has the wrong sign. Go to the left (y grows), and a landmark ahead moves to the right.",
         ),
         Mistake(
             "no column for the heading",
@@ -1403,6 +1709,16 @@ MEASUREMENT_JACOBIAN_LANDMARK = Exercise(
             "Your matrix has a column for the heading. The landmark has two coordinates.",
         ),
         Mistake(
+            "in the robot's frame",
+            lambda pose, landmark: _point_slopes((0.0, 0.0, 0.0), Pose(*pose).to_local(landmark)[0]),
+            "Your slopes are by the landmark's place in the robot's frame. l_x and l_y are the field's: dx = l_x - x, without turning.",
+        ),
+        Mistake(
+            "no division",
+            with_change(_point_slopes, with_range),
+            "Nothing is divided in your matrix: the bearing's row is divided by r^2, the range's by r.",
+        ),
+        Mistake(
             "a row of H_p too much",
             lambda pose, landmark: _look_slopes(pose, landmark)[:, 1:],
             "You took the last two columns of the Jacobian by the pose. Those by x and y are the first two, and the signs change.",
@@ -1443,11 +1759,12 @@ PLAN = LessonPlan(
         ),
         Question(
             "why_no_other_landmark",
-            'The report says in 1.6: no Jacobian by the other landmarks is needed, because of "the assumption of landmark independence". Which is the right reason?',
+            'The report gives two reasons in 1.6 why no Jacobian by other landmarks is needed: "the assumption of landmark independence", and that a measurement '
+            '"does not depend on the positions of other landmarks". Which is the right one?',
             {
-                "Landmarks are independent, so their slopes are zero.": "The slopes are zero, but not for this reason. After one look from an uncertain "
+                "Landmarks are independent, so their slopes are zero.": "The slopes are zero, but not for this reason, the first of the report's. After one look from an uncertain "
                 "place the landmarks' estimates are anything but independent: the next cell measures it.",
-                "The bearing and range of one landmark do not contain the coordinates of another.": "Yes. h(p, l) is a formula with five letters, and a slope "
+                "The bearing and range of one landmark do not contain the coordinates of another.": "Yes, the report's second reason. h(p, l) is a formula with five letters, and a slope "
                 "by any other letter is zero. Nothing about independence is needed for it.",
                 "The slopes are not zero, but small enough to be left out.": "They are exactly zero: move another landmark as far as you like, and this one is "
                 "seen where it was.",

@@ -120,6 +120,22 @@ def test_mouse_and_keys_set_every_control_and_what_is_shown_follows(lab, page):
     assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
 
 
+_HANDLES = """root => [...root.querySelectorAll('[role=slider]')].map(each =>
+  ['aria-label', 'aria-valuenow', 'aria-valuetext'].map(key => each.getAttribute(key)))"""
+
+
+def test_a_screen_reader_hears_what_a_slider_sets_and_its_value_to_the_last_digit(lab, page):
+    panel = Panel(lab, page, "named.ipynb", PICTURES)
+    names = [each[0] for each in panel.root.evaluate(_HANDLES)]
+    assert names == ["Level", "Rows (px), from", "Rows (px), to"]
+    typed = panel.root.locator(".widget-readout").evaluate_all("all => all.map(each => each.ariaLabel)")
+    assert typed == ["Level, typed", "Rows (px), typed"]
+    panel = Panel(lab, page, "digits.ipynb", FIGURE)
+    panel.root.locator(".noUi-handle").focus()
+    page.keyboard.press("ArrowRight")
+    wait_for(lambda: panel.root.evaluate(_HANDLES) == [["Place x (m)", "1.05", "1.05"]], "1.05 m", 10)
+
+
 @pytest.mark.parametrize("viewport", [LAPTOP, NARROW], ids=["laptop", "narrow"])
 @pytest.mark.parametrize("code", [PICTURES, FIGURE], ids=["pictures", "figure"])
 def test_everything_has_room_and_nothing_scrolls_inside(lab, page, viewport, code):

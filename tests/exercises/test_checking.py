@@ -388,6 +388,8 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
     flat = replace(public, cases=[Case((wanted,), expected=wanted)])
     assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
+    pose = Case((np.zeros(3), np.ones(2)), expected=np.zeros(3))
+    assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1
 
 
 def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(monkeypatch):

@@ -4,6 +4,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+import sympy
 from IPython.core.interactiveshell import InteractiveShell
 
 from nao_course.exercises import try_out, trying
@@ -77,10 +78,14 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(caps
         (lambda: np.zeros(3)[0:1.6], "Limits of a slice are whole numbers"),
         (lambda: np.zeros(3)[np.array([0.5])], "Indices are whole numbers"),
         (lambda: (lambda: 0).shape, "a function, not an array"),
+        (lambda: np.ones(2) ^ 2, "A power is **"),
+        (lambda: 1.5 ^ 2, "A power is **"),
+        (lambda: np.zeros(3) + np.zeros(2), "pose[:2] is the place"),
+        (lambda: float(sympy.Symbol("x")), "symbols of SymPy"),
     ],
 )
 def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
-    with pytest.raises((IndexError, TypeError, AttributeError)) as caught:
+    with pytest.raises((IndexError, TypeError, AttributeError, ValueError)) as caught:
         slip()
     (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
     assert advice in said

@@ -25,6 +25,9 @@ def sheet(**options):
         ("1.5", sympy.Float(1.5)),
         ("+(d - x)*pi", (d - x) * sympy.pi),
         ("atan2(x, d)", atan2(x, d)),
+        ("np.arctan2(x, d)", atan2(x, d)),
+        ("d×Sin(ϑ)²⋅x", d * sin(theta) ** 2 * x),
+        ("2**10 * x", 1024 * x),
     ],
 )
 def test_an_entry_is_read_as_it_is_written_on_paper(typed, value):
@@ -42,7 +45,21 @@ def test_an_entry_is_read_as_it_is_written_on_paper(typed, value):
         ("__import__('os')", "cannot be read"),
         ("x.diff", "cannot be read"),
         ("True", "cannot be read"),
-        ("(" * 500 + ")" * 500, "cannot be read"),
+        ("-dsin(theta)", r"A \* is missing behind d"),
+        ("-d*sintheta", r"sin wants brackets: sin\(theta\)"),
+        ("9**9**9", "too large a power"),
+        ("2**(10**9)", "too large a power"),
+        ("x**(-10**6)", "too large a power"),
+        ("2**exp(exp(exp(exp(3))))", "too large a number"),
+        ("2**sin(1)", "too large a power"),
+        ("9**20**1", "too large a number"),
+        ("sqrt(10**15 + 1)", "too large a number"),
+        ("1/(10**10*10**10)", "too large a number"),
+        ("+".join(["x"] * 400), "too long"),
+        ("x" * 200, "no symbol of this model"),
+        ("(" * 500 + ")" * 500, "too long"),
+        ("(" * 140 + ")" * 140, "cannot be read"),
+        ("(" * 140 + "x" + ")" * 141, "cannot be read"),
     ],
 )
 def test_what_cannot_be_read_is_said(typed, said):
@@ -73,6 +90,42 @@ def test_an_entry_that_is_no_number_is_wrong_and_nothing_worse():
     assert said.startswith("3 of 4 are right. new x by x:")
 
 
+MOTION = Matrix([x + (d + e) * cos(theta) - e * sin(theta), 2 * d * x * sin(theta + x)])
+
+
+@pytest.mark.parametrize(
+    ("at", "entry", "said"),
+    [
+        ((0, 1), "d*cos(theta)", "a term of the model itself: differentiate it"),
+        ((0, 1), "d*sin(theta)", "its sign is the wrong way round"),
+        ((0, 1), "-sin(theta)", "the factor d is missing"),
+        ((0, 1), "sin(theta)", "the factor d is missing, and the sign is the wrong way round"),
+        ((0, 1), "-d*sin(theta) - cos(theta) - sin(theta)", "it is taken where e is 1, not 0"),
+        ((1, 1), "2*d*x*sin(theta + x)", "a term of the model itself"),
+        ((1, 1), "-2*d*x*sin(theta + x)", "sine and cosine have changed places, and the sign"),
+        ((1, 1), "2*d*x*cos(x)", "theta is missing in it"),
+        ((1, 1), "2.001*d*x*cos(theta + x)", "close, but rounded"),
+        ((1, 1), "d*exp(x)", "a small change of that variable"),
+        ((1, 1), "sqrt(-1 - x**2)", "a small change of that variable"),
+    ],
+)
+def test_the_likely_slip_is_named(at, entry, said, recwarn):
+    entries = MOTION.jacobian([x, theta]).subs(e, 0).tolist()
+    entries[at[0]][at[1]] = entry
+    marked = DerivationSheet("F", MOTION, [x, theta], zero=[e], rows=("a", "b")).write(entries)
+    assert said in repr(marked) and "3 of 4 are right" in repr(marked)
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    "entry", [None, sympy.Symbol("phi"), [1], print, float("nan"), sympy.Matrix([1]), 1j]
+)
+def test_whatever_comes_from_code_is_the_one_wrong_entry(entry):
+    said = repr(sheet().write([[1, entry], [0, 1]]))
+    assert said.startswith("3 of 4 are right. new x by theta: ") and len(said) < 200
+    assert repr(sheet().write(None)) == "The matrix has 2 rows and 2 columns."
+
+
 def test_the_fields_are_framed_and_keep_what_is_typed():
     shown = sheet()
     assert "F: derive 2 x 2 slopes" in shown._repr_mimebundle_()["text/plain"]
@@ -101,3 +154,15 @@ def test_a_cell_that_is_run_again_shows_the_sheet_as_it_was():
     first = derivation("kept", MODEL, [x, theta])
     assert derivation("kept", Matrix(MODEL), [x, theta]) is first
     assert derivation("another", MODEL, [x, theta]) is not first
+
+
+def test_entries_that_are_known_stand_there_at_first_and_can_be_changed():
+    known = sheet(known=[[1, ""], ["", 1]])
+    view = known._repr_mimebundle_() and known._view
+    assert [[field.value for field in row] for row in view.fields] == [["1", ""], ["", "1"]]
+    assert "2 of 4 are right. 2 to go." in view.said.value
+    view.fields[0][1].value = "-d*sin(theta)"
+    assert "3 of 4 are right. 1 to go." in view.said.value
+    assert derivation("known", MODEL, [x, theta], known=[[1, ""], ["", 1]]) is derivation(
+        "known", MODEL, [x, theta], known=[[1, ""], ["", 1]]
+    )

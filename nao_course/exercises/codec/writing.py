@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -121,7 +122,7 @@ class _Writer:
             return {"u": function}
         plain = _as_plain(item, kind)
         if plain is None:
-            raise CodecError(f"a value of type {kind.__name__} cannot be sent")
+            raise CodecError(f"a value of type {kind.__name__} cannot be sent{_why(kind)}")
         return self.plain[type(plain)](plain, depth)
 
     def nodes(self, items: Iterable[Any], depth: int) -> list[Any]:
@@ -153,7 +154,9 @@ class _Writer:
     def array(self, item: np.ndarray[Any, Any]) -> Any:
         kind = _PLAINER.get(item.dtype.char) or item.dtype.newbyteorder("<")
         if kind.str not in DTYPES:
-            raise CodecError(f"an array of dtype {item.dtype} cannot be sent")
+            kinds = map(type, item.flat) if item.dtype == object else ()
+            why = next(filter(None, map(_why, itertools.islice(kinds, self.limits.nodes))), "")
+            raise CodecError(f"an array of dtype {item.dtype} cannot be sent{why}")
         length = self.buffer(item.size * kind.itemsize, lambda: item.astype(kind, copy=False).tobytes())
         return {"a": kind.str, "shape": list(item.shape), "b": length}
 
@@ -191,6 +194,16 @@ def _plain_key(key: Any) -> Any:
         return tuple(map(_plain_key, tuple.__iter__(key)))
     plain = _as_plain(key, kind)
     return key if plain is None else plain
+
+
+def _why(kind: type) -> str:
+    """What to say of SymPy's expressions, which are easily made where numbers are wanted: cos for np.cos."""
+    if str(kind.__module__).partition(".")[0] != "sympy":
+        return ""
+    return (
+        "; it holds expressions of SymPy: numbers come from np.cos, np.sin, np.sqrt and np.arctan2, not from cos, sin, "
+        "sqrt and atan2"
+    )
 
 
 def _state(rng: np.random.Generator) -> dict[str, Any]:

@@ -16,13 +16,12 @@ from nao_course.exercises.running import register_driver
 
 Floats = npt.NDArray[np.float64]
 
+UNKNOWN_SLIP = "compare it with a small change of that variable in your model"
 STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-10 from rounding
 
 
 @register_driver
-def jacobian(
-    function: Callable[[], Any], points: dict[str, Floats], by: list[str]
-) -> dict[str, Any] | None:
+def jacobian(function: Callable[[], Any], points: dict[str, Floats], by: list[str]) -> dict[str, Any] | None:
     """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
 
     Parameters
@@ -38,8 +37,8 @@ def jacobian(
     -------
     dict or None
         For `Derivative`; None where nothing came, {} where it is no pair. "jacobian" and "differences": ndarrays of
-        shape (N, R, C), the second by central differences of the model. "terms": for each entry, row by row, an ndarray
-        (K, N) of the terms of its derivative.
+        shape (N, R, C), the second by central differences of the model; "model": its values (N, R). "terms": for each
+        entry, row by row, an ndarray (K, N) of the terms of its derivative.
 
     Raises
     ------
@@ -52,18 +51,23 @@ def jacobian(
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         return None if answer is None else {}  # the comparison says what is wanted
     model, derived = (_by_name(sympy.Matrix(each)) for each in answer)
+    if model.rows == 1:  # a model that lies on its side is the same model
+        model = model.T
     unknown = sorted(
         str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
     )
     if unknown:
-        raise ValueError(f"the symbols here are called {list(points)}; yours has {unknown}, too")
+        raise ValueError(
+            f"the symbols here are called {list(points)}; yours has {unknown}, too: put in what stands for it"
+        )
     symbols = {name: sympy.Symbol(name) for name in points}
     numbers = np.stack([points[name] for name in points])  # (symbols, N)
 
     def evaluate(matrix: Any, at: Floats) -> Floats:
         compiled = sympy.lambdify(list(symbols.values()), matrix, "numpy")
         with np.errstate(all="ignore"):  # what is no number is told as such
-            return np.array([compiled(*each) for each in at.T], dtype=float)
+            values = np.array([compiled(*each) for each in at.T], dtype=complex)
+        return np.where(values.imag == 0, values.real, np.nan)
 
     differences = []
     for name in by:
@@ -78,6 +82,7 @@ def jacobian(
     return {
         "jacobian": evaluate(derived, numbers),
         "differences": np.stack(differences, axis=2),
+        "model": evaluate(model, numbers).reshape(numbers.shape[1], -1),
         "terms": terms,
     }
 
@@ -104,10 +109,14 @@ class Derivative(Comparison):
         Names of what the columns are derivatives by.
     tolerance : float
         Relative and absolute; central differences are good to 1e-8 or so.
+    period : tuple of float
+        For each row of the model, after how much its value is the same again: 2 pi for an angle, 0 for a length. With
+        it the model's values must be the reference's, too; without, its slopes are enough.
     """
 
     by: tuple[str, ...]
     tolerance: float = 1e-5
+    period: tuple[float, ...] = ()
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a Jacobian with the model beside it, then with the reference's."""
@@ -125,7 +134,7 @@ class Derivative(Comparison):
             return Verdict("nan", "your model is not a number at some of the points")
         wrong = ~self._same(derived, slopes)
         if not wrong.any():
-            if self._same(derived, expected["jacobian"]).all():
+            if self._same(derived, expected["jacobian"]).all() and self._same_model(expected, got):
                 return RIGHT
             return Verdict(
                 "value", "your Jacobian fits your model, but the model is not the one that is asked for"
@@ -172,16 +181,28 @@ class Derivative(Comparison):
             )
             yield (
                 (row, column),
-                next(slips, "compare it with a small change of that variable in your model"),
+                next(slips, UNKNOWN_SLIP),
             )
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether the Jacobians are the same, and so are the slopes of the models beside them."""
+        """Whether the Jacobians are the same, and so are the slopes of the models beside them, and their values."""
         arrays = _arrays(got)
-        if arrays is None:
+        if arrays is None or not self._same_model(answer, got):
             return False
         both = zip(arrays[:2], (answer["jacobian"], answer["differences"]), strict=True)
         return all(bool(Close().compare(wanted, have)) for have, wanted in both)
+
+    def _same_model(self, wanted: Any, got: Any) -> bool:
+        """Whether the models' values (N, R) agree, whole turns aside; always where nothing says how."""
+        if not self.period:
+            return True
+        have = got.get("model")
+        if not isinstance(have, np.ndarray) or have.shape != wanted["model"].shape:
+            return False
+        away = have.astype(float) - wanted["model"]
+        period = np.array(self.period)
+        turns = np.divide(away, period, out=np.zeros_like(away), where=period > 0)
+        return bool(self._same(away - np.round(turns) * period, np.zeros_like(away)).all())
 
     def _same(self, one: Floats, other: Floats) -> npt.NDArray[np.bool_]:
         """Which entries (R, C), or elements of a list (K), agree at all points."""
@@ -205,8 +226,11 @@ class Derivative(Comparison):
         if any(self._same(missing, 2 * term) for term in terms):
             yield "the sign of one term is the wrong way round"
         scale = float(slope @ slope)
-        factor = float(derived @ slope) / scale if scale else 0.0
-        if self._same(derived, factor * slope):
+        with np.errstate(invalid="ignore", over="ignore"):
+            factor = float(derived @ slope) / scale if scale else 0.0
+        if np.allclose(derived, slope, rtol=1e-2, atol=1e-3):
+            yield "it is close, but rounded: write it exactly"
+        elif self._same(derived, factor * slope):
             yield f"it is {factor:.4g} times as large as it should be"
 
 

@@ -44,6 +44,7 @@ _SIGNS = {
     "raised": "✘",
     "interrupted": "■",
 }
+SMALL = 9  # numbers of an array that is a pose, a point or a covariance, and no picture
 AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that somebody has begun
 
 
@@ -192,10 +193,15 @@ def _raises(text: str) -> str:
 
 
 def _input_at(case: Case, verdict: Verdict) -> list[str]:
-    """Show the element of the first argument that the first wrong element of the answer was made from."""
+    """Show the element of the first argument that the first wrong element of the answer was made from.
+
+    A pose of three numbers beside another array makes its answer as a whole: no element belongs to one of it.
+    """
     given = case.args[0] if case.args else None
     place = len(verdict.at)
     if not isinstance(given, np.ndarray) or not place or given.ndim not in (place, place + 1):
+        return []
+    if given.size <= SMALL and any(isinstance(each, np.ndarray) for each in case.args[1:]):
         return []
     if (
         any(index >= size for index, size in zip(verdict.at, given.shape, strict=False))

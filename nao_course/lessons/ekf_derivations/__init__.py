@@ -1,6 +1,6 @@
 """What lesson 05, EKF derivations, alone uses."""
 
-from nao_course.lessons.ekf_derivations.bugs import draw_bug_hunt
+from nao_course.lessons.ekf_derivations.bugs import draw_bug_hunt, worst_heading
 from nao_course.lessons.ekf_derivations.figures import draw_bending
 from nao_course.lessons.ekf_derivations.limits import TITLES, draw_limits, limit_at, measure_limits
 from nao_course.lessons.ekf_derivations.mistakes import MISTAKES
@@ -18,6 +18,7 @@ __all__ = [
     "limit_at",
     "measure_limits",
     "report_costs",
+    "worst_heading",
 ]
 
 

@@ -85,6 +85,13 @@ def wrong_by(right: FloatArray, wrong: FloatArray) -> float:
     return float(max(factors.max(), 1 / factors.min()) - 1)
 
 
+def worst_heading(motion_jacobians: Function, predict_covariance: Function) -> float:
+    """Heading from 0 to 90 degrees at which G' Q G is most wrong, in degrees."""
+    headings = np.arange(0, 91)
+    off = Predictions(motion_jacobians, predict_covariance).off("G' Q G", np.radians(headings))
+    return float(headings[np.argmax(off)])
+
+
 def draw_bug_hunt(
     predict_pose: Function, motion_jacobians: Function, predict_covariance: Function
 ) -> Drawing:

@@ -78,7 +78,7 @@ class Asked:
         Raises
         ------
         ValueError
-            If there is no such entry, or the shapes are others.
+            If there is no such entry, the shapes are others, or robot and landmark are at one place.
         RuntimeError
             If all calls are used up.
         """
@@ -88,6 +88,8 @@ class Asked:
             raise ValueError(
                 f"ask: pose (3,) and landmark (2,), got shapes {np.shape(pose)} and {np.shape(landmark)}"
             )
+        if np.array_equal(np.asarray(pose)[:2], landmark):
+            raise ValueError("ask: the landmark is where the robot stands, and has no bearing there")
         if self.calls >= self.most_calls:
             raise RuntimeError(f"ask: all {self.most_calls} calls are used up")
         self._calls.append(None)  # type: ignore[attr-defined]

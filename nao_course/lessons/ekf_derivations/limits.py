@@ -74,8 +74,11 @@ def measure_limits(predict_pose: Function, predict_covariance: Function) -> dict
 
 
 def limit_at(measured: FloatArray, percent: float) -> float:
-    """Standard deviation of the heading (degrees) at which a measured curve (S, 3) first passes a value."""
-    return round(float(np.interp(percent, measured[:, 1], np.degrees(SIGMAS))), 1)
+    """Standard deviation of the heading (degrees) at which a measured curve (S, 3) first passes a value.
+
+    Between two measured ones it is looked for on a parabola, as the curves are near zero, and not on a straight line.
+    """
+    return round(float(np.sqrt(np.interp(percent, measured[:, 1], np.degrees(SIGMAS) ** 2))), 1)
 
 
 def draw_limits(measured: dict[str, FloatArray]) -> Drawing:

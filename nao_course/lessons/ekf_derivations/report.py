@@ -91,7 +91,7 @@ def report_costs(
         ("1.4, noise after the wrap", f"right behind, {outside:.0%} of the bearings leave (-π, π]"),
         ("1.5, arctan", f"{opposite:.0%} of the landmarks on the opposite side"),
     ]
-    return table(("page", "what it would cost"), rows)
+    return table(("slip", "what it would cost"), rows)
 
 
 def two_landmarks(

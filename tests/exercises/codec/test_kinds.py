@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
@@ -203,6 +204,16 @@ def test_many_keys_of_a_grid_are_none_of_those(step):
     assert decode(encode(cells)) == cells
     row = {i * step: None for i in range(-5000, 5000)}
     assert decode(encode(row)) == row
+
+
+@pytest.mark.parametrize(
+    "value", [sympy.cos(1), [sympy.cos(1)], np.array([1.0, sympy.cos(1)]), sympy.Matrix([1, 2])]
+)
+def test_an_expression_of_sympy_is_told_from_other_strangers(value):
+    with pytest.raises(CodecError, match=r"expressions of SymPy: numbers come from np\.cos"):
+        encode(value)
+    with pytest.raises(CodecError, match="dtype object cannot be sent$"):
+        encode(np.array([1.0, None]))
 
 
 def test_a_class_that_says_it_is_a_registered_one_is_not():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from sympy import Matrix, Mod, atan2, cos, pi, sin, sqrt
+from sympy import Matrix, Mod, atan, atan2, cos, pi, sin, sqrt
 
 from nao_course.exercises import Case, Derivative, Exercise, Mistake, call
 from nao_course.exercises.checking import grade_public
@@ -110,6 +110,23 @@ def test_an_angle_may_go_once_round_within_a_step():
     assert LAW.compare(own, own)
     wrapped = Matrix([Mod(theta + pi, 2 * pi) - pi, x, y])
     assert LAW.compare(own, answer(wrapped, slope))
+
+
+def test_a_model_that_looks_to_the_other_side_has_the_same_slopes_and_is_told_by_its_values():
+    strict, loose = Derivative(tuple(BY), period=(2 * np.pi, 0, 0)), LAW
+    right = Matrix([atan2(y, x), theta, x])
+    slopes = right.jacobian([x, y, theta])
+    wanted = answer(right, slopes)
+    for model in (Matrix([atan2(-y, -x), theta, x]), Matrix([atan(y / x), theta, x])):
+        got = answer(model, model.jacobian([x, y, theta]))
+        assert loose.compare(wanted, got) and loose.alike(wanted, got)
+        assert "the model is not the one" in strict.compare(wanted, got).text
+        assert not strict.alike(wanted, got) and strict.alike(got, got)
+    round_once = answer(right + Matrix([2 * pi, 0, 0]), slopes)
+    assert strict.compare(wanted, round_once) and strict.alike(wanted, round_once)
+    assert not strict.compare(wanted, answer(right + Matrix([0, 2 * pi, 0]), slopes)), "a length has no turns"
+    assert not strict.compare(wanted, {**round_once, "model": None})
+    assert strict.compare(wanted, answer(right.T, slopes)), "a row of expressions is a model, too"
 
 
 def test_an_unknown_symbol_is_named():

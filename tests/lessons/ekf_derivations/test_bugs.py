@@ -10,6 +10,7 @@ from nao_course.lessons.ekf_derivations.bugs import (
     BUGS,
     Predictions,
     draw_bug_hunt,
+    worst_heading,
     wrong_by,
 )
 
@@ -32,6 +33,20 @@ def test_each_bug_is_the_formula_of_its_name(solution, predictions, rng):
     assert formulas.keys() == BUGS.keys()
     for bug, wanted in formulas.items():
         assert np.allclose(predictions.wrong(bug, covariance, theta, BUG_DRIVE, noise), wanted)
+
+
+def test_the_worst_heading_is_found_and_not_known(solution):
+    functions = solution["motion_jacobians"], solution["predict_covariance"]
+    assert worst_heading(*functions) == 45
+
+    def slower(pose, control):
+        return solution["motion_jacobians"]((*pose[:2], 0.75 * pose[2]), control)
+
+    def predicted(covariance, pose, control, noise):
+        F, G = slower(pose, control)
+        return F @ covariance @ F.T + G @ noise @ G.T
+
+    assert worst_heading(slower, predicted) == 60
 
 
 def test_bugs_hide_and_show_at_the_headings_that_the_lesson_names(predictions):

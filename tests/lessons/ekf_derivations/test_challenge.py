@@ -2,6 +2,7 @@
 
 import copy
 import re
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -37,6 +38,24 @@ def test_dx_and_dy_change_places_and_the_signs_stay():
     assert np.allclose(distance, np.array([dy, dx]) / np.hypot(dx, dy))
 
 
+def test_no_plan_needs_fewer_calls_than_the_text_says():
+    entries = {name: tuple(np.round(with_mistake(name, *AT), 4).ravel() + 0.0) for name in MISTAKES}
+
+    @cache
+    def calls(left):
+        """In sum over all that are left, by the best plan."""
+        if len(left) == 1:
+            return 0
+        splits = [{entries[name][number] for name in left} for number in range(10)]
+        return len(left) + min(
+            sum(calls(frozenset(name for name in left if entries[name][number] == told)) for told in split)
+            for number, split in enumerate(splits)
+            if len(split) > 1
+        )
+
+    assert calls(frozenset(MISTAKES)) == 45 and round(45 / len(MISTAKES), 1) == 2.6
+
+
 def test_a_right_name_scores_less_one_for_each_call():
     case = WrongJacobian(WRONG[0])
     ask = case.ask()
@@ -57,7 +76,12 @@ def test_all_calls_can_be_used_up():
 
 @pytest.mark.parametrize(
     ("given", "said"),
-    [((2, 0, *AT), "row 0 or 1"), ((0, 5, *AT), "column 0 to 4"), ((0, 0, AT[1], AT[1]), r"shapes \(2,\)")],
+    [
+        ((2, 0, *AT), "row 0 or 1"),
+        ((0, 5, *AT), "column 0 to 4"),
+        ((0, 0, AT[1], AT[1]), r"shapes \(2,\)"),
+        ((0, 0, (1, 2, 0.5), (1, 2)), "where the robot stands"),
+    ],
 )
 def test_what_is_no_question_is_said_and_costs_nothing(given, said):
     case = WrongJacobian(WRONG[0])

@@ -29,7 +29,7 @@ def test_mean_and_standard_deviation_are_off_by_their_formulas(measured):
 
 
 def test_the_numbers_of_the_lesson_are_those_that_are_measured(solution, measured):
-    assert limit_at(measured[TITLES[0]], 5) == pytest.approx(np.degrees(np.sqrt(-2 * np.log(0.95))), abs=0.4)
+    assert limit_at(measured[TITLES[0]], 5) == pytest.approx(np.degrees(np.sqrt(-2 * np.log(0.95))), abs=0.1)
     inside = dict(zip(np.degrees(SIGMAS).round(), measured[TITLES[2]][:, 1], strict=True))
     assert (round(inside[10]), round(inside[15])) == (89, 79)
     functions = solution["predict_pose"], solution["predict_covariance"]
