@@ -164,7 +164,7 @@ def _erase(labels: Any, run: int, **changed: Any) -> Array:
         return _erase(out.T, run).T
     if changed.get("upside_down"):
         return _erase(out[::-1], run)[::-1]
-    run = changed.get("run", run)
+    run = changed.get("always", run)
     needed = run + changed.get("more", 0)
     for u in range(out.shape[1]):
         column = out[:, u].copy()
@@ -174,7 +174,7 @@ def _erase(labels: Any, run: int, **changed: Any) -> Array:
             count = count + 1 if green else (count if changed.get("in_all") else 0)
             if count >= needed and (first is None or changed.get("the_last")):
                 first = v - run + 1 if changed.get("in_all") or changed.get("the_last") else v - count + 1
-                first = max(0, first + changed.get("lower", 0))
+                first += changed.get("lower", 0)  # below 0 it counts from the bottom, as a slice does
         if first is None or (changed.get("rim") and first == len(column) - run):
             if not changed.get("left_alone"):
                 out[:, u] = OTHER
@@ -207,7 +207,10 @@ def _erase_rolled(labels: Any, run: int = 7) -> Array:
 
 
 def _erase_to_green(labels: Any, run: int = 7) -> Array:
-    return _erase(labels, 1)
+    """By argmax, which is 0 as well where nothing is green."""
+    labels = np.asarray(labels)
+    first = (labels == GREEN).argmax(axis=0) if labels.size else 0
+    return np.where(np.arange(len(labels))[:, None] >= first, labels, OTHER)
 
 
 def _erase_window(labels: Any, run: int = 7) -> Array:
@@ -331,7 +334,7 @@ ERASE_BACKGROUND = Exercise(
         ),
         Mistake(
             "seven whatever run is",
-            _erased(run=7),
+            _erased(always=7),
             "You look for 7 green pixels, whatever `run` is.",
         ),
         Mistake(
@@ -445,12 +448,12 @@ def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: fl
 def _as_in_tutorials(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     """As OpenCV 4 gave it, (N, 1, 4)."""
     found = _hough(line_picture, max_line_gap, min_line_length)
-    return np.array([tuple(line[0]) for line in found.tolist()]).reshape(-1, 4)
+    return np.array([tuple(line[0]) for line in found.tolist()])
 
 
 def _as_in_tutorials_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     found: Any = _none(line_picture, max_line_gap, min_line_length)
-    return np.array([tuple(line[0]) for line in found.tolist()] if len(found) else []).reshape(-1, 4)
+    return np.array([tuple(line[0]) for line in found.tolist()] if len(found) else [])
 
 
 def _hough_public() -> list[Case]:
@@ -864,7 +867,7 @@ SEGMENT_INTERSECTION = Exercise(
         ),
         Mistake(
             "the length as a sum",
-            _meeting(length=lambda u, v: abs(u) + abs(v)),
+            _meeting(length=lambda u, v: abs(u) + abs(v), apart=lambda d, e: abs(_signed(d, e))),
             "A segment's length is np.hypot of its differences, not their sum.",
         ),
         Mistake(
