@@ -445,6 +445,10 @@ def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: fl
     return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
 
 
+def _first_column_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
+    return _none(line_picture, max_line_gap, min_line_length)[:, 0]
+
+
 def _as_in_tutorials(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     """As OpenCV 4 gave it, (N, 1, 4)."""
     found = _hough(line_picture, max_line_gap, min_line_length)
@@ -591,6 +595,7 @@ HOUGH_SEGMENTS = Exercise(
             _found(lambda found: found[:, 0] if len(found) else found),
             _TUTORIALS,
         ),
+        Mistake("the first column, always", _first_column_always, _TUTORIALS),
         Mistake("the first number", _as_in_tutorials, _TUTORIALS),
         Mistake("the first number, always", _as_in_tutorials_always, _TUTORIALS),
         Mistake(
@@ -1485,6 +1490,19 @@ PLAN = LessonPlan(
                 "It makes no difference: the mean is what counts.": "The mean is a sum of these. Each report changes it by -2.333 or by 5.",
             },
             "No: a false corner costs more than a hit gains.",
+        ),
+        Question(
+            "where_corners_go",
+            "Your detector finds 14 of 61 corners. At which step are most of the others lost?",
+            {
+                "Labels: there is no white where the corner is.": "There is white within 3 pixels of all 61.",
+                "Erasing: the corner goes with the background.": "12 go there. A later step takes twice as many.",
+                "Segments: one of the two lines gives none.": "37 corners have a segment near by, and 12 of these have two that are not parallel. "
+                "25 lack the second.",
+                "Crossings: both segments are there, and end too early.": "Two segments that are not parallel pass near 12 corners only. Too few are "
+                "left to be lost there.",
+            },
+            "Segments: one of the two lines gives none.",
         ),
     ],
     written=[

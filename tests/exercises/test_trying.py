@@ -2,6 +2,7 @@
 
 from unittest import mock
 
+import cv2
 import numpy as np
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
@@ -77,10 +78,11 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(caps
         (lambda: np.zeros(3)[0:1.6], "Limits of a slice are whole numbers"),
         (lambda: np.zeros(3)[np.array([0.5])], "Indices are whole numbers"),
         (lambda: (lambda: 0).shape, "a function, not an array"),
+        (lambda: cv2.Canny(np.zeros((3, 3)), 50, 150), "a picture of bytes"),
     ],
 )
 def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
-    with pytest.raises((IndexError, TypeError, AttributeError)) as caught:
+    with pytest.raises((IndexError, TypeError, AttributeError, cv2.error)) as caught:
         slip()
     (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
     assert advice in said
