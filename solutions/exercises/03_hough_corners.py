@@ -511,11 +511,6 @@ def _hough_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-_TUTORIALS = (
-    "Tutorials take [:, 0] or line[0], for OpenCV 4 gives (N, 1, 4). Here it is (N, 4) already; found.reshape(-1, 4) is "
-    "right in both."
-)
-
 HOUGH_SEGMENTS = Exercise(
     name="hough_segments",
     points=2,
@@ -593,11 +588,23 @@ HOUGH_SEGMENTS = Exercise(
         Mistake(
             "the first column",
             _found(lambda found: found[:, 0] if len(found) else found),
-            _TUTORIALS,
+            "Tutorials take [:, 0], for OpenCV 4 gives (N, 1, 4). Here it is (N, 4) already, and [:, 0] leaves one number of each segment.",
         ),
-        Mistake("the first column, always", _first_column_always, _TUTORIALS),
-        Mistake("the first number", _as_in_tutorials, _TUTORIALS),
-        Mistake("the first number, always", _as_in_tutorials_always, _TUTORIALS),
+        Mistake(
+            "the first column, always",
+            _first_column_always,
+            "[:, 0] is for OpenCV 4, which gives (N, 1, 4). Here it is (N, 4) already, or None where there is no line: ask for that first.",
+        ),
+        Mistake(
+            "the first number",
+            _as_in_tutorials,
+            "Tutorials take line[0], for OpenCV 4 gives (N, 1, 4). Here a line is its four numbers already.",
+        ),
+        Mistake(
+            "the first number, always",
+            _as_in_tutorials_always,
+            "line[0] is for OpenCV 4. Here a line is its four numbers already; and where there is no line, HoughLinesP returns None, which has no items.",
+        ),
         Mistake(
             "too few votes",
             _found(votes=10),

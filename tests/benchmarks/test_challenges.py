@@ -51,7 +51,13 @@ def test_a_detector_finds_no_point_where_nothing_is_and_refuses_what_is_no_pictu
     find = ENTRIES[lesson][name]
     for picture in (PLAIN, PLAIN * 0, PLAIN * 0 + 255, PLAIN[:1, :1], PLAIN[:5, :7], PLAIN[:0], PLAIN[:, :0]):
         assert np.shape(find(picture)) == (0, 2)
-    for other in (PLAIN[..., 0], PLAIN / 255, PLAIN.astype(int), np.dstack([PLAIN, PLAIN[..., :1]]), [[1, 2]]):
+    for other in (
+        PLAIN[..., 0],
+        PLAIN / 255,
+        PLAIN.astype(int),
+        np.dstack([PLAIN, PLAIN[..., :1]]),
+        [[1, 2]],
+    ):
         with pytest.raises(ValueError, match=r"must be RGB, uint8 \(H, W, 3\)"):
             find(other)
 
