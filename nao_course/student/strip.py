@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from html import escape
 
@@ -73,11 +74,14 @@ def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
     every = all_stages()
     stages = [each for each in every if not lesson or number_of(each.lesson) < lesson]
     idle = lesson if brings_nothing(lesson, every) else ""
-    folder, found, late = notebooks_folder(), Readiness(), ""
+    folder, found, late, end = notebooks_folder(), Readiness(), "", time.monotonic() + seconds
     try:
         with alarm(min(seconds, 3600.0)):
             for stage in stages:
-                found = add_ready(found, stage, {}, folder, seconds)
+                more = add_ready(found, stage, {}, folder, seconds)
+                if time.monotonic() >= end:  # what was looked at last may be called too slow by this alone
+                    raise TimeIsUp
+                found = more
     except TimeIsUp:
         late = _TOO_LONG
     coming = next_planned(found.stages)

@@ -151,6 +151,9 @@ LINE_PICTURE = Exercise(
         ),
         "a table": lambda labels: np.array([0, 0, 0, 255], dtype=np.uint8)[labels],
     },
+    equivalents={
+        "return np.where(labels >= 3, 255, 0).astype(np.uint8)": "no label is larger than 3",
+    },
 )
 
 
@@ -485,7 +488,7 @@ def _at_defaults_of_hough() -> dict[str, Array]:
         "length, a line too short": drawn([(10, 20, 47, 20)]),
         "length, a line just long enough": drawn([(10, 20, 48, 20)]),
         "gap, pieces that are joined": drawn([(0, 14, 29, 14), (37, 14, 61, 14)], 3),
-        "gap, pieces too far apart": drawn([(2, 20, 30, 20), (36, 20, 61, 20)]),
+        "gap, pieces too far apart": drawn([(0, 14, 29, 14), (36, 14, 61, 14)], 1),
     }
 
 
@@ -1343,6 +1346,11 @@ def _corners_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
+def _pairs(others: str, pair: str = "(first, second)") -> str:
+    """The solution's line that pairs segments, with other ones for the second."""
+    return f"pairs = [{pair} for i, first in enumerate(segments) for second in segments[{others}]]"
+
+
 FIND_CORNERS = Exercise(
     name="find_corners",
     points=5,
@@ -1459,6 +1467,17 @@ FIND_CORNERS = Exercise(
         "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "inside = ((points >= 0) & (points <= labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "meetings = [segment_intersection(second, first) for first, second in pairs]": "both segments are treated alike",
+        _pairs("i + 1:", "(second, first)"): "both segments are treated alike",
+        **{
+            _pairs(others): "a segment is parallel to itself, and what meets twice is a double"
+            for others in (
+                "i:",
+                ":",
+                "1:",
+                *(f"i {sign} 1:" for sign in ("*", "//", "%", "**", ">>", "|", "&", "^")),
+                "i + 0:",
+            )
+        },
         "return remove_doubles(points[inside], 11.0)": "which of several near crossings stays is left open",
     },
 )
