@@ -17,7 +17,6 @@ import numpy.typing as npt
 from benchmarks import ROOT, Result, Table
 from benchmarks.posts import COLOURS, GREEN, MOST_MS, OWN, label, loop_over_columns, milliseconds
 from nao_course.exercises import load_definitions
-from nao_course.lessons.hough_corners import white_lines
 from nao_course.sim import standard_scenes
 
 Pixels = npt.NDArray[np.uint8]
@@ -46,7 +45,7 @@ def _in_range(hls: Any, low: tuple[float, ...], high: tuple[float, ...]) -> npt.
 
 def lines_of(picture: Pixels) -> Pixels:
     """What Canny is given."""
-    return white_lines(CORNERS["erase_background"](quick_labels(picture)))
+    return CORNERS["line_picture"](CORNERS["erase_background"](quick_labels(picture)))
 
 
 def calls_alone(picture: Pixels, lines: Pixels) -> None:
@@ -74,7 +73,7 @@ def pixel_by_pixel(picture: Pixels) -> Any:
             count = count + 1 if labels[v, u] == 1 else 0
             v += 1
         kept[: v - 7 if count == 7 else height, u] = 0
-    return CORNERS["hough_segments"](white_lines(kept))
+    return CORNERS["hough_segments"](CORNERS["line_picture"](kept))
 
 
 def _label_of(red: int, green: int, blue: int, threshold: float) -> int:

@@ -7,15 +7,13 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks import ROOT
 from benchmarks.challenges.corners import find_corners_better
+from benchmarks.challenges.pictures import Pixels, finds_points
 from benchmarks.challenges.posts import labels_of, nothing
 from nao_course.exercises import Definitions, load_definitions
-from nao_course.lessons.hough_corners import white_lines
 
-Pixels = npt.NDArray[np.uint8]
 ENDLESS = 1e9  # px
 
 
@@ -25,10 +23,11 @@ def lesson_functions() -> Definitions:
     return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
 
 
+@finds_points
 def paper(picture: Pixels) -> Any:
     """Aliyev et al. 2014, section 4.3, with hue alone; "intersections of these lines" read as lines without ends."""
     own, labels = lesson_functions(), labels_of(picture, 0.0)
-    white = white_lines(own["erase_background"](labels))
+    white = own["line_picture"](own["erase_background"](labels))
     pairs = combinations(own["hough_segments"](white), 2)
     meetings = [own["segment_intersection"](*pair, ENDLESS) for pair in pairs]
     points = np.array([each for each in meetings if each is not None]).reshape(-1, 2)
@@ -36,6 +35,7 @@ def paper(picture: Pixels) -> Any:
     return own["remove_doubles"](points[inside], 10.0)
 
 
+@finds_points
 def reference(picture: Pixels) -> Any:
     """The lesson's detector: a floor under saturation, and segments 5 pixels longer."""
     return lesson_functions()["find_corners"](labels_of(picture))

@@ -7,13 +7,12 @@ from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks import ROOT
 from benchmarks.challenges.colours import lesson_functions as colour_functions
+from benchmarks.challenges.pictures import Pixels, finds_points
 from nao_course.exercises import Definitions, load_definitions
 
-Pixels = npt.NDArray[np.uint8]
 GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)  # degrees, as in the lesson
 
 
@@ -37,6 +36,7 @@ def nothing(picture: Pixels) -> Any:
     return np.zeros((0, 2))
 
 
+@finds_points
 def paper(picture: Pixels) -> Any:
     """Aliyev et al. 2014, section 4.2, with hue alone; "some green" of "a few pixels" read as 3 of 5; 15 percent."""
     own = lesson_functions()
@@ -44,11 +44,13 @@ def paper(picture: Pixels) -> Any:
     return own["cluster_points"](candidates, 20.0)
 
 
+@finds_points
 def reference(picture: Pixels) -> Any:
     """The lesson's detector."""
     return lesson_functions()["find_goalposts"](labels_of(picture))
 
 
+@finds_points
 def better(picture: Pixels) -> Any:
     """Noise taken out first, a wider yellow that must be more saturated, and a longer linkage.
 

@@ -252,8 +252,9 @@ class Run:
             if each.message:
                 met.setdefault(each.message, []).append(each.name)
         case, of = self.challenge.case, len(self.challenge.seeds)
+        cost = f"bring no answer and count {self.challenge.nothing:g} each"
         return [
-            f"{len(names)} of {of} {case}s count as nothing, the first is {names[0]}: {message}"
+            f"{len(names)} of {of} {case}s {cost}, the first is {names[0]}: {message}"
             for message, names in met.items()
         ]
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 from typing import Any, Literal
 
 import numpy as np
@@ -27,6 +28,7 @@ Status = Literal[
 _NAME, _MRO = (type.__dict__[name].__get__ for name in ("__name__", "__mro__"))  # not as a stranger's class says
 _MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
+IMPORTING = 20.0  # seconds for which an alarm waits until an import has ended
 REFERENCE = "<reference>"  # file name of what is lent to a student
 _NOT_THE_STUDENTS = (
     REFERENCE,
@@ -164,11 +166,22 @@ class TimeIsUp(BaseException):
     """Raised into a student's code that runs too long; no `except Exception` of theirs stops it."""
 
 
+def _importing(frame: FrameType | None) -> bool:
+    """Whether a frame runs while a module is being imported."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
 @contextmanager
 def alarm(seconds: float) -> Iterator[None]:
     """Raise TimeIsUp in the block after a time; one that is in another rings no later than that.
 
-    Where there is no alarm clock (Windows, or another thread than the main one), there is no limit.
+    It does not ring in the middle of an import, but after it: a compiled module that is begun and not ended can never be
+    imported again. It waits for IMPORTING seconds at most. Where there is no alarm clock (Windows, or another thread
+    than the main one), there is no limit.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
@@ -176,12 +189,18 @@ def alarm(seconds: float) -> Iterator[None]:
 
     over = False
 
-    def ring(*_: object) -> None:
-        if not over:
-            raise TimeIsUp
-
     outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 where this one is in no other
     began = time.monotonic()
+    last = began + seconds + IMPORTING
+
+    def ring(_: int, frame: FrameType | None) -> None:
+        if over:
+            return
+        if time.monotonic() < last and _importing(frame):
+            signal.setitimer(signal.ITIMER_REAL, 0.05)
+            return
+        raise TimeIsUp
+
     before = signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, min(seconds, outer) if outer else seconds)
     try:

@@ -87,6 +87,7 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "SymPy's own.",
     "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
     "started? The grader runs what you define, and no demonstrations.",
+    "depth() == CV_8U": "OpenCV takes a picture of bytes there: .astype(np.uint8).",
     "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "
     "all of them: say values[mask] there, too, or np.where(mask, values, others).",
     "with size 0": "That array is empty: ask for its length before you take something out of it.",

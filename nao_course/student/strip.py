@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from html import escape
 
@@ -28,7 +29,8 @@ class Strip:
     coming : str
         What comes next: "goal posts (02)"; empty when nothing does.
     why : str
-        What that still lacks, in a sentence; empty where its lesson has not been begun.
+        What that still lacks, in a sentence; empty where its lesson has not been begun. Without anything that comes
+        next: why nobody knows.
     idle : str
         Number of the lesson that begins, where it brings nothing new to the robot; empty otherwise.
     """
@@ -42,7 +44,7 @@ class Strip:
         """The line as text."""
         there = ", ".join(f"✔ {name}" for name in self.ready) or "nothing yet"
         why = f" ({self.why})" if self.why else ""
-        coming = f"next: {self.coming}{why}" if self.coming else "that is all the course gives it"
+        coming = f"next: {self.coming}{why}" if self.coming else self.why or "that is all the course gives it"
         idle = f"lesson {self.idle} adds nothing to it · " if self.idle else ""
         return f"Your NAO so far: {there} · {idle}{coming}"
 
@@ -72,15 +74,20 @@ def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
     every = all_stages()
     stages = [each for each in every if not lesson or number_of(each.lesson) < lesson]
     idle = lesson if brings_nothing(lesson, every) else ""
-    folder, found, late = notebooks_folder(), Readiness(), ""
+    folder, found, late, end = notebooks_folder(), Readiness(), "", time.monotonic() + seconds
     try:
         with alarm(min(seconds, 3600.0)):
             for stage in stages:
-                found = add_ready(found, stage, {}, folder, seconds)
+                more = add_ready(found, stage, {}, folder, seconds)
+                if time.monotonic() >= end:  # what was looked at last may be called too slow by this alone
+                    raise TimeIsUp
+                found = more
     except TimeIsUp:
         late = _TOO_LONG
     coming = next_planned(found.stages)
     if coming is None:
         return Strip(tuple(names_of(found.stages)), idle=idle)
     number, name = coming
-    return Strip(tuple(names_of(found.stages)), f"{name} ({number})", found.missing.get(name, late), idle)
+    if late and name not in found.missing:
+        return Strip(tuple(names_of(found.stages)), why=late, idle=idle)  # it may be solved: nobody looked
+    return Strip(tuple(names_of(found.stages)), f"{name} ({number})", found.missing.get(name, ""), idle)

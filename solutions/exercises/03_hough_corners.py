@@ -9,8 +9,20 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Points, Question, Written
-from nao_course.lessons.hough_corners import Segments
+from nao_course.exercises import (
+    All,
+    Case,
+    Close,
+    Exact,
+    Exercise,
+    LessonPlan,
+    Mistake,
+    Points,
+    Property,
+    Question,
+    Written,
+)
+from nao_course.lessons.hough_corners.segments import Segments, of_bytes
 
 Array = npt.NDArray[Any]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
@@ -82,7 +94,7 @@ LINE_PICTURE = Exercise(
     stars=1,
     public=_lines_public,
     hidden=_lines_hidden,
-    comparison=Exact(),
+    comparison=All((Property(of_bytes), Exact())),
     hints=(
         "labels == 3 is true where a pixel is white. How does true become 255?",
         "np.where takes what is asked, what holds where it is true, and what holds elsewhere. The result counts in int64: .astype(np.uint8) makes a picture of it.",
@@ -102,6 +114,16 @@ LINE_PICTURE = Exercise(
             "the labels left",
             lambda labels: np.where(np.asarray(labels) == WHITE, labels, 0).astype(np.uint8),
             "You keep the label 3 where it is white. A picture wants 255 there.",
+        ),
+        Mistake(
+            "other labels left",
+            lambda labels: np.where(np.asarray(labels) == WHITE, 255, labels).astype(np.uint8),
+            "Green and yellow keep their labels, 1 and 2. All that is not white becomes 0.",
+        ),
+        Mistake(
+            "eight bytes a pixel",
+            lambda labels: (np.asarray(labels) == WHITE) * 255,
+            "The numbers are right. OpenCV takes a picture of bytes only: end with .astype(np.uint8).",
         ),
         Mistake(
             "black lines",
@@ -129,6 +151,9 @@ LINE_PICTURE = Exercise(
         ),
         "a table": lambda labels: np.array([0, 0, 0, 255], dtype=np.uint8)[labels],
     },
+    equivalents={
+        "return np.where(labels >= 3, 255, 0).astype(np.uint8)": "no label is larger than 3",
+    },
 )
 
 
@@ -142,6 +167,7 @@ def _erase(labels: Any, run: int, **changed: Any) -> Array:
         return _erase(out.T, run).T
     if changed.get("upside_down"):
         return _erase(out[::-1], run)[::-1]
+    run = changed.get("always", run)
     needed = run + changed.get("more", 0)
     for u in range(out.shape[1]):
         column = out[:, u].copy()
@@ -149,9 +175,10 @@ def _erase(labels: Any, run: int, **changed: Any) -> Array:
         for v, label in enumerate(column):
             green = label != OTHER if changed.get("any_colour") else label == GREEN
             count = count + 1 if green else (count if changed.get("in_all") else 0)
-            if count >= needed and first is None:
-                first = v - count + 1 if not changed.get("in_all") else v - run + 1
-        if first is None:
+            if count >= needed and (first is None or changed.get("the_last")):
+                first = v - run + 1 if changed.get("in_all") or changed.get("the_last") else v - count + 1
+                first += changed.get("lower", 0)  # below 0 it counts from the bottom, as a slice does
+        if first is None or (changed.get("rim") and first == len(column) - run):
             if not changed.get("left_alone"):
                 out[:, u] = OTHER
         elif changed.get("below"):
@@ -173,6 +200,20 @@ def _erase_all_but_white(labels: Any, run: int = 7) -> Array:
 def _erase_mask(labels: Any, run: int = 7) -> Array:
     """Where something is left, as true and false."""
     return _erase(labels, run) > 0
+
+
+def _erase_rolled(labels: Any, run: int = 7) -> Array:
+    """Shifted copies that come back at the other end."""
+    green = np.asarray(labels) == GREEN
+    begins = np.logical_and.reduce([np.roll(green, -i, axis=0) for i in range(run)])
+    return np.where(np.logical_or.accumulate(begins, axis=0), labels, 0)
+
+
+def _erase_to_green(labels: Any, run: int = 7) -> Array:
+    """By argmax, which is 0 as well where nothing is green."""
+    labels = np.asarray(labels)
+    first = (labels == GREEN).argmax(axis=0) if labels.size else 0
+    return np.where(np.arange(len(labels))[:, None] >= first, labels, OTHER)
 
 
 def _erase_window(labels: Any, run: int = 7) -> Array:
@@ -213,6 +254,7 @@ def _erase_public() -> list[Case]:
             (columns("oggwgggggggwgo", "ogggggggwwoggg", "oggggggwgggggw", "wgwgwgwgwgwggg"), 7), "runs of 7"
         ),
         Case((columns("ooogggg", "gggowww", "wwwwwww"), 4), "a run that ends at the picture's edge"),
+        Case((columns("ggwowwog", "gwowowgg", "wgggwggg"), 3), "green at both ends, a run of 3"),
         Case((field([(5, 20, 60, 26), (30, 24, 20, 46)], 14), 7), "lines on carpet below a wall"),
         Case((columns("ywgw", "gwgo"), 1), "a run of one pixel"),
         Case((columns("wggggggwggggggg", "gggggggwogggggg", "ggggggggwoggggg"),), "the default run"),
@@ -226,6 +268,7 @@ def _erase_hidden(rng: np.random.Generator) -> list[Case]:
         Case((scattered(rng, 240, 320), 7)),
         Case((scattered(rng, 80, 60),)),
         Case((scattered(rng, 5, 30), 7)),
+        Case((np.pad(scattered(rng, 9, 40) % 3 // 2 * WHITE, ((3, 4), (0, 0)), constant_values=GREEN), 6)),
         Case((np.full((20, 15), int(rng.choice([OTHER, WHITE])), dtype=np.uint8), 7)),
         Case((np.full((20, int(rng.integers(5, 15))), GREEN, dtype=np.uint8), 7)),
     ]
@@ -282,6 +325,41 @@ ERASE_BACKGROUND = Exercise(
             "A run of exactly `run` green pixels is enough. You ask for one more.",
         ),
         Mistake("one fewer", _erased(more=-1), "You stop one green pixel too early: it takes `run` of them."),
+        Mistake(
+            "the first green",
+            _erase_to_green,
+            "You stop at the first green pixel. It takes `run` of them, one after the other.",
+        ),
+        Mistake(
+            "the last run",
+            _erased(the_last=True),
+            "You take the last run of a column. The field begins at the first one from the top.",
+        ),
+        Mistake(
+            "seven whatever run is",
+            _erased(always=7),
+            "You look for 7 green pixels, whatever `run` is.",
+        ),
+        Mistake(
+            "to the end of the run",
+            lambda labels, run=7: _erase(labels, run, lower=run - 1),
+            "You erase to the end of the run, where you know of it. It began run - 1 rows higher, and all of it stays.",
+        ),
+        Mistake(
+            "a row too high",
+            _erased(lower=-1),
+            "You erase one row too few: a run whose last pixel is in row v begins in row v - run + 1.",
+        ),
+        Mistake(
+            "not in the last row",
+            _erased(rim=True),
+            "You miss a run that ends in the last row: it begins in row H - run, and range(H - run) ends before that.",
+        ),
+        Mistake(
+            "rolled",
+            _erase_rolled,
+            "np.roll brings the top rows back below the last one, so that a run goes on there. Below the picture nothing is green.",
+        ),
         Mistake(
             "any colour",
             _erased(any_colour=True),
@@ -370,6 +448,21 @@ def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: fl
     return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
 
 
+def _first_column_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
+    return _none(line_picture, max_line_gap, min_line_length)[:, 0]
+
+
+def _as_in_tutorials(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """As OpenCV 4 gave it, (N, 1, 4)."""
+    found = _hough(line_picture, max_line_gap, min_line_length)
+    return np.array([tuple(line[0]) for line in found.tolist()])
+
+
+def _as_in_tutorials_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    found: Any = _none(line_picture, max_line_gap, min_line_length)
+    return np.array([tuple(line[0]) for line in found.tolist()] if len(found) else [])
+
+
 def _hough_public() -> list[Case]:
     corner = drawn([(6, 10, 58, 14), (32, 12, 22, 44)], 7)
     gaps = drawn([(3, 12, 29, 12), (42, 12, 61, 12), (5, 34, 22, 34), (28, 34, 60, 34)], 7)
@@ -384,6 +477,7 @@ def _hough_public() -> list[Case]:
         ),
         Case((np.zeros(SIZE, dtype=np.uint8), 5, 40), "no line at all"),
         Case((drawn([(30, 20, 34, 20)], 3), 5, 15), "a spot, and no line"),
+        Case((drawn([(20, 20, 36, 20)], 3), 5, 10), "a line of 17 px, too short for 20 votes"),
         *(Case((picture,), f"the default {name}") for name, picture in _at_defaults_of_hough().items()),
     ]
 
@@ -394,7 +488,7 @@ def _at_defaults_of_hough() -> dict[str, Array]:
         "length, a line too short": drawn([(10, 20, 47, 20)]),
         "length, a line just long enough": drawn([(10, 20, 48, 20)]),
         "gap, pieces that are joined": drawn([(0, 14, 29, 14), (37, 14, 61, 14)], 3),
-        "gap, pieces too far apart": drawn([(2, 20, 30, 20), (36, 20, 61, 20)]),
+        "gap, pieces too far apart": drawn([(0, 14, 29, 14), (36, 14, 61, 14)], 1),
     }
 
 
@@ -415,6 +509,7 @@ def _hough_hidden(rng: np.random.Generator) -> list[Case]:
         Case((drawn([(40, 60, 200, 70), (100, 150, 125, 150)], 8, large), 5, 60)),
         Case((np.zeros((int(rng.integers(20, 60)), 50), dtype=np.uint8), 5, 40)),
         Case((drawn([(30, 20, 34, 20)], 3), 5, 15)),
+        *(Case((drawn([(20, 20, 20 + length, 20)], 3), 5, 10)) for length in (15, 16, 22)),
         *(Case((np.pad(picture, ((0, 9), (0, 0))),)) for picture in _at_defaults_of_hough().values()),
     ]
 
@@ -494,6 +589,31 @@ HOUGH_SEGMENTS = Exercise(
             "Your segments are (v1, u1, v2, u2). OpenCV's order is the course's: (u1, v1, u2, v2), columns first.",
         ),
         Mistake(
+            "the first column",
+            _found(lambda found: found[:, 0] if len(found) else found),
+            "Tutorials take [:, 0], for OpenCV 4 gives (N, 1, 4). Here it is (N, 4) already, and [:, 0] leaves one number of each segment.",
+        ),
+        Mistake(
+            "the first column, always",
+            _first_column_always,
+            "[:, 0] is for OpenCV 4, which gives (N, 1, 4). Here it is (N, 4) already, or None where there is no line: ask for that first.",
+        ),
+        Mistake(
+            "the first number",
+            _as_in_tutorials,
+            "Tutorials take line[0], for OpenCV 4 gives (N, 1, 4). Here a line is its four numbers already.",
+        ),
+        Mistake(
+            "the first number, always",
+            _as_in_tutorials_always,
+            "line[0] is for OpenCV 4. Here a line is its four numbers already; and where there is no line, HoughLinesP returns None, which has no items.",
+        ),
+        Mistake(
+            "too few votes",
+            _found(votes=10),
+            "Your segments need fewer votes than 20: that is HoughLinesP's fourth argument.",
+        ),
+        Mistake(
             "the first only",
             _found(lambda found: found[:1]),
             "You return one segment. All of them are wanted, (N, 4).",
@@ -530,16 +650,21 @@ def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
     """Where two segments meet, with one thing done in another way."""
     a, b = (np.array(each, dtype=float) for each in (first, second))
     p, q, d, e = a[:2], b[:2], a[2:] - a[:2], b[2:] - b[:2]
-    n, m = float(np.hypot(*d)), float(np.hypot(*e))
+    length = changed.get("length", np.hypot)
+    n, m = float(length(*d)), float(length(*e))
     cross = d[0] * e[1] - d[1] * e[0]
-    if abs(cross) < changed.get("parallel", PARALLEL) * n * m or cross == 0:
+    apart = changed["apart"](d, e) if "apart" in changed else abs(cross) / (n * m)
+    if apart < changed.get("parallel", PARALLEL) or cross == 0:
         return changed.get("nothing")
     w = q - p
     t, s = (
         (w[0] * e[1] - w[1] * e[0]) / cross * n,
         (w[0] * d[1] - w[1] * d[0]) / cross * m,
     )  # px from the starts
+    s = -s if changed.get("minus") else s
     before, after = changed.get("before", reach), changed.get("after", reach)
+    if changed.get("one_length"):
+        changed = {**changed, "second": before * m / n}
     if changed.get("parts"):  # reach taken as a part of the length
         t, s, n, m = t / n, s / m, 1.0, 1.0
     near_first = -before <= t <= n + after or changed.get("unbounded")
@@ -552,6 +677,22 @@ def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
 
 def _meeting(**changed: Any) -> Any:
     return lambda first, second, reach=5.0: _meet(first, second, reach, **changed)
+
+
+def _cosine(d: Array, e: Array) -> float:
+    """The sine's place is taken by 1 where the angle is between 10 and 350 degrees, by 0 elsewhere."""
+    return float(d @ e <= np.cos(np.radians(10.0)) * np.hypot(*d) * np.hypot(*e))
+
+
+def _slope_angles(d: Array, e: Array) -> float:
+    """As above, by the angles of both slopes."""
+    with np.errstate(all="ignore"):
+        angles = [float(np.degrees(np.arctan(np.float64(each[1]) / np.float64(each[0])))) for each in (d, e)]
+    return float(abs(angles[0] - angles[1]) >= 10.0)
+
+
+def _signed(d: Array, e: Array) -> float:
+    return float((d[0] * e[1] - d[1] * e[0]) / (np.hypot(*d) * np.hypot(*e)))
 
 
 def _divided(first: Any, second: Any, reach: float = 5.0) -> Any:
@@ -645,12 +786,17 @@ def _meet_public() -> list[Case]:
             (level, segment(52, 27, 40, 50), 5.0),
             "the crossing lies 2 px beyond the end, but 8 px beyond the other",
         ),
-        Case((segment(0, 0, 30, 30), segment(34, 26, 60, 0), 5.0), "slanted, 3 px short"),
+        Case((segment(0, 0, 30, 30), segment(34, 26, 60, 0), 5.0), "slanted, 5.7 px short"),
         Case((segment(0, 0, 30, 30), segment(34.5, 34.5, 60, 9), 5.0), "slanted, 6.4 px short"),
         Case((level, segment(54.5, 2, 54.5, 40)), "4.5 px short, with the default reach"),
         Case((level, segment(55.5, 2, 55.5, 40)), "5.5 px short, with the default reach"),
         Case((level, segment(10, 16.7, 50, 23.3)), "at 9.4 degrees"),
         Case((level, segment(10, 16.3, 50, 23.7)), "at 10.5 degrees"),
+        Case((level, segment(50, 22, 10, 18)), "at 6 degrees, in the opposite direction"),
+        Case((segment(29, 0, 31, 40), segment(31, 0, 29, 40)), "two upright ones at 6 degrees"),
+        Case((level, segment(30, 24, 30, 34)), "a long and a short segment, 4 px apart"),
+        Case((level, segment(58, 16, 58, 26)), "8 px beyond the long segment's end"),
+        Case((segment(0, 0, 30, 30), segment(33, 10, 33, 60)), "4.2 px beyond a slanted segment's end"),
     ]
 
 
@@ -677,6 +823,11 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((flat, segment(u + 60 + beyond, v - 20, u + 60 + beyond, v + 30))) for beyond in (4.5, 5.5)),
         *(Case((flat, segment(u, v - up, u + 60, v + up))) for up in (4.95, 5.55)),  # at 9.4 and 10.5 degrees
         Case((segment(5, 5, 5, 40), segment(9, 5, 9, 40), 5.0)),
+        Case((flat, segment(u + 60, v + 3, u, v - 3))),
+        Case((segment(u - 1, v, u + 2, v + 60), segment(u + 2, v, u - 1, v + 60))),
+        *(Case((flat, segment(u + 30, v + short, u + 30, v + short + 12), 7.0)) for short in (6, 8)),
+        *(Case((flat, segment(u + 60 + far, v - 5, u + 60 + far, v + 6), 7.0)) for far in (6, 10)),
+        *(Case((segment(u, v, u + 30, v + 30), segment(u + k, v - 9, u + k, v + 90))) for k in (33.3, 33.8)),
         Case((segment(u, v - 20, u, v + 30), segment(u - 25, v, u + 18, v + 6), 5.0)),
         Case((segment(u - 25, v, u + 18, v + 6), segment(u, v + 30, u, v - 20), 0.0)),
     ]
@@ -690,8 +841,8 @@ SEGMENT_INTERSECTION = Exercise(
     hidden=_meet_hidden,
     comparison=Close(rtol=0.0, atol=1e-3),
     hints=(
-        "Equation 3.2 has both parameters, t along the first and s along the second. Compute the denominator first: it says whether they are parallel. Its size is "
-        "both lengths times the sine of the angle between them.",
+        "Equation 3.3 has t, the part along the first segment; the second has its own, s, with the same denominator. Compute that first: it says whether they "
+        "are parallel. Its size is both lengths times the sine of the angle between them.",
         "A parameter runs from 0 to 1 along its segment. With reach pixels more at each end it runs from -reach / length to 1 + reach / length, "
         "and each segment has its own length. Both have to hold.",
     ),
@@ -712,7 +863,42 @@ SEGMENT_INTERSECTION = Exercise(
             "You test the first segment only: the crossing may lie far beyond the second one's end.",
         ),
         Mistake(
-            "no reach", _meeting(before=0.0, after=0.0), "The segments are not extended: reach is not used."
+            "no reach",
+            _meeting(before=0.0, after=0.0),
+            "The segments are made longer by too little, or not at all. It has to be reach pixels at each end.",
+        ),
+        Mistake(
+            "five whatever reach is", _meeting(before=5.0, after=5.0), "You use 5 pixels, whatever reach is."
+        ),
+        Mistake(
+            "the other sign of s",
+            _meeting(minus=True),
+            "You miss crossings that are there, as with an s of the wrong sign. Put the numbers of the text into yours: it must be -0.081.",
+        ),
+        Mistake(
+            "one length for both",
+            _meeting(one_length=True),
+            "reach pixels are another part of each segment's length. You divide by the same length for both.",
+        ),
+        Mistake(
+            "the length as a sum",
+            _meeting(length=lambda u, v: abs(u) + abs(v), apart=lambda d, e: abs(_signed(d, e))),
+            "A segment's length is np.hypot of its differences, not their sum.",
+        ),
+        Mistake(
+            "opposite directions",
+            _meeting(apart=_cosine, parallel=0.5),
+            "Segments in opposite directions are parallel as well: the angle between them is near 180 degrees. Hough returns both directions.",
+        ),
+        Mistake(
+            "angles of slopes",
+            _meeting(apart=_slope_angles, parallel=0.5),
+            "Two upright segments that lean to different sides have angles near 90 and -90 degrees. Their difference is near 180, and they are parallel.",
+        ),
+        Mistake(
+            "the sign of the denominator",
+            _meeting(apart=_signed),
+            "D x E is negative where the second segment turns the other way. They are parallel where its absolute value is small.",
         ),
         Mistake(
             "one end only",
@@ -752,7 +938,7 @@ SEGMENT_INTERSECTION = Exercise(
         Mistake(
             "slopes",
             _meet_slopes,
-            "An upright segment has no slope: v = m u + b divides by zero there. Use the segments' directions, as equation 3.2 does.",
+            "An upright segment has no slope: v = m u + b divides by zero there. Use the segments' directions, as equation 3.3 does.",
         ),
         Mistake(
             "boxes",
@@ -803,7 +989,8 @@ def _kept(points: Any, radius: float, **changed: Any) -> Array:
         if changed.get("last"):
             others = stay[-1:]
         apart = [changed.get("distance", lambda d: np.hypot(*d))(point - other) for other in others]
-        if all(a >= radius if changed.get("at_the_rim") else a > radius for a in apart):
+        far = [a >= radius if changed.get("at_the_rim") else a > radius for a in apart]
+        if not far or changed.get("enough", all)(far):
             stay.append(point)
     return np.array(stay).reshape(-1, 2)
 
@@ -875,7 +1062,14 @@ def _doubles_public() -> list[Case]:
         ),
         Case((np.array([[0.0, 0.0], [0.0, 10.0], [30.0, 0.0]]), 10.0), "exactly 10 px apart"),
         Case((np.array([[0.0, 0.0], [8.0, 8.0], [3.5, 0.0]]), 10.0), "8 px apart in both directions"),
-        Case((np.array([[5.25, 7.75], [60.0, 7.0], [60.0, 9.0]]), 4.0), "a radius of 4, with fractions"),
+        Case(
+            (np.array([[18.0, 10.0], [10.0, 10.0], [26.0, 10.0]]), 10.0),
+            "the middle one of three comes first",
+        ),
+        Case(
+            (np.array([[5.25, 7.75], [60.0, 7.0], [60.0, 9.0], [60.0, 14.0]]), 4.0),
+            "a radius of 4, with fractions",
+        ),
         Case((np.zeros((0, 2)), 10.0), "no points"),
     ]
 
@@ -934,6 +1128,21 @@ REMOVE_DOUBLES = Exercise(
             "Of near points the last one stays with you. It has to be the first.",
         ),
         Mistake(
+            "sorted",
+            lambda points, radius: _kept(sorted(np.asarray(points, dtype=float).tolist()), radius),
+            "You sort the points first. They are taken in the order in which they come.",
+        ),
+        Mistake(
+            "ten whatever radius is",
+            lambda points, radius: _kept(points, 10.0),
+            "You use 10 pixels, whatever radius is.",
+        ),
+        Mistake(
+            "far from one of them",
+            _doubles(enough=any),
+            "You keep a point that is far from one of the kept ones. It has to be far from all of them.",
+        ),
+        Mistake(
             "squared distance",
             _doubles(distance=lambda d: (d**2).sum()),
             "You compare a squared distance with radius: take its square root, or the radius squared.",
@@ -981,15 +1190,20 @@ REMOVE_DOUBLES = Exercise(
 def _corners(labels: Any, gap: float, length: float, /, **changed: Any) -> Array:
     """The whole way, with one thing done in another way."""
     labels = np.asarray(labels)
-    kept = labels if changed.get("no_erasing") else _erase(labels, 7)
+    kept = labels if changed.get("no_erasing") else _erase(labels, changed.get("run", 7))
     white = np.isin(kept, (WHITE, YELLOW) if changed.get("yellow") else (WHITE,))
     segments = _hough(white.astype(np.uint8) * np.uint8(255), gap, length)
     if changed.get("ends"):
         return _kept(segments.reshape(-1, 2), 10.0)
     found = [_meet(a, b, 5.0, **changed.get("meet", {})) for a, b in combinations(segments, 2)]
     points = np.array([each for each in found if each is not None]).reshape(-1, 2)
-    points = points[((points >= 0) & (points < labels.shape[::-1])).all(axis=1)]
-    return points if changed.get("doubles") else changed.get("remove", _kept)(points, 10.0)
+    if not changed.get("outside"):
+        points = points[((points >= 0) & (points < labels.shape[::-1])).all(axis=1)]
+    return (
+        points
+        if changed.get("doubles")
+        else changed.get("remove", _kept)(points, changed.get("radius", 10.0))
+    )
 
 
 def _cornered(change: Any = lambda points: points, **changed: Any) -> Any:
@@ -1045,6 +1259,23 @@ def _corners_at_defaults() -> list[Array]:
     return found
 
 
+def near_each_other() -> dict[str, Array]:
+    """Labels of two corners, and of one whose crossings are far apart, by what they are."""
+    return {
+        "two corners": field([(5, 18, 58, 18), (14, 18, 14, 46), (50, 18, 50, 46)], 5, 3),
+        "two corners 16 px apart": field([(5, 18, 58, 18), (24, 18, 24, 46), (40, 18, 40, 46)], 5, 1),
+        "one corner of wide lines": corner_scene(SIZE, (44, 22), 6),
+    }
+
+
+def below_little_carpet() -> dict[str, Array]:
+    """Labels of a corner that has so many rows of carpet above it, by what they are."""
+    return {
+        f"{rows} rows of carpet above a line": field([(5, 20, 50, 20), (50, 20, 50, 46)], 19 - rows, 3)
+        for rows in (6, 8)
+    }
+
+
 def _none_kept(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     """The crossings that are none stand among the others."""
     labels = np.asarray(labels)
@@ -1063,6 +1294,9 @@ def _corners_public() -> list[Case]:
     broken = field([(4, 20, 26, 20), (38, 20, 60, 20), (48, 20, 48, 47)], 7, 4)
     return [
         Case((corner_scene(SIZE, (44, 20), 4), 5, 15), "one corner"),
+        Case((field([(43, 12, 1, 12), (43, 12, 43, 60)], 2, 5, (64, 48)),), "one corner, by the defaults"),
+        *(Case((labels, 5, 15), name) for name, labels in near_each_other().items()),
+        *(Case((labels, 5, 15), name) for name, labels in below_little_carpet().items()),
         Case((framed, 5, 15), "a white frame on the wall"),
         Case((yellow, 5, 15), "a yellow corner"),
         Case((meeting, 5, 15), "a long and a short line that meet"),
@@ -1105,7 +1339,16 @@ def _corners_hidden(rng: np.random.Generator) -> list[Case]:
         Case((field([], int(rng.integers(20, 80)), 5, large), 5, 40)),
         *(Case((labels,)) for labels in _corners_at_defaults()),
         *(Case((labels, 5, 15)) for labels in at_the_edge().values()),
+        *(
+            Case((np.pad(labels, ((0, 5), (0, 0)), "edge"), 5, 15))
+            for labels in (*near_each_other().values(), *below_little_carpet().values())
+        ),
     ]
+
+
+def _pairs(others: str, pair: str = "(first, second)") -> str:
+    """The solution's line that pairs segments, with other ones for the second."""
+    return f"pairs = [{pair} for i, first in enumerate(segments) for second in segments[{others}]]"
 
 
 FIND_CORNERS = Exercise(
@@ -1139,6 +1382,41 @@ FIND_CORNERS = Exercise(
             "There are several points at one corner: each line has two edges. remove_doubles takes them away.",
         ),
         Mistake(
+            "nothing at all",
+            lambda labels, max_line_gap=5, min_line_length=40: np.zeros((0, 2)),
+            "No corner is found anywhere. Look at what each step hands on: the erased labels, their white as a picture, and how many segments that gives.",
+        ),
+        Mistake(
+            "the first only",
+            _cornered(lambda points: points[:1]),
+            "You return one corner. All of them are wanted, (K, 2).",
+        ),
+        Mistake(
+            "outside kept",
+            _cornered(outside=True),
+            "You keep crossings outside the picture: u is at least 0 and less than W, v at least 0 and less than H.",
+        ),
+        Mistake(
+            "a shorter run",
+            _cornered(run=3),
+            "You erase less than a run of 7 does: lines are left that have hardly any carpet above them.",
+        ),
+        Mistake(
+            "a longer run",
+            _cornered(run=10),
+            "You erase more than a run of 7 does: a line with 8 rows of carpet above it is gone.",
+        ),
+        Mistake(
+            "a larger radius",
+            _cornered(radius=20.0),
+            "Two corners become one: doubles are nearer to each other than that, within 10 pixels.",
+        ),
+        Mistake(
+            "a smaller radius",
+            _cornered(radius=5.0),
+            "Crossings of one corner's edges are left: doubles have a radius of 10 pixels.",
+        ),
+        Mistake(
             "ends of segments",
             _cornered(ends=True),
             "Your points are ends of segments. A corner is where two of them meet.",
@@ -1156,7 +1434,7 @@ FIND_CORNERS = Exercise(
         Mistake(
             "unbounded lines",
             _cornered(meet={"unbounded": True}),
-            "You cut endless lines: crossings far beyond the segments' ends are no corners.",
+            "Your segments are too long, or endless: a crossing farther than 5 pixels beyond an end is no corner.",
         ),
         Mistake(
             "None kept",
@@ -1189,6 +1467,17 @@ FIND_CORNERS = Exercise(
         "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "inside = ((points >= 0) & (points <= labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "meetings = [segment_intersection(second, first) for first, second in pairs]": "both segments are treated alike",
+        _pairs("i + 1:", "(second, first)"): "both segments are treated alike",
+        **{
+            _pairs(others): "a segment is parallel to itself, and what meets twice is a double"
+            for others in (
+                "i:",
+                ":",
+                "1:",
+                *(f"i {sign} 1:" for sign in ("*", "//", "%", "**", ">>", "|", "&", "^")),
+                "i + 0:",
+            )
+        },
         "return remove_doubles(points[inside], 11.0)": "which of several near crossings stays is left open",
     },
 )
@@ -1227,6 +1516,19 @@ PLAN = LessonPlan(
                 "It makes no difference: the mean is what counts.": "The mean is a sum of these. Each report changes it by -2.333 or by 5.",
             },
             "No: a false corner costs more than a hit gains.",
+        ),
+        Question(
+            "where_corners_go",
+            "Your detector finds 14 of 61 corners. At which step are most of the others lost?",
+            {
+                "Labels: there is no white where the corner is.": "There is white within 3 pixels of all 61.",
+                "Erasing: the corner goes with the background.": "12 go there. A later step takes twice as many.",
+                "Segments: one of the two lines gives none.": "37 corners have a segment near by, and 12 of these have two that are not parallel. "
+                "25 lack the second.",
+                "Crossings: both segments are there, and end too early.": "Two segments that are not parallel pass near 12 corners only. Too few are "
+                "left to be lost there.",
+            },
+            "Segments: one of the two lines gives none.",
         ),
     ],
     written=[

@@ -40,3 +40,31 @@ def test_a_better_rule_beats_the_paper_and_the_reference_by_a_margin_that_is_not
 
 def test_the_margin_of_equal_entries_is_nothing():
     assert margin([0.5, 0.7], [0.5, 0.7]) == (0.0, 0.0, 0.0)
+
+
+PLAIN = np.full((48, 64, 3), (60, 160, 60), dtype=np.uint8)
+FINDERS = [(lesson, name) for lesson, name in ROWS if lesson[:2] in ("02", "03") and name != "nothing"]
+
+
+@pytest.mark.parametrize(("lesson", "name"), FINDERS)
+def test_a_detector_finds_no_point_where_nothing_is_and_refuses_what_is_no_picture(lesson, name):
+    find = ENTRIES[lesson][name]
+    for picture in (PLAIN, PLAIN * 0, PLAIN * 0 + 255, PLAIN[:1, :1], PLAIN[:5, :7], PLAIN[:0], PLAIN[:, :0]):
+        assert np.shape(find(picture)) == (0, 2)
+    for other in (
+        PLAIN[..., 0],
+        PLAIN / 255,
+        PLAIN.astype(int),
+        np.dstack([PLAIN, PLAIN[..., :1]]),
+        [[1, 2]],
+    ):
+        with pytest.raises(ValueError, match=r"must be RGB, uint8 \(H, W, 3\)"):
+            find(other)
+
+
+@pytest.mark.parametrize("name", ["the paper's rule", "the reference", "a better rule"])
+def test_a_colour_filter_has_no_label_for_no_pixel_and_refuses_what_is_no_picture(name):
+    label = ENTRIES["01_hsl_filtering"][name]
+    assert label(PLAIN[:0]).shape == (0, 64)
+    with pytest.raises(ValueError, match="must be RGB"):
+        label(PLAIN[..., 0])

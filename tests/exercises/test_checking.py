@@ -387,6 +387,8 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
     assert grade_public(public, one_wrong).lines[-1] == "There the input is 18 19 20."
     flat = replace(public, cases=[Case((wanted,), expected=wanted)])
     assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    point = replace(public, cases=[Case((np.array([10.0, 20, 50, 20]),), expected=np.array([53.0, 20]))])
+    assert "There the input" not in repr(grade_public(point, lambda segment: segment[:2]))
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
     pose = Case((np.zeros(3), np.ones(2)), expected=np.zeros(3))
     assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1

@@ -1,5 +1,6 @@
 """Drivers are found by their name, from wherever they are registered; what takes too long is stopped."""
 
+import importlib
 import linecache
 import signal
 import sys
@@ -95,3 +96,24 @@ def test_an_alarm_within_another_rings_no_later_and_leaves_the_outer_one_on():
             endless()
         assert 0.0 < signal.getitimer(signal.ITIMER_REAL)[0] <= 60.0
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
+    """A compiled module that is begun and not ended can never be imported again: a lesson's first cell died of that."""
+    (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(0.2)\nENDED = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+        importlib.import_module("slow_to_import")
+        while True:
+            pass
+    assert sys.modules["slow_to_import"].ENDED
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+def test_an_alarm_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
+    (tmp_path / "never_imported.py").write_text("while True:\n    pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(running, "IMPORTING", 0.1)
+    with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+        importlib.import_module("never_imported")

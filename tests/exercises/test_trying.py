@@ -2,6 +2,7 @@
 
 from unittest import mock
 
+import cv2
 import numpy as np
 import pytest
 import sympy
@@ -82,10 +83,11 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(caps
         (lambda: 1.5 ^ 2, "A power is **"),
         (lambda: np.zeros(3) + np.zeros(2), "pose[:2] is the place"),
         (lambda: float(sympy.Symbol("x")), "symbols of SymPy"),
+        (lambda: cv2.Canny(np.zeros((3, 3)), 50, 150), "a picture of bytes"),
     ],
 )
 def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
-    with pytest.raises((IndexError, TypeError, AttributeError, ValueError)) as caught:
+    with pytest.raises((IndexError, TypeError, AttributeError, ValueError, cv2.error)) as caught:
         slip()
     (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
     assert advice in said

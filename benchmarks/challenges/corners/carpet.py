@@ -50,20 +50,6 @@ class Planes:
         return int(rows[0]) if len(rows) else len(self.carpet)
 
 
-def check_picture(picture: npt.ArrayLike) -> Pixels:
-    """Return a picture as it must be.
-
-    Raises
-    ------
-    ValueError
-        If it is not RGB (H, W, 3) of uint8.
-    """
-    pixels = np.asarray(picture)
-    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
-        raise ValueError(f"the picture must be RGB, uint8 (H, W, 3), got {pixels.dtype} {pixels.shape}")
-    return pixels
-
-
 def take_apart(picture: Pixels) -> Planes | None:
     """Find the carpet in a picture (H, W, 3) by the most frequent of its greens; None if there is hardly any."""
     if min(picture.shape[:2]) < SMALLEST:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.challenges.corners.carpet import check_picture, take_apart
+from benchmarks.challenges.corners.carpet import take_apart
 from benchmarks.challenges.corners.crossings import find_crossings, without_doubles
 from benchmarks.challenges.corners.lines import LineSettings, merge
 from benchmarks.challenges.corners.pieces import PieceSettings, line_pieces
+from benchmarks.challenges.pictures import check_picture
 from nao_course.geometry import FloatArray
 
 FOCAL = 0.87  # of the picture's width: a camera that sees 60 degrees

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.challenges.corners.carpet import Planes, check_picture, take_apart
+from benchmarks.challenges.corners.carpet import Planes, take_apart
 from benchmarks.challenges.corners.crossings import find_crossings, without_doubles
 from benchmarks.challenges.corners.lines import Lines, LineSettings, merge
 from benchmarks.challenges.corners.pieces import Pieces, PieceSettings, line_pieces
+from benchmarks.challenges.pictures import check_picture
 from benchmarks.challenges.tilt import PITCH_SD, ROLL_SD, align, to_ground
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView

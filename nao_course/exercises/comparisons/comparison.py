@@ -76,9 +76,9 @@ class Comparison(ABC):
 
 def with_article(value: Any) -> str:
     """Name a value's type, with its article."""
-    kind = type(value).__name__
     if value is None:
-        return kind
+        return "None"
+    kind = type(value).__name__
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 

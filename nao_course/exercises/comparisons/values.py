@@ -190,9 +190,9 @@ class Points(Comparison):
             near = np.linalg.norm(wanted[:, None] - have[None].astype(float), axis=2) <= self.tolerance
         missed = len(have) - most_pairs(near)
         if missed:
-            points = (
-                "1 point is" if len(have) == 1 else f"{len(have)} points {'is' if missed == 1 else 'are'}"
-            )
+            if len(have) == 1:
+                return Verdict("value", "your point is at no right place")
+            points = f"{len(have)} points {'is' if missed == 1 else 'are'}"
             return Verdict("value", f"{missed} of your {points} at no right place")
         return RIGHT
 

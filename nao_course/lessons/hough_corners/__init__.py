@@ -1,49 +1,32 @@
 """What lesson 03, Hough corners, alone uses."""
 
-from nao_course.lessons.hough_corners.figures import draw_close_up, draw_places, draw_segments
-from nao_course.lessons.hough_corners.measuring import count_corners, white_lines, with_others
-from nao_course.lessons.hough_corners.panel import CornerPanel
-from nao_course.lessons.hough_corners.results import (
-    draw_costs,
-    draw_funnel,
-    draw_goal_line,
-    goal_line_left,
-    last_seen,
-    mean_cost,
-)
-from nao_course.lessons.hough_corners.scenes import (
-    CornerPicture,
-    match_pictures,
-    real_pictures,
-    rows_between,
-    three_places,
-    tuning_pictures,
-)
-from nao_course.lessons.hough_corners.segments import Segments, coverage
+from importlib import import_module
+from typing import Any
 
-__all__ = [
-    "CornerPanel",
-    "CornerPicture",
-    "Segments",
-    "count_corners",
-    "coverage",
-    "draw_close_up",
-    "draw_costs",
-    "draw_funnel",
-    "draw_goal_line",
-    "draw_places",
-    "draw_segments",
-    "goal_line_left",
-    "last_seen",
-    "match_pictures",
-    "mean_cost",
-    "real_pictures",
-    "rows_between",
-    "three_places",
-    "tuning_pictures",
-    "white_lines",
-    "with_others",
-]
+_NAMES = {
+    "figures": ("draw_close_up", "draw_places", "draw_segments"),
+    "measuring": ("count_corners", "with_others"),
+    "panel": ("CornerPanel",),
+    "results": ("draw_costs", "draw_funnel", "draw_goal_line", "goal_line_left", "last_seen", "mean_cost"),
+    "scenes": (
+        "CornerPicture",
+        "match_pictures",
+        "real_pictures",
+        "rows_between",
+        "three_places",
+        "tuning_pictures",
+    ),
+    "segments": ("Segments", "coverage"),
+}
+__all__ = sorted(name for names in _NAMES.values() for name in names)
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for, and no more: a check compares segments, and needs no panel."""
+    for module, names in _NAMES.items():
+        if name in names:
+            return getattr(import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,4 @@
-"""Tools to measure a student's detector: lines alone, a step exchanged, and at which step true corners are lost."""
+"""Tools to measure a student's detector: a step exchanged, and at which step true corners are lost."""
 
 from __future__ import annotations
 
@@ -22,11 +22,6 @@ STEPS = (
 )
 WHITE_WITHIN, SEGMENT_WITHIN = 3.0, 6.0  # px at 240 rows
 PARALLEL = float(np.sin(np.radians(10.0)))
-
-
-def white_lines(labels: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Return what is white in labels (H, W) as a picture: 255 where it is, 0 elsewhere."""
-    return np.uint8(255) * (np.asarray(labels) == 3)
 
 
 def with_others(function: Callable[..., Any], **others: Callable[..., Any]) -> Callable[..., Any]:
@@ -58,7 +53,7 @@ def count_corners(
     pictures: Iterable[CornerPicture],
     label: Callable[[Any], Any],
     erase_background: Callable[[Any], Any],
-    hough_segments: Callable[[Any], Any],
+    find_segments: Callable[[Any], Any],
 ) -> dict[str, int]:
     """Count the true corners that are left after each step.
 
@@ -66,8 +61,8 @@ def count_corners(
     ----------
     pictures : iterable of CornerPicture
         With their corners.
-    label, erase_background, hough_segments : callable
-        The steps: of a picture, of its labels (H, W), and of the lines, white on black.
+    label, erase_background, find_segments : callable
+        The steps: of a picture, of its labels (H, W), and of the labels that are left.
 
     Returns
     -------
@@ -78,7 +73,7 @@ def count_corners(
     for picture in pictures:
         labels = np.asarray(label(picture.pixels.copy()))
         kept = np.asarray(erase_background(labels))
-        segments = np.asarray(hough_segments(white_lines(kept)), dtype=float).reshape(-1, 4)
+        segments = np.asarray(find_segments(kept), dtype=float).reshape(-1, 4)
         for corner in picture.truth.corners:
             white, still = (near_white(each, corner) for each in (labels, kept))
             left += [True, white, still, *near_segments(segments, corner)]

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from nao_course.geometry import as_points
 from nao_course.lessons.hough_corners.figures import SEGMENTS
-from nao_course.lessons.hough_corners.measuring import white_lines
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import corner_cost
 from nao_course.plotting import painted
@@ -34,8 +33,8 @@ class CornerPanel(FunctionPanel):
         ``label(pixels, beta)`` returns labels (H, W), as lesson 01 makes them.
     erase_background : callable
         ``erase_background(labels, run)`` returns labels (H, W).
-    hough_segments : callable
-        ``hough_segments(line_picture, gap, length)`` returns segments (N, 4).
+    find_segments : callable
+        ``find_segments(labels, gap, length)`` returns segments (N, 4) of the labels that are left.
     find_corners : callable
         ``find_corners(labels, run, gap, length, reach)`` returns corners (K, 2).
 
@@ -50,7 +49,7 @@ class CornerPanel(FunctionPanel):
         pictures: Mapping[str, CornerPicture],
         label: Callable[..., Any],
         erase_background: Callable[..., Any],
-        hough_segments: Callable[..., Any],
+        find_segments: Callable[..., Any],
         find_corners: Callable[..., Any],
     ) -> None:
         """Search the first picture and build the widgets."""
@@ -71,13 +70,13 @@ class CornerPanel(FunctionPanel):
             student={
                 "label": label,
                 "erase_background": erase_background,
-                "hough_segments": hough_segments,
+                "find_segments": find_segments,
                 "find_corners": find_corners,
             },
             unfinished={
                 "label": "Finish lesson 01 to see this: lines are searched in your labels.",
                 "erase_background": "Finish exercise 3.2 to see what is left of the labels.",
-                "hough_segments": "Finish exercise 3.3 to see your segments.",
+                "find_segments": "Finish exercises 3.1 and 3.3 to see your segments.",
                 "find_corners": "Finish exercise 3.6 to see the corners.",
             },
         )
@@ -92,7 +91,7 @@ class CornerPanel(FunctionPanel):
         left = student.erase_background(labels, values.run)
         yield {"What is left": painted(left)}
         segments = as_points(
-            student.hough_segments(white_lines(left), values.gap, values.length),
+            student.find_segments(left, values.gap, values.length),
             4,
             "segments (u1, v1, u2, v2)",
         )

@@ -82,16 +82,16 @@ def _plot_mean(ax: Axes, values: npt.NDArray[np.float64], row: int) -> str:
 
 
 def draw_funnel(
-    label: Callable[[Any], Any], erase_background: Callable[[Any], Any], hough_segments: Callable[[Any], Any]
+    label: Callable[[Any], Any], erase_background: Callable[[Any], Any], find_segments: Callable[[Any], Any]
 ) -> Drawing:
     """Draw how many true corners are left after each step of the student's functions: simulated and real ones.
 
     Parameters
     ----------
-    label, erase_background, hough_segments : callable
+    label, erase_background, find_segments : callable
         As `count_corners` takes them. Where there are no real pictures, the counts of the lesson's solution are shown.
     """
-    steps = (label, erase_background, hough_segments)
+    steps = (label, erase_background, find_segments)
     simulated, real = tuning_pictures(), real_pictures()
     return draw_counts(
         {

@@ -1,4 +1,4 @@
-"""When two sets of line segments are the same: each covers the other, in whatever order and however cut."""
+"""How answers are judged: a picture of bytes; line segments that cover each other, in any order and however cut."""
 
 from __future__ import annotations
 
@@ -13,6 +13,13 @@ from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.geometry import FloatArray
 
 RIGHT = Verdict("right")
+
+
+@register
+def of_bytes(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
+    """Say of an answer that is an array of other numbers than bytes that OpenCV takes no such picture."""
+    dtype = getattr(answer, "dtype", np.dtype(np.uint8))
+    return "" if dtype == np.uint8 else f"your picture has the dtype {dtype}; uint8 is wanted"
 
 
 @register
@@ -50,12 +57,10 @@ class Segments(Comparison):
         )
         if extra > 1 - self.share:
             return Verdict(
-                "value", f"{extra:.0%} of the length of your {len(have)} segments is where none belongs"
+                "value", f"{extra:.0%} of the length of your {_segments(have)} is where none belongs"
             )
         if lacking > 1 - self.share:
-            return Verdict(
-                "value", f"your {len(have)} segments leave out {lacking:.0%} of what is to be found"
-            )
+            return Verdict("value", f"{lacking:.0%} of what is to be found is not in your {_segments(have)}")
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
@@ -63,6 +68,10 @@ class Segments(Comparison):
         if np.shape(answer)[1:] != (4,) or np.shape(got)[1:] != (4,):
             return bool(Close().compare(answer, got))
         return bool(self.compare(answer, got))
+
+
+def _segments(found: FloatArray) -> str:
+    return "1 segment" if len(found) == 1 else f"{len(found)} segments"
 
 
 def coverage(segments: npt.ArrayLike, others: npt.ArrayLike, tolerance: float) -> float:

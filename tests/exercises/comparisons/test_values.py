@@ -269,6 +269,10 @@ def test_points_are_counted_in_words_of_their_number():
     one, two = np.array([[0.0, 0.0]]), np.array([[0.0, 0.0], [9.0, 9.0]])
     assert "has 1 point, which" in Points().compare(two, one).text
     assert "has 2 points, which" in Points().compare(one, two).text
-    assert "1 of your 1 point is at" in Points().compare(one, one + 5).text
+    assert "your point is at no right place" in Points().compare(one, one + 5).text
     assert "1 of your 2 points is at" in Points().compare(two, two + [[5, 0], [0, 0]]).text
     assert "2 of your 2 points are at" in Points().compare(two, two + 5).text
+
+
+def test_where_nothing_is_wanted_none_is_said_and_not_its_type():
+    assert Close().compare(None, np.zeros(2)).text == "your answer is a ndarray; None is wanted"

@@ -8,7 +8,6 @@ from nao_course.lessons.hough_corners.measuring import (
     count_corners,
     near_segments,
     near_white,
-    white_lines,
     with_others,
 )
 from nao_course.lessons.hough_corners.scenes import CornerPicture
@@ -24,7 +23,7 @@ CROSS = np.array([[10.0, 20.0, 50.0, 20.0], [30.0, 20.0, 30.0, 40.0]])
 
 
 def counts(labels=LABELS, erase=lambda labels: labels, segments=CROSS):
-    return list(count_corners([PICTURE], lambda pixels: labels, erase, lambda lines: segments).values())
+    return list(count_corners([PICTURE], lambda pixels: labels, erase, lambda kept: segments).values())
 
 
 def test_a_corner_with_white_and_two_segments_stays_to_the_end_and_one_without_white_goes_first():
@@ -43,14 +42,10 @@ def test_each_step_loses_its_own():
 def test_the_steps_get_what_the_one_before_returned():
     got = []
     count_corners(
-        [PICTURE], lambda pixels: LABELS, lambda labels: labels * 0, lambda lines: got.append(lines) or []
+        [PICTURE], lambda pixels: LABELS, lambda labels: labels * 0, lambda kept: got.append(kept) or []
     )
-    assert (got[0] == 0).all() and got[0].dtype == np.uint8
+    assert (got[0] == 0).all() and got[0].shape == LABELS.shape
     assert list(count_corners([], None, None, None)) == list(STEPS)
-
-
-def test_lines_are_255_where_labels_are_white():
-    assert white_lines([[0, 1, 2, 3]]).tolist() == [[0, 0, 0, 255]] and white_lines(LABELS).dtype == np.uint8
 
 
 @pytest.mark.parametrize(("distance", "near"), [(3.0, True), (3.1, False)])

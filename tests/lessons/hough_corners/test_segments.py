@@ -1,9 +1,18 @@
 """Segments are compared by what they cover, not by their order or number."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
-from nao_course.lessons.hough_corners.segments import Segments, coverage, distances_to_segments, sample
+from nao_course.lessons.hough_corners.segments import (
+    Segments,
+    coverage,
+    distances_to_segments,
+    of_bytes,
+    sample,
+)
 
 TWO = np.array([[10.0, 10.0, 60.0, 10.0], [30.0, 20.0, 30.0, 70.0]])
 
@@ -18,7 +27,8 @@ def test_a_segment_that_lacks_or_is_too_much_is_wrong():
     lacking = Segments().compare(TWO, TWO[:1])
     extra = Segments().compare(TWO[:1], TWO)
     assert (lacking.kind, extra.kind) == ("value", "value")
-    assert "leave out" in lacking.text and "none belongs" in extra.text
+    assert lacking.text == "50% of what is to be found is not in your 1 segment"
+    assert extra.text == "50% of the length of your 2 segments is where none belongs"
 
 
 def test_the_tolerance_and_the_share_are_where_right_ends():
@@ -72,3 +82,15 @@ def test_points_lie_on_their_segment_and_the_distance_to_it_is_zero(rng):
 
 def test_beyond_its_end_a_segment_is_as_far_as_the_end():
     assert distances_to_segments(np.array([[63.0, 14.0]]), TWO[:1])[0, 0] == pytest.approx(5.0)
+
+
+def test_a_picture_for_opencv_is_of_bytes():
+    assert of_bytes((), {}, np.zeros((2, 3), np.uint8)) == ""
+    assert "dtype int64" in of_bytes((), {}, np.zeros((2, 3), np.int64))
+    assert "dtype bool" in of_bytes((), {}, np.zeros((2, 3), bool))
+
+
+def test_the_comparison_is_there_without_the_lessons_panels():
+    """A check in a terminal needs no widgets, and they take most of a second to import."""
+    program = "import sys, nao_course.lessons.hough_corners.segments; sys.exit('ipywidgets' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program]).returncode == 0
