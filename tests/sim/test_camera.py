@@ -151,3 +151,9 @@ def test_a_phones_square_pixels_give_the_vertical_field_of_view():
 def test_impossible_cameras_are_refused_with_what_was_expected(make, says):
     with pytest.raises(ValueError, match=says):
         make()
+
+
+def test_half_a_pixel_that_is_none_has_no_place_without_the_lens():
+    bent = view(k1=-0.08)
+    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
+    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])
