@@ -1075,9 +1075,9 @@ MEASUREMENT_COVARIANCE = Exercise(
     hidden=_covariance_hidden,
     comparison=Close(rtol=0.01, atol=1e-8),
     hints=(
-        "Write z = ground_to_measurement(pixel_to_ground(pixels, view)).ravel() as a little function of pixels and view. Its derivatives are "
-        "differences: z a little to the right minus z a little to the left, over the way between them. All pixels can move at the same time.",
-        "g is the same with replace(view, pitch=view.pitch + step), and np.outer(g, g) is g g'. For D, the two columns by u and by v are (2k, 2): "
+        "Derivatives are differences: measured((0.01, 0), 0) minus measured((-0.01, 0), 0), over the way between them, is that by u of all landmarks at "
+        "the same time.",
+        "g is the same with a tilt in place of a shift, and np.outer(g, g) is g g'. For D, the two columns by u and by v are (2k, 2): "
         "rows 2i and 2i + 1 are landmark i's Jacobian J, and J @ J.T times pixel_sigma ** 2 is its block.",
     ),
     mistakes=[
@@ -1194,8 +1194,6 @@ MEASUREMENT_COVARIANCE = Exercise(
     },
     equivalents=dict.fromkeys(
         (
-            "leaning = replace(view, pitch=view.pitch - tilt)",
-            "return ground_to_measurement(pixel_to_ground(pixels - shift, leaning)).ravel()",
             "by_u = (measured((-0.01, 0), 0) - measured((0.01, 0), 0)) / 0.02",
             "by_v = (measured((0, -0.01), 0) - measured((0, 0.01), 0)) / 0.02",
             "g = (measured((0, 0), -0.0001) - measured((0, 0), 0.0001)) / 0.0002",
