@@ -91,6 +91,9 @@ class CameraView:
                 raise ValueError(
                     f"CameraView: {name} must be between 0 and pi radians, got {getattr(self, name)}"
                 )
+        for name in ("pitch", "roll"):
+            if abs(getattr(self, name)) > 2 * np.pi:
+                raise ValueError(f"CameraView: {name} must be in radians, got {getattr(self, name)}")
         if self.height <= 0:
             raise ValueError(f"CameraView: height must be above the ground (m), got {self.height}")
         x, y = self.offset
