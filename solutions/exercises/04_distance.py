@@ -1283,22 +1283,18 @@ def _by_range(pixels: Any, ground_points: Any, view: CameraView) -> float:
     return float(np.mean(should - (view.pitch + np.arctan(v))))
 
 
-def _on_ground(ranges: bool = False) -> Any:
-    """The least squared error on the ground, of points or of their ranges."""
-
-    def function(pixels: Any, ground_points: Any, view: CameraView) -> float:
-        points = np.asarray(ground_points, dtype=float)
-        middle, width = 0.0, 0.3
-        for _ in range(4):
-            tried, costs = middle + np.linspace(-width, width, 121), []
-            for offset in tried:
-                found = _ground(pixels, replace(view, pitch=view.pitch + float(offset)))
-                misses = np.hypot(*found.T) - np.hypot(*points.T) if ranges else found - points
-                costs.append(float(np.nan_to_num(misses**2, nan=1e9).sum()))
-            middle, width = float(tried[int(np.argmin(costs))]), width / 30
-        return middle
-
-    return function
+def _on_ground(pixels: Any, ground_points: Any, view: CameraView) -> float:
+    """The least squared error of the points on the ground."""
+    middle, width = 0.0, 0.3
+    for _ in range(4):
+        tried, costs = middle + np.linspace(-width, width, 121), []
+        for offset in tried:
+            misses = _ground(pixels, replace(view, pitch=view.pitch + float(offset))) - np.asarray(
+                ground_points
+            )
+            costs.append(float(np.nan_to_num(misses**2, nan=1e9).sum()))
+        middle, width = float(tried[int(np.argmin(costs))]), width / 30
+    return middle
 
 
 def _mean_depression(pixels: Any, ground_points: Any, view: CameraView) -> float:
@@ -1364,11 +1360,6 @@ def _pitch_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-_FAR_DECIDE = (
-    "You compare on the ground, where one pixel is worth decimetres far away: a few far marks decide. Compare in the picture, by view.project: "
-    "there all marks are equally good."
-)
-
 ESTIMATE_PITCH = Exercise(
     name="estimate_pitch",
     points=5,
@@ -1408,8 +1399,12 @@ ESTIMATE_PITCH = Exercise(
             _changed_fit(one_step=True),
             "Nearly. One linear step does not arrive, for the picture bends with the angle: begin again from where it led, until nothing changes.",
         ),
-        Mistake("least squares on the ground", _on_ground(), _FAR_DECIDE),
-        Mistake("least squares of ranges", _on_ground(ranges=True), _FAR_DECIDE),
+        Mistake(
+            "least squares on the ground",
+            _on_ground,
+            "You compare on the ground, where one pixel is worth decimetres far away: a few far marks decide. Compare in the picture, by view.project: "
+            "there all marks are equally good.",
+        ),
         Mistake(
             "angles below the horizon",
             _mean_depression,
