@@ -1194,6 +1194,8 @@ MEASUREMENT_COVARIANCE = Exercise(
     },
     equivalents=dict.fromkeys(
         (
+            "leaning = replace(view, pitch=view.pitch - tilt)",
+            "return ground_to_measurement(pixel_to_ground(pixels - shift, leaning)).ravel()",
             "by_u = (measured((-0.01, 0), 0) - measured((0.01, 0), 0)) / 0.02",
             "by_v = (measured((0, -0.01), 0) - measured((0, 0.01), 0)) / 0.02",
             "g = (measured((0, 0), -0.0001) - measured((0, 0), 0.0001)) / 0.0002",
