@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.distance.looks import points_covariance
-from nao_course.lessons.distance.panel import POSE, TiltPanel, upright_look
+from nao_course.lessons.distance.panel import COLOUR, POSE, TiltPanel, upright_look
 from tests.lessons.distance.own import own
 
 
@@ -47,6 +47,11 @@ def test_ellipses_appear_with_the_covariance():
     assert "Finish exercise 4.6" in without.summary()
     assert (without.shown.pictures["Your map"] != whole.shown.pictures["Your map"]).any()
     assert "Finish exercise 4.4" in panel(pixel_to_ground=blank).summary()
+
+
+def test_the_maps_legend_has_a_key_for_the_points():
+    below_the_axes = panel().shown.pictures["Your map"][-50:].astype(int)
+    assert (np.abs(below_the_axes - COLOUR).max(axis=2) < 30).any()
 
 
 def test_a_pixel_above_the_horizon_is_said_to_show_no_ground():

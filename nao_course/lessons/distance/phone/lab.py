@@ -32,7 +32,7 @@ WHERE = {
 # A browser hands files to the kernel in one message. Of more than 10 MB the server takes none, and says nothing.
 UPLOADED = (
     "JPEG or PNG, less than 9 MB. A larger one: drag it into the list of files on the left, and name it: "
-    '<code>PhoneLab(find_landmarks, pixel_to_ground, photo="name.jpg")</code>'
+    '<code>PhoneLab(..., photo="name.jpg")</code>'
 )
 STAND_IN = "This is a stand-in. Choose a photo of your own, or try with this one."
 
@@ -104,11 +104,14 @@ class PhoneLab(FunctionPanel):
                 "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
             },
         )
-        self._upload = ipywidgets.FileUpload(accept="image/*", multiple=False, description="Your photo")
+        self._upload = ipywidgets.FileUpload(
+            accept="image/*", multiple=False, description="Your photo", layout={"flex": "0 0 auto"}
+        )
         self._upload.tooltip = "A JPEG or PNG of the printed sheet"
         self._upload.observe(self._uploaded, "value")
         style, *rest = self.widget.children
-        row = ipywidgets.HBox([self._upload, ipywidgets.HTML(UPLOADED)])
+        note = ipywidgets.HTML(UPLOADED, layout={"width": "auto", "flex": "1 1 auto"})
+        row = ipywidgets.HBox([self._upload, note])
         self.widget.children = (style, row, *rest)
         if photo is not None:
             self._open(Path(photo))
@@ -230,7 +233,7 @@ def _draw_sheet_map(pose: Pose, points: FloatArray) -> Drawing:
     """The field from above with the phone and the points, in metres of the field."""
     colour = STYLES["ekf"].colour
     with course_style():
-        figure = Figure(figsize=(4.6, 4.5))
+        figure = Figure(figsize=(4.2, 4.0))
         ax = figure.add_subplot()
         plot_field(FIELD, ax)
         ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)
