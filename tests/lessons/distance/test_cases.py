@@ -25,11 +25,9 @@ def test_a_head_turned_behind_the_shoulder_sees_points_behind_the_robot():
 
 
 def test_three_far_marks_decide_on_the_ground_and_not_in_the_picture():
-    pixels, ground, view = case(
-        "estimate_pitch", "thirty marks about a pixel off, three of them far away"
-    ).args
-    right = case("estimate_pitch", "thirty marks about a pixel off, three of them far away").expected
-    assert abs(right - 0.05) < 0.001
+    marks = case("estimate_pitch", "thirty marks about a pixel off, three of them far away")
+    pixels, ground, _ = marks.args
+    assert abs(marks.expected - 0.05) < 0.001
     assert np.count_nonzero(np.hypot(*ground.T) > 4) == 3 and len(pixels) == 30
 
 
