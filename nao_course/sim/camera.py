@@ -91,6 +91,9 @@ class CameraView:
                 raise ValueError(
                     f"CameraView: {name} must be between 0 and pi radians, got {getattr(self, name)}"
                 )
+        for name in ("pitch", "roll"):
+            if abs(getattr(self, name)) > 2 * np.pi:
+                raise ValueError(f"CameraView: {name} must be in radians, got {getattr(self, name)}")
         if self.height <= 0:
             raise ValueError(f"CameraView: height must be above the ground (m), got {self.height}")
         x, y = self.offset
@@ -194,7 +197,7 @@ class CameraView:
                 r -= (r * (1 + self.k1 * r**2) - r_seen) / (1 + 3 * self.k1 * r**2)
                 r = np.clip(r, 0.0, limit)
             wrong = np.abs(r * (1 + self.k1 * r**2) - r_seen) > 1e-9
-            scale = np.where(wrong, np.nan, np.where(r_seen > 0, r / r_seen, 1.0))
+            scale = np.where(wrong, np.nan, np.where(r_seen == 0, 1.0, r / r_seen))
         return seen * scale[:, None] * self.focal + self.centre
 
     def contains(self, pixels: npt.ArrayLike) -> npt.NDArray[np.bool_]:

@@ -75,6 +75,10 @@ def _quotient(x: Array, y: Array) -> Array:
         return np.arctan(y / x)
 
 
+def _signed_arccos(x: Array, y: Array) -> Array:
+    return np.sign(y) * np.arccos(x / np.hypot(x, y))
+
+
 def _complex(points: Array) -> Array:
     numbers = points[:, 0] + 1j * points[:, 1]
     return np.stack([np.angle(numbers), np.abs(numbers)], axis=1).astype(np.float32)
@@ -91,6 +95,7 @@ def _measurement_public() -> list[Case]:
     return [
         Case((np.array([[1.0, 0.0], [0.0, 2.0], [3.0, 4.0]]),), "ahead, to the left, and both"),
         Case((np.array([[1.0, -1.0], [-1.0, 0.5], [-2.0, -2.0]]),), "to the right, and behind the robot"),
+        Case((np.array([[-3.0, 0.0]]),), "straight behind the robot"),
         Case((np.array([[2.0, 1.0], [np.nan, np.nan]]),), "a point that is none: NaN stays NaN"),
         Case((rng.uniform(-4, 4, (12, 2)),), "points by chance"),
         Case((np.zeros((0, 2)),), "no point"),
@@ -108,6 +113,7 @@ def _measurement_hidden(rng: np.random.Generator) -> list[Case]:
             )
         ),
         Case((rng.uniform(0.5, 3, (1, 2)),)),
+        Case((np.array([[-float(rng.uniform(1, 4)), 0.0], [2.0, 1.0]]),)),
         Case((np.zeros((0, 2)),)),
     ]
 
@@ -118,7 +124,7 @@ GROUND_TO_MEASUREMENT = Exercise(
     stars=1,
     public=_measurement_public,
     hidden=_measurement_hidden,
-    comparison=Close(rtol=1e-4, atol=1e-5, period=(ROUND, 0.0), names=("your bearing", "your range")),
+    comparison=Close(rtol=1e-4, atol=1e-5, names=("your bearing", "your range")),
     hints=(
         "points[:, 0] is x, ahead; points[:, 1] is y, to the left. np.arctan2 and np.hypot take whole columns.",
         "np.arctan2 wants y first. np.column_stack sets two columns side by side.",
@@ -160,6 +166,29 @@ GROUND_TO_MEASUREMENT = Exercise(
             "Your range is x alone, how far ahead the point is. It is the distance: the root of x * x + y * y.",
         ),
         Mistake(
+            "all round",
+            _columns(lambda x, y: np.arctan2(y, x) % ROUND, np.hypot),
+            "Your bearings go from 0 to 2 pi. To the right of the robot they are negative, in (-pi, pi]: np.arctan2 gives them so.",
+        ),
+        Mistake(
+            "the sign of y times arccos",
+            _columns(_signed_arccos, np.hypot),
+            "Your bearing is 0 where y is 0, for np.sign(0) is 0: a point straight behind the robot is at pi. np.arctan2(y, x) knows.",
+        ),
+        Mistake(
+            "arcsin",
+            _columns(lambda x, y: np.arcsin(y / np.hypot(x, y)), np.hypot),
+            "arcsin(y / r) cannot tell ahead from behind: it knows nothing of the sign of x. np.arctan2(y, x) does.",
+        ),
+        Mistake(
+            "one range for all",
+            _columns(
+                lambda x, y: np.arctan2(y, x),
+                lambda x, y: np.full_like(x, np.hypot(x, y).dot(np.hypot(x, y)) ** 0.5),
+            ),
+            "Your range is one number for all points together: np.linalg.norm(points) needs axis=1, or take np.hypot(x, y).",
+        ),
+        Mistake(
             "two rows",
             lambda points: _measured(points).T,
             "Your answer lies on its side: it is (2, N). One row for each point is wanted, (N, 2).",
@@ -187,8 +216,16 @@ def _paper_angles(pixels: Any, view: CameraView, **changed: Any) -> tuple[Array,
     (width, height), (hfov, vfov) = view.size, (view.hfov, view.vfov)
     if changed.get("fields_exchanged"):
         hfov, vfov = vfov, hfov
+    if changed.get("size_exchanged"):
+        width, height = height, width
     half = 0.0 if changed.get("no_half") else 0.5
-    y = pixels[:, 1] + 0.5 if changed.get("from_the_top") else height - half - pixels[:, 1]
+    below = {
+        "from_the_top": pixels[:, 1] + 0.5,
+        "as_they_are": pixels[:, 1],
+        "row_before": height - 1 - pixels[:, 1],
+    }
+    y = next((rows for name, rows in below.items() if changed.get(name)), height - half - pixels[:, 1])
+    half = 0.0 if changed.get("as_they_are") or changed.get("column_before") else half
     x = pixels[:, 0] + half - width / 2
     camera = view.pitch if changed.get("from_the_horizon") else np.pi / 2 - view.pitch
     bottom = camera - changed.get("field", 0.5) * vfov
@@ -301,7 +338,7 @@ PAPER_DISTANCE = Exercise(
     hidden=_paper_hidden,
     comparison=Close(rtol=1e-4, atol=1e-6),
     hints=(
-        "Write the four lines of the box one after the other, each with a name of its own. width, height = view.size.",
+        "Write equation 4.1 part by part, each with a name of its own: x and y, the two angles, the distance. width, height = view.size.",
         "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the picture's lower "
         "edge: y = height - 1 / 2 - v, where v is pixels[:, 1].",
     ),
@@ -316,6 +353,31 @@ PAPER_DISTANCE = Exercise(
             "v counted from the top",
             _distance(from_the_top=True),
             "Your distances grow downwards in the picture. v counts from the top, the paper's y from the bottom.",
+        ),
+        Mistake(
+            "pixels as they are",
+            _distance(as_they_are=True),
+            "You take u and v for x and y. The paper's y begins at the picture's lower edge: x = u + 1/2, y = height - 1/2 - v.",
+        ),
+        Mistake(
+            "columns half a pixel off",
+            _distance(column_before=True),
+            "Right down the middle, and half a pixel off to the sides: x = u + 1/2.",
+        ),
+        Mistake(
+            "rows half a pixel off",
+            _distance(row_before=True),
+            "Nearly. Your rows are half a pixel off: row v has its middle half a pixel below its upper edge, so y = height - 1/2 - v.",
+        ),
+        Mistake(
+            "width and height exchanged",
+            _distance(size_exchanged=True),
+            "You exchanged width and height: view.size is (width, height), other than an array's shape.",
+        ),
+        Mistake(
+            "the offset added",
+            lambda pixels, view: _distance()(pixels, view) + view.offset[0],
+            "You add the camera's offset. The paper has no word for it: its distance is that from the point below the camera.",
         ),
         Mistake(
             "half the field not taken off",
@@ -406,6 +468,26 @@ PAPER_BEARING = Exercise(
             "Your angle is 0 at the picture's left edge. It is 0 in the middle: take off half the width first.",
         ),
         Mistake(
+            "half a pixel the other way",
+            lambda pixels, view: (view.size[0] / 2 - pixels[:, 0] + 0.5) * view.hfov / view.size[0],
+            "You are a pixel off: x = u + 1/2, so with the sign turned it is width / 2 - u - 1/2.",
+        ),
+        Mistake(
+            "without a sign",
+            lambda pixels, view: np.abs(_bearing()(pixels, view)),
+            "Your bearings have no sign, so left and right are the same. To the right they are negative.",
+        ),
+        Mistake(
+            "one pixel too few",
+            lambda pixels, view: (view.centre[0] - pixels[:, 0]) * view.hfov / (view.size[0] - 1),
+            "Nearly. The field of view spans all pixels of the width, edge to edge: divide by the width, not by the width less one.",
+        ),
+        Mistake(
+            "brackets",
+            lambda pixels, view: view.size[0] / 2 - (pixels[:, 0] + 0.5) * view.hfov / view.size[0],
+            "Brackets are missing: take the difference of the pixels first, then turn it into an angle.",
+        ),
+        Mistake(
             "twice the angle",
             _bearing(factor=2.0),
             "Your angles are twice too large: the field of view spans the whole width, not half of it.",
@@ -432,6 +514,8 @@ def _ground(pixels: Any, view: CameraView, **changed: Any) -> Array:
     right, below = ((seen - middle) / view.focal).T
     if changed.get("one_focal"):
         right, below = ((seen - middle) / view.focal[0]).T
+    if changed.get("focal_exchanged"):
+        right, below = ((seen - middle) / view.focal[::-1]).T
     if changed.get("v_up"):
         below = -below
     if changed.get("right_positive"):
@@ -444,14 +528,21 @@ def _ground(pixels: Any, view: CameraView, **changed: Any) -> Array:
         steps = (1.0 if changed.get("no_height") else view.height) / -rays[:, 2]
         if changed.get("unit_rays"):
             steps = np.where(rays[:, 2] < 0, view.height, np.nan)
-        if not changed.get("behind"):
+        if not (changed.get("behind") or changed.get("only_ahead")):
             steps = np.where(rays[:, 2] < 0, steps, np.nan)
+        if changed.get("level"):
+            steps = np.where(rays[:, 2] > 0, np.nan, view.height / -rays[:, 2])
         points = steps[:, None] * rays[:, :2]
+    if changed.get("only_ahead"):
+        points[points[:, 0] < 0] = np.nan
     if changed.get("clipped"):
         points = np.nan_to_num(points)
     if changed.get("dropped"):
         points = points[np.isfinite(points).all(axis=1)]
-    return points if changed.get("no_offset") else points + np.array(view.offset)
+    offset = np.array(view.offset) * changed.get("offset", 1.0)
+    if changed.get("offset_turned"):
+        offset = rotation_3d(view.yaw, 0.0, 0.0)[:2, :2] @ offset
+    return points if changed.get("no_offset") else points + offset
 
 
 def _followed(**changed: Any) -> Any:
@@ -534,6 +625,13 @@ def _ground_public() -> list[Case]:
             "a larger picture, a higher camera",
         ),
         Case(_level_rows(), "above, at and below the horizon"),
+        Case(
+            (
+                np.array([[60.0, 180.0], [150.0, 30.0], [250.0, 120.0]]),
+                view_of(12.0, yaw=1.95, offset=(0.05, 0.01)),
+            ),
+            "the head turned to behind the shoulder",
+        ),
         Case((pixels_in(rng, everything, 6), everything), "all at once"),
         Case((pixels_in(rng, walking, 5), walking), "a NAO that leans"),
         Case((np.zeros((0, 2)), lens), "no pixel"),
@@ -548,6 +646,7 @@ def _ground_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((pixels_in(rng, view, 20), view)) for view in views),
         Case((np.array([[rng.uniform(0, 319), 2.0], [rng.uniform(0, 319), 235.0]]), high)),
         Case((rows, replace(level, yaw=rng.uniform(-1, 1)))),
+        Case((pixels_in(rng, views[0], 12), replace(views[0], pitch=0.2, yaw=rng.uniform(1.8, 2.0)))),
         Case((np.zeros((0, 2)), views[0])),
     ]
 
@@ -595,6 +694,32 @@ PIXEL_TO_GROUND = Exercise(
             "behind the robot",
             _followed(behind=True),
             "Above the horizon you return points behind the robot: there the ray never meets the ground. NaN is wanted.",
+        ),
+        Mistake(
+            "only ahead",
+            _followed(only_ahead=True),
+            "You leave out what lies behind the robot's middle. With the head turned to behind the shoulder such points are real: NaN is for rays "
+            "that do not go down, by their third part.",
+        ),
+        Mistake(
+            "a level ray",
+            _followed(level=True),
+            "At the horizon the ray is level, its third part 0, and never meets the ground either: NaN where it is not negative.",
+        ),
+        Mistake(
+            "focal lengths exchanged",
+            _followed(focal_exchanged=True),
+            "You exchanged the focal lengths: view.focal is (fu, fv), and u goes with fu.",
+        ),
+        Mistake(
+            "offset taken off",
+            _followed(offset=-1.0),
+            "You take view.offset off. The camera stands there, so it is added to what the ray covers.",
+        ),
+        Mistake(
+            "offset turned",
+            _followed(offset_turned=True),
+            "You turn view.offset with the head. It is in the robot frame already: add it as it is.",
         ),
         Mistake(
             "zero above the horizon",
@@ -672,12 +797,17 @@ def _sigma_public() -> list[Case]:
         Case((4.0, 0.48, float(np.radians(1.0))), "4 m away, one degree"),
         Case((0.0, 0.6, 0.01), "straight below"),
         Case((1.0, 1.6, 0.01), "a camera higher than the point is far"),
+        Case((1.0, 0.5, 0.3), "an angle that is not small: to first order all the same"),
     ]
 
 
 def _sigma_hidden(rng: np.random.Generator) -> list[Case]:
     cases = [(rng.uniform(0.1, 6), rng.uniform(0.3, 1.8), rng.uniform(0.001, 0.05)) for _ in range(8)]
-    return [*(Case(tuple(map(float, case))) for case in cases), Case((0.0, float(rng.uniform(0.4, 2)), 0.02))]
+    return [
+        *(Case(tuple(map(float, case))) for case in cases),
+        Case((0.0, float(rng.uniform(0.4, 2)), 0.02)),
+        Case((float(rng.uniform(1, 2)), 0.5, float(rng.uniform(0.2, 0.4)))),
+    ]
 
 
 RANGE_SIGMA = Exercise(
@@ -718,6 +848,41 @@ RANGE_SIGMA = Exercise(
             "divided by r",
             _sigma(lambda r, h, s: (h**2 + r**2) / max(r, 1e-9) * s),
             "You divide by the range. It is the height that is left below the fraction: the lower the camera, the worse.",
+        ),
+        Mistake(
+            "tilt forgotten",
+            _sigma(lambda r, h, s: (h**2 + r**2) / h),
+            "That is the slope, in metres per radian. Times tilt_sigma it is a deviation in metres.",
+        ),
+        Mistake(
+            "brackets",
+            _sigma(lambda r, h, s: h**2 + r**2 / h * s),
+            "Brackets are missing: the whole sum is divided by the height.",
+        ),
+        Mistake(
+            "taken for degrees",
+            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.radians(s)),
+            "You turn tilt_sigma into radians. It is in radians already.",
+        ),
+        Mistake(
+            "tilt squared",
+            _sigma(lambda r, h, s: (h**2 + r**2) / h * s**2),
+            "You square tilt_sigma. A deviation goes through a straight line as it is; squares are for variances.",
+        ),
+        Mistake(
+            "the sine of the tilt",
+            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.sin(s)),
+            "To first order the tilt's deviation is multiplied as it is: no sine of it.",
+        ),
+        Mistake(
+            "the tangent of the tilt",
+            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.tan(s)),
+            "To first order the tilt's deviation is multiplied as it is: no tangent of it.",
+        ),
+        Mistake(
+            "one exact tilt",
+            _sigma(lambda r, h, s: h / np.tan(np.arctan2(h, r) - s) - r),
+            "You move the camera by one tilt_sigma and look how far the point goes. To first order it is the slope at the point itself, times tilt_sigma.",
         ),
         Mistake(
             "sine not squared",
@@ -769,8 +934,18 @@ def _covariance(**changed: Any) -> Any:
             by_pitch = by_pitch * np.tile([0.0, 1.0], k)
         if changed.get("degrees"):
             tilt_sigma = float(np.degrees(tilt_sigma))
+        if changed.get("absolute"):
+            by_pitch = np.abs(by_pitch)
+        if changed.get("by_formula"):
+            away = _z(pixels, view)[1::2]
+            by_pitch = np.column_stack([0.0 * away, (view.height**2 + away**2) / view.height]).ravel()
+        if changed.get("slope_by_kind"):
+            by_pitch = by_pitch.reshape(-1, 2).T.ravel()
+        jacobians = jacobians * changed.get("times", 1.0)
         power = 1 if changed.get("not_squared") else 2
-        full = tilt_sigma**power * np.outer(by_pitch, by_pitch) * (0 if changed.get("no_tilt") else 1)
+        outer = by_pitch @ by_pitch if changed.get("inner") else np.outer(by_pitch, by_pitch)
+        tilt_power = 1 if changed.get("tilt_not_squared") else power
+        full = tilt_sigma**tilt_power * outer * (0 if changed.get("no_tilt") else 1) * np.ones((2 * k, 2 * k))
         if changed.get("each_for_itself"):
             full *= np.kron(np.eye(k), np.ones((2, 2)))
         if changed.get("diagonal"):
@@ -779,8 +954,12 @@ def _covariance(**changed: Any) -> Any:
             square = each.T @ each if changed.get("transposed") else each @ each.T
             if changed.get("one_direction"):
                 square = np.outer(each[:, 1], each[:, 1])
+            if changed.get("variances_only"):
+                square = np.diag(np.diag(square))
             full[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += (
-                0 if changed.get("no_pixels") else pixel_sigma**power
+                0
+                if changed.get("no_pixels")
+                else pixel_sigma ** (1 if changed.get("pixel_not_squared") else power)
             ) * square
         order = {
             "range_first": np.arange(2 * k).reshape(-1, 2)[:, ::-1].ravel(),
@@ -896,9 +1075,9 @@ MEASUREMENT_COVARIANCE = Exercise(
     hidden=_covariance_hidden,
     comparison=Close(rtol=0.01, atol=1e-8),
     hints=(
-        "Write z = ground_to_measurement(pixel_to_ground(pixels, view)).ravel() as a little function of pixels and view. Its derivatives are "
-        "differences: z a little to the right minus z a little to the left, over the way between them. All pixels can move at the same time.",
-        "g is the same with replace(view, pitch=view.pitch + step), and np.outer(g, g) is g g'. For D, the two columns by u and by v are (2k, 2): "
+        "Derivatives are differences: measured((0.01, 0), 0) minus measured((-0.01, 0), 0), over the way between them, is that by u of all landmarks at "
+        "the same time.",
+        "g is the same with a tilt in place of a shift, and np.outer(g, g) is g g'. For D, the two columns by u and by v are (2k, 2): "
         "rows 2i and 2i + 1 are landmark i's Jacobian J, and J @ J.T times pixel_sigma ** 2 is its block.",
     ),
     mistakes=[
@@ -931,6 +1110,46 @@ MEASUREMENT_COVARIANCE = Exercise(
             "deviations not squared",
             _covariance(not_squared=True),
             "You multiply by the standard deviations. A covariance has their squares.",
+        ),
+        Mistake(
+            "the pixel's deviation not squared",
+            _covariance(pixel_not_squared=True),
+            "You multiply J J' by pixel_sigma. A covariance has its square.",
+        ),
+        Mistake(
+            "the tilt's deviation not squared",
+            _covariance(tilt_not_squared=True),
+            "You multiply g g' by tilt_sigma. A covariance has its square.",
+        ),
+        Mistake(
+            "half the way",
+            _covariance(times=2.0),
+            "Your J is twice too large: from one step to the left to one step to the right it is two steps.",
+        ),
+        Mistake(
+            "an inner product",
+            _covariance(inner=True),
+            "g @ g of two vectors is one number. g g' is a matrix: np.outer(g, g).",
+        ),
+        Mistake(
+            "variances of a block alone",
+            _covariance(variances_only=True),
+            "You keep the diagonal of each J J' alone. One pixel moves bearing and range together, so the block is full.",
+        ),
+        Mistake(
+            "slopes without a sign",
+            _covariance(absolute=True),
+            "You take the size of g. Its signs count: they say which errors go together and which against each other.",
+        ),
+        Mistake(
+            "equation 4.5 for g",
+            _covariance(by_formula=True),
+            "You take equation 4.5 for g. It is right straight ahead, below the camera's own place, and its sign is lost: take the differences.",
+        ),
+        Mistake(
+            "slopes by kind",
+            _covariance(slope_by_kind=True),
+            "Your g has all bearings first, then all ranges. It goes landmark by landmark: .ravel() of the (k, 2) array, without .T.",
         ),
         Mistake(
             "range first",
@@ -1010,6 +1229,9 @@ def _fitted(pixels: Any, ground_points: Any, view: CameraView, **changed: Any) -
         seen = replace(view, pitch=view.pitch + float(offset[0])).project(points)
         return np.nan_to_num(seen - marked, nan=1e3).ravel()
 
+    if changed.get("one_step"):
+        slope = (misses([1e-4]) - misses([-1e-4])) / 2e-4
+        return float(-slope @ misses([0.0]) / (slope @ slope))
     return float(least_squares(misses, [0.0]).x[0])
 
 
@@ -1063,6 +1285,42 @@ def _by_range(pixels: Any, ground_points: Any, view: CameraView) -> float:
     return float(np.mean(should - (view.pitch + np.arctan(v))))
 
 
+def _on_ground(pixels: Any, ground_points: Any, view: CameraView) -> float:
+    """The least squared error of the points on the ground."""
+    middle, width = 0.0, 0.3
+    for _ in range(4):
+        tried, costs = middle + np.linspace(-width, width, 121), []
+        for offset in tried:
+            misses = _ground(pixels, replace(view, pitch=view.pitch + float(offset))) - np.asarray(
+                ground_points
+            )
+            costs.append(float(np.nan_to_num(misses**2, nan=1e9).sum()))
+        middle, width = float(tried[int(np.argmin(costs))]), width / 30
+    return middle
+
+
+def _mean_depression(pixels: Any, ground_points: Any, view: CameraView) -> float:
+    """The mean of how much lower below the horizon the points are than their rays."""
+    u, v = ((view.undistort(pixels) - view.centre) / view.focal).T
+    rays = np.column_stack([np.ones(len(u)), -u, -v]) @ view.rotation.T
+    to = np.asarray(ground_points) - view.offset
+    seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
+    return float(np.mean(np.arctan2(view.height, np.hypot(*to.T)) - seen))
+
+
+def _far_marks(rng: np.random.Generator, view: CameraView, offset: float) -> tuple[Array, Array, CameraView]:
+    """Twenty-seven near marks that are exact in the mean, and three far ones that are all a little low."""
+    near = np.column_stack([rng.uniform(0.9, 1.6, 27), rng.uniform(-0.3, 0.3, 27)])
+    points = np.vstack([near, np.column_stack([rng.uniform(4.6, 5.0, 3), rng.uniform(-1, 1, 3)])])
+    errors = np.vstack(
+        [
+            np.column_stack([rng.permutation(np.linspace(-1, 1, 27)) for _ in range(2)]),
+            [[0.5, 1.5], [-0.5, 1.5], [0.0, 1.5]],
+        ]
+    )
+    return view.project(points) + errors, points, replace(view, pitch=view.pitch - offset)
+
+
 def _calibration(
     rng: np.random.Generator, view: CameraView, number: int, offset: float, noise: float = 0.0
 ) -> tuple[Array, Array, CameraView]:
@@ -1086,8 +1344,9 @@ def _pitch_public() -> list[Case]:
             _calibration(rng, everything, 8, 0.08),
             "turned, tilted and beside the robot's middle, with a lens",
         ),
-        Case(_calibration(rng, view_of(14.0), 12, 0.11), "points that lie above the believed horizon"),
+        Case(_calibration(rng, view_of(14.0), 12, 0.16), "points that lie above the believed horizon"),
         Case(_calibration(rng, plain, 30, 0.05, noise=1.0), "thirty points that are a pixel off"),
+        Case(_far_marks(rng, view_of(22.0), 0.05), "thirty marks about a pixel off, three of them far away"),
         Case(_calibration(rng, plain, 5, 0.0), "nothing to correct"),
     ]
 
@@ -1097,7 +1356,8 @@ def _pitch_hidden(rng: np.random.Generator) -> list[Case]:
         Case(_calibration(rng, any_view(rng), 10, float(rng.uniform(0.03, 0.1)))),
         Case(_calibration(rng, any_view(rng), 7, float(rng.uniform(-0.1, -0.03)))),
         Case(_calibration(rng, any_view(rng, (640, 480)), 5, float(rng.uniform(0.03, 0.1)))),
-        Case(_calibration(rng, view_of(14.0), 12, float(rng.uniform(0.1, 0.13)))),
+        Case(_calibration(rng, view_of(14.0), 12, float(rng.uniform(0.15, 0.17)))),
+        Case(_far_marks(rng, view_of(rng.uniform(20, 24)), float(rng.uniform(0.03, 0.07)))),
         Case(_calibration(rng, view_of(rng.uniform(15, 25)), 40, float(rng.uniform(0.03, 0.08)), noise=1.0)),
     ]
 
@@ -1135,6 +1395,22 @@ ESTIMATE_PITCH = Exercise(
             "one point alone",
             _changed_fit(one_point=True),
             "Right where all points are marked exactly. With marks that are a pixel off, your answer hangs on the first of them: use all.",
+        ),
+        Mistake(
+            "one linear step",
+            _changed_fit(one_step=True),
+            "Nearly. One linear step does not arrive, for the picture bends with the angle: begin again from where it led, until nothing changes.",
+        ),
+        Mistake(
+            "least squares on the ground",
+            _on_ground,
+            "You compare on the ground, where one pixel is worth decimetres far away: a few far marks decide. Compare in the picture, by view.project: "
+            "there all marks are equally good.",
+        ),
+        Mistake(
+            "angles below the horizon",
+            _mean_depression,
+            "You compare angles below the horizon. They grow by the whole offset only straight ahead of the camera; to the side of it by less. Let view.project do the geometry.",
         ),
         Mistake(
             "the lens left in",
@@ -1189,8 +1465,8 @@ PLAN = LessonPlan(
             {
                 "1 degree: they balance each other out.": "They would have to be opposite in every picture. Independent errors are opposite in half of "
                 "them, and in the other half they add up.",
-                "5 degrees.": "The variances 9 and 16 add up to 25. It is less than 7, for sometimes they are opposite, and more than 4, for that is rarer "
-                "than it feels.",
+                "5 degrees.": "The variances 9 and 16 add up to 25. It is less than 7, for sometimes they are opposite, and more than 4, for in the other half "
+                "they add up.",
                 "7 degrees: errors add up.": "That is the worst case of one picture, both at their deviation and on the same side. The typical sum is "
                 "smaller: variances add, not deviations.",
                 "3.5 degrees, the mean.": "A sum is no mean. Even the smaller of two independent errors makes the sum worse than the larger one alone.",
@@ -1199,7 +1475,7 @@ PLAN = LessonPlan(
         ),
         Question(
             "what_helps",
-            "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a deviation of 0.7 degrees. What makes the range better?",
+            "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a deviation of 0.7 degrees. What makes the range clearly better?",
             {
                 "Pictures of 1280 x 960.": "They turn 7 cm into 2. The tilt's 23 cm stay, and the root of the squares' sum goes from 25 to 24 cm.",
                 "The mean of three landmarks in the same picture.": "They share the picture's tilt: three ranges that are all too long have a mean that is too long.",

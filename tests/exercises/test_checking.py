@@ -394,6 +394,19 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
     assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1
 
 
+def test_of_points_the_row_is_shown_and_of_a_matrix_about_all_of_them_nothing():
+    points = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    public = PublicExercise(
+        "turned", "4.1", 1.0, 1, Close(), [Case((points,), expected=points + 0)], [], [], "", False
+    )
+    wrong = points + np.array([[0, 0], [0, 1], [0, 0]])
+    assert grade_public(public, lambda given: wrong).lines[-1] == "There the input is 3 4."
+    matrix = replace(public, cases=[Case((points,), expected=np.eye(6))])
+    assert not any(
+        "There the input" in line for line in grade_public(matrix, lambda given: np.zeros((6, 6))).lines
+    )
+
+
 def test_a_check_waits_twice_as_long_as_the_grader_and_twenty_seconds_at_least(monkeypatch):
     waited = []
 

@@ -151,3 +151,17 @@ def test_a_phones_square_pixels_give_the_vertical_field_of_view():
 def test_impossible_cameras_are_refused_with_what_was_expected(make, says):
     with pytest.raises(ValueError, match=says):
         make()
+
+
+@pytest.mark.parametrize("name", ["pitch", "roll"])
+def test_an_angle_that_can_only_be_degrees_is_refused(name):
+    with pytest.raises(ValueError, match=f"{name} must be in radians"):
+        view(**{name: 25.0})
+    with pytest.raises(ValueError, match="pitch must be in radians"):
+        CameraView.from_fov((320, 240), 1.1, height=0.3, pitch=55)
+
+
+def test_half_a_pixel_that_is_none_has_no_place_without_the_lens():
+    bent = view(k1=-0.08)
+    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
+    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])

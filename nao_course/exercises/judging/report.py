@@ -193,18 +193,24 @@ def _raises(text: str) -> str:
 
 
 def _input_at(case: Case, verdict: Verdict) -> list[str]:
-    """Show the element of the first argument that the first wrong element of the answer was made from.
+    """Show what of the first argument the first wrong element of the answer was made from.
 
-    A pose of three numbers beside another array makes its answer as a whole: no element belongs to one of it.
+    That is the element at the same place; where both are rows of a few numbers, such as points, the row. An answer of
+    another shape, such as a matrix about all rows, was made from no one of them; nor is that of a pose of three numbers
+    beside another array.
     """
-    given = case.args[0] if case.args else None
+    given, wanted = (case.args[0] if case.args else None), case.expected
     place = len(verdict.at)
     if not isinstance(given, np.ndarray) or not place or given.ndim not in (place, place + 1):
         return []
     if given.size <= SMALL and any(isinstance(each, np.ndarray) for each in case.args[1:]):
         return []
-    if isinstance(case.expected, np.ndarray) and case.expected.shape[:place] != given.shape[:place]:
-        return []  # no element of the one is made from an element of the other
+    if isinstance(wanted, np.ndarray) and wanted.shape[:1] != given.shape[:1]:
+        return []
+    if given.ndim == place == 2 and given.shape[1] <= 3:
+        return [f"There the input is {' '.join(f'{float(value):g}' for value in given[verdict.at[0]])}."]
+    if isinstance(wanted, np.ndarray) and wanted.shape[:place] != given.shape[:place]:
+        return []
     if (
         any(index >= size for index, size in zip(verdict.at, given.shape, strict=False))
         or given[verdict.at].size > 4

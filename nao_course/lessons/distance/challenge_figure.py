@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from nao_course.challenges import Run
 from nao_course.geometry import FloatArray
 from nao_course.lessons.distance.lines import LinePicture, line_picture_of
+from nao_course.lessons.distance.looks import rows_of_two
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import STYLES, course_style
@@ -46,9 +47,8 @@ def draw_leaning_lines(pixel_to_ground: Callable[..., Any]) -> Drawing:
         _plot_segments(first, scene.segments, scene.view)
         first.set_title("segments in the picture", fontsize=11)
         for ax, (title, view) in zip((second, third), views.items(), strict=True):
-            ground = np.asarray(pixel_to_ground(scene.segments.reshape(-1, 2), view), dtype=float).reshape(
-                -1, 2, 2
-            )
+            ends = scene.segments.reshape(-1, 2)
+            ground = rows_of_two("pixel_to_ground", pixel_to_ground(ends, view), len(ends)).reshape(-1, 2, 2)
             for (x1, y1), (x2, y2) in ground:
                 ax.plot([-y1, -y2], [x1, x2], color=LINES, lw=2.4)
             off = _off_right_angles(ground)

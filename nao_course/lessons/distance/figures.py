@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.distance.looks import Function, usual_view
+from nao_course.lessons.distance.looks import Function, measure_pixels, rows_of_two, usual_view
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, STYLES, course_style
@@ -47,7 +47,7 @@ def draw_paper_error(
     width, height = view.size
     u, v = np.meshgrid(np.linspace(0, width - 1, 81), np.linspace(0, height - 1, 121))
     pixels = np.column_stack([u.ravel(), v.ravel()])
-    exact = np.asarray(ground_to_measurement(pixel_to_ground(pixels, view)), dtype=float)
+    exact = measure_pixels(pixel_to_ground, ground_to_measurement, pixels, view)
     exact[exact[:, 1] > 8.0] = np.nan  # so near the horizon all is lost anyway
     distance = (np.asarray(paper_distance(pixels, view)) - exact[:, 1]).reshape(u.shape)
     bearing = np.degrees(np.asarray(paper_bearing(pixels, view)) - exact[:, 0]).reshape(u.shape)
@@ -119,7 +119,7 @@ def draw_arrows(
             methods.items(),
             strict=True,
         ):
-            bearing, away = np.asarray(method(pixels.copy(), view), dtype=float).T
+            bearing, away = rows_of_two(title, method(pixels.copy(), view), len(pixels)).T
             ends = np.column_stack([away * np.cos(bearing), away * np.sin(bearing)])
             shift = ends - points
             ax.quiver(

@@ -145,9 +145,42 @@ def leaning_measurements(
     places, lean = as_points(points), np.asarray(tilts, dtype=float)
     pixels = np.array([replace(view, pitch=view.pitch + tilt).project(places) for tilt in lean])
     pixels = pixels + np.broadcast_to(pixel_errors, pixels.shape)
-    ground = pixel_to_ground(pixels.reshape(-1, 2), view)
-    measured = np.asarray(ground_to_measurement(ground), dtype=float)
+    measured = measure_pixels(pixel_to_ground, ground_to_measurement, pixels.reshape(-1, 2), view)
     return measured.reshape(len(lean), len(places), 2)
+
+
+def measure_pixels(
+    pixel_to_ground: Function, ground_to_measurement: Function, pixels: npt.ArrayLike, view: CameraView
+) -> FloatArray:
+    """Measure pixels (N, 2) with the student's functions: (N, 2) of bearing and range, rad and m.
+
+    Raises
+    ------
+    ValueError
+        With the function's name, if it answers in another shape, or with nothing but NaN.
+    """
+    ground = rows_of_two("pixel_to_ground", pixel_to_ground(as_points(pixels), view), len(as_points(pixels)))
+    return rows_of_two("ground_to_measurement", ground_to_measurement(ground), len(ground))
+
+
+def rows_of_two(name: str, answer: Any, number: int) -> FloatArray:
+    """Return a student's answer as an array (number, 2).
+
+    Raises
+    ------
+    ValueError
+        With the function's name, if it has another shape, or nothing but NaN.
+    """
+    if answer is None:
+        raise ValueError(f"{name} gave None: a return may be missing")
+    array = np.asarray(answer, dtype=float)
+    if array.shape != (number, 2):
+        raise ValueError(
+            f"{name} should give a row of two for each of {number} points, got shape {array.shape}"
+        )
+    if number and np.isnan(array).all():
+        raise ValueError(f"{name} gave NaN for each of {number} points, of which most lie on the ground")
+    return array
 
 
 def ahead(distances: npt.ArrayLike, view: CameraView) -> FloatArray:

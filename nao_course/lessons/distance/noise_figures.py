@@ -13,7 +13,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.distance.looks import Function, ahead, leaning_measurements, usual_view
+from nao_course.lessons.distance.looks import (
+    Function,
+    ahead,
+    leaning_measurements,
+    measure_pixels,
+    usual_view,
+)
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import STYLES, course_style
@@ -209,7 +215,7 @@ def pixel_worth(
     view = replace(usual_view(size), offset=(0.0, 0.0))
     pixels = view.project(ahead(away, view))
     high, low = (
-        np.asarray(ground_to_measurement(pixel_to_ground(pixels + (0.0, half), view)), dtype=float)[:, 1]
+        measure_pixels(pixel_to_ground, ground_to_measurement, pixels + (0.0, half), view)[:, 1]
         for half in (-0.5, 0.5)
     )
     return high - low

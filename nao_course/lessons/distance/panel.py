@@ -14,7 +14,7 @@ from matplotlib.colors import to_rgb
 from nao_course.geometry import FloatArray, Pose, as_points
 from nao_course.lessons.distance.looks import Look, look_around, points_covariance
 from nao_course.plotting import STYLES, table
-from nao_course.sim import Field, Reality, TorsoTilt
+from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind
 from nao_course.widgets import FunctionPanel, Pixel, Slider
 from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
@@ -86,7 +86,7 @@ class TiltPanel(FunctionPanel):
     def _measure(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the picture, then the map without and with ellipses, and each landmark's error."""
         look = self._look.with_tilt(float(np.radians(values.tilt)))
-        yield {"The picture": mark_pixels(look.pixels, look.marks)}
+        yield {"The picture": mark_pixels(_with_horizon(look.pixels, look.view), look.marks)}
         marks = np.vstack([look.marks, [values.pixel]])
         ground = as_points(student.pixel_to_ground(marks, look.view), name="points on the ground")
         if len(ground) != len(marks):
@@ -126,6 +126,17 @@ def mark_pixels(pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike) -> npt.NDAr
     return shown
 
 
+def _with_horizon(pixels: npt.NDArray[np.uint8], view: CameraView) -> npt.NDArray[np.uint8]:
+    """Return a copy of a picture with the horizon dotted into it, where a camera of this view has it."""
+    shown = np.ascontiguousarray(pixels).copy()
+    bearing = view.yaw + np.linspace(-0.7, 0.7, 80)
+    far = np.column_stack([1e6 * np.cos(bearing), 1e6 * np.sin(bearing), np.full(80, view.height)])
+    horizon = view.project(far)
+    for u, v in horizon[view.contains(horizon)]:
+        cv2.circle(shown, (round(u), round(v)), 1, COLOUR, -1, cv2.LINE_AA)
+    return shown
+
+
 def _table(
     look: Look, ground: FloatArray, measured: FloatArray, deviations: FloatArray, seen: npt.NDArray[np.bool_]
 ) -> Any:
@@ -151,7 +162,6 @@ def _words(seen: npt.NDArray[np.bool_], measured: FloatArray, deviations: FloatA
     if not seen[-1]:
         return "The chosen pixel is at or above the horizon: it shows no point of the ground."
     bearing, away = measured[-1]
-    where = (
-        f"{away:.2f} m away (sigma {deviations[-1]:.2f} m), {np.degrees(bearing):+.0f} degrees to the left"
-    )
-    return f"The chosen pixel shows a point {where}."
+    degrees = round(abs(float(np.degrees(bearing))))
+    side = f"{degrees} degrees to the {'left' if bearing > 0 else 'right'}" if degrees else "straight ahead"
+    return f"The chosen pixel shows a point {away:.2f} m away (sigma {deviations[-1]:.2f} m), {side}."

@@ -115,7 +115,10 @@ class LiveMap:
         observer = contents.paths.get(contents.observer) or [Pose()]
         self._sight.show(contents.seen, observer[-1], contents.observer)
         self._sight.show_points(contents.points, observer[-1], contents.observer)
-        shown = [source for source in self._robots if contents.paths.get(source)]
+        believed = (
+            list(self._robots)[-1] if contents.estimate is not None else None
+        )  # may have points and no path
+        shown = [source for source in self._robots if contents.paths.get(source) or source == believed]
         self._canvas.restore_region(self._background((*shown, *([_MEASURED] if contents.seen else ()))))
         for artist in self._artists:
             self._ax.draw_artist(artist)

@@ -8,6 +8,7 @@ import pytest
 from nao_course.lessons.distance import (
     draw_arrows,
     draw_asymmetry,
+    draw_leaning_lines,
     draw_paper_error,
     draw_payoff,
     draw_pixel_worth,
@@ -61,6 +62,37 @@ def test_ranges_of_one_picture_are_correlated():
         **geometry(), measurement_covariance=covariance, pixel_sigma=0.7, tilt_sigma=np.radians(1), pictures=5
     ).alt
     assert "0.98, 0.98, 0.98" in words
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (lambda pixels, view: None, "a return may be missing"),
+        (lambda pixels, view: np.zeros((1, 2)), "a row of two for each of"),
+        (lambda pixels, view: np.full((len(pixels), 2), np.nan), "gave NaN for each of"),
+    ],
+)
+def test_an_answer_of_another_kind_is_said_with_the_functions_name(answer, said):
+    changed = geometry() | {"pixel_to_ground": answer}
+    sigma = own()["range_sigma"]
+    for draw in (
+        lambda: draw_paper_error(own()["paper_distance"], own()["paper_bearing"], **changed),
+        lambda: draw_tilt_band(**changed),
+        lambda: draw_asymmetry(**changed, range_sigma=sigma, tilt_sigma=0.01),
+        lambda: draw_pixel_worth(**changed, range_sigma=sigma),
+        lambda: draw_leaning_lines(answer),
+    ):
+        with pytest.raises(ValueError, match=rf"pixel_to_ground .*{said}"):
+            draw()
+    with pytest.raises(ValueError, match=rf"the arrows .*{said}"):
+        draw_arrows({"the arrows": answer}, usual_view())
+
+
+def test_lists_are_drawn_like_arrays():
+    def as_lists(pixels, view):
+        return own()["pixel_to_ground"](pixels, view).tolist()
+
+    assert draw_tilt_band(as_lists, own()["ground_to_measurement"]).alt == draw_tilt_band(**geometry()).alt
 
 
 def test_the_payoff_says_how_far_its_points_are_off():

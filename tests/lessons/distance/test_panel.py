@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.distance.looks import points_covariance
-from nao_course.lessons.distance.panel import POSE, TiltPanel, upright_look
+from nao_course.lessons.distance.panel import COLOUR, POSE, TiltPanel, upright_look
 from tests.lessons.distance.own import own
 
 
@@ -49,12 +49,41 @@ def test_ellipses_appear_with_the_covariance():
     assert "Finish exercise 4.4" in panel(pixel_to_ground=blank).summary()
 
 
+def test_the_maps_legend_has_a_key_for_the_points():
+    below_the_axes = panel().shown.pictures["Your map"][-50:].astype(int)
+    assert (np.abs(below_the_axes - COLOUR).max(axis=2) < 30).any()
+
+
 def test_a_pixel_above_the_horizon_is_said_to_show_no_ground():
     shown = panel()
     shown.set(pixel=(160, 2))
     assert "above the horizon" in shown.summary()
     shown.set(pixel=(160, 200))
     assert "shows a point 0." in shown.summary()
+
+
+def test_a_pixels_side_is_said_in_words():
+    shown = panel()
+    shown.set(pixel=(300, 200))
+    assert "degrees to the right" in shown.summary()
+    shown.set(pixel=(20, 200))
+    assert "degrees to the left" in shown.summary()
+    shown.set(pixel=(160, 200))
+    assert "straight ahead" in shown.summary()
+
+
+def test_the_believed_horizon_is_dotted_into_the_picture_and_moves_with_the_tilt():
+    def dotted_row(shown):
+        changed = (shown.shown.pictures["The picture"] != upright_look().pixels).any(axis=2)
+        changed[75:] = False  # the marks
+        return float(np.flatnonzero(changed[:, 100:220].any(axis=1)).mean())
+
+    shown = panel()
+    shown.set(tilt=0.0)
+    middle, view = dotted_row(shown), upright_look().view
+    assert middle == pytest.approx(view.centre[1] - view.focal[1] * np.tan(view.pitch), abs=3)
+    shown.set(tilt=2.0)
+    assert dotted_row(shown) == pytest.approx(middle + np.radians(2) * view.focal[1], abs=3)
 
 
 def distances_in_sigmas(tilt):

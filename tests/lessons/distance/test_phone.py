@@ -229,6 +229,44 @@ def test_a_bad_upload_keeps_the_photo_and_says_why():
     assert (panel.shown.pictures["The photo"] == before).all()
 
 
+def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
+    panel = lab()
+    panel.upload(as_file(usual_photo(), exif=exif(focal=120)))
+    assert panel.values.focal == 120 and "says 120 mm" in panel.summary()
+    panel.reset()
+    assert panel.values.focal == 120
+    panel.upload(as_file(usual_photo()))
+    assert panel.values.focal == 27 and "does not tell its focal length" in panel.summary()
+
+
+def test_each_letter_is_named_by_its_place_and_letters_turned_round_are_suspected():
+    panel = lab()
+    assert "corner A of the field (near, left)" in panel.summary()
+    click_all(panel)
+    assert "turned" not in panel.summary()
+    panel.reset()
+    click_all(panel, true_pixels()[[2, 3, 0, 1]])
+    assert "if not, the letters are turned" in panel.summary()
+
+
+def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
+    file = tmp_path / "sheet.jpg"
+    file.write_bytes(as_file(usual_photo(), exif=exif(focal=35)))
+    panel = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=file)
+    assert panel.values.focal == 35
+    missing = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=tmp_path / "none.jpg")
+    assert "There is no file" in missing.summary() and "stand-in" in missing.summary()
+
+
+def test_no_landmark_and_one_above_the_horizon_are_said():
+    nothing = lab(find=lambda pixels: np.zeros((0, 2)))
+    assert "no post and no corner" in nothing.summary() and not nothing.shown.tables
+    sky = np.vstack([true_pixels(), [[160.0, 5.0]]])
+    panel = lab(find=lambda pixels: sky)
+    panel.set(pitch=20.0)
+    assert "NaN, at or above the horizon" in panel.summary()
+
+
 def test_what_is_not_written_is_named_and_the_photo_is_shown():
     def blank(*given):
         raise NotImplementedError

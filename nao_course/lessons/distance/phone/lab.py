@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -14,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose, as_points
 from nao_course.lessons.distance.panel import mark_pixels
-from nao_course.lessons.distance.phone.photo import SIZE, Photo, read_photo, view_from_points
+from nao_course.lessons.distance.phone.photo import FOCALS_35, SIZE, Photo, read_photo, view_from_points
 from nao_course.lessons.distance.phone.sheet import CLICKED, FIELD, SCALE, usual_photo
 from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_pose, table
 from nao_course.plotting.legends import legend_below
@@ -22,6 +23,17 @@ from nao_course.sim import CameraView
 from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
 
 USUAL_FOCAL = 27.0  # mm in 35 mm terms: most phones' main camera, and the stand-in's
+WHERE = {
+    "A": "near, left",
+    "B": "near, right",
+    "C": "far, right",
+    "D": "far, left",
+}  # seen from the halfway line
+# A browser hands files to the kernel in one message. Of more than 10 MB the server takes none, and says nothing.
+UPLOADED = (
+    "JPEG or PNG, less than 9 MB. A larger one: drag it into the list of files on the left, and name it: "
+    '<code>PhoneLab(..., photo="name.jpg")</code>'
+)
 STAND_IN = "This is a stand-in. Choose a photo of your own, or try with this one."
 
 
@@ -37,10 +49,17 @@ class PhoneLab(FunctionPanel):
         ``find_landmarks(pixels)`` returns (K, 2), (u, v) px, of corners and posts in a picture of 320 x 240.
     pixel_to_ground : callable
         The student's of exercise 4.4.
+    photo : str or Path, optional
+        A photo's file beside the notebook. Without it the lab begins with the stand-in.
     """
 
-    def __init__(self, find_landmarks: Callable[..., Any], pixel_to_ground: Callable[..., Any]) -> None:
-        """Begin with the stand-in photo."""
+    def __init__(
+        self,
+        find_landmarks: Callable[..., Any],
+        pixel_to_ground: Callable[..., Any],
+        photo: str | Path | None = None,
+    ) -> None:
+        """Begin with the stand-in photo, or with the file that is named."""
         self._photo, self._said = (
             Photo(cv2.resize(usual_photo(), SIZE, interpolation=cv2.INTER_AREA)),
             STAND_IN,
@@ -63,7 +82,7 @@ class PhoneLab(FunctionPanel):
                 Pixel("pixel", "Corner", SIZE, tooltip="Click a corner of the field, then its letter"),
                 *letters,
                 Slider(
-                    "focal", "Focal length", 13.0, 80.0, 0.5, USUAL_FOCAL, unit="mm", tooltip="In 35 mm terms"
+                    "focal", "Focal length", *FOCALS_35, 0.5, USUAL_FOCAL, unit="mm", tooltip="In 35 mm terms"
                 ),
                 Slider(
                     "height",
@@ -85,11 +104,17 @@ class PhoneLab(FunctionPanel):
                 "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
             },
         )
-        self._upload = ipywidgets.FileUpload(accept="image/*", multiple=False, description="Your photo")
+        self._upload = ipywidgets.FileUpload(
+            accept="image/*", multiple=False, description="Your photo", layout={"flex": "0 0 auto"}
+        )
         self._upload.tooltip = "A JPEG or PNG of the printed sheet"
         self._upload.observe(self._uploaded, "value")
         style, *rest = self.widget.children
-        self.widget.children = (style, self._upload, *rest)
+        note = ipywidgets.HTML(UPLOADED, layout={"width": "auto", "flex": "1 1 auto"})
+        row = ipywidgets.HBox([self._upload, note])
+        self.widget.children = (style, row, *rest)
+        if photo is not None:
+            self._open(Path(photo))
 
     def upload(self, content: bytes) -> None:
         """Take a photo's file in place of the present one; what cannot be read is said in the panel."""
@@ -99,13 +124,27 @@ class PhoneLab(FunctionPanel):
             self._said = str(error)
             self.set()
             return
-        self._said = "" if self._photo.focal_35 is None else f"The camera says {self._photo.focal_35:g} mm."
-        focal = (
-            {}
-            if self._photo.focal_35 is None
-            else {"focal": float(np.clip(self._photo.focal_35, 13.0, 80.0))}
-        )
-        self.set(**dict.fromkeys(map(str.lower, CLICKED), 0), **focal)
+        if self._photo.focal_35 is None:
+            self._said = f"The file does not tell its focal length: {USUAL_FOCAL:g} mm is usual."
+        else:
+            self._said = f"The camera says {self._photo.focal_35:g} mm."
+        self.set(**dict.fromkeys(map(str.lower, CLICKED), 0), focal=self._photo.focal_35 or USUAL_FOCAL)
+
+    def reset(self) -> None:
+        """Set all controls back to where they began, the focal length to what the photo's camera says."""
+        super().reset()
+        if self._photo.focal_35 is not None:
+            self.set(focal=self._photo.focal_35)
+
+    def _open(self, file: Path) -> None:
+        """Take a file by its name; where there is none, the panel says so."""
+        try:
+            content = file.read_bytes()
+        except OSError:
+            self._said = f"There is no file {str(file)!r} to be read beside this notebook. {STAND_IN}"
+            self.set()
+            return
+        self.upload(content)
 
     def _uploaded(self, change: Any) -> None:
         for file in change["new"]:
@@ -121,11 +160,17 @@ class PhoneLab(FunctionPanel):
         view, pose, words = self._camera(values, clicked)
         yield " ".join(filter(None, (self._said, words)))
         marks = as_points(student.find_landmarks(photo), name="landmarks (u, v)")
+        if not len(marks):
+            yield "Your code finds no post and no corner in it."
+            return
         yield {"The photo": _lettered(mark_pixels(photo, marks), clicked)}
         ground = as_points(student.pixel_to_ground(marks, view), name="points on the ground")
         if len(ground) != len(marks):
             raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
-        ground = ground[np.isfinite(ground).all(axis=1)]
+        shown = np.isfinite(ground).all(axis=1)
+        if not shown.all():
+            yield f"{np.count_nonzero(~shown)} of {len(marks)} landmarks: NaN, at or above the horizon."
+        ground = ground[shown]
         if pose is None:
             rows = [(f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°") for away, bearing in _polar(ground)]
             yield table(("from below the phone", "to the left"), rows)
@@ -154,14 +199,18 @@ class PhoneLab(FunctionPanel):
         )
         missing = sorted(CLICKED.keys() - clicked.keys())
         if missing:
-            return by_hand, None, f"Click the corner {missing[0]} of the field, then the button {missing[0]}."
+            letter = missing[0]
+            where = f"Click the corner {letter} of the field ({WHERE[letter]}), then the button {letter}."
+            return by_hand, None, where
         try:
             view, pose = view_from_points([clicked[each] for each in CLICKED], list(CLICKED.values()), hfov)
         except ValueError as error:
             return by_hand, None, f"By the letters {error}"
         height, pitch, roll = 100 * SCALE * view.height, np.degrees(view.pitch), np.degrees(view.roll)
         found = f"{height:.1f} cm up, {pitch:.1f}° down, roll {roll:.1f}°"
-        return view, pose, f"By the four letters the phone was {found}."
+        turned = pose.x > max(x for x, _ in CLICKED.values())
+        warned = " It was behind the goal line: if not, the letters are turned." if turned else ""
+        return view, pose, f"By the four letters the phone was {found}.{warned}"
 
 
 def _lettered(pixels: npt.NDArray[np.uint8], clicked: Mapping[str, tuple[int, int]]) -> npt.NDArray[np.uint8]:
@@ -184,7 +233,7 @@ def _draw_sheet_map(pose: Pose, points: FloatArray) -> Drawing:
     """The field from above with the phone and the points, in metres of the field."""
     colour = STYLES["ekf"].colour
     with course_style():
-        figure = Figure(figsize=(4.6, 4.5))
+        figure = Figure(figsize=(4.2, 4.0))
         ax = figure.add_subplot()
         plot_field(FIELD, ax)
         ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)

@@ -15,6 +15,7 @@ from nao_course.sim import CameraView
 
 SIZE = (320, 240)  # px: what lessons 01 to 03 were made for; other shapes get black bars
 DIAGONAL_35 = 43.27  # mm, of a 35 mm picture: focal lengths "in 35 mm terms" go by it
+FOCALS_35 = (10.0, 200.0)  # mm in 35 mm terms: from a phone's widest camera to its longest
 LARGEST_FILE = 40_000_000  # bytes
 MOST_PIXELS = 120_000_000
 SMALLEST_SIDE = 100  # px
@@ -105,7 +106,7 @@ def _focal_length(image: Image.Image) -> float | None:
         value = float(image.getexif().get_ifd(_EXIF_BLOCK).get(_FOCAL_35, 0))
     except (TypeError, ValueError, ZeroDivisionError, SyntaxError, OSError):
         return None
-    return value if 10 <= value <= 200 else None
+    return value if FOCALS_35[0] <= value <= FOCALS_35[1] else None
 
 
 def _as_rgb(image: Image.Image) -> npt.NDArray[np.uint8]:
