@@ -295,7 +295,9 @@ class Checks:
             What `draw` returned, below a remark where a function that it was drawn with is not right; or a `Message`.
         """
         shown = try_out(partial(draw, **functions))
-        exercises = [self.exercise(name) for name in functions]
+        for name in functions:
+            self.exercise(name)  # a name that the lesson has not is an error
+        exercises = [each for each in self.lesson.exercises if each.name in functions]
         missing = [each.number for each in exercises if not grade_public(each, functions[each.name])]
         if not missing:
             return shown

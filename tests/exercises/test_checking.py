@@ -414,6 +414,11 @@ def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
     )
 
 
+def test_a_payoff_names_the_exercises_that_it_needs_in_their_order(check):
+    blank = {"mean_of_positive": unwritten, "clamp": unwritten}
+    assert "your exercises 90.1, 90.2:" in repr(check.payoff(lambda **own: own["clamp"](5, 0, 3), **blank))
+
+
 def test_a_payoff_that_a_wrong_function_draws_says_so_and_shows_it_all_the_same(check):
     shown = check.payoff(lambda clamp: clamp(5, 0, 3), clamp=lambda x, low, high: x)
     assert repr(shown) == "This is drawn with your exercise 90.1, which does not pass the public checks.\n5"

@@ -45,7 +45,7 @@ class Looks:
         """Begin with no look taken; that is no field, for what is given to an entry must stay as it was."""
         object.__setattr__(self, "_taken", [])
 
-    def at(self, number: int) -> tuple[FloatArray, FloatArray]:
+    def at(self, number: Any) -> tuple[FloatArray, FloatArray]:
         """Look at landmark `number`: its measurement (2,) and R (2, 2).
 
         Raises
@@ -56,7 +56,6 @@ class Looks:
         many = self._measurements.shape[1]
         if (
             isinstance(number, bool)
-            or np.ndim(number)
             or not isinstance(number, int | float | np.number)
             or number not in range(many)
         ):
