@@ -140,6 +140,16 @@ FUSE = Exercise(
             "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
         ),
         Mistake(
+            "plain average in both lines",
+            _fused(lambda a, b: 0.5, lambda a, b: (a + b) / 4),
+            "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
+        ),
+        Mistake(
+            "away from b",
+            _fused(lambda a, b: -a / (a + b), _right_variance),
+            "Your mean goes away from b: the difference in equation 6.1 is b - a.",
+        ),
+        Mistake(
             "variances added",
             _fused(_right_weight, lambda a, b: a + b),
             "Your variance is the sum, larger than either: that is the variance of a difference. Two beliefs together are surer than each alone.",
@@ -385,6 +395,16 @@ def _squares(which: str) -> list[Mistake]:
             "each entry's inverse",
             _over_each_entry,
             "You take one over each entry. The inverse of a matrix is another matrix: np.linalg.inv, or np.linalg.solve(covariance, error).",
+        ),
+        Mistake(
+            "still a matrix",
+            lambda error, covariance: error.reshape(1, -1) @ np.linalg.inv(covariance) @ error.reshape(-1, 1),
+            "The number is there, but in a matrix of one row and one column: vectors of shape (n,) are enough, error @ ... @ error is a number then.",
+        ),
+        Mistake(
+            "* for @",
+            lambda error, covariance: error * np.linalg.inv(covariance) * error,
+            "* multiplies entry by entry, so a matrix is left. The matrix product is @, and vector @ matrix @ vector is a number.",
         ),
         Mistake(
             "standard deviations for variances",
@@ -976,6 +996,22 @@ def _changed_look(**changed: Any) -> Any:
     return function
 
 
+def _twice(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    return _localized(*_localized(pose, covariance, measurement, landmark, R), measurement, landmark, R)
+
+
+def _bearing_alone(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    difference = wrapped(np.asarray(measurement) - _bearing_range(pose, landmark))
+    new, left = _update(pose, covariance, difference[:1], _slopes(pose, landmark)[:1], R[:1, :1])
+    return _HEADINGS["right"](new), left
+
+
+def _nothing_behind(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    if abs(measurement[0]) > np.pi / 2:
+        return pose, covariance
+    return _localized(pose, covariance, measurement, landmark, R)
+
+
 def _one_by_one(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
     """Bearing and range after each other, both linearised where the first one was; R is diagonal."""
     difference = np.asarray(measurement) - _bearing_range(pose, landmark)
@@ -1138,7 +1174,7 @@ LOCALIZE = Exercise(
         Mistake(
             "pose wrapped",
             _changed_look(heading="all"),
-            "You wrap all of the pose. x and y are metres: at x = 3.4 your robot leaps to -2.9. Wrap the heading alone.",
+            "You wrap all of the pose. x and y are metres: at x = 3.4 your robot leaps to the other side of the field. Wrap the heading alone.",
         ),
         Mistake(
             "heading left out",
@@ -1149,6 +1185,21 @@ LOCALIZE = Exercise(
             "rows exchanged",
             _changed_look(rows=True),
             "The rows of H are exchanged: bearing first, then range, as in the measurement.",
+        ),
+        Mistake(
+            "taken in twice",
+            _twice,
+            "You take the measurement in twice. It tells something new only once: the second time your covariance is too small.",
+        ),
+        Mistake(
+            "bearing alone",
+            _bearing_alone,
+            "You use the bearing alone: the range tells how far away the robot is. Hand both rows on.",
+        ),
+        Mistake(
+            "nothing behind",
+            _nothing_behind,
+            "You leave out what is behind the robot. A landmark there tells as much as any other.",
         ),
         Mistake(
             "R as standard deviations",
