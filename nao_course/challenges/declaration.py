@@ -220,8 +220,8 @@ class Run:
 
     @property
     def complete(self) -> bool:
-        """Whether all cases were run: only then there is a score."""
-        return len(self.results) == len(self.challenge.seeds)
+        """Whether all cases were run, and an answer could be used: only then there is a score."""
+        return not self.stopped and len(self.results) == len(self.challenge.seeds)
 
     @property
     def score(self) -> float:

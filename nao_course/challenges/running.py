@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from collections.abc import Callable, Hashable
 from functools import partial
 from typing import Any
@@ -18,6 +19,7 @@ JUDGING = 20.0  # s for looking at one answer: more than any honest one needs
 
 MOST_LATE = 3  # cases in a row that end by the clock: then the entry is given up
 TIME_IS_UP = "Time is up"  # how what is said of such a case begins
+_NUMBERS = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")  # what may differ where an error is the same
 
 
 def run(challenge: Challenge, entry: Any, progress: Progress | None = None) -> Run:
@@ -51,11 +53,17 @@ def run(challenge: Challenge, entry: Any, progress: Progress | None = None) -> R
             return Run(challenge, (), f"Not written yet: {WHOSE} calls an exercise that is still blank.")
         left -= took
         results.append(result)
-        if late := _always_late(results):
+        if why := _always_late(results) or _always_wrong(results, challenge.case):
             done = f"{len(results)} of {len(challenge.seeds)} {challenge.case}s"
-            return Run(challenge, tuple(results), f"Given up after {done}, with no score: {late}")
+            return Run(challenge, tuple(results), f"Given up after {done}, with no score: {why}")
         if progress:
             progress.step()
+    if all(each.message for each in results):
+        return Run(
+            challenge,
+            tuple(results),
+            f"No {challenge.case} had an answer that can be used: there is no score.",
+        )
     return Run(challenge, tuple(results))
 
 
@@ -64,6 +72,14 @@ def _always_late(results: list[CaseResult]) -> str:
     latest = results[-MOST_LATE:]
     late = len(latest) == MOST_LATE and all(each.message.startswith(TIME_IS_UP) for each in latest)
     return latest[-1].message if late else ""
+
+
+def _always_wrong(results: list[CaseResult], case: str) -> str:
+    """Why no more cases are tried: none had an answer, and the latest failed as one before it did; else nothing."""
+    kinds = [_NUMBERS.sub("0", each.message) for each in results]
+    if not all(kinds) or kinds[-1].startswith(TIME_IS_UP) or kinds[-1] not in kinds[:-1]:
+        return ""
+    return f"no {case} had an answer that can be used, and this one fails as one before it did."
 
 
 def _refusal(challenge: Challenge, entry: Any) -> str:
@@ -83,12 +99,16 @@ def _case(challenge: Challenge, entry: Any, seed: Hashable, left: float) -> tupl
     name, scene = challenge.name_of(seed), challenge.scene(seed)
     nothing = partial(CaseResult, seed, name, challenge.nothing)
     if left <= 0:
-        return nothing(message=f"The {challenge.seconds_in_all:g} s that are for all are used up."), 0.0, False
+        return (
+            nothing(message=f"The {challenge.seconds_in_all:g} s that are for all are used up."),
+            0.0,
+            False,
+        )
     answer, changed = _answer(entry, challenge.given(scene), min(challenge.seconds, left))
     if answer.message:
         return nothing(message=answer.message), answer.seconds, answer.unfinished
     if changed:
-        message = f"{WHOSE} changes what it is given: work on a copy (picture.copy())."
+        message = f"{WHOSE} changes what it is given: work on a copy of it, as its copy() makes one."
         return nothing(message=message[0].upper() + message[1:]), answer.seconds, False
     judged = _guarded(partial(challenge.judge, answer.value, scene), JUDGING)
     earned = judged.value

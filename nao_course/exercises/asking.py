@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import cache
+from html import escape
 from math import inf
 from typing import Any
 
@@ -22,6 +23,26 @@ _SPELLINGS = {  # of units, as they are typed
     **dict.fromkeys(("percent", "per cent"), "%"),
     **dict.fromkeys(("deg", "degree", "degrees"), "°"),
 }
+
+
+# JupyterLab takes keys outside of text fields for commands: arrows leave for another cell, "b" adds one, "x" cuts this
+# one. Here a key that is pressed in a menu, on a button or at a slider goes no farther; Shift+Enter and Ctrl+S do.
+_KEYS_SCRIPT = """const box = this.closest('.nao-panel, .widget-vbox');
+if (!box || box.dataset.naoKeys) return;
+box.dataset.naoKeys = 'here';
+box.addEventListener('keydown', event => {
+  if (event.ctrlKey || event.metaKey || event.altKey || (event.shiftKey && event.key === 'Enter')) return;
+  event.stopPropagation();
+});"""
+
+
+def styles_that_keep_keys(css: str = "", *scripts: str) -> str:
+    """HTML of rules of CSS that also keeps JupyterLab's commands from the keys of the box of widgets it is put into.
+
+    Further scripts run there, too, each with the style's element as `this`.
+    """
+    all_of_them = "\n".join(f"(() => {{ {script} }})();" for script in (_KEYS_SCRIPT, *scripts))
+    return f'<style onload="{escape(all_of_them)}">{css or "/* */"}</style>'
 
 
 def reply(question: PublicQuestion, answer: str) -> Message:
@@ -47,7 +68,7 @@ def ask(question: PublicQuestion) -> Any:
         tooltip=question.text,
     )
     answer = ipywidgets.HTML()
-    title = ipywidgets.HTML(value=Message(question.text)._repr_html_())
+    title = ipywidgets.HTML(value=Message(question.text)._repr_html_() + styles_that_keep_keys())
 
     def chosen(change: Any) -> None:
         answer.value = reply(question, change["new"])._repr_html_() if change["new"] else ""
@@ -193,7 +214,7 @@ class _PredictionView:
             description="Write it down", tooltip="Keep this prediction and compare it below"
         )
         self.said = ipywidgets.HTML()
-        title = ipywidgets.HTML(value=Message(prediction.text)._repr_html_())
+        title = ipywidgets.HTML(value=Message(prediction.text)._repr_html_() + styles_that_keep_keys())
         row = ipywidgets.HBox([self.field, ipywidgets.Label(prediction.unit), self.button])
         self.box = ipywidgets.VBox([title, row, self.said])
         self.field.observe(self.write, names="value")

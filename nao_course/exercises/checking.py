@@ -18,6 +18,7 @@ import numpy as np
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.codec import Limits, decode, encode
+from nao_course.exercises.comparisons.comparison import with_article
 from nao_course.exercises.earlier import watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
@@ -95,9 +96,9 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
     """
     title = f"{exercise.number} {exercise.name}"
     if not (callable(function) or exercise.driver):
-        kind = type(function).__name__
         text = (
-            f"{title}: a function is wanted, got a {kind}. Hand over the function itself, without brackets."
+            f"{title}: a function is wanted, got {with_article(function)}. "
+            "Hand over the function itself, without brackets."
         )
         return Report(exercise.name, "wrong", (text,))
     answer = partial(judging.answer, exercise.comparison)
@@ -126,9 +127,46 @@ def _numpy_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 def _said_of_warning(warning: warnings.WarningMessage) -> str:
     return (
-        f"One thing: NumPy warns: {warning.message}. The answers are right all the same, as "
-        "those values are thrown away. Put something harmless in their place first, a 1 for a divisor of 0, say."
+        f"One thing: NumPy warns: {warning.message}, in a step of your own code. The answers are right all the same. "
+        "Where such a value is thrown away, put something harmless in its place first, a 1 for a divisor of 0, say; "
+        "for an angle, np.arctan2 divides nothing."
     )
+
+
+@dataclass(frozen=True)
+class Hint(Message):
+    """A hint, which knows whether it was shown: of two asked for in one cell a notebook shows the last only.
+
+    Parameters
+    ----------
+    text : str
+        What to say.
+    number : int
+        Which of the exercise's hints it is, from 0.
+    missed : tuple of Hint
+        Those before it that it says, too, for nobody saw them.
+    """
+
+    number: int = 0
+    missed: tuple[Hint, ...] = ()
+
+    @property
+    def shown(self) -> bool:
+        """Whether it was, by itself or by a later one."""
+        return "_seen" in vars(self)
+
+    def _show(self) -> None:
+        for each in (self, *self.missed):
+            vars(each)["_seen"] = True
+
+    def __repr__(self) -> str:
+        """The text alone; now it is shown."""
+        self._show()
+        return super().__repr__()
+
+    def _repr_html_(self) -> str:
+        self._show()
+        return super()._repr_html_()
 
 
 @dataclass
@@ -142,7 +180,7 @@ class Checks:
     """
 
     lesson: PublicLesson
-    _hints_given: dict[str, int] = field(default_factory=dict)
+    _hints_given: dict[str, list[Hint]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Say how it is used; what it holds is what it checks with."""
@@ -211,16 +249,21 @@ class Checks:
         return with_the_reason(exercise, report, others)
 
     def hint(self, name: str) -> Message:
-        """Give an exercise's first hint, and the second when asked again."""
+        """Give an exercise's first hint, and the second when asked again; one that was never shown stands before it."""
         try:
             hints = self.exercise(name).hints
         except ValueError as error:
             return Message(str(error))
-        given = self._hints_given.get(name, 0)
-        self._hints_given[name] = given + 1
-        number = min(given, len(hints) - 1)
-        more = " Ask again for the next one." if number + 1 < len(hints) else " There is no further one."
-        return Message(f"Hint {number + 1} of {len(hints)}: {hints[number]}{more}")
+        given = self._hints_given.setdefault(name, [])
+        number = min(len(given), len(hints) - 1)
+        missed = tuple(each for each in given if each.number < number and not each.shown)
+        said = [
+            f"Hint {each + 1} of {len(hints)}: {hints[each]}"
+            for each in (*(m.number for m in missed), number)
+        ]
+        more = "Ask again for the next one." if number + 1 < len(hints) else "There is no further one."
+        given.append(Hint(" ".join([*said, more]), number, missed))
+        return given[-1]
 
     def question(self, name: str, answer: str | None = None) -> Any:
         """Ask a concept question.
@@ -260,7 +303,9 @@ class Checks:
             What `draw` returned, below a remark where a function that it was drawn with is not right; or a `Message`.
         """
         shown = try_out(partial(draw, **functions))
-        exercises = [self.exercise(name) for name in functions]
+        for name in functions:
+            self.exercise(name)  # a name that the lesson has not is an error
+        exercises = [each for each in self.lesson.exercises if each.name in functions]
         missing = [each.number for each in exercises if not grade_public(each, functions[each.name])]
         if not missing:
             return shown

@@ -95,6 +95,10 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "is larger.",
     "arrays used as indices must be of integer": "Indices are whole numbers: round(...) what you compute them from.",
     "slice indices must be integers": "Limits of a slice are whole numbers: round(...) makes one of a float.",
+    "mismatch in its core dimension": "Two shapes do not fit: the left of @ wants as many columns as "
+    "the right has rows. Print each .shape; is one transposed that should not be, or not where it should?",
+    "could not be broadcast together": "Entry by entry (+, -, *) two arrays need one shape. Print each .shape; and "
+    "do the arguments stand in the order of the function's first line?",
     "'function' object has no attribute": "That is a function, not an array. Is it the name that you mean?",
     "inhomogeneous shape": "One entry of your matrix is itself an array, where one number is wanted: pose[2] is the "
     "heading, pose all three numbers.",

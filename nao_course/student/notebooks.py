@@ -23,6 +23,7 @@ from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
 
 SECONDS = 20.0  # wall clock of loading a notebook
+GLANCE = 0.9  # s: who has no more than this on a busy machine may not speak of endless loops
 _NOT_RIGHT = {
     "not attempted": "is not written yet",
     "not checked": "cannot be checked yet",
@@ -277,10 +278,12 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
     except ValueError as error:  # it names the file
         problem = f"{error}."
     except TimeIsUp:
-        problem = (
-            f"{path.name} takes longer than {seconds:g} s: is the computer busy, or does a loop outside a function "
-            "never end?"
+        why = (
+            "is the computer busy, or does a loop outside a function never end?"
+            if seconds > GLANCE
+            else "progress() gives it more time."
         )
+        problem = f"{path.name} takes longer than {seconds:g} s: {why}"
     return _Notebook(path, Definitions({}), problem)
 
 

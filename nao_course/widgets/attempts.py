@@ -189,9 +189,9 @@ def _said(words: Words) -> str:
 
 
 def _too_slow(what: str, error: BaseException, limit: float) -> str:
-    line = _line_of(error)
+    where = f" in line {line}" if (line := _line_of(error)) else ""
     return (
-        f"Time is up: {what} was not done after {limit:g} s and was stopped in line {line}. Does a loop end?"
+        f"Time is up: {what} was not done after {limit:g} s and was stopped{where}. Does a loop end?"
     )
 
 
@@ -301,11 +301,13 @@ def complaint(what: str, error: BaseException) -> str:
     """Return a sentence of at most 200 letters: which error, where in the student's code, and its message."""
     text = " ".join(str(error).split())
     text = text if len(text) <= 200 else f"{text[:199]}…"
-    return f"{type(error).__name__} in {what}, line {_line_of(error)}: {text}"
+    line = _line_of(error)
+    where = f"{what}, line {line}" if line else what
+    return f"{type(error).__name__} in {where}: {text}"
 
 
 def _line_of(error: BaseException) -> int | None:
-    """Line of the student's code an exception came through last; of any code, if it met none of theirs."""
+    """Line of the student's code an exception came through last; None if it met none: a call that does not fit."""
     frames = traceback.extract_tb(error.__traceback__)
     theirs = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
-    return (theirs or frames)[-1].lineno
+    return theirs[-1].lineno if theirs else None

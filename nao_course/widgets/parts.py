@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from nao_course.exercises.asking import styles_that_keep_keys
 from nao_course.plotting import Drawing, image_tag
 
 PERIOD = 0.05  # s between two frames: 20 Hz, what a notebook shows without dropping any
@@ -116,8 +117,8 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
 
 
 def styles(own: str) -> Any:
-    """Return the look of a panel: what all have in common, and its own rules of CSS; and names for its sliders."""
-    return ipywidgets.HTML(f'<style onload="{html.escape(_SLIDER_NAMES)}">{COMMON_CSS}{own}</style>')
+    """Return the look of a panel, what all have in common and its own rules; its keys stay in it, sliders have names."""
+    return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES))
 
 
 def html_line(text: str, name: str) -> Any:

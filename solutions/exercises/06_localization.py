@@ -37,6 +37,11 @@ def _fused(weight_of: Callable[[float, float], float], variance_of: Callable[[fl
     return function
 
 
+def _carried_on(weight_of: Callable[[float, float], float]) -> Any:
+    """A wrong weight, with which the second line is right: (1 - w) variance_a."""
+    return _fused(weight_of, lambda a, b: (1 - weight_of(a, b)) * a)
+
+
 def _right_weight(a: float, b: float) -> float:
     return a / (a + b)
 
@@ -95,14 +100,54 @@ FUSE = Exercise(
             "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts.",
         ),
         Mistake(
+            "weights exchanged in both lines",
+            _carried_on(lambda a, b: b / (a + b)),
+            "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts.",
+        ),
+        Mistake(
             "standard deviations",
             _fused(lambda a, b: a**0.5 / (a**0.5 + b**0.5), _right_variance),
             "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight.",
         ),
         Mistake(
+            "standard deviations in both lines",
+            _carried_on(lambda a, b: a**0.5 / (a**0.5 + b**0.5)),
+            "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight.",
+        ),
+        Mistake(
+            "variances squared",
+            _carried_on(lambda a, b: a**2 / (a**2 + b**2)),
+            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take.",
+        ),
+        Mistake(
+            "taken for standard deviations",
+            _fused(lambda a, b: a**2 / (a**2 + b**2), lambda a, b: a**2 * b**2 / (a**2 + b**2)),
+            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take.",
+        ),
+        Mistake(
+            "the other part of the variance",
+            _fused(_right_weight, lambda a, b: a / (a + b) * a),
+            "Your variance is w times variance_a. What is left of it is the other part, (1 - w) variance_a: the more b counts, the less is left of a's doubt.",
+        ),
+        Mistake(
+            "the smaller variance",
+            _fused(_right_weight, min),
+            "Your variance is that of the surer one. The other one helps, too: both together are surer than either.",
+        ),
+        Mistake(
             "plain average",
             _fused(lambda a, b: 0.5, _right_variance),
             "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
+        ),
+        Mistake(
+            "plain average in both lines",
+            _fused(lambda a, b: 0.5, lambda a, b: (a + b) / 4),
+            "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
+        ),
+        Mistake(
+            "away from b",
+            _fused(lambda a, b: -a / (a + b), _right_variance),
+            "Your mean goes away from b: the difference in equation 6.1 is b - a.",
         ),
         Mistake(
             "variances added",
@@ -172,6 +217,8 @@ def _innovation_public() -> list[Case]:
         "a landmark behind, the other way round": ((-3.0, 2.5), (3.1, 2.0)),
         "the same": ((-1.2, 0.8), (-1.2, 0.8)),
         "a landmark 5 m farther than expected": ((0.0, 1.0), (-0.1, 6.0)),
+        "126 degrees to the right of what is expected": ((1.0, 1.5), (-1.2, 1.5)),
+        "115 degrees to the left of what is expected": ((-0.5, 1.5), (1.5, 1.2)),
     }
     return [Case((np.array(a), np.array(b)), name) for name, (a, b) in pairs.items()]
 
@@ -227,6 +274,33 @@ INNOVATION = Exercise(
                 [(measured[0] - expected[0]) % TURN, measured[1] - expected[1]]
             ),
             "Your bearings are 0 to 2 pi: a little to the right becomes nearly a full turn to the left. Around zero is wanted.",
+        ),
+        Mistake(
+            "half a turn",
+            lambda expected, measured: np.array(
+                [
+                    (measured[0] - expected[0] + np.pi / 2) % np.pi - np.pi / 2,
+                    measured[1] - expected[1],
+                ]
+            ),
+            "You take off half turns, as the arctangent of a tangent does: two directions that are opposite become the same. A whole turn is 2 pi.",
+        ),
+        Mistake(
+            "arcsin",
+            lambda expected, measured: np.array(
+                [np.arcsin(np.sin(measured[0] - expected[0])), measured[1] - expected[1]]
+            ),
+            "The arcsine of a sine knows angles up to 90 degrees only: 126 degrees come back as 54. np.arctan2 of sine and cosine knows all.",
+        ),
+        Mistake(
+            "one side only",
+            lambda expected, measured: np.array(
+                [
+                    (measured[0] - expected[0]) - TURN * (measured[0] - expected[0] > np.pi),
+                    measured[1] - expected[1],
+                ]
+            ),
+            "You take a turn off where the difference is too large; where it is below -pi, one has to be added.",
         ),
         Mistake(
             "no sign left",
@@ -321,6 +395,16 @@ def _squares(which: str) -> list[Mistake]:
             "each entry's inverse",
             _over_each_entry,
             "You take one over each entry. The inverse of a matrix is another matrix: np.linalg.inv, or np.linalg.solve(covariance, error).",
+        ),
+        Mistake(
+            "still a matrix",
+            lambda error, covariance: error.reshape(1, -1) @ np.linalg.inv(covariance) @ error.reshape(-1, 1),
+            "The number is there, but in a matrix of one row and one column: vectors of shape (n,) are enough, error @ ... @ error is a number then.",
+        ),
+        Mistake(
+            "* for @",
+            lambda error, covariance: error * np.linalg.inv(covariance) * error,
+            "* multiplies entry by entry, so a matrix is left. The matrix product is @, and vector @ matrix @ vector is a number.",
         ),
         Mistake(
             "standard deviations for variances",
@@ -581,6 +665,8 @@ def _update(
         "added": (np.eye(len(P)) + K @ H) @ P,
         "behind": P @ left,
         "no_noise": left @ P @ left.T,
+        "not_transposed": left @ P @ left + K @ np.asarray(R) @ K.T,
+        "ones": (1 - K @ H) @ P,
     }.get(changed.get("after", ""), left @ P)
     return (mean - step if changed.get("minus") else mean + step), new
 
@@ -590,6 +676,30 @@ def _changed_update(**changed: Any) -> Any:
         return _update(mean, covariance, innovation, H, R, **changed)
 
     return function
+
+
+def _kept_mean(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+    return np.array(mean), _update(mean, covariance, innovation, H, R)[1]
+
+
+def _wrapped_heading(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+    new, left = _update(mean, covariance, innovation, H, R)
+    if len(new) > 2:
+        new[2] = wrapped(new[2])
+    return new, left
+
+
+def _wrapped_mean(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+    new, left = _update(mean, covariance, innovation, H, R)
+    return wrapped(new), left
+
+
+def _wrapped_bearing(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+    return _update(mean, covariance, np.append(wrapped(innovation[0]), innovation[1:]), H, R)
+
+
+def _wrapped_innovation(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+    return _update(mean, covariance, wrapped(innovation), H, R)
 
 
 def _hph(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
@@ -662,11 +772,28 @@ def _update_public() -> list[Case]:
             ),
             "a pose, bearing and range",
         ),
+        _turning_on(np.random.default_rng(67), "a state that passes 180 degrees"),
+        _far_off(np.random.default_rng(68), "an innovation of 5 m"),
     ]
 
 
+def _turning_on(rng: np.random.Generator, name: str = "") -> Case:
+    """A third value of nearly half a turn, which the measurement raises."""
+    H = np.array([[0.0, 0.0, 1.0], [1.0, rng.uniform(-0.5, 0.5), 0.0]])
+    mean = np.array([*rng.normal(size=2), rng.uniform(3.0, 3.1)])
+    return Case((mean, spread(rng, 3), np.array([rng.uniform(1.0, 1.5), 0.1]), H, np.eye(2) * 0.2), name)
+
+
+def _far_off(rng: np.random.Generator, name: str = "") -> Case:
+    """Innovations that would be no angles."""
+    return Case(
+        (rng.normal(size=3), spread(rng, 3), np.array([5.0, -4.5]), rng.normal(size=(2, 3)), np.eye(2) * 0.3),
+        name,
+    )
+
+
 def _update_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+    return [_turning_on(rng), _far_off(rng)] + [
         Case(
             (
                 rng.normal(size=n),
@@ -738,6 +865,41 @@ KALMAN_UPDATE = Exercise(
             "The mean is right, the covariance is the old one: after a measurement the robot is surer.",
         ),
         Mistake(
+            "mean not updated",
+            _kept_mean,
+            "The covariance is right, the mean is the old one: it moves by K times the innovation.",
+        ),
+        Mistake(
+            "heading wrapped here",
+            _wrapped_heading,
+            "You wrap the third value. This function does not know that it is an angle: in lesson 07 a landmark may stand there. localize wraps.",
+        ),
+        Mistake(
+            "mean wrapped",
+            _wrapped_mean,
+            "You wrap the mean, as if all its values were angles. This function does not know which are: localize wraps the heading.",
+        ),
+        Mistake(
+            "innovation wrapped here",
+            _wrapped_innovation,
+            "You wrap the innovation, as if all its values were angles. It comes in as it is to be taken; 5 m stay 5 m.",
+        ),
+        Mistake(
+            "bearing wrapped here",
+            _wrapped_bearing,
+            "You wrap the innovation's first value. This function does not know that it is an angle: it comes in as it is to be taken.",
+        ),
+        Mistake(
+            "1 for I",
+            _changed_update(after="ones"),
+            "1 - K @ H takes every entry of K H from 1. The matrix I has ones on the diagonal only: np.eye(len(mean)).",
+        ),
+        Mistake(
+            "Joseph's form without a transpose",
+            _changed_update(after="not_transposed"),
+            "In Joseph's form the second I - K H is transposed: (I - K H) P (I - K H)'. Without it the matrix is not even symmetric.",
+        ),
+        Mistake(
             "P forgotten behind",
             _changed_update(after="left"),
             "You return I - K H: it is the factor by which P shrinks, (I - K H) P.",
@@ -790,6 +952,20 @@ def _slopes(pose: Any, landmark: Any) -> Array:
     return np.column_stack(columns)
 
 
+def _heading_by(rule: Callable[[float], float]) -> Callable[[Array], Array]:
+    return lambda pose: np.array([pose[0], pose[1], rule(pose[2])])
+
+
+_HEADINGS: dict[str, Callable[[Array], Array]] = {
+    "right": _heading_by(wrapped),
+    "as it is": _heading_by(float),
+    "0 to a turn": _heading_by(lambda angle: angle % TURN),
+    "too large only": _heading_by(lambda angle: angle - TURN * (angle > np.pi)),
+    "too small only": _heading_by(lambda angle: angle + TURN * (angle < -np.pi)),
+    "all": lambda pose: np.asarray(wrapped(pose)),
+}
+
+
 def _localized(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any, **changed: Any) -> Any:
     """One look with one thing done in another way."""
     expected = _bearing_range(pose, landmark)
@@ -809,7 +985,7 @@ def _localized(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: A
         H = H[::-1]
     noise = np.sqrt(R) if changed.get("roots") else R
     new, left = _update(pose, covariance, difference, H, noise)
-    new[2] = wrapped(new[2])
+    new = _HEADINGS[changed.get("heading", "right")](new)
     return new, (covariance if changed.get("same") else left)
 
 
@@ -818,6 +994,22 @@ def _changed_look(**changed: Any) -> Any:
         return _localized(pose, covariance, measurement, landmark, R, **changed)
 
     return function
+
+
+def _twice(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    return _localized(*_localized(pose, covariance, measurement, landmark, R), measurement, landmark, R)
+
+
+def _bearing_alone(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    difference = wrapped(np.asarray(measurement) - _bearing_range(pose, landmark))
+    new, left = _update(pose, covariance, difference[:1], _slopes(pose, landmark)[:1], R[:1, :1])
+    return _HEADINGS["right"](new), left
+
+
+def _nothing_behind(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
+    if abs(measurement[0]) > np.pi / 2:
+        return pose, covariance
+    return _localized(pose, covariance, measurement, landmark, R)
 
 
 def _one_by_one(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
@@ -829,6 +1021,7 @@ def _one_by_one(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: 
         H = slopes[row : row + 1]
         still = difference[row : row + 1] - H @ (new - pose)
         new, left = _update(new, left, still, H, R[row : row + 1, row : row + 1])
+    new[2] = np.arctan2(np.sin(new[2]), np.cos(new[2]))
     return new, left
 
 
@@ -837,14 +1030,17 @@ def _with_information(pose: Any, covariance: Any, measurement: Any, landmark: An
     difference = np.asarray(measurement) - _bearing_range(pose, landmark)
     difference[0] = np.angle(np.exp(1j * difference[0]))
     new, left = _information(np.asarray(pose), covariance, difference, H, R)
-    return [new, left]
+    return [[new[0], new[1], np.angle(np.exp(1j * new[2]))], left]
 
 
 def _less(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
     """What is known is taken off."""
     difference = np.asarray(measurement) - _bearing_range(pose, landmark)
     difference[0] = wrapped(difference[0])
-    return _less_what_is_known(np.asarray(pose), covariance, difference, _slopes(pose, landmark), R)
+    new, left = _less_what_is_known(np.asarray(pose), covariance, difference, _slopes(pose, landmark), R)
+    while abs(new[2]) > np.pi:
+        new[2] -= np.sign(new[2]) * TURN
+    return new, left
 
 
 def _look(
@@ -882,6 +1078,18 @@ def _localize_public() -> list[Case]:
             "a corner near by, correlated doubts",
         ),
         _look((0.5, 0.0, -1.0), (3.0, 2.0), (0.0, 0.0), (0.03, 0.1), tight, "a measurement just as expected"),
+        _look(
+            (2.2, 0.4, 3.1), (0.0, 2.0), (-0.2, 0.1), (0.03, 0.1), wide, "a heading that passes 180 degrees"
+        ),
+        _look((2.2, -0.4, -3.1), (0.0, -2.0), (0.2, 0.1), (0.03, 0.1), wide, "and one that passes -180"),
+        _look(
+            (3.4, 0.2, 3.0),
+            (2.4, 1.1),
+            (0.05, 0.1),
+            (0.03, 0.05),
+            tight,
+            "a robot behind the goal line, x = 3.4",
+        ),
     ]
 
 
@@ -906,6 +1114,12 @@ def _localize_hidden(rng: np.random.Generator) -> list[Case]:
         cases.append(
             _look(pose, (-1.0, pose[1] + 0.1 * turn), (turn, 0.1), (0.05, 0.1), spread(rng, 3, scale=0.3))
         )
+    doubt = np.diag([0.04, 0.04, 0.2])
+    for side in (1.0, -1.0):  # the heading passes half a turn, on the field and beside it
+        for x in (rng.uniform(0.5, 2.0), rng.uniform(3.5, 4.0)):
+            pose = (x, rng.uniform(-1.0, 1.0), side * rng.uniform(3.06, 3.12))
+            away = (x - 2.0, rng.uniform(-1.0, 1.0))
+            cases.append(_look(pose, away, (-0.3 * side, 0.1), (0.03, 0.1), doubt))
     return cases
 
 
@@ -916,7 +1130,7 @@ LOCALIZE = Exercise(
     uses=("innovation", "kalman_update", "05:expected_measurement", "05:measurement_jacobian_pose"),
     public=_localize_public,
     hidden=_localize_hidden,
-    comparison=Each((Close(atol=1e-7, period=(0.0, 0.0, TURN)), Close(atol=1e-8))),
+    comparison=Each((Close(atol=1e-7), Close(atol=1e-8))),
     hints=(
         "What do you expect to see from where you believe to be? How does that change with the pose? Two functions of lesson 05 say so, two of this lesson do the rest.",
         "Four lines: the innovation of expected_measurement(pose, landmark) and the measurement; H = measurement_jacobian_pose(pose, landmark); kalman_update with both; wrap the heading.",
@@ -938,6 +1152,31 @@ LOCALIZE = Exercise(
             "Your H is that by the landmark's position. The landmark is known; it is the pose that moves: three columns, and -1 for the heading.",
         ),
         Mistake(
+            "heading not wrapped",
+            _changed_look(heading="as it is"),
+            "Right, except where the heading passes half a turn: wrap the new pose's heading, too. It comes back between -pi and pi.",
+        ),
+        Mistake(
+            "heading 0 to a full turn",
+            _changed_look(heading="0 to a turn"),
+            "Your heading is between 0 and 2 pi; between -pi and pi is wanted: (angle + np.pi) % (2 * np.pi) - np.pi.",
+        ),
+        Mistake(
+            "heading wrapped from above only",
+            _changed_look(heading="too large only"),
+            "You take a turn off where the heading is above pi. Where it is below -pi, one has to be added.",
+        ),
+        Mistake(
+            "heading wrapped from below only",
+            _changed_look(heading="too small only"),
+            "You add a turn where the heading is below -pi. Where it is above pi, one has to be taken off.",
+        ),
+        Mistake(
+            "pose wrapped",
+            _changed_look(heading="all"),
+            "You wrap all of the pose. x and y are metres: at x = 3.4 your robot leaps to the other side of the field. Wrap the heading alone.",
+        ),
+        Mistake(
             "heading left out",
             _changed_look(no_heading=True),
             "Your heading never changes: the third column of H is (-1, 0), for a turn to the left brings the landmark to the right.",
@@ -946,6 +1185,21 @@ LOCALIZE = Exercise(
             "rows exchanged",
             _changed_look(rows=True),
             "The rows of H are exchanged: bearing first, then range, as in the measurement.",
+        ),
+        Mistake(
+            "taken in twice",
+            _twice,
+            "You take the measurement in twice. It tells something new only once: the second time your covariance is too small.",
+        ),
+        Mistake(
+            "bearing alone",
+            _bearing_alone,
+            "You use the bearing alone: the range tells how far away the robot is. Hand both rows on.",
+        ),
+        Mistake(
+            "nothing behind",
+            _nothing_behind,
+            "You leave out what is behind the robot. A landmark there tells as much as any other.",
         ),
         Mistake(
             "R as standard deviations",

@@ -84,6 +84,31 @@ class Panel:
         screenshot(self.page, name)
 
 
+def test_keys_in_a_menu_and_at_a_question_are_no_commands_of_the_notebook(lab, page):
+    asks = "from nao_course.exercises import lesson\ncheck, hint = lesson('06_localization')\n"
+    panel = Panel(
+        lab, page, "menu.ipynb", PICTURES + "\n\n" + asks + "display(panel)\ncheck.question('near_or_far')"
+    )
+    cells = page.locator(".jp-NotebookPanel .jp-Cell").count()
+    menu = panel.root.locator(".nao-choice-colour select")
+    menu.focus()
+    page.keyboard.press("ArrowDown")
+    wait_for(lambda: menu.input_value() == "green", "the colour below", 10)
+    for key in ("b", "a", "x", "m", "ArrowUp"):
+        page.keyboard.press(key)
+    wait_for(lambda: menu.input_value() == "red", "the colour above", 10)
+    panel.root.locator(".nao-do-reset").focus()
+    for key in ("d", "d", "a"):
+        page.keyboard.press(key)
+    radios = page.locator(".widget-radio input[type=radio]")
+    radios.first.focus()
+    page.keyboard.press("Space")
+    page.keyboard.press("ArrowDown")
+    wait_for(radios.nth(1).is_checked, "the second choice", 10)
+    wait_for(lambda: "Right." in page.locator(".jp-NotebookPanel").inner_text(), "its answer", 20)
+    assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
+
+
 def test_mouse_and_keys_set_every_control_and_what_is_shown_follows(lab, page):
     panel = Panel(lab, page, "mouse.ipynb", PICTURES)
     cells = page.locator(".jp-NotebookPanel .jp-Cell").count()

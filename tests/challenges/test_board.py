@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -93,12 +94,27 @@ def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
     drawn = replace(CHALLENGE, figure=lambda run: Drawing(Figure(figsize=(1, 1)), f"{run.score} drawn"))
 
     def entry(numbers):
-        raise ValueError("<script>")
+        if len(numbers) > 1:
+            raise ValueError("<script>")
+        return np.ones(1)
 
     report = Board(drawn, tmp_path).enter(entry)
     shown = report._repr_html_()
     assert "<script>" not in shown and "&lt;script&gt;" in shown and 'alt="0.0 drawn"' in shown
     assert "0.0 drawn" in repr(report)
+
+
+def test_an_entry_without_any_answer_is_no_first_best(tmp_path):
+    board = Board(CHALLENGE, tmp_path)
+    report = board.enter(lambda numbers: None)
+    assert (
+        list(tmp_path.iterdir()) == [] and np.isnan(report.score) and "It is your first" not in repr(report)
+    )
+    assert "Given up after 2 of 3 scenes, with no score" in repr(report) and "must return shape" in repr(
+        report
+    )
+    board.enter(double)
+    assert "Your best so far stays 1.00." in repr(board.enter(lambda numbers: None))
 
 
 def test_the_words_of_a_challenge_are_text_on_a_page(tmp_path):

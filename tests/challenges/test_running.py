@@ -73,11 +73,50 @@ def test_the_worst_case_of_a_cost_is_the_largest():
 def test_an_answer_that_cannot_be_used_scores_as_nothing_and_the_sentence_says_why(entry, said):
     came = run(replace(CHALLENGE, seeds=(1,)), entry)
     words = " ".join([came.stopped, *came.problems()]).replace("Not written", "not written")
-    assert said in words and (came.stopped or came.score == 0.0)
+    assert said in words and came.stopped and not came.complete
 
 
 def test_what_cannot_be_used_costs_what_nothing_does():
-    assert run(COST, lambda numbers: None).score == 9.0
+    came = run(COST, lambda numbers: None if len(numbers) == 2 else numbers)
+    assert [each.score for each in came.results][1] == 9.0 and came.complete
+
+
+def test_an_entry_that_fails_twice_in_the_same_way_and_never_answered_is_given_up_without_a_score():
+    many = replace(CHALLENGE, seeds=tuple(range(1, 31)))
+    asked = []
+
+    def wrong_shape(numbers):
+        asked.append(len(numbers))
+        return np.zeros(len(numbers) + 3)
+
+    came = run(many, wrong_shape)
+    assert len(asked) == 2 and not came.complete and np.isnan(came.score)
+    assert came.stopped.startswith("Given up after 2 of 30 scenes, with no score: no scene had an answer")
+    assert len(came.problems()) == 2 and "must return shape" in came.problems()[0]
+
+
+def test_two_errors_of_different_kinds_are_both_said_before_it_is_given_up():
+    def entry(numbers):
+        return None if len(numbers) % 2 else {}["white"]
+
+    came = run(replace(CHALLENGE, seeds=tuple(range(1, 31))), entry)
+    assert len(came.results) == 3 and not came.complete
+    assert "must return shape" in came.problems()[0] and "KeyError" in came.problems()[1]
+
+
+def test_an_entry_that_answered_once_goes_on_whatever_fails_later():
+    came = run(replace(CHALLENGE, seeds=tuple(range(1, 9))), lambda n: double(n) if len(n) == 1 else None)
+    assert came.complete and len(came.results) == 8 and came.score == pytest.approx(1 / 8)
+
+
+def test_an_entry_without_any_answer_has_no_score():
+    came = run(replace(CHALLENGE, seeds=(1,)), lambda numbers: None)
+    assert not came.complete and came.stopped == "No scene had an answer that can be used: there is no score."
+
+
+def test_an_entry_with_too_few_arguments_is_told_so_without_a_line_of_ours():
+    came = run(replace(CHALLENGE, seeds=(1,)), lambda: 0)
+    assert "TypeError in your entry: " in came.problems()[0] and "takes 0 positional" in came.problems()[0]
 
 
 def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_scene():
@@ -94,7 +133,7 @@ def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_s
 def test_a_score_that_is_no_number_is_nothing():
     broken = replace(CHALLENGE, judge=lambda answer, scene: CaseScore(float("nan")))
     came = run(broken, double)
-    assert came.score == 0.0 and "no number" in came.problems()[0]
+    assert came.results[0].score == 0.0 and "no number" in came.problems()[0]
 
 
 def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
@@ -133,7 +172,7 @@ def test_an_endless_entry_ends_in_another_thread_too():
     )
     thread.start()
     thread.join(60)
-    assert came and came[0].score == 0.0
+    assert came and came[0].results[0].score == 0.0 and "Time is up" in came[0].problems()[0]
 
 
 def test_an_interrupted_entry_has_no_score():

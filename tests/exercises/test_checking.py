@@ -110,7 +110,7 @@ def interrupted(x, low, high):
         ),
         (interrupted, "interrupted", "stopped by you"),
         (3.0, "wrong", "a function is wanted, got a float"),
-        (None, "wrong", "a function is wanted, got a NoneType"),
+        (None, "wrong", "a function is wanted, got NoneType"),
     ],
 )
 def test_each_state_is_told_apart(check, function, state, text):
@@ -296,6 +296,15 @@ def test_hints_come_one_after_the_other(check):
     assert repr(check.hint("mean_of_positive")).startswith("Hint 1")
 
 
+def test_two_hints_asked_for_in_one_cell_are_both_shown_by_the_last(check):
+    check.hint("clamp")  # a notebook shows the last line's value only
+    last = check.hint("clamp")._repr_html_()
+    assert "Hint 1 of 2: Which of the three" in last and "Hint 2 of 2" in last
+    assert last.index("Hint 1") < last.index("Hint 2")
+    again = repr(check.hint("clamp"))
+    assert again.startswith("Hint 2 of 2") and "Hint 1" not in again
+
+
 def test_an_answer_takes_less_than_a_second_of_the_processor(check):
     began = time.process_time()
     check("clamp", lambda x, low, high: x)
@@ -437,6 +446,11 @@ def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
     )
 
 
+def test_a_payoff_names_the_exercises_that_it_needs_in_their_order(check):
+    blank = {"mean_of_positive": unwritten, "clamp": unwritten}
+    assert "your exercises 90.1, 90.2:" in repr(check.payoff(lambda **own: own["clamp"](5, 0, 3), **blank))
+
+
 def test_a_payoff_that_a_wrong_function_draws_says_so_and_shows_it_all_the_same(check):
     shown = check.payoff(lambda clamp: clamp(5, 0, 3), clamp=lambda x, low, high: x)
     assert repr(shown) == "This is drawn with your exercise 90.1, which does not pass the public checks.\n5"
@@ -474,6 +488,7 @@ def test_a_right_function_of_which_numpy_warns_is_told_so_once_and_a_quiet_one_i
     for _ in range(2):  # a second check says it again
         report = check("clamp", warns)
         assert report and repr(report).count("NumPy warns: invalid value") == 1
+        assert "in a step of your own code" in repr(report)
     assert "NumPy warns" not in repr(check("clamp", np.clip))
 
 

@@ -32,20 +32,20 @@ class Looks:
 
     Parameters
     ----------
-    measurements : ndarray, shape (L, N, 2)
+    _measurements : ndarray, shape (L, N, 2)
         (bearing, range) of each of N landmarks, for the first look, the second and the third: rad, m.
-    covariances : ndarray, shape (L, N, 2, 2)
+    _covariances : ndarray, shape (L, N, 2, 2)
         Of their noise: rad^2, m^2.
     """
 
-    measurements: FloatArray
-    covariances: FloatArray
+    _measurements: FloatArray
+    _covariances: FloatArray
 
     def __post_init__(self) -> None:
         """Begin with no look taken; that is no field, for what is given to an entry must stay as it was."""
         object.__setattr__(self, "_taken", [])
 
-    def at(self, number: int) -> tuple[FloatArray, FloatArray]:
+    def at(self, number: Any) -> tuple[FloatArray, FloatArray]:
         """Look at landmark `number`: its measurement (2,) and R (2, 2).
 
         Raises
@@ -53,14 +53,19 @@ class Looks:
         ValueError
             If there is no such landmark, or all looks are taken.
         """
-        if isinstance(number, bool) or int(number) != number or not 0 <= number < self.measurements.shape[1]:
-            raise ValueError(f"a landmark's number is 0 to {self.measurements.shape[1] - 1}, got {number!r}")
+        many = self._measurements.shape[1]
+        if (
+            isinstance(number, bool)
+            or not isinstance(number, int | float | np.number)
+            or number not in range(many)
+        ):
+            raise ValueError(f"a landmark's number is 0 to {many - 1}, a row of landmarks, got {number!r}")
         taken: list[int] = self.__dict__["_taken"]
         look = len(taken)
-        if look >= len(self.measurements):
-            raise ValueError(f"all {len(self.measurements)} looks are taken")
+        if look >= len(self._measurements):
+            raise ValueError(f"all {len(self._measurements)} looks are taken")
         taken.append(int(number))
-        return self.measurements[look, int(number)].copy(), self.covariances[look, int(number)].copy()
+        return self._measurements[look, int(number)].copy(), self._covariances[look, int(number)].copy()
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,11 +120,15 @@ def as_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
     if answer is None:
         raise TypeError("Your entry returns None: does it end with return pose, covariance?")
     try:
-        pose, covariance = (np.array(each, dtype=float, subok=False) for each in answer)
+        pose, covariance = (np.array(each, subok=False) for each in answer)
+        complex_ones = "c" in (pose.dtype.kind, covariance.dtype.kind)
+        pose, covariance = pose.real.astype(float), covariance.real.astype(float)
     except (TypeError, ValueError):
         raise TypeError(
             "Your entry must return two things: the pose (3,) and its covariance (3, 3)."
         ) from None
+    if complex_ones:
+        raise TypeError("Your belief has complex numbers in it: the root of something negative, perhaps?")
     if pose.shape != (3,) or covariance.shape != (3, 3):
         raise ValueError(
             f"Your pose has shape {pose.shape} and your covariance {covariance.shape}; (3,) and (3, 3) "

@@ -50,6 +50,31 @@ def band(degrees: int, runs: int, probability: float = 0.95) -> tuple[float, flo
     return float(low), float(high)
 
 
+def median_band(degrees: int, runs: npt.ArrayLike, probability: float = 0.95) -> FloatArray:
+    """Between what the median of `runs` independent squares lies with this probability.
+
+    Parameters
+    ----------
+    degrees : int
+        Of freedom of each.
+    runs : array_like of int, shape (N,)
+        Of how many it is the median.
+    probability : float
+        Part of the cases; half of the rest on each side.
+
+    Returns
+    -------
+    ndarray, shape (2, N)
+        Lower and upper limits. The middle one of n values has a rank that follows a beta distribution, whatever the
+        values' own distribution is.
+    """
+    from scipy.stats import beta, chi2  # take long to import
+
+    half = (np.asarray(runs) + 1) / 2
+    parts = np.array([[(1 - probability) / 2], [(1 + probability) / 2]])
+    return np.asarray(chi2.ppf(beta.ppf(parts, half, half), degrees))
+
+
 def nees_by_step(traces: Sequence[Trace]) -> FloatArray:
     """Mean NEES over the drives, for each step: (M + 1,)."""
     return np.asarray(np.mean([trace.nees for trace in traces], axis=0))

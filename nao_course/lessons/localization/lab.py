@@ -57,13 +57,18 @@ def with_parts(localize: Localize, parts: Mapping[str, Callable[..., Any]]) -> L
 
     Raises
     ------
+    NotImplementedError
+        If it is still blank.
     ValueError
         If it does not use one of these names.
     """
     code = getattr(localize, "__code__", None)
+    if "NotImplementedError" in getattr(code, "co_names", ()):
+        raise NotImplementedError
     if not isinstance(localize, types.FunctionType) or code is None or not set(parts) <= set(code.co_names):
         raise ValueError(
-            f"this patient needs a localize that calls {' and '.join(f'{name}()' for name in parts)}"
+            f"your localize does not call {' and '.join(f'{name}()' for name in parts)}, so no other one can be put in "
+            "its place: exercise 6.7 asks for that"
         )
     return types.FunctionType(
         code,
@@ -164,8 +169,8 @@ BUGS = (
     ),
     Bug(
         "Q is forgotten",
-        "The ellipse only ever shrinks, so later measurements count for ever less. NIS and NEES begin in "
-        "their bands and climb step by step.",
+        "The ellipse only ever shrinks, so later measurements count for ever less. NIS and NEES begin at 1 "
+        "and climb from the second step on.",
         noise=1e-9,
     ),
     Bug(

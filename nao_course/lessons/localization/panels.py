@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.localization.drives import Trace
-from nao_course.lessons.localization.honesty import BAND, band
+from nao_course.lessons.localization.honesty import BAND, median_band
 from nao_course.lessons.localization.lab import (
     BUGS,
     HEALTHY,
-    LAB_SEEDS,
     MEDIAN_NEES,
     MEDIAN_NIS,
     Bug,
@@ -53,11 +53,11 @@ class FusePanel(FunctionPanel):
             "Two beliefs",
             self._fused,
             [
-                Slider("prediction_sigma", "Prediction σ", 0.02, 0.6, 0.01, 0.3, **sigma),
-                Slider("measurement_sigma", "Measurement σ", 0.02, 0.6, 0.01, 0.15, **sigma),
+                Slider("prediction_sigma", "Odometry σ", 0.02, 0.6, 0.01, 0.3, **sigma),
+                Slider("measurement_sigma", "Camera σ", 0.02, 0.6, 0.01, 0.15, **sigma),
                 Slider(
                     "measured",
-                    "Measured",
+                    "Camera says",
                     1.0,
                     3.0,
                     0.05,
@@ -230,7 +230,7 @@ def draw_instruments(traces: list[Trace], name: str) -> Drawing:
     )
     nis = np.concatenate([trace.nis for trace in traces])
     nees = np.median([trace.nees for trace in traces], axis=0)
-    when = np.unique(steps)
+    when, counts = np.unique(steps, return_counts=True)
     with course_style():
         figure = Figure(figsize=(10.4, 3.5))
         residuals, left, right = figure.subplots(1, 3)
@@ -245,11 +245,10 @@ def draw_instruments(traces: list[Trace], name: str) -> Drawing:
             )
         residuals.set(title="Residuals", xlabel="step", ylabel="standard deviations, by S", ylim=(-10, 10))
         medians = np.array([np.median(nis[steps == step]) for step in when]) / MEDIAN_NIS
-        low, high = band(2, len(LAB_SEEDS))
-        _plot_gauge(left, when, medians, (low / 2, high / 2), "NIS")
-        low, high = band(3, len(LAB_SEEDS))
-        _plot_gauge(right, np.arange(len(nees)), nees / MEDIAN_NEES, (low / 3, high / 3), "NEES")
-        legend_below(figure, residuals.get_legend_handles_labels()[0])
+        _plot_gauge(left, when, medians, median_band(2, counts) / MEDIAN_NIS, "NIS")
+        limits = median_band(3, np.full(len(nees), len(traces))) / MEDIAN_NEES
+        _plot_gauge(right, np.arange(len(nees)), nees / MEDIAN_NEES, limits, "NEES")
+        legend_below(figure, _large(residuals.get_legend_handles_labels()[0]))
     r = read(traces)
     return Drawing(
         figure,
@@ -261,9 +260,17 @@ def draw_instruments(traces: list[Trace], name: str) -> Drawing:
     )
 
 
-def _plot_gauge(ax: Any, steps: Any, values: FloatArray, limits: tuple[float, float], name: str) -> None:
+def _large(points: list[Any]) -> list[Any]:
+    """The same points for a legend, large enough to be told apart."""
+    return [
+        Line2D([], [], color=each.get_color(), marker=each.get_marker(), ls="", ms=6, label=each.get_label())
+        for each in points
+    ]
+
+
+def _plot_gauge(ax: Any, steps: Any, values: FloatArray, limits: FloatArray, name: str) -> None:
     """Medians over what they should be, on an axis that ends where nothing more is to be learnt."""
-    ax.axhspan(*limits, color=BAND, zorder=0)
+    ax.fill_between(steps, *limits, color=BAND, zorder=0)
     ax.axhline(1, color=GREY, lw=1)
     shown = np.clip(np.nan_to_num(values, nan=1e4, posinf=1e4), 1e-2, 1e4)
     ax.semilogy(steps, shown, "-", marker=".", ms=4, lw=1.2, color=STYLES["ekf"].colour)

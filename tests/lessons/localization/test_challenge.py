@@ -65,9 +65,21 @@ def test_there_are_three_looks_and_no_more():
     looks.at(0)
     with pytest.raises(ValueError, match=f"all {LOOKS} looks are taken"):
         looks.at(1)
-    for number in (10, -1, 0.5, True):
+    for number in (10, -1, 0.5, True, "post", None, LANDMARKS[0], np.nan):
         with pytest.raises(ValueError, match="number is 0 to 9"):
             make_robot(1).looks.at(number)
+
+
+def test_what_a_robot_has_not_looked_at_has_no_name_to_read():
+    looks = make_robot(1).looks
+    assert [name for name in dir(looks) if not name.startswith("_")] == ["at"]
+
+
+def test_the_text_says_how_lost_the_robots_are():
+    robots = [make_robot(seed) for seed in CHALLENGE.seeds]
+    off = np.array([np.hypot(*(each.truth - each.pose)[:2]) for each in robots])
+    text = " ".join((SOLUTIONS / "06_localization.md").read_text(encoding="utf-8").split())
+    assert f"{np.sum(off > 0.5)} are farther off than that, one by {off.max():.1f} m" in text
 
 
 def test_every_robot_gets_its_looks_anew_and_looking_is_no_change_of_what_is_given():
@@ -90,6 +102,8 @@ def test_what_is_no_belief_is_said_in_words():
         ((pose, good * np.nan), ValueError, "NaN"),
         ((pose, np.triu(np.ones((3, 3)))), ValueError, "not symmetric"),
         ((pose, np.diag([1.0, 1.0, 0.0])), ValueError, "not positive"),
+        ((pose + 1j, good), TypeError, "complex numbers"),
+        (("here", good), TypeError, "two things"),
     ):
         with pytest.raises(kind, match=words):
             as_belief(answer)

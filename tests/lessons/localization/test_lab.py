@@ -1,11 +1,16 @@
 """The diagnosis lab of lesson 06: no two patients look alike, and the text says what they look like."""
 
+import re
+
 import numpy as np
 import pytest
 
 from nao_course.lessons.localization import lab
+from nao_course.lessons.localization.honesty import band, median_band
 from nao_course.lessons.localization.panels import CASES, LabPanel, readings_table
 from tests.paths import SOLUTIONS
+
+MEDIANS = {2: lab.MEDIAN_NIS, 3: lab.MEDIAN_NEES}
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +62,7 @@ def test_the_text_says_what_the_instruments_show(functions):
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
     r = readings_of(functions, len(lab.LAB_SEEDS))
     for sentence in (
-        f"A has the roots of $R$: {r['A'].nis_early:.1f} early, {r['A'].nis_late:.1f} late.",
+        f"A has the roots of $R$: NIS {r['A'].nis_early:.1f} early, {r['A'].nis_late:.1f} late.",
         f"NIS falls to {r['E'].nis_late:.2f}",
         f"NIS is {r['C'].nis_peak:.0f} at that step",
         f"H leaves $R$ out of $S$: NIS {r['H'].nis_early:.1f} to {r['H'].nis_late:.0f}, NEES a million",
@@ -73,6 +78,43 @@ def test_the_text_says_what_the_instruments_show(functions):
     )
     assert 1e3 < r["J"].nis_early < 3e3 and 1e9 < r["J"].nis_late < 1e10
     assert r["I"].nis_peak < 1.5
+    assert [letter for letter in r if r[letter].nis_peak < 1] == ["A", "E"]  # "below 1 at every step"
+    one_sided = [letter for letter in r if abs(r[letter].range) > 1 and r[letter].nis_late < 10]
+    assert one_sided == ["B"] and all(abs(r[letter].bearing) > 1 for letter in "DFJ")
+
+
+@pytest.mark.slow
+def test_the_healthy_ones_largest_nis_is_what_the_text_leaves_to_chance(functions, monkeypatch):
+    peaks = []
+    for first in range(1000, 3000, 100):
+        monkeypatch.setattr(lab, "LAB_SEEDS", range(first, first + 20))
+        peaks.append(lab.read(lab.patient(lab.HEALTHY, functions)).nis_peak)
+    assert 5.5 < max(peaks) < 6.5
+
+
+@pytest.mark.parametrize(("degrees", "runs"), [(2, 4), (2, 100), (3, 20)])
+def test_the_bands_hold_the_medians_that_are_drawn(degrees, runs):
+    low, high = median_band(degrees, runs).ravel()
+    values = np.random.default_rng(6).chisquare(degrees, (4000, runs))
+    middle = np.sort(values, axis=1)[:, (runs - 1) // 2 : runs // 2 + 1].mean(axis=1)
+    assert np.mean((low < middle) & (middle < high)) == pytest.approx(0.95, abs=0.03)
+    mean_low, mean_high = band(degrees, runs)
+    assert (
+        high - low > 1.2 * (mean_high - mean_low) * MEDIANS[degrees] / degrees
+    )  # those of a mean are too narrow
+
+
+@pytest.mark.slow
+def test_nine_of_ten_steps_of_the_healthy_one_lie_in_the_bands_and_few_of_the_others(functions):
+    def inside(letter):
+        traces = lab.patient(CASES[letter], functions)
+        steps, nis = (np.concatenate([getattr(each, name) for each in traces]) for name in ("steps", "nis"))
+        when, counts = np.unique(steps, return_counts=True)
+        low, high = median_band(2, counts)
+        medians = np.array([np.median(nis[steps == step]) for step in when])
+        return np.mean((low <= medians) & (medians <= high))
+
+    assert inside("I") > 0.9 and inside("G") > 0.85 and max(map(inside, "BDEFJ")) < 0.15
 
 
 def test_the_notebooks_own_function_stays_as_it_was(own):
@@ -85,8 +127,23 @@ def test_the_notebooks_own_function_stays_as_it_was(own):
 
 
 def test_a_filter_without_the_part_is_said_to_lack_it():
-    with pytest.raises(ValueError, match=r"calls innovation\(\)"):
+    with pytest.raises(ValueError, match=r"your localize does not call innovation\(\)"):
         lab.with_parts(lambda pose, *rest: pose, {"innovation": np.subtract})
+
+
+def test_a_blank_filter_is_not_said_to_lack_a_part():
+    def localize(*given):
+        raise NotImplementedError
+
+    with pytest.raises(NotImplementedError):
+        lab.with_parts(localize, {"innovation": np.subtract})
+
+
+def test_the_answers_of_the_lab_are_folded():
+    text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
+    below = text.split("LabPanel(localize, predict_pose, predict_covariance)")[1]
+    plain = re.sub(r"<details>.*?</details>", "", below, flags=re.DOTALL).split("## My NAO")[0]
+    assert "healthy" not in plain and "forgotten" not in plain
 
 
 def test_the_panel_names_what_is_right_and_says_what_another_would_show(functions, monkeypatch):

@@ -119,7 +119,7 @@ def test_a_panel_without_truth_cannot_show_it():
     [
         ("move", "IndexError in move(), line"),
         ("observe", "ZeroDivisionError in observe(), line"),
-        ("estimate", "TypeError in estimate(), line"),
+        ("estimate", "TypeError in estimate(): "),
     ],
 )
 def test_an_exception_in_slam_is_a_message_and_the_panel_lives(where, said):
