@@ -82,7 +82,8 @@ def test_standing_still_passes_nothing_and_a_longer_plan_loses_more_robots():
 def test_what_is_no_plan_is_said_once_for_all_robots(plan, said):
     came = run(CHALLENGE, plan)
     (problem,) = came.problems()
-    assert said in problem and problem.startswith("20 of 20 robots bring no answer and count 0 each") and came.score == 0.0
+    assert said in problem and problem.startswith("20 of 20 robots bring no answer and count 0 each")
+    assert came.score == 0.0
 
 
 def test_a_plan_may_be_a_tuple():
