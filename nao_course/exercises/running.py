@@ -179,8 +179,8 @@ def _importing(frame: FrameType | None) -> bool:
 def alarm(seconds: float) -> Iterator[None]:
     """Raise TimeIsUp in the block after a time; one that is in another rings no later than that.
 
-    It does not ring in the middle of an import, but after it: a compiled module that is begun and not ended can never be
-    imported again. It waits for IMPORTING seconds at most. Where there is no alarm clock (Windows, or another thread
+    It does not ring in the middle of an import, but after it: a compiled module that is begun and not ended can never
+    be imported again. It waits for IMPORTING seconds at most. Where there is no alarm clock (Windows, or another thread
     than the main one), there is no limit.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():

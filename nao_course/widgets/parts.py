@@ -117,7 +117,7 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
 
 
 def styles(own: str) -> Any:
-    """Return the look of a panel, what all have in common and its own rules; its keys stay in it, sliders have names."""
+    """Return the look of a panel: what all have in common and its own; its keys stay in it, sliders have names."""
     return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES))
 
 

@@ -103,10 +103,14 @@ def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
     """A compiled module that is begun and not ended can never be imported again: a lesson's first cell died of that."""
     (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(0.2)\nENDED = True\n")
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+
+    def import_and_go_on():
         importlib.import_module("slow_to_import")
         while True:
             pass
+
+    with pytest.raises(running.TimeIsUp), running.alarm(0.05):
+        import_and_go_on()
     assert sys.modules["slow_to_import"].ENDED
 
 
