@@ -528,7 +528,7 @@ def _ground(pixels: Any, view: CameraView, **changed: Any) -> Array:
         steps = (1.0 if changed.get("no_height") else view.height) / -rays[:, 2]
         if changed.get("unit_rays"):
             steps = np.where(rays[:, 2] < 0, view.height, np.nan)
-        if not (changed.get("behind") or changed.get("only_ahead")):
+        if not changed.get("behind"):
             steps = np.where(rays[:, 2] < 0, steps, np.nan)
         if changed.get("level"):
             steps = np.where(rays[:, 2] > 0, np.nan, view.height / -rays[:, 2])
