@@ -12,6 +12,11 @@ from nao_course.slam import range_and_bearing
 Q, R = np.diag([0.05, 0.03, 0.04]) ** 2, np.diag([0.03, 0.05]) ** 2
 
 
+@pytest.fixture(scope="module")
+def functions(own):
+    return own["predict"], own["update_landmarks"], own["add_landmark"]
+
+
 def large_map(rng, k):
     """A state of pose and k landmarks, all correlated."""
     state = np.concatenate([[0.1, -0.2, 0.3], rng.uniform(-4, 4, 2 * k)])
@@ -19,15 +24,17 @@ def large_map(rng, k):
     return state, root @ root.T + np.diag(rng.uniform(0.01, 0.05, len(state)) ** 2)
 
 
-def along(rng, state, covariance, regions, own, steps=6):
+def along(rng, state, covariance, regions, own, new, steps=6):
     """Drive through regions of near landmarks with both filters; yields both beliefs after each region."""
-    predict, update_landmarks = own["predict"], own["update_landmarks"]
+    predict, update_landmarks, add_landmark = (
+        own[name] for name in ("predict", "update_landmarks", "add_landmark")
+    )
     k = (len(state) - 3) // 2
     truth = state.copy()
     full, small = (state.copy(), covariance.copy()), None
     for near in regions:
         if small is None:
-            small = CompressedFilter(predict, update_landmarks, state, covariance, near)
+            small = CompressedFilter(predict, update_landmarks, add_landmark, state, covariance, near)
         else:
             small.move_to(near)
         for _ in range(steps):
@@ -41,18 +48,26 @@ def along(rng, state, covariance, regions, own, steps=6):
                 seen = (seen + rng.normal(size=seen.shape) * (0.03, 0.05)).reshape(-1)
                 full = update_landmarks(*full, indices, seen, R)
                 small.update_landmarks(indices, seen, R)
+        if new:
+            seen = np.array([rng.uniform(-2, 2), rng.uniform(0.5, 3)])
+            full, k = add_landmark(*full, seen, R), k + 1
+            truth = add_landmark(truth, full[1][:-2, :-2], seen, R)[0]
+            assert small.add_landmark(seen, R) == k - 1
+            again = np.array([0.1, 1.0])
+            full = update_landmarks(*full, [k - 1, *near], np.tile(again, 1 + len(near)), R)
+            small.update_landmarks([k - 1, *near], np.tile(again, 1 + len(near)), R)
         yield full, small
 
 
 @settings(max_examples=20, deadline=None)
-@given(seed=st.integers(0, 10**6), near=st.integers(1, 5))
-def test_on_any_drive_among_near_landmarks_it_equals_the_full_filter(own, seed, near):
+@given(seed=st.integers(0, 10**6), near=st.integers(1, 5), new=st.booleans())
+def test_on_any_drive_among_near_landmarks_it_equals_the_full_filter(own, seed, near, new):
     rng = np.random.default_rng(seed)
     k = int(rng.integers(near, 12))
     regions = [rng.choice(k, near, replace=False).tolist() for _ in range(3)]
-    for (state, covariance), small in along(rng, *large_map(rng, k), regions, own):
-        assert np.allclose(small.pose[0], state[:3], atol=1e-9)
-        assert np.allclose(small.pose[1], covariance[:3, :3], atol=1e-9)
+    for (state, covariance), small in along(rng, *large_map(rng, k), regions, own, new):
+        assert np.allclose(small.local[0][:3], state[:3], atol=1e-9)
+        assert np.allclose(small.local[1][:3, :3], covariance[:3, :3], atol=1e-9)
         whole, spread = small.whole()
         off = whole - state
         off[2] = wrap_angle(off[2])
@@ -60,11 +75,11 @@ def test_on_any_drive_among_near_landmarks_it_equals_the_full_filter(own, seed, 
         assert np.abs(spread - covariance).max() < 1e-9
 
 
-def test_asking_for_the_whole_map_changes_nothing(own):
+def test_asking_for_the_whole_map_changes_nothing(functions):
     rng = np.random.default_rng(5)
     state, covariance = large_map(rng, 8)
-    asked = CompressedFilter(own["predict"], own["update_landmarks"], state, covariance, [2, 5])
-    never = CompressedFilter(own["predict"], own["update_landmarks"], state, covariance, [2, 5])
+    asked = CompressedFilter(*functions, state, covariance, [2, 5])
+    never = CompressedFilter(*functions, state, covariance, [2, 5])
     for _ in range(4):
         for each in (asked, never):
             each.predict(np.array([0.2, 0.1]), Q)
@@ -73,7 +88,7 @@ def test_asking_for_the_whole_map_changes_nothing(own):
     assert all(np.allclose(*both, atol=1e-12) for both in zip(asked.whole(), never.whole(), strict=True))
 
 
-def test_far_landmarks_are_not_touched_before_the_robot_leaves(own):
+def test_far_landmarks_are_not_touched_before_the_robot_leaves(functions):
     rng = np.random.default_rng(6)
     state, covariance = large_map(rng, 400)
     sizes = []
@@ -85,29 +100,43 @@ def test_far_landmarks_are_not_touched_before_the_robot_leaves(own):
 
         return watched
 
-    small = CompressedFilter(
-        spied(own["predict"]), spied(own["update_landmarks"]), state, covariance, [7, 3, 399]
-    )
+    small = CompressedFilter(*map(spied, functions), state, covariance, [7, 3, 399])
     small.predict(np.array([0.2, 0.1]), Q)
     small.update_landmarks([399, 7], np.array([0.3, 2.0, 1.0, 3.0]), R)
     assert sizes == [19, 19]  # twice 9, and one more
     assert small.near == [7, 3, 399]
 
 
-def test_a_landmark_that_is_not_near_is_refused(own):
+def test_a_landmark_that_is_not_near_is_refused(functions):
     state, covariance = large_map(np.random.default_rng(7), 6)
-    small = CompressedFilter(own["predict"], own["update_landmarks"], state, covariance, [0, 1])
+    small = CompressedFilter(*functions, state, covariance, [0, 1])
     with pytest.raises(ValueError, match=r"landmarks \[4\] are not near; call move_to\(\) first"):
         small.update_landmarks([0, 4], np.zeros(4), R)
 
 
-def test_what_comes_in_stays_as_it_is(own):
+def test_what_comes_in_stays_as_it_is(functions):
     state, covariance = large_map(np.random.default_rng(8), 6)
     given = state.copy(), covariance.copy()
-    small = CompressedFilter(own["predict"], own["update_landmarks"], state, covariance, [0, 1])
+    small = CompressedFilter(*functions, state, covariance, [0, 1])
     small.predict(np.array([0.2, 0.1]), Q)
     small.update_landmarks([0], np.array([0.3, 2.0]), R)
     whole = small.whole()
     whole[1][:] = 0
     assert np.array_equal(state, given[0]) and np.array_equal(covariance, given[1])
     assert small.whole()[1].any()
+
+
+def test_from_nothing_a_map_grows_as_in_the_full_filter(functions):
+    predict, update_landmarks, add_landmark = functions
+    small, full = CompressedFilter(*functions), (np.zeros(3), np.zeros((3, 3)))
+    for number, bearing in enumerate((0.3, -0.5, 1.2)):
+        small.predict(np.array([0.3, 0.2]), Q)
+        full = predict(*full, np.array([0.3, 0.2]), Q, number)
+        assert small.add_landmark(np.array([bearing, 2.0]), R) == number
+        full = add_landmark(*full, np.array([bearing, 2.0]), R)
+        small.update_landmarks([0], np.array([0.2, 1.8]), R)
+        full = update_landmarks(*full, [0], np.array([0.2, 1.8]), R)
+        if number == 1:
+            small.move_to([0])
+    assert small.near == [0, 2]
+    assert all(np.allclose(*both, atol=1e-12) for both in zip(small.whole(), full, strict=True))
