@@ -166,7 +166,6 @@ def _normal_equations(
         here = np.arange(3 * n, 3 * n + 3)
         if n:
             before = poses[n - 1]
-            F, G = _motion_slopes(before, control)
             c, s = np.cos(before[2]), np.sin(before[2])
             turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
             off = poses[n] - before

@@ -19,6 +19,8 @@ from nao_course.exercises import (
     LessonPlan,
     Mistake,
     Property,
+    Question,
+    Written,
 )
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
@@ -1437,6 +1439,44 @@ PLAN = LessonPlan(
         EVALUATE_LANDMARKS,
         ADD_LANDMARK,
     ],
-    questions=[],
-    written=[],
+    questions=[
+        Question(
+            "why_correlated",
+            "Two landmarks lie on opposite sides of the field, and no measurement speaks of both. Why do their errors become "
+            "correlated?",
+            {
+                "They are measured with the same sensor, so their noise is.": "Its noise is drawn anew for each measurement: R has blocks on its diagonal and zeros "
+                "elsewhere. The correlation comes with R diagonal, too.",
+                "H is dense, so everything is mixed with everything.": "H has two blocks in a row, of the pose and of one landmark, and zeros for all others.",
+                "Both were measured from a pose that is uncertain: an error of it shifts both.": "What they share is the pose's error. P_lp H_p' carries it into the gain's rows "
+                "of every landmark, and a look at one then corrects the other.",
+                "A motion adds the same noise to both.": "A motion adds nothing to a landmark: P_ll stays as it is. It carries on what pose and map share, F P_pl.",
+            },
+            "Both were measured from a pose that is uncertain: an error of it shifts both.",
+        ),
+        Question(
+            "constant_time",
+            "A robot has mapped 1,000 landmarks and sees one. Which of the report's ideas makes the update's time independent of the "
+            "1,000, and leaves the result as it is?",
+            {
+                "Update only what is in range.": "The one that is seen has a covariance with all others, and P - K H P has a million entries. With one landmark in "
+                "view instead of six the update is still of that size.",
+                "Forget landmarks that are uncertain or old.": "That makes the map smaller, and throws away what they knew about the rest. It is another result.",
+                "Local maps: update the neighbourhood, and the rest once, when it is left.": "That is the compressed filter. It notes what the rest has to be multiplied by, and "
+                "does so once. The result is the same to rounding.",
+                "Find matches with a KD-tree.": "That makes the search for a match quicker, and the update stays as it is.",
+            },
+            "Local maps: update the neighbourhood, and the rest once, when it is left.",
+        ),
+    ],
+    written=[
+        Written(
+            "explain_inside",
+            points=2,
+            question="Every true landmark lies inside its ellipse. Why does it not follow that the covariances are reliable?",
+            rubric="1 point: an ellipse that is too large holds every truth, so lying inside says nothing against a covariance that is too large. 1 point: what "
+            "would be seen if it were right: errors as large as stated, a Mahalanobis distance of about 1.25 on average (or NEES 2), about one in twenty "
+            "outside 95 %; here it is 0.07.",
+        )
+    ],
 )

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, OWN_START, Sigmas
-from nao_course.metrics import band
+from nao_course.metrics import band, log_density
 from nao_course.plotting import (
     Drawing,
     course_style,
@@ -31,7 +31,7 @@ from nao_course.slam import range_and_bearing
 DRIVES = 40
 STEPS, STEP, SIDE = 50, 0.3, 5  # two laps of the pentagon
 TIMES = 3.0  # the noise of the lesson's log
-REACH, SIDEWAYS = 2.5, float(np.radians(60))  # m, rad
+REACH, SIDEWAYS = 2.0, float(np.radians(60))  # m, rad
 SIGMAS = Sigmas(*(TIMES * each for each in vars(OWN_SIGMAS).values()))
 FIELD = Field(2012)
 _MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
@@ -130,15 +130,6 @@ def as_pose_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
             "Your pose's covariance has an eigenvalue that is not positive: a direction without doubt."
         )
     return pose, spread
-
-
-def log_density(pose: FloatArray, covariance: FloatArray, truth: FloatArray) -> tuple[float, float]:
-    """Logarithm (base 2) of a belief's density at the true pose, and the NEES there."""
-    off = np.append(truth[:2] - pose[:2], wrap_angle(truth[2] - pose[2]))
-    root = np.linalg.cholesky(covariance)
-    squared = float(np.sum(np.linalg.solve(root, off) ** 2))
-    nats = -squared / 2 - float(np.log(np.diag(root)).sum()) - 1.5 * np.log(2 * np.pi)
-    return float(nats / np.log(2)), squared
 
 
 def judge(answer: Any, drive: Drive) -> CaseScore:

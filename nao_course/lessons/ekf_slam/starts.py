@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course.datasets import HomeworkLog
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
     START_COVARIANCE,
+    Belief,
     Function,
     LogRun,
     homework_start,
@@ -32,23 +35,22 @@ HOMEWORK, TEXTBOOK = STYLES["odometry"].colour, STYLES["ekf"].colour
 
 
 @dataclass(frozen=True, eq=False)
-class Begun:
-    """One drive, begun in both ways.
+class Start:
+    """A pentagon whose first pose is not quite what the robot believes: zeros.
 
     Parameters
     ----------
+    log : HomeworkLog
+        Controls and measurements.
     path : ndarray, shape (M + 1, 3)
         True poses, in the frame in which the robot believes to begin at zeros.
     landmarks : ndarray, shape (k, 2)
         True, m.
-    homework, textbook : LogRun
-        What is believed.
     """
 
+    log: HomeworkLog
     path: FloatArray
     landmarks: FloatArray
-    homework: LogRun
-    textbook: LogRun
 
     def nees(self, run: LogRun) -> FloatArray:
         """Normalised estimation error squared of each pose, (M + 1,)."""
@@ -61,40 +63,31 @@ class Begun:
         return float(np.hypot(*(run.landmarks - self.landmarks).T).mean())
 
 
-def begin_both(
-    seeds: Iterable[int],
-    init_landmarks: Function,
-    add_landmark: Function,
-    predict: Function,
-    update: Function,
-) -> list[Begun]:
-    """Drive pentagons from a first pose that is drawn from what the robot believes of it.
+@cache
+def doubtful_start(seed: int) -> Start:
+    """Drive a pentagon from a first pose that is drawn from what the robot believes of it."""
+    recording = record_pentagon(seed)
+    error = np.random.default_rng([7, seed]).standard_normal(3) * np.sqrt(np.diag(START_COVARIANCE))
+    first = Pose.from_array(error)
+    path = np.array([(first @ Pose.from_array(pose)).as_array() for pose in recording.path])
+    return Start(recording.log, path, first.to_parent(recording.landmarks))
 
-    Parameters
-    ----------
-    seeds : iterable of int
-        One for each drive.
-    init_landmarks, add_landmark, predict, update : callable
-        The student's.
 
-    Returns
-    -------
-    list of Begun
-        One for each seed.
-    """
-    drives = []
-    for seed in seeds:
-        recording = record_pentagon(seed)
-        error = np.random.default_rng([7, seed]).standard_normal(3) * np.sqrt(np.diag(START_COVARIANCE))
-        first = Pose.from_array(error)
-        path = np.array([(first @ Pose.from_array(pose)).as_array() for pose in recording.path])
-        starts = (
-            homework_start(recording.log, init_landmarks, OWN_SIGMAS),
-            textbook_start(recording.log, add_landmark, OWN_SIGMAS),
-        )
-        runs = [run_log(recording.log, start, predict, update, OWN_SIGMAS) for start in starts]
-        drives.append(Begun(path, first.to_parent(recording.landmarks), *runs))
-    return drives
+def run_all(start: Callable[[HomeworkLog], Belief], predict: Function, update: Function) -> list[LogRun]:
+    """Run a student's filter along all drives, each begun by ``start(log)``."""
+    logs = (doubtful_start(seed).log for seed in range(DRIVES))
+    return [run_log(log, start(log), predict, update, OWN_SIGMAS) for log in logs]
+
+
+def mean_nees(runs: list[LogRun]) -> FloatArray:
+    """Mean NEES of the pose over all drives, for each step (M + 1,)."""
+    return np.asarray(np.mean([doubtful_start(seed).nees(run) for seed, run in enumerate(runs)], axis=0))
+
+
+def final_nees(init_landmarks: Function, predict: Function, update: Function) -> float:
+    """Mean NEES of the pose at the end, of drives that are begun as the homework does."""
+    runs = run_all(lambda log: homework_start(log, init_landmarks, OWN_SIGMAS), predict, update)
+    return float(mean_nees(runs)[-1])
 
 
 def draw_starts(
@@ -112,11 +105,11 @@ def draw_starts(
     Drawing
         NEES over the steps of 40 drives, begun in both ways; and the map of one of them at its end.
     """
-    drives = begin_both(range(DRIVES), init_landmarks, add_landmark, predict, update)
-    nees = {
-        "homework": np.mean([each.nees(each.homework) for each in drives], axis=0),
-        "textbook": np.mean([each.nees(each.textbook) for each in drives], axis=0),
+    runs = {
+        "homework": run_all(lambda log: homework_start(log, init_landmarks, OWN_SIGMAS), predict, update),
+        "textbook": run_all(lambda log: textbook_start(log, add_landmark, OWN_SIGMAS), predict, update),
     }
+    nees = {way: mean_nees(each) for way, each in runs.items()}
     colours = {"homework": HOMEWORK, "textbook": TEXTBOOK}
     names = {"homework": "as the homework", "textbook": "with add_landmark"}
     low, high = band(3, DRIVES)
@@ -130,10 +123,10 @@ def draw_starts(
         left.set(xlabel="step", ylabel="mean NEES of the pose (ideal: 3)")
         left.set_title(f"{DRIVES} drives")
         left.legend(fontsize=9)
-        one = drives[SHOWN]
+        one = doubtful_start(SHOWN)
         outlines = {
-            way: ellipse_outlines(run.landmarks, run.landmark_covariances)
-            for way, run in (("homework", one.homework), ("textbook", one.textbook))
+            way: ellipse_outlines(each[SHOWN].landmarks, each[SHOWN].landmark_covariances)
+            for way, each in runs.items()
         }
         for way, shapes in outlines.items():
             right.add_collection(filled_outlines(shapes, colours[way]))
@@ -143,7 +136,10 @@ def draw_starts(
         truth = Line2D([], [], marker="o", color=STYLES["truth"].colour, ls="", ms=4, label="landmark, true")
         legend_below(figure, [truth])
     last = {way: float(values[-1]) for way, values in nees.items()}
-    errors = [np.mean([each.map_error(getattr(each, way)) for each in drives]) for way in nees]
+    errors = [
+        np.mean([doubtful_start(seed).map_error(run) for seed, run in enumerate(each)])
+        for each in runs.values()
+    ]
     return Drawing(
         figure,
         f"Mean NEES of the pose over {DRIVES} drives whose first pose is not quite known. At the end it is "
