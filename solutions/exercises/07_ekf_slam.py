@@ -195,6 +195,7 @@ WARP2PI = Exercise(
     },
     equivalents={
         "return (np.asarray(angle) - np.pi) % (2 * np.pi) - np.pi": "a full turn less, which the remainder takes out",
+        "return (angle + np.pi) % (2 * np.pi) - np.pi": "numbers and arrays can both be added to",
     },
 )
 
@@ -327,6 +328,7 @@ def _start_hidden(rng: np.random.Generator) -> list[Case]:
 
 INIT_LANDMARKS = Exercise(
     name="init_landmarks",
+    in_place=True,
     points=2,
     stars=1,
     uses=("05:landmark_position", "05:landmark_jacobians"),
@@ -410,6 +412,9 @@ INIT_LANDMARKS = Exercise(
         "block by block": _initial_by_landmark,
         "central differences": _initial_by_differences,
         "all at once": _initial_by_roots,
+    },
+    equivalents={
+        "landmarks, slopes = (np.ones(2 * k), np.zeros((2 * k, 2 * k)))": "each of the ones is written over",
     },
 )
 
@@ -546,6 +551,7 @@ def _motion_hidden(rng: np.random.Generator) -> list[Case]:
 
 PREDICT = Exercise(
     name="predict",
+    in_place=True,
     points=3,
     stars=2,
     uses=("warp2pi", "05:predict_pose", "05:motion_jacobians"),
@@ -977,6 +983,7 @@ LOOK_MISTAKES = [
 
 UPDATE_LANDMARKS = Exercise(
     name="update_landmarks",
+    in_place=True,
     points=5,
     stars=2,
     uses=(
@@ -998,6 +1005,10 @@ UPDATE_LANDMARKS = Exercise(
         "information form": _by_information,
         "what is known is taken off": _by_roots,
         "differences and Joseph's form": _joseph,
+    },
+    equivalents={
+        "columns = [0, 1, 2, *(3 + 2 * i + c for i in indices for c in (0, 1))]": "a list picks columns, too",
+        "innovation, H = (np.ones(2 * m), np.zeros((2 * m, 3 + 2 * m)))": "each of the ones is written over",
     },
 )
 
@@ -1045,6 +1056,7 @@ def _all_case(drawn: tuple[Case, int]) -> Case:
 
 UPDATE = Exercise(
     name="update",
+    in_place=True,
     points=1,
     stars=2,
     uses=("update_landmarks",),
@@ -1086,6 +1098,9 @@ UPDATE = Exercise(
         "information form": _all_of(_by_information),
         "what is known is taken off": _all_of(_by_roots),
         "differences and Joseph's form": _all_of(_joseph),
+    },
+    equivalents={
+        "return update_landmarks(state, covariance, range(k), measurements, measurement_covariance)": "the same numbers",
     },
 )
 
@@ -1230,6 +1245,12 @@ EVALUATE_LANDMARKS = Exercise(
         ),
     ],
     alternatives={"Cholesky": _by_cholesky, "np.einsum": _by_einsum, "plain numbers": _by_lists},
+    equivalents={
+        "errors = truth - estimates": "a distance has no direction",
+        "squares = [np.linalg.solve(P, error) @ error for error, P in zip(errors, covariances)]": "a product of two "
+        "vectors has no order",
+        "return (np.hypot(errors[:, 1], errors[:, 0]), np.sqrt(squares))": "nor has a sum of squares",
+    },
 )
 
 
@@ -1343,6 +1364,7 @@ def _new_public() -> list[Case]:
 
 ADD_LANDMARK = Exercise(
     name="add_landmark",
+    in_place=True,
     points=5,
     stars=3,
     uses=("05:landmark_position", "05:landmark_jacobians"),

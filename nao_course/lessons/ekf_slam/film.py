@@ -231,7 +231,7 @@ def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     with course_style():
         figure = Figure(figsize=(11.0, 6.3))
         axes = figure.subplots(2, len(chosen), height_ratios=(1.25, 1), squeeze=False)
-        image = None
+        image: Any = None
         for number, frame in enumerate(chosen):
             above, below = axes[:, number]
             artists = MapArtists(above, film)
@@ -260,7 +260,7 @@ class FilmStrip:
         self._film = film
         with course_style():
             figure = Figure(figsize=(9.6, 4.9), dpi=DPI)
-            self._canvas: Any = FigureCanvasAgg(figure)
+            self._canvas = _agg(figure)
             left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
             self._map = MapArtists(left, film)
             self._image = plot_correlations(right, film.run.covariances[-1])
@@ -284,6 +284,11 @@ class FilmStrip:
         for artist in (self._image, *self._lines):
             right.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())[:, :, :3]
+
+
+def _agg(figure: Figure) -> Any:
+    """A canvas in memory; matplotlib gives its methods no types."""
+    return FigureCanvasAgg(figure)
 
 
 def draw_film(init_landmarks: Function, predict: Function, update: Function) -> Drawing:
