@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
+from nao_course.lessons.ekf_slam.ablations import Ablation
 from nao_course.lessons.ekf_slam.film import Film
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
@@ -195,3 +196,17 @@ def draw_gain(film: Film) -> Drawing:
         f"parabolas, both lowest at 1. The robot's is {1e4 * robot[0]:.1f} square centimetres without a gain, "
         f"{1e4 * robot.min():.1f} at best, {1e4 * robot[-1]:.1f} with twice the gain; yours is {1e4 * yours[0]:.1f}.",
     )
+
+
+# --- what looking seldom does ---
+
+
+def turn_factor(init_landmarks: Function, predict: Function, update: Function, every: int = 5) -> float:
+    """By which factor a tenfold sigma of the turn enlarges the predicted doubt, with a look in every so many steps."""
+    log = own_log()
+    doubts = []
+    for factor in (1.0, 10.0):
+        sigmas = OWN_SIGMAS.scaled("turn", factor)
+        start = homework_start(log, init_landmarks, sigmas)
+        doubts.append(Ablation("turn", factor, run_log(log, start, predict, update, sigmas, every)).position)
+    return doubts[1] / doubts[0]
