@@ -380,6 +380,16 @@ class Recording:
     landmarks: FloatArray
 
 
+def true_path(controls: FloatArray, sigmas: Sigmas, rng: np.random.Generator) -> list[Pose]:
+    """Where a robot truly goes that is given M controls (M, 2): M + 1 poses from (0, 0, 0)."""
+    deviations = np.sqrt(np.diag(sigmas.control_covariance))
+    path = [Pose()]
+    for (distance, turn), error in zip(controls, rng.standard_normal((len(controls), 3)), strict=True):
+        along, across, turned = error * deviations
+        path.append(path[-1] @ Pose(distance + along, across, turn + turned))
+    return path
+
+
 def record_pentagon(seed: int = OWN_SEED, sigmas: Sigmas = OWN_SIGMAS) -> Recording:
     """Drive a pentagon on the half field and measure six of its marks from every pose, all round, as the homework does.
 
@@ -401,12 +411,7 @@ def record_pentagon(seed: int = OWN_SEED, sigmas: Sigmas = OWN_SIGMAS) -> Record
     controls = np.array(
         [(STEP, 2 * np.pi / SIDES if n % STEPS == 0 else 0.0) for n in range(1, SIDES * STEPS + 1)]
     )
-    pose, path = Pose(), [Pose()]
-    for (distance, turn), error in zip(controls, rng.standard_normal((len(controls), 3)), strict=True):
-        along, across, turned = error * np.sqrt(np.diag(sigmas.control_covariance))
-        pose = pose @ Pose(distance + along, across, turn + turned)
-        path.append(pose)
-    poses = np.array([each.as_array() for each in path])
+    poses = np.array([pose.as_array() for pose in true_path(controls, sigmas, rng)])
     seen = range_and_bearing(poses[:, None], landmarks) + rng.standard_normal(
         (len(poses), len(landmarks), 2)
     ) * (

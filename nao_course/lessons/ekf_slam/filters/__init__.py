@@ -1,8 +1,9 @@
 """Other filters, made of a student's own three functions."""
 
+from nao_course.lessons.ekf_slam.filters.compressed import CompressedFilter
 from nao_course.lessons.ekf_slam.filters.first_estimates import FirstEstimates
 
-__all__ = ["FirstEstimates"]
+__all__ = ["CompressedFilter", "FirstEstimates"]
 
 
 def __dir__() -> list[str]:

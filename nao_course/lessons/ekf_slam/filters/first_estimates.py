@@ -74,8 +74,10 @@ class FirstEstimates:
     def add_landmark(
         self, state: FloatArray, covariance: FloatArray, measurement: FloatArray, noise: FloatArray
     ) -> Belief:
-        """Put a landmark on the map; where it is put is its first estimate."""
-        answer = self._add(state, covariance, measurement, noise)
-        state, covariance = as_belief(answer, len(state) + 2, "add_landmark")
-        self._first = np.append(self._first, state[-2:])
-        return state, covariance
+        """Put a landmark on the map, where it is seen from the pose as it is now; that is its first estimate."""
+        size = len(state) + 2
+        grown, _ = as_belief(self._add(state, covariance, measurement, noise), size, "add_landmark")
+        as_seen = range_and_bearing(self._first[:3], grown[-2:])
+        answer = self._add(np.append(self._first[:3], state[3:]), covariance, as_seen, noise)
+        self._first = np.append(self._first, grown[-2:])
+        return grown, as_belief(answer, size, "add_landmark")[1]
