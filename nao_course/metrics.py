@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.geometry import FloatArray, as_points
+from nao_course.geometry import FloatArray, as_points, wrap_angle
 from nao_course.sim import PictureTruth
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "PointMatch",
     "band",
     "corner_cost",
+    "log_density",
     "match_points",
     "mean_interval",
     "squared_distances",
@@ -261,6 +262,28 @@ def squared_distances(vectors: FloatArray, covariances: FloatArray) -> FloatArra
         return np.zeros(0)
     scaled = np.linalg.solve(covariances, vectors[..., None])[..., 0]
     return np.asarray(np.einsum("ki,ki->k", vectors, scaled))
+
+
+def log_density(pose: FloatArray, covariance: FloatArray, truth: FloatArray) -> tuple[float, float]:
+    """Logarithm (base 2) of a belief's density at the true pose, and the normalised error squared (NEES) there.
+
+    Parameters
+    ----------
+    pose, truth : ndarray, shape (3,)
+        Believed and true: m, rad.
+    covariance : ndarray, shape (3, 3)
+        Of the belief, positive definite.
+
+    Returns
+    -------
+    (float, float)
+        Bits, and a number without a unit. Who is surer gains bits only where the truth is.
+    """
+    off = np.append(truth[:2] - pose[:2], wrap_angle(truth[2] - pose[2]))
+    root = np.linalg.cholesky(covariance)
+    squared = float(np.sum(np.linalg.solve(root, off) ** 2))
+    nats = -squared / 2 - float(np.log(np.diag(root)).sum()) - 1.5 * np.log(2 * np.pi)
+    return float(nats / np.log(2)), squared
 
 
 def _distances(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -19,6 +19,8 @@ from nao_course.exercises import (
     LessonPlan,
     Mistake,
     Property,
+    Question,
+    Written,
 )
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
@@ -193,6 +195,7 @@ WARP2PI = Exercise(
     },
     equivalents={
         "return (np.asarray(angle) - np.pi) % (2 * np.pi) - np.pi": "a full turn less, which the remainder takes out",
+        "return (angle + np.pi) % (2 * np.pi) - np.pi": "numbers and arrays can both be added to",
     },
 )
 
@@ -325,6 +328,7 @@ def _start_hidden(rng: np.random.Generator) -> list[Case]:
 
 INIT_LANDMARKS = Exercise(
     name="init_landmarks",
+    in_place=True,
     points=2,
     stars=1,
     uses=("05:landmark_position", "05:landmark_jacobians"),
@@ -408,6 +412,9 @@ INIT_LANDMARKS = Exercise(
         "block by block": _initial_by_landmark,
         "central differences": _initial_by_differences,
         "all at once": _initial_by_roots,
+    },
+    equivalents={
+        "landmarks, slopes = (np.ones(2 * k), np.zeros((2 * k, 2 * k)))": "each of the ones is written over",
     },
 )
 
@@ -544,6 +551,7 @@ def _motion_hidden(rng: np.random.Generator) -> list[Case]:
 
 PREDICT = Exercise(
     name="predict",
+    in_place=True,
     points=3,
     stars=2,
     uses=("warp2pi", "05:predict_pose", "05:motion_jacobians"),
@@ -975,6 +983,7 @@ LOOK_MISTAKES = [
 
 UPDATE_LANDMARKS = Exercise(
     name="update_landmarks",
+    in_place=True,
     points=5,
     stars=2,
     uses=(
@@ -996,6 +1005,10 @@ UPDATE_LANDMARKS = Exercise(
         "information form": _by_information,
         "what is known is taken off": _by_roots,
         "differences and Joseph's form": _joseph,
+    },
+    equivalents={
+        "columns = [0, 1, 2, *(3 + 2 * i + c for i in indices for c in (0, 1))]": "a list picks columns, too",
+        "innovation, H = (np.ones(2 * m), np.zeros((2 * m, 3 + 2 * m)))": "each of the ones is written over",
     },
 )
 
@@ -1043,6 +1056,7 @@ def _all_case(drawn: tuple[Case, int]) -> Case:
 
 UPDATE = Exercise(
     name="update",
+    in_place=True,
     points=1,
     stars=2,
     uses=("update_landmarks",),
@@ -1084,6 +1098,9 @@ UPDATE = Exercise(
         "information form": _all_of(_by_information),
         "what is known is taken off": _all_of(_by_roots),
         "differences and Joseph's form": _all_of(_joseph),
+    },
+    equivalents={
+        "return update_landmarks(state, covariance, range(k), measurements, measurement_covariance)": "the same numbers",
     },
 )
 
@@ -1228,6 +1245,12 @@ EVALUATE_LANDMARKS = Exercise(
         ),
     ],
     alternatives={"Cholesky": _by_cholesky, "np.einsum": _by_einsum, "plain numbers": _by_lists},
+    equivalents={
+        "errors = truth - estimates": "a distance has no direction",
+        "squares = [np.linalg.solve(P, error) @ error for error, P in zip(errors, covariances)]": "a product of two "
+        "vectors has no order",
+        "return (np.hypot(errors[:, 1], errors[:, 0]), np.sqrt(squares))": "nor has a sum of squares",
+    },
 )
 
 
@@ -1341,6 +1364,7 @@ def _new_public() -> list[Case]:
 
 ADD_LANDMARK = Exercise(
     name="add_landmark",
+    in_place=True,
     points=5,
     stars=3,
     uses=("05:landmark_position", "05:landmark_jacobians"),
@@ -1437,6 +1461,44 @@ PLAN = LessonPlan(
         EVALUATE_LANDMARKS,
         ADD_LANDMARK,
     ],
-    questions=[],
-    written=[],
+    questions=[
+        Question(
+            "why_correlated",
+            "Two landmarks lie on opposite sides of the field, and no measurement speaks of both. Why do their errors become "
+            "correlated?",
+            {
+                "They are measured with the same sensor, so their noise is.": "Its noise is drawn anew for each measurement: R has blocks on its diagonal and zeros "
+                "elsewhere. The correlation comes with R diagonal, too.",
+                "H is dense, so everything is mixed with everything.": "H has two blocks in a row, of the pose and of one landmark, and zeros for all others.",
+                "Both were measured from a pose that is uncertain: an error of it shifts both.": "What they share is the pose's error. P_lp H_p' carries it into the gain's rows "
+                "of every landmark, and a look at one then corrects the other.",
+                "A motion adds the same noise to both.": "A motion adds nothing to a landmark: P_ll stays as it is. It carries on what pose and map share, F P_pl.",
+            },
+            "Both were measured from a pose that is uncertain: an error of it shifts both.",
+        ),
+        Question(
+            "constant_time",
+            "A robot has mapped 1,000 landmarks and sees one. Which of the report's ideas makes the update's time independent of the "
+            "1,000, and leaves the result as it is?",
+            {
+                "Update only what is in range.": "The one that is seen has a covariance with all others, and P - K H P has a million entries. With one landmark in "
+                "view instead of six the update is still of that size.",
+                "Forget landmarks that are uncertain or old.": "That makes the map smaller, and throws away what they knew about the rest. It is another result.",
+                "Local maps: update the neighbourhood, and the rest once, when it is left.": "That is the compressed filter. It notes what the rest has to be multiplied by, and "
+                "does so once. The result is the same to rounding.",
+                "Find matches with a KD-tree.": "That makes the search for a match quicker, and the update stays as it is.",
+            },
+            "Local maps: update the neighbourhood, and the rest once, when it is left.",
+        ),
+    ],
+    written=[
+        Written(
+            "explain_inside",
+            points=2,
+            question="Every true landmark lies inside its ellipse. Why does it not follow that the covariances are reliable?",
+            rubric="1 point: an ellipse that is too large holds every truth, so lying inside says nothing against a covariance that is too large. 1 point: what "
+            "would be seen if it were right: errors as large as stated, a Mahalanobis distance of about 1.25 on average (or NEES 2), about one in twenty "
+            "outside 95 %; here it is 0.07.",
+        )
+    ],
 )

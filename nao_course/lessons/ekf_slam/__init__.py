@@ -1,8 +1,44 @@
 """What lesson 07, EKF SLAM, alone uses."""
 
+from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
+from nao_course.lessons.ekf_slam.evaluation import (
+    distances_table,
+    draw_gain,
+    draw_nis,
+    first_lines,
+    landmarks_in_log,
+    mean_nis,
+    turn_factor,
+)
+from nao_course.lessons.ekf_slam.film import draw_film, record_film
+from nao_course.lessons.ekf_slam.filters import FirstEstimates
+from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 from nao_course.lessons.ekf_slam.noise import joint_noise
+from nao_course.lessons.ekf_slam.panel import FilmPanel
+from nao_course.lessons.ekf_slam.starts import draw_starts, final_nees
 
-__all__ = ["joint_noise"]
+__all__ = [
+    "OWN_SIGMAS",
+    "FilmPanel",
+    "FirstEstimates",
+    "ablate",
+    "ablation_table",
+    "distances_table",
+    "draw_ablations",
+    "draw_film",
+    "draw_gain",
+    "draw_nis",
+    "draw_starts",
+    "draw_turn_last",
+    "final_nees",
+    "first_lines",
+    "joint_noise",
+    "landmarks_in_log",
+    "mean_nis",
+    "own_log",
+    "record_film",
+    "turn_factor",
+]
 
 
 def __dir__() -> list[str]:
