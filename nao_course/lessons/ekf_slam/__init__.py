@@ -2,6 +2,7 @@
 
 from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
 from nao_course.lessons.ekf_slam.consistency import compare, draw_consistency
+from nao_course.lessons.ekf_slam.costs import draw_costs
 from nao_course.lessons.ekf_slam.evaluation import (
     distances_table,
     draw_gain,
@@ -29,6 +30,7 @@ __all__ = [
     "distances_table",
     "draw_ablations",
     "draw_consistency",
+    "draw_costs",
     "draw_film",
     "draw_gain",
     "draw_nis",

@@ -81,7 +81,8 @@ class FilmPanel(FunctionPanel):
             film = record_film(student.init_landmarks, student.predict, student.update)
             self._made = {key: (film, FilmStrip(film))}
         film, strip = self._made[key]
-        yield strip.picture(values.frame)
+        map_picture, matrix = strip.pictures(values.frame)
+        yield {"The map": map_picture, "Correlations": matrix}
         yield say_frame(film, values.frame)
 
     def _pressed(self, action: Action) -> None:
