@@ -1,6 +1,8 @@
 """What lesson 07, EKF SLAM, alone uses."""
 
 from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
+from nao_course.lessons.ekf_slam.consistency import compare, draw_consistency
+from nao_course.lessons.ekf_slam.costs import draw_costs
 from nao_course.lessons.ekf_slam.evaluation import (
     distances_table,
     draw_gain,
@@ -11,7 +13,7 @@ from nao_course.lessons.ekf_slam.evaluation import (
     turn_factor,
 )
 from nao_course.lessons.ekf_slam.film import draw_film, record_film
-from nao_course.lessons.ekf_slam.filters import FirstEstimates
+from nao_course.lessons.ekf_slam.filters import CompressedFilter, FirstEstimates
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 from nao_course.lessons.ekf_slam.noise import joint_noise
 from nao_course.lessons.ekf_slam.panel import FilmPanel
@@ -19,12 +21,16 @@ from nao_course.lessons.ekf_slam.starts import draw_starts, final_nees
 
 __all__ = [
     "OWN_SIGMAS",
+    "CompressedFilter",
     "FilmPanel",
     "FirstEstimates",
     "ablate",
     "ablation_table",
+    "compare",
     "distances_table",
     "draw_ablations",
+    "draw_consistency",
+    "draw_costs",
     "draw_film",
     "draw_gain",
     "draw_nis",

@@ -24,6 +24,7 @@ from nao_course.plotting import (
     plot_pose,
 )
 from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.maps import metric_axes
 from nao_course.plotting.style import GREY
 from nao_course.sim import Field
 from nao_course.slam import range_and_bearing
@@ -161,6 +162,10 @@ def draw_worst_drives(run: Run) -> Drawing:
             plot_ellipse((end.x, end.y), covariance[:2, :2], ax, "ekf")  # the frames are parallel
             plot_pose(end, ax, "ekf")
             ax.set_title(f"{each.name}: {each.score:.1f} bits", fontsize=11)
+            reach = 2.5 * np.sqrt(np.diag(covariance)[:2]).max()
+            ends = np.array([(end.x, end.y)]) + reach * np.array([(-1, -1), (1, 1)])
+            x0, y0, x1, y1 = FIELD.carpet
+            metric_axes(ax, np.vstack([[(x0, y0), (x1, y1)], [(one.x, one.y) for one in path], ends]))
         legend_below(
             figure, [source_key("truth", "where it drove"), source_key("ekf", "believed at the end, 95 %")]
         )

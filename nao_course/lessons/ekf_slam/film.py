@@ -42,7 +42,8 @@ KEYS = {
 }
 CORRELATION = LinearSegmentedColormap.from_list("correlation", ["#c84b00", "#ffffff", "#0b5fa5"])
 HEADING = 0.05  # part of the map's width, length of the line that shows where the robot looks
-DPI = 100
+SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends as it is
+Pixels = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,8 +247,27 @@ def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     return Drawing(figure, f"Maps of robot and landmarks with 95 % ellipses, the correlations below. {words}")
 
 
+class _Scene:
+    """One figure of which only some artists move: they are drawn by blit."""
+
+    def __init__(self, figure: Figure, ax: Axes, moving: Sequence[Any]) -> None:
+        """Draw what stands still, once."""
+        self._ax, self._moving, self._canvas = ax, list(moving), _agg(figure)
+        for artist in self._moving:
+            artist.set_animated(True)
+        self._canvas.draw()
+        self._background = self._canvas.copy_from_bbox(figure.bbox)
+
+    def picture(self) -> Pixels:
+        """What the artists show now, as an RGB picture (H, W, 3)."""
+        self._canvas.restore_region(self._background)
+        for artist in self._moving:
+            self._ax.draw_artist(artist)
+        return np.array(self._canvas.buffer_rgba())[:, :, :3]
+
+
 class FilmStrip:
-    """All half steps of a log that was run, as pictures that are drawn by blit.
+    """All half steps of a log that was run, each as two pictures: the map and the correlations.
 
     Parameters
     ----------
@@ -259,31 +279,24 @@ class FilmStrip:
         """Draw what stands still, once."""
         self._film = film
         with course_style():
-            figure = Figure(figsize=(9.6, 4.9), dpi=DPI)
-            self._canvas = _agg(figure)
-            left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
-            self._map = MapArtists(left, film)
-            self._image = plot_correlations(right, film.run.covariances[-1])
-            figure.colorbar(self._image, ax=right, label="correlation", shrink=0.8, ticks=[-1, 0, 1])
-            legend_below(figure, keys(), columns=5)
-            self._lines = list(right.lines)
-            self._axes = left, right
-            for artist in (*self._map.all, self._image, *self._lines):
-                artist.set_animated(True)
-            self._canvas.draw()
-        self._background = self._canvas.copy_from_bbox(figure.bbox)
+            figure = Figure(figsize=SIZE, dpi=DPI)
+            ax = figure.add_subplot()
+            self._map = MapArtists(ax, film)
+            legend_below(figure, keys(), columns=2)
+            self._left = _Scene(figure, ax, self._map.all)
+            figure = Figure(figsize=SIZE, dpi=DPI)
+            ax = figure.add_subplot()
+            self._image = plot_correlations(ax, film.run.covariances[-1])
+            figure.colorbar(
+                self._image, ax=ax, location="bottom", label="correlation", shrink=0.8, ticks=[-1, 0, 1]
+            )
+            self._right = _Scene(figure, ax, (self._image, *ax.lines))
 
-    def picture(self, frame: int) -> npt.NDArray[np.uint8]:
-        """Return one half step as an RGB picture (H, W, 3)."""
+    def pictures(self, frame: int) -> tuple[Pixels, Pixels]:
+        """Return map and correlations of one half step, RGB pictures (H, W, 3)."""
         self._map.show(frame)
         self._image.set_data(correlations(self._film.at(frame)[2]))
-        self._canvas.restore_region(self._background)
-        left, right = self._axes
-        for artist in self._map.all:
-            left.draw_artist(artist)
-        for artist in (self._image, *self._lines):
-            right.draw_artist(artist)
-        return np.array(self._canvas.buffer_rgba())[:, :, :3]
+        return self._left.picture(), self._right.picture()
 
 
 def _agg(figure: Figure) -> Any:

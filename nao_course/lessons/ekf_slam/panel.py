@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -11,6 +12,7 @@ from nao_course.lessons.ekf_slam.homework_log import own_log
 from nao_course.widgets import Action, Choice, FunctionPanel, Slider
 from nao_course.widgets.attempts import newest_definition
 from nao_course.widgets.inputs import Values
+from nao_course.widgets.parts import BREATH
 
 SPEEDS = {"1 a second": 1.0, "3 a second": 3.0, "8 a second": 8.0}
 FRAMES = "frame"
@@ -32,6 +34,7 @@ class FilmPanel(FunctionPanel):
         self._functions = {"init_landmarks": init_landmarks, "predict": predict, "update": update}
         self._made: dict[Any, tuple[Film, FilmStrip]] = {}
         self._playing: asyncio.Task[None] | None = None
+        self._direction = 1
         self._last = 2 * len(own_log().controls)
         super().__init__(
             "The film",
@@ -78,17 +81,19 @@ class FilmPanel(FunctionPanel):
             film = record_film(student.init_landmarks, student.predict, student.update)
             self._made = {key: (film, FilmStrip(film))}
         film, strip = self._made[key]
-        yield strip.picture(values.frame)
+        map_picture, matrix = strip.pictures(values.frame)
+        yield {"The map": map_picture, "Correlations": matrix}
         yield say_frame(film, values.frame)
 
     def _pressed(self, action: Action) -> None:
-        """Go one on or back, or begin and end to play."""
-        was_playing = self.playing
+        """Go one on or back; begin to play, turn round, or stop."""
+        direction = 1 if action.name in ("on", "forwards") else -1
+        stops = self.playing and direction == self._direction
         self.stop()
         if action.name in ("on", "back"):
-            self._go(1 if action.name == "on" else -1)
-        elif not was_playing:
-            self._begin(1 if action.name == "forwards" else -1)
+            self._go(direction)
+        elif not stops:
+            self._begin(direction)
 
     def _begin(self, direction: int) -> None:
         end = self._last if direction > 0 else 0
@@ -99,16 +104,19 @@ class FilmPanel(FunctionPanel):
         except RuntimeError:  # no kernel: a plain Python program has nobody who watches
             self.set(frame=end)
             return
+        self._direction = direction
         self._playing = loop.create_task(self._follow(direction))
 
     async def _follow(self, direction: int) -> None:
+        began = time.perf_counter()
         while self._go(direction):
-            await asyncio.sleep(1 / SPEEDS[self.values.speed])
+            took = time.perf_counter() - began
+            await asyncio.sleep(max(BREATH, 1 / SPEEDS[self.values.speed] - took))
+            began = time.perf_counter()
 
     def _go(self, direction: int) -> bool:
-        """Go by half a step; False at either end, or where the student's code fails."""
+        """Go by half a step, where there is one; whether there is another after it."""
         frame = self.values.frame + direction
-        if not 0 <= frame <= self._last:
-            return False
-        self.set(frame=frame)
-        return bool(self._latest.done)
+        if 0 <= frame <= self._last:
+            self.set(frame=frame)
+        return bool(0 < frame < self._last and self._latest.done)

@@ -136,6 +136,7 @@ def draw_starts(
         truth = Line2D([], [], marker="o", color=STYLES["truth"].colour, ls="", ms=4, label="landmark, true")
         legend_below(figure, [truth])
     last = {way: float(values[-1]) for way, values in nees.items()}
+    inside = {way: _inside(each[SHOWN], one.landmarks) for way, each in runs.items()}
     errors = [
         np.mean([doubtful_start(seed).map_error(run) for seed, run in enumerate(each)])
         for each in runs.values()
@@ -145,6 +146,13 @@ def draw_starts(
         f"Mean NEES of the pose over {DRIVES} drives whose first pose is not quite known. At the end it is "
         f"{last['homework']:.0f} for maps begun as the homework does, {last['textbook']:.1f} with add_landmark; the "
         f"band is {low:.2f} to {high:.2f}. Landmarks are {100 * errors[0]:.0f} and {100 * errors[1]:.0f} cm off on "
-        "average. In the map of one drive all true landmarks lie outside the small ellipses of the first and inside "
-        "the large ones of the second.",
+        f"average. In the map of one drive, {inside['homework']} of {one.log.k} true landmarks lie inside the ellipses "
+        f"of the first, and {inside['textbook']} inside those of the second.",
+    )
+
+
+def _inside(run: LogRun, truth: FloatArray) -> int:
+    """How many true landmarks lie inside their 95 % ellipses at the end."""
+    return int(
+        (squared_distances(run.landmarks - truth, run.landmark_covariances) <= band(2, 1, 0.9)[1]).sum()
     )

@@ -65,6 +65,11 @@ def test_it_plays_to_the_end_and_back_to_the_start_and_stops_when_pressed_again(
         stopped = panel.values.frame
         await asyncio.sleep(0.01)
         assert panel.values.frame == stopped < 50
+        press(panel, "forwards")
+        press(panel, "backwards")  # it turns round
+        assert panel.playing
+        await panel._playing
+        assert panel.values.frame == 0
         panel.set(frame=50)
         press(panel, "forwards")  # from the end it begins anew
         await asyncio.sleep(0)
