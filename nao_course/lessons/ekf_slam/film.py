@@ -40,7 +40,7 @@ KEYS = {
     INITIAL: "landmark, initial",
     IMPROVED: "landmark, updated",
 }
-CORRELATION = LinearSegmentedColormap.from_list("correlation", ["#c84b00", "#ffffff", "#0b5fa5"])
+CORRELATION = LinearSegmentedColormap.from_list("correlation", ["#c84b00", "#ffffff", "#0b5fa5"], N=21)
 HEADING = 0.05  # part of the map's width, length of the line that shows where the robot looks
 SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends as it is
 Pixels = npt.NDArray[np.uint8]
