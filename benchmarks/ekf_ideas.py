@@ -1,7 +1,8 @@
 """The report's four ideas for a constant time a step (its 3.3), measured on a loop through 200 landmarks.
 
 Observing fewer, forgetting landmarks, a local map inside the large one (the compressed filter), and a faster search.
-``python -m benchmarks ekf_ideas`` also draws ``images/ekf_ideas.png``.
+``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas`` also draws ``images/ekf_ideas.png``; with more threads than one the
+times count them all.
 """
 
 from __future__ import annotations
