@@ -25,6 +25,7 @@ PLANNED = {
     "03": "corners",
     "04": "points on the map",
     "06": "pose",
+    "07": "the growing map",
     "08": "the map after the drive",
     "11": "the estimate",
 }

@@ -14,6 +14,7 @@ from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_ro
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, look_at
+from nao_course.metrics import log_density
 from nao_course.plotting import Drawing, course_style, plot_ellipse, plot_field, plot_landmarks, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY
@@ -143,15 +144,6 @@ def as_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
             "Your covariance has an eigenvalue that is not positive: a direction without any doubt."
         )
     return pose, covariance
-
-
-def log_density(pose: FloatArray, covariance: FloatArray, truth: FloatArray) -> tuple[float, float]:
-    """Logarithm (base 2) of a belief's density at the true pose, and the NEES there."""
-    off = np.append(truth[:2] - pose[:2], wrap_angle(truth[2] - pose[2]))
-    root = np.linalg.cholesky(covariance)
-    squared = float(np.sum(np.linalg.solve(root, off) ** 2))
-    nats = -squared / 2 - float(np.log(np.diag(root)).sum()) - 1.5 * np.log(2 * np.pi)
-    return float(nats / np.log(2)), squared
 
 
 def judge(answer: Any, robot: LostRobot) -> CaseScore:

@@ -11,10 +11,10 @@ from nao_course.lessons.localization.challenge import (
     LOOKS,
     as_belief,
     judge,
-    log_density,
     make_robot,
 )
 from nao_course.lessons.localization.drives import LANDMARKS
+from nao_course.metrics import log_density
 from tests.paths import SOLUTIONS
 
 

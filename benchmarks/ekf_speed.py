@@ -1,0 +1,265 @@
+"""What one step of EKF SLAM costs by the size of the map: predict, and an update of one landmark.
+
+``python -m benchmarks ekf_speed`` also writes what the lesson's figure shows, and ``images/ekf_cost.png``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from benchmarks import ROOT, Result, Table
+from benchmarks.ekf_in_place import InPlaceFilter
+from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.ekf_slam.costs import RECORDED, draw_costs
+from nao_course.lessons.ekf_slam.filters import CompressedFilter
+from nao_course.slam import range_and_bearing
+
+try:
+    from filterpy.kalman import ExtendedKalmanFilter
+except ImportError:  # the extra "bench" is not installed
+    ExtendedKalmanFilter = None
+
+SIZES = (
+    1000,
+    700,
+    500,
+    300,
+    200,
+    100,
+    50,
+    20,
+    10,
+)  # the largest first: afterwards, arrays find memory that is there
+NEAR = 20  # landmarks of the compressed filter's near part, or all if there are fewer
+MOST_SECONDS = 0.5  # a way that takes so long is not tried on larger maps
+ROUNDS, BUDGET = 5, 0.6  # at least so many, and as many more as fit into so many seconds
+ONE_CORE = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "VECLIB_MAXIMUM")}
+REQUIRED = (("new arrays", 100, 0.15), ("new arrays", 1000, 20.0), ("in place", 1000, 5.0))  # ms
+
+CONTROL, Q = np.array([0.1, 0.05]), np.diag([0.02, 0.01, 0.02]) ** 2
+R = np.diag([0.03, 0.05]) ** 2
+Belief = tuple[FloatArray, FloatArray]
+Step = Callable[[], Any]
+
+
+def a_map(k: int) -> tuple[FloatArray, FloatArray, int, FloatArray]:
+    """State and covariance of k landmarks, all correlated; which one is measured, and the measurement."""
+    rng = np.random.default_rng(k)
+    state = np.concatenate([[0.0, 0.0, 0.1], rng.uniform(-5, 5, 2 * k)])
+    root = rng.normal(0, 0.05, (len(state), 6))
+    covariance = root @ root.T + 0.01 * np.eye(len(state))
+    landmark = k // 2
+    seen = range_and_bearing(state[:3], state[3:].reshape(-1, 2)[landmark]) + (0.02, 0.03)
+    return state, covariance, landmark, seen
+
+
+# --- the ways: each gives a step that can be repeated, and what is believed after the first ---
+
+
+def new_arrays(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """The lesson's own solution."""
+    own = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+    predict, update_landmarks = own["predict"], own["update_landmarks"]
+    state, covariance, landmark, seen = a_map(k)
+
+    def step() -> Belief:
+        moved = predict(state, covariance, CONTROL, Q, k)
+        return update_landmarks(*moved, [landmark], seen, R)
+
+    return step, step
+
+
+def in_place(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """`InPlaceFilter`."""
+    state, covariance, landmark, seen = a_map(k)
+    own = InPlaceFilter(state, covariance)
+
+    def step() -> None:
+        own.predict(CONTROL, Q)
+        own.update_landmark(landmark, seen, R)
+
+    def first() -> Belief:
+        step()
+        return own.state.copy(), own.covariance
+
+    return step, first
+
+
+def dense(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """As the textbook writes it: whole matrices F, H and I - K H, however many zeros they hold."""
+    state, covariance, landmark, seen = a_map(k)
+
+    def step() -> Belief:
+        F = np.eye(len(state))
+        F[:3, :3], moved, noise = motion(state)
+        P = F @ covariance @ F.T
+        P[:3, :3] += noise
+        H, expected = sight(moved, landmark)
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+        return moved + K @ surprise(seen, expected), (np.eye(len(state)) - K @ H) @ P
+
+    return step, step
+
+
+def filterpys(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """filterpy's ExtendedKalmanFilter, with the whole matrices it asks for."""
+    state, covariance, landmark, seen = a_map(k)
+    own = ExtendedKalmanFilter(dim_x=len(state), dim_z=2)
+    own.R, own.Q = R, np.zeros_like(covariance)
+    own.x, own.P = state.copy(), covariance.copy()
+
+    def step() -> Belief:
+        own.F[:3, :3], moved, own.Q[:3, :3] = motion(own.x)
+        own.predict_x = lambda u=0: setattr(own, "x", moved)
+        own.predict()
+        own.update(seen, lambda x: sight(x, landmark)[0], lambda x: sight(x, landmark)[1], residual=surprise)
+        return own.x, own.P
+
+    return step, step
+
+
+def compressed(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """The compressed filter among its near landmarks."""
+    own, landmark, seen = compressed_filter(k)
+
+    def step() -> None:
+        own.predict(CONTROL, Q)
+        own.update_landmarks([landmark], seen, R)
+
+    def first() -> Belief:
+        step()
+        return own.whole()
+
+    return step, first
+
+
+def moving_on(k: int) -> tuple[Step, Callable[[], Belief]]:
+    """What the compressed filter does now and then: bring the whole map up to date."""
+    own = compressed_filter(k)[0]
+    return lambda: own.move_to(own.near), own.whole
+
+
+def compressed_filter(k: int) -> tuple[CompressedFilter, int, FloatArray]:
+    """One of k landmarks, the one that is measured, and the measurement."""
+    own = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+    state, covariance, landmark, seen = a_map(k)
+    near = [(landmark + shift) % k for shift in range(min(NEAR, k))]
+    functions = own["predict"], own["update_landmarks"], own["add_landmark"]
+    return CompressedFilter(*functions, state, covariance, near), landmark, seen
+
+
+def motion(state: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """F of the pose (3, 3), the whole state after the control, and the control's noise in the field's frame (3, 3)."""
+    distance, turn = CONTROL
+    c, s = np.cos(state[2]), np.sin(state[2])
+    G = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    moved = state.copy()
+    moved[:3] += distance * c, distance * s, turn
+    return np.array([[1, 0, -distance * s], [0, 1, distance * c], [0, 0, 1]]), moved, G @ Q @ G.T
+
+
+def sight(state: FloatArray, landmark: int) -> tuple[FloatArray, FloatArray]:
+    """H of one landmark (2, n), and what is expected (2,)."""
+    at = 3 + 2 * landmark
+    dx, dy = state[at : at + 2] - state[:2]
+    r = np.hypot(dx, dy)
+    by_place = np.array([[-dy / r**2, dx / r**2], [dx / r, dy / r]])
+    H = np.zeros((2, len(state)))
+    H[:, :2], H[0, 2], H[:, at : at + 2] = -by_place, -1.0, by_place
+    return H, np.array([wrap_angle(np.arctan2(dy, dx) - state[2]), r])
+
+
+def surprise(seen: FloatArray, expected: FloatArray) -> FloatArray:
+    """Measured less expected, the bearing wrapped."""
+    return np.array([wrap_angle(seen[0] - expected[0]), seen[1] - expected[1]])
+
+
+WAYS = {
+    "dense textbook": dense,
+    "filterpy": filterpys,
+    "new arrays": new_arrays,
+    "in place": in_place,
+    "compressed": compressed,
+    "compressed, moving on": moving_on,
+}
+
+
+# --- measuring ---
+
+
+def milliseconds(step: Step) -> float:
+    """The processor's, the best of some."""
+    best, begin, rounds = np.inf, time.perf_counter(), 0
+    while rounds < ROUNDS or time.perf_counter() - begin < BUDGET:
+        start = time.process_time()
+        step()
+        best, rounds = min(best, time.process_time() - start), rounds + 1
+    return 1000 * float(best)
+
+
+def sizes_of(name: str) -> Iterator[int]:
+    """The largest first; a dense way from the smallest on, for it may take too long."""
+    return iter(SIZES if name not in ("dense textbook", "filterpy") else SIZES[::-1])
+
+
+def measure() -> dict[str, Any]:
+    """Milliseconds of all ways by the number of landmarks, and how far they are apart in what they believe."""
+    ways = {name: way for name, way in WAYS.items() if name != "filterpy" or ExtendedKalmanFilter}
+    found: dict[str, list[dict[str, float]]] = {}
+    for name, way in ways.items():
+        found[name] = []
+        for k in sizes_of(name):
+            cost = milliseconds(way(k)[0])
+            found[name].append({"landmarks": k, "ms": float(f"{cost:.3g}")})
+            if cost > 1000 * MOST_SECONDS:
+                break
+        found[name].sort(key=lambda row: row["landmarks"])
+    return {"ms": found, "apart": apart(ways)}
+
+
+def apart(ways: dict[str, Any], k: int = 50) -> float:
+    """Largest difference of any state or covariance after one step from the lesson's."""
+    state, covariance = WAYS["new arrays"](k)[1]()
+    worst = 0.0
+    for name, way in ways.items():
+        if name != "compressed, moving on":
+            other, spread = way(k)[1]()
+            worst = max(worst, np.abs(other - state).max(), np.abs(spread - covariance).max())
+    return float(worst)
+
+
+def main() -> Result:
+    """Measure all ways on one core, in a process of their own; write what the lesson shows."""
+    command = [sys.executable, "-c", "from benchmarks.ekf_speed import *; print(json.dumps(measure()))"]
+    done = subprocess.run(
+        command, env=os.environ | ONE_CORE, cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    measured = json.loads(done.stdout)
+    found = measured["ms"]
+    RECORDED.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    draw_costs().save(ROOT / "images" / "ekf_cost.png")
+    columns = ("landmarks", *found)
+    by_size = {name: {row["landmarks"]: row["ms"] for row in rows} for name, rows in found.items()}
+    rows = tuple((str(k), *(f"{by_size[name].get(k, '-')}" for name in found)) for k in sorted(SIZES))
+    notes = [f"all ways agree to {measured['apart']:.0e} after a step with 50 landmarks"]
+    for name, k, most in REQUIRED:
+        cost = by_size[name][k]
+        notes.append(
+            f"{name}, {k} landmarks: {cost} ms; required {most} ms: {'met' if cost <= most else 'MISSED'}"
+        )
+    if "filterpy" in found:
+        notes.append(f"filterpy {version('filterpy')}")
+    else:
+        notes.append("filterpy is not here (the extra bench installs it): not measured")
+    title = "one predict and one update of one landmark, ms on one core"
+    return Result("ekf_speed", measured, (Table(title, columns, rows),), tuple(notes))

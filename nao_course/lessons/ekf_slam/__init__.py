@@ -1,0 +1,52 @@
+"""What lesson 07, EKF SLAM, alone uses."""
+
+from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
+from nao_course.lessons.ekf_slam.consistency import compare, draw_consistency
+from nao_course.lessons.ekf_slam.costs import draw_costs
+from nao_course.lessons.ekf_slam.evaluation import (
+    distances_table,
+    draw_gain,
+    draw_nis,
+    first_lines,
+    landmarks_in_log,
+    mean_nis,
+    turn_factor,
+)
+from nao_course.lessons.ekf_slam.film import draw_film, record_film
+from nao_course.lessons.ekf_slam.filters import CompressedFilter, FirstEstimates
+from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
+from nao_course.lessons.ekf_slam.noise import joint_noise
+from nao_course.lessons.ekf_slam.panel import FilmPanel
+from nao_course.lessons.ekf_slam.starts import draw_starts, final_nees
+
+__all__ = [
+    "OWN_SIGMAS",
+    "CompressedFilter",
+    "FilmPanel",
+    "FirstEstimates",
+    "ablate",
+    "ablation_table",
+    "compare",
+    "distances_table",
+    "draw_ablations",
+    "draw_consistency",
+    "draw_costs",
+    "draw_film",
+    "draw_gain",
+    "draw_nis",
+    "draw_starts",
+    "draw_turn_last",
+    "final_nees",
+    "first_lines",
+    "joint_noise",
+    "landmarks_in_log",
+    "mean_nis",
+    "own_log",
+    "record_film",
+    "turn_factor",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

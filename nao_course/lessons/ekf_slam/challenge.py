@@ -1,0 +1,198 @@
+"""The challenge of lesson 07: know where you are after two laps, and how well you know it, at three times the noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
+from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, OWN_START, Sigmas
+from nao_course.metrics import band, log_density
+from nao_course.plotting import (
+    Drawing,
+    course_style,
+    plot_ellipse,
+    plot_field,
+    plot_landmarks,
+    plot_path,
+    plot_pose,
+)
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.maps import metric_axes
+from nao_course.plotting.style import GREY
+from nao_course.sim import Field
+from nao_course.slam import range_and_bearing
+
+DRIVES = 40
+STEPS, STEP, SIDE = 50, 0.3, 5  # two laps of the pentagon
+TIMES = 3.0  # the noise of the lesson's log
+REACH, SIDEWAYS = 2.0, float(np.radians(60))  # m, rad
+SIGMAS = Sigmas(*(TIMES * each for each in vars(OWN_SIGMAS).values()))
+FIELD = Field(2012)
+_MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
+LANDMARKS: FloatArray = np.array([(mark.x, mark.y) for mark in _MARKS])
+KINDS = ["post" if mark.kind == "post" else "corner" for mark in _MARKS]
+DEEPEST = -20.0  # bits: no drive counts less, so that one is not everything
+SHOWN = 3
+
+Step = tuple[FloatArray, FloatArray, list[int], FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Two laps, in the frame of the robot's first pose.
+
+    Parameters
+    ----------
+    log : list of (control, control_covariance, numbers, measurements, measurement_covariance)
+        What the robot knows of each step; in the first it stands still.
+    path : ndarray, shape (M + 1, 3)
+        True poses.
+    odometry, odometry_covariance : ndarray, shapes (3,) and (3, 3)
+        Believed at the end by who sees nothing.
+    """
+
+    log: list[Step]
+    path: FloatArray
+    odometry: FloatArray
+    odometry_covariance: FloatArray
+
+
+def make_drive(seed: int) -> Drive:
+    """Drive two laps; the same seed gives the same."""
+    rng = np.random.default_rng([77, seed])
+    controls = np.array([(STEP, 2 * np.pi / 5 if n % SIDE == 0 else 0.0) for n in range(1, STEPS + 1)])
+    Q, landmarks = SIGMAS.control_covariance, OWN_START.to_local(LANDMARKS)
+    truth, told, spread = Pose(), Pose(), np.zeros((3, 3))
+    path, log = [truth], [_step(np.zeros(2), np.zeros((3, 3)), truth, landmarks, rng)]
+    for distance, turn in controls:
+        along, across, turned = rng.standard_normal(3) * np.sqrt(np.diag(Q))
+        truth = truth @ Pose(distance + along, across, turn + turned)
+        path.append(truth)
+        log.append(_step(np.array([distance, turn]), Q, truth, landmarks, rng))
+        spread = _carried(spread, told.theta, distance, Q)
+        told = told @ Pose(distance, 0.0, turn)
+    return Drive(log, np.array([each.as_array() for each in path]), told.as_array(), spread)
+
+
+def _step(
+    control: FloatArray, Q: FloatArray, pose: Pose, landmarks: FloatArray, rng: np.random.Generator
+) -> Step:
+    """A control, and what is measured after it."""
+    seen = range_and_bearing(pose.as_array(), landmarks)
+    numbers = np.flatnonzero((seen[:, 1] <= REACH) & (np.abs(seen[:, 0]) <= SIDEWAYS))
+    noisy = seen[numbers] + rng.standard_normal((len(numbers), 2)) * (SIGMAS.bearing, SIGMAS.range)
+    noisy[:, 0], noisy[:, 1] = wrap_angle(noisy[:, 0]), np.maximum(noisy[:, 1], 0.05)
+    return control, Q.copy(), numbers.tolist(), noisy.reshape(-1), SIGMAS.measurement_covariance
+
+
+def _carried(covariance: FloatArray, theta: float, distance: float, Q: FloatArray) -> FloatArray:
+    """A pose's covariance after a command."""
+    c, s = np.cos(theta), np.sin(theta)
+    F = np.array([[1, 0, -distance * s], [0, 1, distance * c], [0, 0, 1]])
+    G = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return F @ covariance @ F.T + G @ Q @ G.T
+
+
+def as_pose_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
+    """Return an answer's pose (3,) and its covariance (3, 3); the map that may follow is not looked at.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is something else; the message is for the student.
+    """
+    if answer is None:
+        raise TypeError("Your entry returns None: does it end with return state, covariance?")
+    try:
+        state, covariance = (np.array(each, dtype=float, subok=False) for each in answer)
+    except (TypeError, ValueError):
+        raise TypeError(
+            "Your entry must return two things: the state, pose first, and its covariance."
+        ) from None
+    if state.ndim != 1 or len(state) < 3 or covariance.shape != (len(state), len(state)):
+        raise ValueError(
+            f"Your state has shape {state.shape} and your covariance {covariance.shape}; (n,) and (n, n) with the "
+            "pose first are wanted."
+        )
+    pose, spread = state[:3], covariance[:3, :3]
+    if not (np.isfinite(pose).all() and np.isfinite(spread).all()):
+        raise ValueError("Your pose or its covariance has NaN or infinite numbers in it.")
+    if not np.allclose(spread, spread.T, rtol=1e-6, atol=1e-12):
+        raise ValueError("Your pose's covariance is not symmetric.")
+    if np.linalg.eigvalsh(spread)[0] <= 0:
+        raise ValueError(
+            "Your pose's covariance has an eigenvalue that is not positive: a direction without doubt."
+        )
+    return pose, spread
+
+
+def judge(answer: Any, drive: Drive) -> CaseScore:
+    """Score a belief at the end: by how many bits it is denser at the true pose than odometry's."""
+    pose, covariance = as_pose_belief(answer)
+    bits, nees = log_density(pose, covariance, drive.path[-1])
+    alone, _ = log_density(drive.odometry, drive.odometry_covariance, drive.path[-1])
+    columns = {
+        "off": 100 * float(np.hypot(*(pose - drive.path[-1])[:2])),
+        "stated": 100 * float(np.sqrt(np.trace(covariance[:2, :2]))),
+        "NEES": min(nees, 1000.0),
+    }
+    return CaseScore(max(bits - alone, DEEPEST), columns, (drive, pose, covariance))
+
+
+def draw_worst_drives(run: Run) -> Drawing:
+    """Draw the drives with the fewest bits: the true path, and what is believed at its end."""
+    judged = sorted((each for each in run.results if each.kept), key=lambda each: each.score)[:SHOWN]
+    with course_style():
+        figure = Figure(figsize=(9.9, 4.7))
+        for number, each in enumerate(judged, start=1):
+            drive, pose, covariance = each.kept
+            ax = figure.add_subplot(1, SHOWN, number)
+            plot_field(FIELD, ax)
+            plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+            path = [OWN_START @ Pose.from_array(one) for one in drive.path]
+            plot_path(path, ax)
+            end = OWN_START @ Pose.from_array(pose)
+            plot_ellipse((end.x, end.y), covariance[:2, :2], ax, "ekf")  # the frames are parallel
+            plot_pose(end, ax, "ekf")
+            ax.set_title(f"{each.name}: {each.score:.1f} bits", fontsize=11)
+            reach = 2.5 * np.sqrt(np.diag(covariance)[:2]).max()
+            ends = np.array([(end.x, end.y)]) + reach * np.array([(-1, -1), (1, 1)])
+            x0, y0, x1, y1 = FIELD.carpet
+            metric_axes(ax, np.vstack([[(x0, y0), (x1, y1)], [(one.x, one.y) for one in path], ends]))
+        legend_below(
+            figure, [source_key("truth", "where it drove"), source_key("ekf", "believed at the end, 95 %")]
+        )
+    said = ", ".join(f"{each.name} with {each.score:.1f} bits" for each in judged)
+    return Drawing(figure, f"Score of {len(run.results)} drives: {run.score:.2f} bits. The worst are {said}.")
+
+
+_LOW, _HIGH = band(3, DRIVES)
+CHALLENGE = Challenge(
+    lesson="07_ekf_slam",
+    title="Challenge 07: two laps at three times the noise",
+    task=f"{DRIVES} robots drive two laps without a map, all their errors {TIMES:.0f} times those of the lesson's log. "
+    "Write a function of the log, a list of (control, control_covariance, numbers, measurements, "
+    "measurement_covariance) for each step. It returns state and covariance at the end, pose first, in the frame of "
+    "the start.",
+    scoring="bits: how much denser your belief is at the robot's true pose than that of odometry alone, as a logarithm "
+    "to the base 2, the mean over all drives. A small error counts only where your covariance is honest about it: "
+    f"NEES between {_LOW:.1f} and {_HIGH:.1f} is.",
+    seeds=range(DRIVES),
+    make=make_drive,
+    given=lambda drive: (drive.log,),
+    judge=judge,
+    figure=draw_worst_drives,
+    columns=(Column("off", " cm", 1), Column("stated", " cm", 1), Column("NEES", "", 1)),
+    rows=recorded_rows(Path(__file__).with_suffix(".json")),
+    nothing=DEEPEST,
+    unit=" bits",
+    case="drive",
+    name_of=partial("drive {}".format),
+)

@@ -1,0 +1,114 @@
+"""The challenge of lesson 07: two laps at three times the noise, and a score that only honest beliefs get."""
+
+import numpy as np
+import pytest
+
+from benchmarks.challenges.ekf_slam import EKF_ENTRIES, odometry
+from nao_course.challenges import CaseResult, Run
+from nao_course.lessons.ekf_slam.challenge import (
+    CHALLENGE,
+    DEEPEST,
+    as_pose_belief,
+    draw_worst_drives,
+    judge,
+    make_drive,
+)
+from nao_course.metrics import log_density
+
+
+def test_odometry_alone_gains_nothing_and_believes_what_the_challenge_says():
+    drive = make_drive(5)
+    pose, covariance = odometry(drive.log)
+    assert np.abs(covariance - drive.odometry_covariance).max() < 1e-9
+    assert judge((pose, covariance), drive).score == pytest.approx(0, abs=1e-9)
+
+
+def test_the_log_is_of_two_laps_and_sees_only_what_is_near_and_ahead():
+    drive = make_drive(5)
+    assert len(drive.log) == len(drive.path) == 51
+    assert not drive.log[0][0].any() and not drive.log[0][1].any()
+    for _, _, numbers, measurements, R in drive.log:
+        assert len(measurements) == 2 * len(numbers) and R.shape == (2, 2)
+        assert set(numbers) <= set(range(10))
+    assert np.array_equal(make_drive(5).path, drive.path) and not np.array_equal(
+        make_drive(6).path, drive.path
+    )
+
+
+def test_to_be_sure_of_a_wrong_place_costs_more_than_not_to_look():
+    drive = make_drive(5)
+    scored = judge((drive.path[-1] + (0.3, 0, 0), np.diag([0.02, 0.02, 0.02]) ** 2), drive)
+    assert scored.score == DEEPEST and scored.columns["NEES"] == pytest.approx(225)
+    assert scored.columns["off"] == pytest.approx(30)
+
+
+def test_a_map_behind_the_pose_is_not_looked_at():
+    drive = make_drive(5)
+    state, P = np.append(drive.path[-1], [np.nan, 9.0]), np.eye(5) * 0.04
+    assert judge((state, P), drive).score == judge((state[:3], P[:3, :3]), drive).score
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (None, "returns None"),
+        (3.0, "two things"),
+        ((np.zeros(2), np.eye(2)), "shape"),
+        ((np.zeros(5), np.eye(3)), "shape"),
+        ((np.full(3, np.nan), np.eye(3)), "NaN"),
+        ((np.zeros(3), np.triu(np.ones((3, 3)))), "not symmetric"),
+        ((np.zeros(3), np.diag([1.0, 1.0, 0.0])), "not positive"),
+    ],
+)
+def test_what_is_no_belief_is_said(answer, words):
+    with pytest.raises((TypeError, ValueError), match=words):
+        as_pose_belief(answer)
+
+
+def test_the_recorded_rows_say_what_the_lesson_says():
+    rows = {row.name: row for row in CHALLENGE.rows}
+    assert list(rows) == list(EKF_ENTRIES)
+    assert rows["the reference"].columns["NEES"] == pytest.approx(6.3, abs=0.05)
+    assert rows["a better one"].columns["NEES"] == pytest.approx(3.0, abs=0.05)
+    assert rows["a better one"].score - rows["the reference"].score == pytest.approx(2.04, abs=0.01)
+    assert min(rows["the reference"].cases) == pytest.approx(-19.3, abs=0.1)
+
+
+def test_the_lessons_own_entry_scores_as_the_reference(own):
+    def my_slam(log):
+        state, covariance, known = np.zeros(3), np.zeros((3, 3)), []
+        for control, Q, numbers, measurements, R in log:
+            state, covariance = own["predict"](state, covariance, control, Q, len(known))
+            pairs = measurements.reshape(-1, 2)
+            again = [j for j, number in enumerate(numbers) if number in known]
+            if again:
+                indices = [known.index(numbers[j]) for j in again]
+                state, covariance = own["update_landmarks"](
+                    state, covariance, indices, pairs[again].ravel(), R
+                )
+            for number, pair in zip(numbers, pairs, strict=True):
+                if number not in known:
+                    state, covariance = own["add_landmark"](state, covariance, pair, R)
+                    known.append(number)
+        return state, covariance
+
+    recorded = next(row for row in CHALLENGE.rows if row.name == "the reference")
+    for seed in (0, 7, 21):
+        drive = make_drive(seed)
+        assert judge(my_slam(drive.log), drive).score == pytest.approx(recorded.cases[seed], abs=1e-3)
+
+
+def test_the_figure_draws_the_worst_drives():
+    scored = {seed: judge(odometry(make_drive(seed).log), make_drive(seed)) for seed in range(4)}
+    results = [CaseResult(seed, f"drive {seed}", s.score, s.columns, s.kept) for seed, s in scored.items()]
+    assert draw_worst_drives(Run(CHALLENGE, tuple(results))).alt.startswith("Score of 4 drives: ")
+
+
+def test_density_is_a_gaussians_across_the_half_turn_too():
+    from scipy.stats import multivariate_normal
+
+    covariance = np.diag([0.1, 0.2, 0.3])
+    bits, squared = log_density(np.array([0.0, 0.0, 3.1]), covariance, np.array([0.1, 0.2, -3.1]))
+    off = np.array([0.1, 0.2, 2 * np.pi - 6.2])
+    assert bits == pytest.approx(multivariate_normal.logpdf(off, np.zeros(3), covariance) / np.log(2))
+    assert squared == pytest.approx(off @ np.linalg.inv(covariance) @ off)

@@ -1,0 +1,168 @@
+"""The equations that lesson 07 displays, each held against the solution."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import wrap_angle
+from nao_course.slam import range_and_bearing
+
+
+def random_covariance(rng, size, scale=0.2):
+    root = rng.normal(0, 0.4, (size, size)) + np.eye(size)
+    return scale**2 * root @ root.T
+
+
+def random_map(rng, k):
+    pose = np.array([*rng.uniform(-2, 2, 2), rng.uniform(-3, 3)])
+    r, direction = rng.uniform(0.8, 4, k), rng.uniform(-np.pi, np.pi, k)
+    landmarks = pose[:2] + np.column_stack([r * np.cos(direction), r * np.sin(direction)])
+    return np.concatenate([pose, landmarks.ravel()]), random_covariance(rng, 3 + 2 * k)
+
+
+def look(state, indices):
+    """What is measured of some landmarks without noise, (2m,)."""
+    return range_and_bearing(state[:3], state[3:].reshape(-1, 2)[list(indices)]).ravel()
+
+
+def slopes_of(function, x, h=1e-6):
+    """Central differences; a bearing that passes the half turn is wrapped."""
+    columns = []
+    for step in h * np.eye(len(x)):
+        change = np.asarray(function(x + step)) - np.asarray(function(x - step))
+        columns.append(np.where(np.abs(change) > 3, wrap_angle(change), change) / (2 * h))
+    return np.column_stack(columns)
+
+
+def measured(rng, state, indices, sigma=0.05):
+    z = look(state, indices) + rng.normal(0, sigma, 2 * len(indices))
+    z[::2] = wrap_angle(z[::2])
+    return z
+
+
+@pytest.mark.asserts("eq-7-1")
+def test_the_state_is_the_pose_then_the_landmarks_and_its_covariance_is_symmetric(own, rng):
+    state, P = np.zeros(3), np.zeros((3, 3))
+    for number in range(1, 4):
+        state, P = own["add_landmark"](state, P, rng.uniform((-1, 1), (1, 3)), np.eye(2) * 0.01)
+        assert state.shape == (3 + 2 * number,) and P.shape == (3 + 2 * number,) * 2
+    state, P = own["predict"](state, P, np.array([0.5, 0.2]), np.eye(3) * 0.01, 3)
+    assert np.array_equal(P[:3, 3:], P[3:, :3].T)
+
+
+@pytest.mark.asserts("eq-7-2")
+def test_initial_covariances_are_those_of_places_sampled_from_the_measurements_noise(own, rng):
+    pose, z, R = np.array([1.0, -2.0, 0.6]), np.array([0.4, 2.0]), np.diag([0.01, 0.02]) ** 2
+    k, landmarks, P = own["init_landmarks"](z, R, pose, np.eye(3))
+    samples = rng.multivariate_normal(z, R, 200_000)
+    direction = pose[2] + samples[:, 0]
+    places = pose[:2] + samples[:, 1:] * np.column_stack([np.cos(direction), np.sin(direction)])
+    assert k == 1 and landmarks == pytest.approx(places.mean(axis=0), abs=1e-3)
+    assert pytest.approx(np.cov(places.T), rel=0.02, abs=2e-6) == P
+
+
+@pytest.mark.asserts("eq-7-3")
+def test_predict_is_the_whole_states_jacobian_on_both_sides(own, rng):
+    state, P = random_map(rng, 3)
+    control, Q = np.array([0.7, -0.4]), random_covariance(rng, 3, 0.1)
+
+    def moved(values):
+        x, y, theta, *rest = values[:-3]
+        along, across, turned = values[-3:]
+        c, s, d = np.cos(theta), np.sin(theta), control[0] + along
+        return np.array([x + d * c - across * s, y + d * s + across * c, theta + control[1] + turned, *rest])
+
+    slopes = slopes_of(moved, np.append(state, np.zeros(3)))
+    F, G = slopes[:, :-3], slopes[:, -3:]
+    new, covariance = own["predict"](state, P, control, Q, 3)
+    assert new == pytest.approx(moved(np.append(state, np.zeros(3))), abs=1e-12)
+    assert covariance == pytest.approx(F @ P @ F.T + G @ Q @ G.T, abs=1e-9)
+    assert np.array_equal(covariance[3:, 3:], P[3:, 3:])
+
+
+@pytest.mark.asserts("eq-7-4", "eq-7-5")
+def test_no_other_gain_leaves_less_doubt_of_anything(own, rng):
+    state, P = random_map(rng, 2)
+    R = np.diag([0.05, 0.1, 0.05, 0.1]) ** 2
+    _, updated = own["update_landmarks"](state, P, [0, 1], measured(rng, state, [0, 1]), R)
+    H = slopes_of(lambda x: look(x, [0, 1]), state)
+    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+
+    def after(gain):
+        left = np.eye(len(state)) - gain @ H
+        return left @ P @ left.T + gain @ R @ gain.T
+
+    S = H @ P @ H.T + R
+    assert after(K) == pytest.approx(P - K @ H @ P - P @ H.T @ K.T + K @ S @ K.T, abs=1e-10)
+    assert after(K) == pytest.approx(updated, abs=1e-8)
+    for _ in range(50):
+        other = after(K + rng.normal(0, 0.05, K.shape))
+        assert np.trace(other) > np.trace(updated)
+        assert (np.diag(other) >= np.diag(updated) - 1e-9).all()
+
+
+@pytest.mark.asserts("eq-7-5", "eq-7-6")
+@pytest.mark.parametrize(("k", "indices"), [(1, [0]), (3, [2, 0]), (5, [4, 1, 3])])
+def test_a_joint_update_is_that_of_the_information_form(own, rng, k, indices):
+    state, P = random_map(rng, k)
+    R = random_covariance(rng, 2 * len(indices), 0.05)
+    z = measured(rng, state, indices)
+    H = slopes_of(lambda x: look(x, indices), state)
+    assert np.count_nonzero(np.abs(H) > 1e-9) <= 2 * len(indices) * 5  # two blocks in a row, zeros elsewhere
+    surprise = z - look(state, indices)
+    surprise[::2] = wrap_angle(surprise[::2])
+    weight = np.linalg.inv(R)
+    left = np.linalg.inv(np.linalg.inv(P) + H.T @ weight @ H)
+    expected = state + left @ H.T @ weight @ surprise
+    expected[2] = wrap_angle(expected[2])
+    new, covariance = own["update_landmarks"](state, P, indices, z, R)
+    assert new == pytest.approx(expected, abs=1e-7)
+    assert covariance == pytest.approx(left, abs=1e-8)
+
+
+@pytest.mark.asserts("eq-7-7")
+def test_the_mahalanobis_distance_of_an_honest_map_is_1_25_on_average_and_its_square_2(own, rng):
+    covariance = np.array([[0.09, 0.05], [0.05, 0.04]])
+    errors = rng.multivariate_normal(np.zeros(2), covariance, 20_000)
+    plain, weighed = own["evaluate_landmarks"](
+        errors, np.array([covariance] * len(errors)), np.zeros((len(errors), 2))
+    )
+    assert plain == pytest.approx(np.linalg.norm(errors, axis=1))
+    assert weighed.mean() == pytest.approx(np.sqrt(np.pi / 2), rel=0.02)
+    assert (weighed**2).mean() == pytest.approx(2.0, rel=0.03)
+
+
+# --- add_landmark, whose equation the student finds ---
+
+
+def test_a_new_landmarks_covariances_are_those_of_samples(own, rng):
+    state, P = random_map(rng, 1)
+    P, R = P * 0.002, np.diag([0.01, 0.02]) ** 2
+    z = np.array([0.7, 2.0])
+    grown, covariance = own["add_landmark"](state, P, z, R)
+    states = rng.multivariate_normal(state, P, 200_000)
+    seen = rng.multivariate_normal(z, R, 200_000)
+    direction = states[:, 2] + seen[:, 0]
+    places = states[:, :2] + seen[:, 1:] * np.column_stack([np.cos(direction), np.sin(direction)])
+    sampled = np.cov(np.column_stack([states, places]).T)
+    scale = np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
+    assert grown[5:] == pytest.approx(places.mean(axis=0), abs=2e-3)
+    assert np.abs(sampled - covariance).max() < 0.02 * scale.max()
+    assert (np.abs(sampled - covariance) / scale).max() < 0.015
+
+
+def test_a_new_landmark_is_that_of_an_update_from_a_place_nobody_knows(own, rng):
+    state, P = random_map(rng, 2)
+    z, R = np.array([0.5, 2.0]), np.diag([0.03, 0.08]) ** 2
+    grown, covariance = own["add_landmark"](state, P, z, R)
+    vague = np.zeros((9, 9))
+    vague[:7, :7], vague[7:, 7:] = P, 1e7 * np.eye(2)
+    updated, limit = own["update_landmarks"](grown, vague, [2], z, R)
+    assert updated == pytest.approx(grown, abs=1e-6)
+    assert limit == pytest.approx(covariance, abs=1e-5)
+
+
+def test_a_look_without_any_worth_changes_nothing_after_adding(own, rng):
+    state, P = random_map(rng, 1)
+    grown, covariance = own["add_landmark"](state, P, np.array([0.5, 2.0]), np.diag([0.03, 0.08]) ** 2)
+    again, after = own["update_landmarks"](grown, covariance, [1], np.array([0.6, 2.3]), 1e12 * np.eye(2))
+    assert again == pytest.approx(grown, abs=1e-9) and after == pytest.approx(covariance, abs=1e-9)
