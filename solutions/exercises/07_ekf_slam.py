@@ -1247,7 +1247,7 @@ EVALUATE_LANDMARKS = Exercise(
     alternatives={"Cholesky": _by_cholesky, "np.einsum": _by_einsum, "plain numbers": _by_lists},
     equivalents={
         "errors = truth - estimates": "a distance has no direction",
-        "squares = [np.linalg.solve(P, error) @ error for error, P in zip(errors, covariances)]": "a product of two "
+        "squares = [np.linalg.solve(P, error) @ error for error, P in zip(errors, covariances, strict=True)]": "a product of two "
         "vectors has no order",
         "return (np.hypot(errors[:, 1], errors[:, 0]), np.sqrt(squares))": "nor has a sum of squares",
     },

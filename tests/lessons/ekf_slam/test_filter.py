@@ -45,6 +45,31 @@ def test_after_10000_steps_the_covariance_is_symmetric_and_has_no_negative_eigen
     assert -np.pi <= state[2] <= np.pi
 
 
+@pytest.mark.slow
+def test_a_long_way_past_many_landmarks_keeps_the_covariance_symmetric(own, rng):
+    """Where S is left lopsided by rounding, this ends at a difference of thousands."""
+    around, aside = np.linspace(0, 2 * np.pi, 300, endpoint=False), 25 + rng.uniform(-2, 2, 300)
+    landmarks = np.column_stack([aside * np.sin(around), 25 - aside * np.cos(around)])
+    Q, R = np.diag([0.03, 0.02, 0.012]) ** 2, np.diag([0.026, 0.05]) ** 2
+    state, P, known, truth = np.zeros(3), np.zeros((3, 3)), [], Pose()
+    for _ in range(340):
+        error = rng.normal(0, (0.03, 0.02, 0.012))
+        truth = truth @ Pose(0.5 + error[0], error[1], 0.02 + error[2])
+        state, P = own["predict"](state, P, np.array([0.5, 0.02]), Q, len(known))
+        exact = range_and_bearing(truth.as_array(), landmarks)
+        seen = np.flatnonzero((exact[:, 1] < 3) & (exact[:, 1] > 0.5) & (np.abs(exact[:, 0]) < 1))
+        noisy = exact + rng.normal(0, (0.026, 0.05), exact.shape)
+        if again := [i for i in seen if i in known]:
+            indices = [known.index(i) for i in again]
+            state, P = own["update_landmarks"](state, P, indices, noisy[again].ravel(), R)
+        for i in set(seen) - set(again):
+            state, P = own["add_landmark"](state, P, noisy[i], R)
+            known.append(i)
+    assert len(known) > 150
+    assert np.abs(P - P.T).max() < 1e-10 * np.abs(P).max()
+    assert np.linalg.eigvalsh((P + P.T) / 2)[0] > 0
+
+
 def test_nothing_that_comes_in_is_changed(own, rng):
     state, P = np.array([0.1, 0.2, 3.0, 2.0, 1.0]), np.eye(5) * 0.04
     z, R, control, Q = np.array([0.4, 2.0]), np.eye(2) * 0.01, np.array([0.4, 0.5]), np.eye(3) * 0.01
