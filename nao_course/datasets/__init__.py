@@ -1,0 +1,33 @@
+"""Recordings by others, read as the library's own values: pictures of a real robot, and logs."""
+
+from nao_course.datasets.files import DATA_VARIABLE, data_folder
+from nao_course.datasets.logs import (
+    FreiburgLog,
+    HomeworkLog,
+    Sights,
+    read_freiburg_log,
+    read_homework_log,
+    write_homework_log,
+)
+from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
+
+__all__ = [
+    "DATA_VARIABLE",
+    "AnnotatedPoint",
+    "FreiburgLog",
+    "HomeworkLog",
+    "PictureSet",
+    "PointKind",
+    "RealPicture",
+    "Sights",
+    "data_folder",
+    "read_freiburg_log",
+    "read_homework_log",
+    "read_pictures",
+    "write_homework_log",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__
