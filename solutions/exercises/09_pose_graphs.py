@@ -14,6 +14,9 @@ from nao_course.graphs import Graph, matrices
 
 Array = npt.NDArray[np.float64]
 
+# For a symmetric, positive definite matrix whose rows stand in a good order: no pivots, column by column.
+SYMMETRIC = {"diag_pivot_thresh": 0.0, "relax": 1, "panel_size": 1, "options": {"SymmetricMode": True}}
+
 
 def pose_residual(first: Array, second: Array, z: Array) -> Array:
     """t2v(inv(Z) inv(X_i) X_j): one edge (3,) or E of them (E, 3)."""
@@ -62,30 +65,26 @@ def linearize(graph: Graph, states: Array) -> tuple[scipy.sparse.csc_array, Arra
         (graph.pose_edges, poses, pose_residual, pose_residual_jacobians),
         (graph.landmark_edges, landmarks, landmark_residual, landmark_residual_jacobians),
     )
-    rows, columns, entries, b = [], [], [], np.zeros(graph.size)
+    blocks, b = [], np.zeros(graph.size)
     for edges, ends, residual, jacobians in groups:
         here, there = poses[edges.first], ends[edges.second]
         J = np.concatenate(jacobians(here, there, edges.z), axis=-1)
         weighted = J.mT @ edges.information
-        rows.append(np.repeat(edges.places, edges.places.shape[1], axis=1).ravel())
-        columns.append(np.tile(edges.places, edges.places.shape[1]).ravel())
-        entries.append((weighted @ J).ravel())
+        blocks.append(weighted @ J)
         shares = weighted @ residual(here, there, edges.z)[..., None]
         b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size)
-    places = np.concatenate(rows), np.concatenate(columns)
-    return scipy.sparse.coo_array((np.concatenate(entries), places), (graph.size,) * 2).tocsc(), b
+    return graph.add_blocks(*blocks), b
 
 
 def gauss_newton(graph: Graph, states: Array, iterations: int) -> tuple[Array, Array]:
     """States after so many steps, and chi2 before the first and after each of them: (iterations + 1,)."""
     states = np.array(states, dtype=float)
     history = [graph.squared_errors(states, pose_residual, landmark_residual).sum()]
+    free = graph.elimination_order  # all but the first pose, which stays
     for _ in range(iterations):
         H, b = linearize(graph, states)
-        factor = scipy.sparse.linalg.splu(
-            H[3:, 3:], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-        states[3:] -= factor.solve(b[3:])  # the first pose stays
+        factor = scipy.sparse.linalg.splu(H[free][:, free], "NATURAL", **SYMMETRIC)
+        states[free] -= factor.solve(b[free])
         history.append(graph.squared_errors(states, pose_residual, landmark_residual).sum())
     return states, np.array(history)
 
