@@ -168,8 +168,8 @@ class Graph:
     def add_blocks(self, pose_blocks: FloatArray, landmark_blocks: FloatArray) -> scipy.sparse.csc_array:
         """Add each edge's block into one large sparse matrix, at its `places`.
 
-        The same as putting all entries with their rows and columns into a `scipy.sparse.coo_array` and turning that into
-        a `csc_array`, but where each entry belongs is found once for a graph, and not again in each iteration.
+        The same as putting all entries with their rows and columns into a `scipy.sparse.coo_array` and turning that
+        into a `csc_array`, but where each entry belongs is found once for a graph, and not again in each iteration.
 
         Parameters
         ----------
