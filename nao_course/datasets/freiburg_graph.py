@@ -73,8 +73,8 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
         np.array([(number_of[edge.first], number_of[edge.second]) for edge in edges], dtype=int),
         np.array([edge.measurement for edge in edges]),
         np.array([edge.information for edge in edges]),
-        [POSE] * len(is_pose) + [LANDMARK] * len(is_landmark),
-        [name_of[place] for place in order],
+        np.repeat([POSE, LANDMARK], [len(is_pose), len(is_landmark)]),
+        np.array([name_of[place] for place in order]),
     )
     return graph, np.concatenate(
         [x[place : place + width] for place, width in zip(order, widths, strict=True)]
@@ -125,7 +125,7 @@ def _struct(path: Path) -> dict[str, Any]:
     except Exception as error:  # noqa: BLE001  a damaged file fails in any way
         raise ValueError(
             f"{path}: expected a MATLAB file (version 5 to 7) with a struct g that has x, edges and idLookup; "
-            f"{type(error).__name__}: {str(error):.80}"
+            f"{type(error).__name__}: {error!s:.80}"
         ) from None
 
 

@@ -72,7 +72,7 @@ def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
         values = _numbers(path, rows, width + width * (width + 1) // 2)
         measurements[chosen, :width] = values[:, :width]
         information[chosen, :width, :width] = _information(path, rows, values[:, width:], width)
-    return Graph(np.array(ends, dtype=int), measurements, information, kinds, ids), states
+    return Graph(np.array(ends, dtype=int), measurements, information, np.array(kinds), np.array(ids)), states
 
 
 def write_g2o(graph: Graph, states: npt.ArrayLike, path: Path | str) -> Path:
@@ -259,8 +259,8 @@ def _information(path: Path, records: Sequence[Record], upper: FloatArray, width
 def positive_definite(matrices: FloatArray) -> npt.NDArray[np.bool_]:
     """Whether symmetric matrices (N, n, n) are positive definite, and not nearly singular, whatever their units."""
     diagonal = np.diagonal(matrices, axis1=1, axis2=2)
-    above = (diagonal > 0).all(axis=1)
+    above = np.asarray((diagonal > 0).all(axis=1))
     scale = 1 / np.sqrt(np.where(above[:, None], diagonal, 1.0))
     scaled = matrices * scale[:, :, None] * scale[:, None, :]
-    good: npt.NDArray[np.bool_] = above & (np.linalg.eigvalsh(scaled)[:, 0] > LEAST_PART)
-    return good
+    smallest = np.asarray(np.linalg.eigvalsh(scaled), dtype=float)[:, 0]
+    return np.asarray(above & (smallest > LEAST_PART), dtype=bool)
