@@ -60,9 +60,7 @@ def chained(start: FloatArray, steps: FloatArray) -> FloatArray:
     return np.column_stack([places, wrap_angle(headings)])
 
 
-def building(
-    seed: int = 1, poses: int = 400, noise: float = 1.0, size: tuple[int, int] = (5, 4)
-) -> World:
+def building(seed: int = 1, poses: int = 400, noise: float = 1.0, size: tuple[int, int] = (5, 4)) -> World:
     """Drive through a building's corridors, a pose a metre, and recognise places that were passed before.
 
     Parameters
@@ -94,6 +92,29 @@ def loop(seed: int = 1, side: int = 6, noise: float = 1.0, closed: bool = True) 
     headings = np.concatenate([corners, [3]]) * np.pi / 2
     truth = np.column_stack([places, wrap_angle(headings)]).astype(float)
     return _measured(truth, [(len(truth) - 1, 0)] if closed else [], np.empty((0, 2)), [], noise, rng)
+
+
+def drifting_loop(drift: float, side: int = 10) -> World:
+    """Drive once round a square with odometry that drifts evenly, and no other error.
+
+    Parameters
+    ----------
+    drift : float
+        By how much the odometry's heading is off at the end, rad.
+    side : int
+        Metres, and poses, a side.
+
+    Returns
+    -------
+    World
+        Its last edge closes the loop, exactly.
+    """
+    exact = loop(1, side, noise=0.0)
+    steps = exact.graph.poses - 1
+    z = exact.graph.measurements.copy()
+    z[:steps, 2] += drift / steps
+    path = chained(exact.truth[:3], z[:steps])
+    return World(replace(exact.graph, measurements=z), exact.truth, path.ravel())
 
 
 def field_drive(seed: int = 1, stops: int = 25, noise: float = 1.0) -> World:
@@ -128,9 +149,7 @@ def field_drive(seed: int = 1, stops: int = 25, noise: float = 1.0) -> World:
 
 def _in_view(pose: FloatArray, mark: FloatArray) -> bool:
     away = mark - pose[:2]
-    return bool(
-        np.hypot(*away) < 2.5 and abs(wrap_angle(np.arctan2(away[1], away[0]) - pose[2])) < np.pi / 3
-    )
+    return bool(np.hypot(*away) < 2.5 and abs(wrap_angle(np.arctan2(away[1], away[0]) - pose[2])) < np.pi / 3)
 
 
 def with_false_closures(world: World, count: int, seed: int = 0) -> World:
@@ -254,9 +273,7 @@ def _measured(
     )
 
 
-def _first_sights(
-    path: FloatArray, seen: npt.NDArray[np.int64], sight: FloatArray, count: int
-) -> FloatArray:
+def _first_sights(path: FloatArray, seen: npt.NDArray[np.int64], sight: FloatArray, count: int) -> FloatArray:
     """Put each landmark where it was seen first, from a path: (count, 2)."""
     places = np.zeros((count, 2))
     for (pose, number), z in zip(seen[::-1], sight[::-1], strict=True):
