@@ -170,10 +170,10 @@ def at_every_stop(drive: Drive, smoother: Smoother, begin: Mapped) -> float:
     known = np.maximum.accumulate([max(seen, default=-1) + 1 for seen, _ in drive.looks])
     for poses in range(2, graph.poses + 1):
         landmarks = int(known[poses - 1])
-        shift = np.where(graph.edges >= graph.poses, graph.poses - poses, 0)
-        kept = (graph.edges < poses).any(axis=1) & ((graph.edges < poses) | (shift > 0)).all(axis=1)
+        to_landmark = graph.edges >= graph.poses
+        kept = ((graph.edges < poses) | to_landmark).all(axis=1)
         part = Graph(
-            (graph.edges - shift)[kept],
+            np.where(to_landmark, graph.edges - graph.poses + poses, graph.edges)[kept],
             graph.measurements[kept],
             graph.information[kept],
             np.repeat([POSE, LANDMARK], [poses, landmarks]),

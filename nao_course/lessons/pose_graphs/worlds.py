@@ -94,6 +94,29 @@ def loop(seed: int = 1, side: int = 6, noise: float = 1.0, closed: bool = True) 
     return _measured(truth, [(len(truth) - 1, 0)] if closed else [], np.empty((0, 2)), [], noise, rng)
 
 
+def drifting_loop(drift: float, side: int = 10) -> World:
+    """Drive once round a square with odometry that drifts evenly, and no other error.
+
+    Parameters
+    ----------
+    drift : float
+        By how much the odometry's heading is off at the end, rad.
+    side : int
+        Metres, and poses, a side.
+
+    Returns
+    -------
+    World
+        Its last edge closes the loop, exactly.
+    """
+    exact = loop(1, side, noise=0.0)
+    steps = exact.graph.poses - 1
+    z = exact.graph.measurements.copy()
+    z[:steps, 2] += drift / steps
+    path = chained(exact.truth[:3], z[:steps])
+    return World(replace(exact.graph, measurements=z), exact.truth, path.ravel())
+
+
 def field_drive(seed: int = 1, stops: int = 25, noise: float = 1.0) -> World:
     """Drive a circle over the half field, and see at each stop what lies ahead, at most 2.5 m away.
 

@@ -1,0 +1,56 @@
+"""What lesson 09, pose graphs, alone uses."""
+
+from nao_course.lessons.pose_graphs.figures import (
+    draw_false_closure,
+    draw_relaxing,
+    draw_step,
+    drift_that_climbs,
+    false_world,
+    robust_states,
+)
+from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
+from nao_course.lessons.pose_graphs.matrices import draw_free_moves, draw_patterns, free_moves
+from nao_course.lessons.pose_graphs.panel import RelaxPanel
+from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty, honesty
+from nao_course.lessons.pose_graphs.worlds import (
+    World,
+    building,
+    disturbed,
+    drifting_loop,
+    field_drive,
+    loop,
+    position_error,
+    with_false_closures,
+)
+
+__all__ = [
+    "HEADINGS",
+    "RelaxPanel",
+    "World",
+    "arrivals",
+    "building",
+    "disturbed",
+    "draw_arrivals",
+    "draw_false_closure",
+    "draw_free_moves",
+    "draw_patterns",
+    "draw_relaxing",
+    "draw_step",
+    "draw_uncertainty",
+    "drift_that_climbs",
+    "drifting_loop",
+    "false_world",
+    "field_drive",
+    "free_moves",
+    "half_of_them",
+    "honesty",
+    "loop",
+    "position_error",
+    "robust_states",
+    "with_false_closures",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__
