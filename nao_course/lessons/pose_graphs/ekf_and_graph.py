@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
@@ -229,10 +230,10 @@ def draw_ekf_and_graph(recorded: Mapping[str, Any] | None = None) -> Drawing:
             mfc="white",
         )
         seconds.annotate(
-            "solved anew at every stop",
-            (steps[-1], every[-1]),
+            "the graph, solved anew\nat every stop",
+            (steps[2], every[2]),
             ha="right",
-            xytext=(0, 7),
+            xytext=(0, 8),
             textcoords="offset points",
             fontsize=9,
         )
@@ -243,6 +244,8 @@ def draw_ekf_and_graph(recorded: Mapping[str, Any] | None = None) -> Drawing:
             ax.set(xscale="log", yscale="log", xlabel="steps of a metre")
             ax.set_xticks(steps, [str(count) for count in steps], minor=False)
             ax.minorticks_off()
+            ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if ax is not seconds else (1.0,)))
+            ax.yaxis.set_major_formatter("{x:g}")
             ax.grid(color="#e3e5e8")
         legend_below(figure, [source_key(name) for name in recorded["methods"]])
     return Drawing(figure, f"EKF and graph on the same {runs} drives of each length. {'; '.join(words)}.")
@@ -253,5 +256,5 @@ def _plot_band(ax: Axes, runs: int) -> None:
     low, high = band(3, runs)
     ax.axhspan(low, high, color="#b5d1ac", alpha=0.7, lw=0)
     ax.annotate(
-        "honest: 95 %", (1, high), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=9
+        "honest: 95 %", (1, low), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=9
     )
