@@ -230,7 +230,7 @@ def draw_ekf_and_graph(recorded: Mapping[str, Any] | None = None) -> Drawing:
             mfc="white",
         )
         seconds.annotate(
-            "the graph, solved anew\nat every stop",
+            "anew at\nevery stop",
             (steps[2], every[2]),
             ha="right",
             xytext=(0, 8),
