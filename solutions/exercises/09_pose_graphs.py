@@ -1071,7 +1071,7 @@ def _turned(graph: Graph, states: Array) -> tuple[Graph, Array]:
     poses, marks = (each.copy() for each in graph.split(states))
     c, s = np.cos(2.5), np.sin(2.5)
     turn = np.array([[c, -s], [s, c]])
-    poses[:, :2], marks = poses[:, :2] @ turn.T + (3.0, -1.0), marks @ turn.T + (3.0, -1.0)
+    poses[:, :2], marks = poses[:, :2] @ turn.T + (6.0, -4.5), marks @ turn.T + (6.0, -4.5)
     poses[:, 2] += 2.5
     return graph, np.concatenate([poses.ravel(), marks.ravel()])
 
@@ -1527,7 +1527,7 @@ REWEIGHT = Exercise(
     comparison=Close(rtol=1e-5, atol=1e-9),
     uses=RESIDUALS,
     hints=(
-        "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.8; the information of each edge is multiplied by it.",
+        "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with another information.",
     ),
     mistakes=[
@@ -1546,7 +1546,7 @@ REWEIGHT = Exercise(
         Mistake(
             "square",
             _reweighted("square"),
-            "Your weight is squared: that is Geman and McClure's kernel, which is known to work, too. Here Cauchy's is wanted, equation 9.8.",
+            "Your weight is squared: that is Geman and McClure's kernel, which is known to work, too. Here Cauchy's is wanted, equation 9.6.",
         ),
         Mistake(
             "cut off",
@@ -1556,7 +1556,7 @@ REWEIGHT = Exercise(
         Mistake(
             "Huber",
             _reweighted("huber"),
-            "That is Huber's kernel. A false closure still pulls with a constant force there; wanted is Cauchy's, equation 9.8.",
+            "That is Huber's kernel. A false closure still pulls with a constant force there; wanted is Cauchy's, equation 9.6.",
         ),
         Mistake(
             "the error, not its square",

@@ -6,10 +6,16 @@ from nao_course.lessons.pose_graphs.figures import (
     draw_step,
     drift_that_climbs,
     false_world,
+    relaxed,
     robust_states,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
-from nao_course.lessons.pose_graphs.matrices import draw_free_moves, draw_patterns, free_moves
+from nao_course.lessons.pose_graphs.matrices import (
+    count_of_free_moves,
+    draw_free_moves,
+    draw_patterns,
+    free_moves,
+)
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty, honesty
 from nao_course.lessons.pose_graphs.worlds import (
@@ -29,6 +35,7 @@ __all__ = [
     "World",
     "arrivals",
     "building",
+    "count_of_free_moves",
     "disturbed",
     "draw_arrivals",
     "draw_false_closure",
@@ -46,6 +53,7 @@ __all__ = [
     "honesty",
     "loop",
     "position_error",
+    "relaxed",
     "robust_states",
     "with_false_closures",
 ]
