@@ -9,13 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse
+import scipy.sparse.linalg
 
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray
 
-__all__ = ["LANDMARK", "POSE", "Edges", "Graph", "matrices"]
+__all__ = ["LANDMARK", "POSE", "SYMMETRIC", "Edges", "Graph", "matrices"]
 
 POSE, LANDMARK = 0, 1
+
+# For `scipy.sparse.linalg.splu` of a symmetric, positive definite matrix: no pivots, one column after the other.
+SYMMETRIC = {"diag_pivot_thresh": 0.0, "relax": 1, "panel_size": 1, "options": {"SymmetricMode": True}}
 
 IntArray = npt.NDArray[np.int64]
 Residual = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
@@ -160,6 +165,63 @@ class Graph:
         )
         information = self.information[chosen][:, :width, :width]
         return Edges(first, second, self.measurements[chosen, :width], information, places)
+
+    # --- sparse systems ---
+
+    def add_blocks(self, pose_blocks: FloatArray, landmark_blocks: FloatArray) -> scipy.sparse.csc_array:
+        """Add each edge's block into one large sparse matrix, at its `places`.
+
+        The same as putting all entries with their rows and columns into a `scipy.sparse.coo_array` and turning that
+        into a `csc_array`, but where each entry belongs is found once for a graph, and not again in each iteration.
+
+        Parameters
+        ----------
+        pose_blocks : ndarray, shape (E, 6, 6)
+            One for each of `pose_edges`.
+        landmark_blocks : ndarray, shape (E', 5, 5)
+            One for each of `landmark_edges`.
+
+        Returns
+        -------
+        csc_array, shape (size, size)
+        """
+        indices, indptr, slots = self._sparsity
+        entries = np.concatenate([np.ravel(pose_blocks), np.ravel(landmark_blocks)])
+        sums = np.bincount(slots, entries, len(indices))
+        return scipy.sparse.csc_array((sums, indices, indptr), shape=(self.size, self.size))
+
+    @cached_property
+    def _sparsity(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Rows and column starts of the sparse matrix, and for each entry of all blocks its place among the rows."""
+        groups = [edges.places for edges in (self.pose_edges, self.landmark_edges)]
+        rows = np.concatenate([np.repeat(places, places.shape[1], axis=1).ravel() for places in groups])
+        columns = np.concatenate([np.tile(places, places.shape[1]).ravel() for places in groups])
+        shape = (self.size, self.size)
+        numbered = scipy.sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape).tocsc()
+        numbered.data = np.arange(numbered.nnz)
+        return numbered.indices, numbered.indptr, numbered[rows, columns]
+
+    @cached_property
+    def elimination_order(self) -> IntArray:
+        """All states but the first pose's, in an order that keeps the factor of H sparse: (size - 3,).
+
+        Minimum degree (lesson 08), over poses and landmarks as wholes: the three numbers of a pose have the same
+        neighbours, so they stay together, and there is a third of the rows to put into order.
+        """
+        count = len(self.kinds)
+        i, j = self.edges.T
+        links = scipy.sparse.coo_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), (count, count))
+        dominant = (links + scipy.sparse.diags_array(1 + links.sum(axis=0))).tocsc()[
+            1:, 1:
+        ]  # it has a factor
+        factor = scipy.sparse.linalg.splu(dominant, "MMD_AT_PLUS_A", **SYMMETRIC)
+        order = 1 + np.argsort(factor.perm_c)
+        widths = np.where(self.kinds == POSE, 3, 2)
+        begins = np.cumsum(widths) - widths
+        widths, begins = widths[order], begins[order]
+        return np.repeat(begins - (np.cumsum(widths) - widths), widths) + np.arange(self.size - 3)
+
+    # --- errors ---
 
     def squared_errors(
         self, states: npt.ArrayLike, pose_residual: Residual, landmark_residual: Residual

@@ -16,9 +16,11 @@ __all__ = [
     "REACH",
     "CornerTruth",
     "PointMatch",
+    "band",
     "corner_cost",
     "match_points",
     "mean_interval",
+    "squared_distances",
     "total",
     "wilson_interval",
 ]
@@ -222,6 +224,43 @@ def wilson_interval(hits: int, trials: int, z: float = 1.96) -> tuple[float, flo
     middle = (part + share / 2) / (1 + share)
     half = z / (1 + share) * float(np.sqrt(part * (1 - part) / trials + share / (4 * trials)))
     return middle - half, middle + half
+
+
+def band(degrees: int, runs: int, probability: float = 0.95) -> tuple[float, float]:
+    """Between what the mean of `runs` independent squares lies with this probability.
+
+    Parameters
+    ----------
+    degrees : int
+        Of freedom of each: 3 for a pose's NEES, 2 for the NIS of bearing and range.
+    runs : int
+        How many are averaged.
+    probability : float
+        Part of the cases; half of the rest on each side.
+
+    Returns
+    -------
+    (float, float)
+        Quantiles of chi-square with ``degrees * runs`` degrees of freedom, divided by `runs` (Bar-Shalom et al.
+        2001, section 5.4).
+
+    Examples
+    --------
+    >>> [round(each, 2) for each in band(3, 100)]
+    [2.54, 3.5]
+    """
+    from scipy.stats import chi2  # takes long to import
+
+    low, high = chi2.ppf([(1 - probability) / 2, (1 + probability) / 2], degrees * runs) / runs
+    return float(low), float(high)
+
+
+def squared_distances(vectors: FloatArray, covariances: FloatArray) -> FloatArray:
+    """Squared Mahalanobis distances (K,) of vectors (K, n) by covariances (K, n, n), such as NEES and NIS."""
+    if not len(vectors):
+        return np.zeros(0)
+    scaled = np.linalg.solve(covariances, vectors[..., None])[..., 0]
+    return np.asarray(np.einsum("ki,ki->k", vectors, scaled))
 
 
 def _distances(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, wrap_angle
@@ -22,6 +23,7 @@ __all__ = [
     "SlamAlgorithm",
     "measured_points",
     "place_estimate",
+    "range_and_bearing",
     "run_slam",
 ]
 
@@ -160,6 +162,26 @@ def measured_points(measurements: Iterable[Measurement], pose: Pose) -> FloatArr
     """
     polar = as_points([(each.bearing, each.range) for each in measurements])
     return pose.to_parent(polar[:, 1:] * np.column_stack([np.cos(polar[:, 0]), np.sin(polar[:, 0])]))
+
+
+def range_and_bearing(poses: npt.ArrayLike, landmarks: npt.ArrayLike) -> FloatArray:
+    """How landmarks are seen from poses.
+
+    Parameters
+    ----------
+    poses : array_like, shape (..., 3)
+        x, y (m) and heading (rad).
+    landmarks : array_like, shape (..., 2)
+        Metres, in the frame in which `poses` are given.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        (bearing, range): rad in (-pi, pi], and m.
+    """
+    at, there = np.asarray(poses, dtype=float), np.asarray(landmarks, dtype=float)
+    away = (there[..., 0] - at[..., 0]) + 1j * (there[..., 1] - at[..., 1])
+    return np.stack([wrap_angle(np.angle(away) - at[..., 2]), np.abs(away)], axis=-1)
 
 
 def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:

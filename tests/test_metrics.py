@@ -8,9 +8,11 @@ from nao_course.geometry import Pose
 from nao_course.metrics import (
     CornerTruth,
     PointMatch,
+    band,
     corner_cost,
     match_points,
     mean_interval,
+    squared_distances,
     total,
     wilson_interval,
 )
@@ -111,3 +113,16 @@ def test_the_interval_of_a_mean_holds_it_as_often_as_it_says(rng):
     assert 0.88 < np.mean(held) < 0.99
     low, high = mean_interval(np.arange(30.0), 0.5)
     assert mean_interval(np.arange(30.0))[0] < low < 14.5 < high < mean_interval(np.arange(30.0))[1]
+
+
+def test_the_band_is_the_one_that_bar_shalom_gives():
+    assert np.round(band(3, 100), 2).tolist() == [2.54, 3.50]
+    assert np.round(band(2, 50), 2).tolist() == [1.48, 2.59]
+
+
+def test_squared_distances_are_those_of_each_vector_and_its_own_covariance(rng):
+    vectors = rng.normal(size=(3, 2))
+    covariances = np.array([np.eye(2), 4 * np.eye(2), [[2.0, 1.0], [1.0, 2.0]]])
+    wanted = [v @ np.linalg.inv(P) @ v for v, P in zip(vectors, covariances, strict=True)]
+    assert np.allclose(squared_distances(vectors, covariances), wanted)
+    assert squared_distances(np.zeros((0, 2)), np.zeros((0, 2, 2))).shape == (0,)

@@ -13,6 +13,7 @@ from nao_course.slam import (
     SlamAlgorithm,
     measured_points,
     place_estimate,
+    range_and_bearing,
     run_slam,
 )
 
@@ -122,6 +123,13 @@ def test_measurements_put_their_landmarks_where_range_and_bearing_say():
     points = measured_points([Measurement(0.0, 2.0), Measurement(np.pi / 2, 1.0)], pose)
     assert np.allclose(points, [(1, 4), (0, 2)])
     assert measured_points([], pose).shape == (0, 2)
+
+
+def test_range_and_bearing_undo_what_measured_points_do(rng):
+    poses, landmarks = rng.uniform(-3, 3, (20, 3)), rng.uniform(-3, 3, (20, 2))
+    for pose, landmark, seen in zip(poses, landmarks, range_and_bearing(poses, landmarks), strict=True):
+        assert np.allclose(measured_points([Measurement(*seen)], Pose(*pose)), landmark)
+    assert range_and_bearing(poses[0], landmarks).shape == (20, 2)
 
 
 def random_estimate(rng, landmarks=3):

@@ -859,8 +859,8 @@ LINEARIZE = Exercise(
     hints=(
         "For each kind of edges: residuals e, the Jacobians side by side as J, then J' Omega J and J' Omega e for all edges at once with @. What is left is to "
         "add them up at their places.",
-        "J.mT @ information is J' Omega of all edges. coo_array((values, (rows, columns))) adds what falls on one place; np.bincount(places.ravel(), "
-        "shares.ravel(), size) does so for b.",
+        "J.mT @ edges.information is J' Omega of all edges; times J it is their blocks, and graph.add_blocks puts those together. For b: residuals as columns, "
+        "[:, :, None], and np.bincount over edges.places.",
     ),
     mistakes=[
         Mistake(
@@ -1123,8 +1123,9 @@ GAUSS_NEWTON = Exercise(
     uses=["linearize", *RESIDUALS],
     in_place=True,
     hints=(
-        "Copy the states. In each step linearise where you are now, leave out the first pose's three rows and columns, solve as in lesson 08's solve_sparse, and move.",
-        'splu(H[3:, 3:], permc_spec="MMD_AT_PLUS_A").solve(b[3:]) is what to take away from states[3:]. The history begins before the first step: graph.squared_errors(states, pose_residual, landmark_residual).sum().',
+        "Copy the states. In each step linearise where you are now, leave out the first pose's three rows and columns, solve as in lesson 08's solve_sparse, and move. The history begins before the first step.",
+        "The solution of H[3:, 3:] delta = b[3:] is what to take away from states[3:]. With free = graph.elimination_order the same stands between "
+        "H[free][:, free], b[free] and states[free].",
     ),
     mistakes=[
         Mistake(

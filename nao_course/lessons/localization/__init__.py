@@ -11,7 +11,6 @@ from nao_course.lessons.localization.beliefs import (
 )
 from nao_course.lessons.localization.drives import LANDMARKS, follow_many
 from nao_course.lessons.localization.honesty import (
-    band,
     draw_bands,
     draw_smallest_eigenvalue,
     inside_naive_band,
@@ -19,6 +18,7 @@ from nao_course.lessons.localization.honesty import (
 from nao_course.lessons.localization.lab import with_parts
 from nao_course.lessons.localization.panels import FusePanel, LabPanel
 from nao_course.lessons.localization.surest import draw_surest
+from nao_course.metrics import band
 
 __all__ = [
     "LANDMARKS",

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.metrics import squared_distances
 from nao_course.sim import Field, OdometryNoise, SensorNoise, repeat_drive
-from nao_course.slam import LandmarkKind, Measurement, Motion
+from nao_course.slam import LandmarkKind, Measurement, Motion, range_and_bearing
 
 FIELD = Field(2012)
 _MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
@@ -72,13 +73,6 @@ class Drive:
     controls: FloatArray
     control_covariances: FloatArray
     sights: tuple[tuple[Sight, ...], ...]
-
-
-def range_and_bearing(poses: npt.ArrayLike, landmarks: npt.ArrayLike) -> FloatArray:
-    """(bearing, range) (..., 2) of landmarks (..., 2) from poses (..., 3); rad in (-pi, pi], and m."""
-    at, there = np.asarray(poses, dtype=float), np.asarray(landmarks, dtype=float)
-    away = (there[..., 0] - at[..., 0]) + 1j * (there[..., 1] - at[..., 1])
-    return np.stack([wrap_angle(np.angle(away) - at[..., 2]), np.abs(away)], axis=-1)
 
 
 def look_at(pose: npt.ArrayLike, landmark: int, noise: SensorNoise, rng: np.random.Generator) -> Sight:
@@ -175,14 +169,6 @@ class Trace:
     def nis(self) -> FloatArray:
         """Normalised innovation squared of each measurement, (K,)."""
         return squared_distances(self.innovations, self.spreads)
-
-
-def squared_distances(vectors: FloatArray, covariances: FloatArray) -> FloatArray:
-    """Squared Mahalanobis distances (K,) of vectors (K, n) by covariances (K, n, n)."""
-    if not len(vectors):
-        return np.zeros(0)
-    scaled = np.linalg.solve(covariances, vectors[..., None])[..., 0]
-    return np.asarray(np.einsum("ki,ki->k", vectors, scaled))
 
 
 def follow(

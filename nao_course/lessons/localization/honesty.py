@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.localization.drives import Trace, checked
+from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.style import GREY
 
@@ -19,35 +20,6 @@ BAND = "#e3e5e8"
 OUTSIDE = "#b3261e"
 UPDATES = 300  # of each point of the figure with the smallest eigenvalues
 SIGMAS = 10.0 ** -np.arange(1, 9)  # rad and m, of bearing and range
-
-
-def band(degrees: int, runs: int, probability: float = 0.95) -> tuple[float, float]:
-    """Between what the mean of `runs` independent squares lies with this probability.
-
-    Parameters
-    ----------
-    degrees : int
-        Of freedom of each: 3 for a pose's NEES, 2 for the NIS of bearing and range.
-    runs : int
-        How many are averaged.
-    probability : float
-        Part of the cases; half of the rest on each side.
-
-    Returns
-    -------
-    (float, float)
-        Quantiles of chi-square with ``degrees * runs`` degrees of freedom, divided by `runs` (Bar-Shalom et al.
-        2001, section 5.4).
-
-    Examples
-    --------
-    >>> [round(each, 2) for each in band(3, 100)]
-    [2.54, 3.5]
-    """
-    from scipy.stats import chi2  # takes long to import
-
-    low, high = chi2.ppf([(1 - probability) / 2, (1 + probability) / 2], degrees * runs) / runs
-    return float(low), float(high)
 
 
 def nees_by_step(traces: Sequence[Trace]) -> FloatArray:

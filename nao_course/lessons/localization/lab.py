@@ -17,8 +17,8 @@ from nao_course.lessons.localization.drives import (
     Trace,
     follow,
     lap,
-    range_and_bearing,
 )
+from nao_course.slam import range_and_bearing
 
 LAB_SEEDS = range(200, 220)  # drives of each patient
 Localize = Callable[..., Any]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.localization.drives import Trace
-from nao_course.lessons.localization.honesty import BAND, band
+from nao_course.lessons.localization.honesty import BAND
 from nao_course.lessons.localization.lab import (
     BUGS,
     HEALTHY,
@@ -22,6 +22,7 @@ from nao_course.lessons.localization.lab import (
     patient,
     read,
 )
+from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, Table, course_style, table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose, rotation_2d
-from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, Sight, range_and_bearing, updated
+from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, Sight, updated
 from nao_course.plotting import (
     STYLES,
     Drawing,
@@ -24,7 +24,7 @@ from nao_course.plotting import (
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, HALO
 from nao_course.sim import SensorNoise
-from nao_course.slam import Measurement
+from nao_course.slam import Measurement, range_and_bearing
 
 ROBOT = Pose(1.0, -0.4, 0.3)
 _TURNED = rotation_2d(ROBOT.theta)

@@ -7,7 +7,6 @@ from nao_course.lessons.pose_graphs.figures import (
     drift_that_climbs,
     false_world,
     relaxed,
-    robust_states,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
 from nao_course.lessons.pose_graphs.matrices import (
@@ -17,6 +16,7 @@ from nao_course.lessons.pose_graphs.matrices import (
     free_moves,
 )
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
+from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty, honesty
 from nao_course.lessons.pose_graphs.worlds import (
     World,
@@ -39,6 +39,7 @@ __all__ = [
     "disturbed",
     "draw_arrivals",
     "draw_false_closure",
+    "draw_false_closures",
     "draw_free_moves",
     "draw_patterns",
     "draw_relaxing",
@@ -54,7 +55,7 @@ __all__ = [
     "loop",
     "position_error",
     "relaxed",
-    "robust_states",
+    "robust_gauss_newton",
     "with_false_closures",
 ]
 

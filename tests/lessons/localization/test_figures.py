@@ -7,6 +7,7 @@ from nao_course.lessons.localization import beliefs, honesty, surest
 from nao_course.lessons.localization.drives import LANDMARKS, follow_many
 from nao_course.lessons.localization.lab import with_parts
 from nao_course.lessons.localization.panels import FusePanel
+from nao_course.metrics import band
 from tests.paths import SOLUTIONS
 
 TEXT = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
@@ -97,7 +98,7 @@ def test_the_bands_figure_counts_what_is_inside(filter_of):
     traces = follow_many(range(4), *filter_of)
     alt = honesty.draw_bands(traces).alt
     assert "the mean NEES of 4 drives" in alt
-    low, high = honesty.band(3, 30)
+    low, high = band(3, 30)
     inside = np.mean([low <= trace.nees[1:].mean() <= high for trace in traces])
     assert honesty.inside_naive_band(traces) == inside and f"only {inside:.0%} of the drives" in alt
 

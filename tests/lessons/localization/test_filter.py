@@ -15,10 +15,11 @@ from nao_course.lessons.localization.drives import (
     follow_many,
     lap,
     make_drive,
-    range_and_bearing,
 )
-from nao_course.lessons.localization.honesty import band, inside_naive_band, smallest_eigenvalue
+from nao_course.lessons.localization.honesty import inside_naive_band, smallest_eigenvalue
+from nao_course.metrics import band
 from nao_course.sim import Field, OdometryNoise, SensorNoise
+from nao_course.slam import range_and_bearing
 from tests.lessons.localization.test_equations import short_form
 from tests.paths import SOLUTIONS
 
@@ -84,11 +85,6 @@ def test_over_a_hundred_drives_nees_and_nis_are_in_their_bands_as_the_lesson_say
     assert low < nis.mean() < high
     assert (round(nees.mean(), 2), round(nis.mean(), 2)) == (2.97, 2.00)
     assert round(100 * inside_naive_band(traces)) == 78
-
-
-def test_the_band_is_the_one_that_bar_shalom_gives():
-    assert np.round(band(3, 100), 2).tolist() == [2.54, 3.50]
-    assert np.round(band(2, 50), 2).tolist() == [1.48, 2.59]
 
 
 def test_the_short_form_breaks_where_the_lesson_says_and_josephs_does_not(own):

@@ -1,10 +1,9 @@
-"""Recordings by others, read as the library's own values: today the annotated pictures of a real robot."""
+"""Annotated pictures of a real robot, read as the library's own values."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,24 +15,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.datasets.files import brief, contents, data_folder
 from nao_course.geometry import Pose
 from nao_course.sim.camera import LARGEST_SIZE
-
-__all__ = [
-    "DATA_VARIABLE",
-    "AnnotatedPoint",
-    "PictureSet",
-    "PointKind",
-    "RealPicture",
-    "data_folder",
-    "read_pictures",
-]
 
 Pixels = npt.NDArray[np.uint8]
 PointKind = Literal["X", "L", "T", "post_foot", "post_top"]
 PictureSet = Literal["scenes", "straightwalk"]
 
-DATA_VARIABLE = "NAO_COURSE_DATA"
 LARGE_SUFFIX = "_1280x960"  # of the folder that holds a set's larger versions
 
 # What a file may not exceed: far beyond any real one, and small enough that a hostile one costs nothing.
@@ -127,38 +116,6 @@ class RealPicture:
         return _read_png(self.large_path if large else self.path)
 
 
-# --- finding the data ---
-
-
-def data_folder() -> Path:
-    """Return the folder that holds the recordings, which are no part of the project.
-
-    It is the one the environment variable NAO_COURSE_DATA names; without it, ``shared/data`` beside
-    the project's own folder.
-
-    Returns
-    -------
-    Path
-        An existing folder.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is none; it says what to do.
-    """
-    named = os.environ.get(DATA_VARIABLE)
-    folder = Path(named).expanduser() if named else Path(__file__).resolve().parents[2] / "shared" / "data"
-    if not folder.is_dir():
-        where = (
-            f"{DATA_VARIABLE} names {named!r}, which is no folder" if named else f"{DATA_VARIABLE} is not set"
-        )
-        raise FileNotFoundError(
-            f"The recorded real pictures are not here: {where}. They are no part of the course; whoever has them sets "
-            f"the environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013."
-        )
-    return folder
-
-
 def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[RealPicture, ...]:
     """Read one of the sets of annotated pictures from Amsterdam, 2013.
 
@@ -188,7 +145,7 @@ def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[R
     path = root / "annotations.json"
     entries = _read_json(path)
     if not isinstance(entries, list) or not 0 < len(entries) <= MOST_PICTURES:
-        raise ValueError(f"{path}: expected a list of 1 to {MOST_PICTURES} pictures, got {_brief(entries)}")
+        raise ValueError(f"{path}: expected a list of 1 to {MOST_PICTURES} pictures, got {brief(entries)}")
     pictures = tuple(_picture(root, path, number, entry) for number, entry in enumerate(entries))
     names = [picture.name for picture in pictures]
     for number, file in enumerate(names):
@@ -204,14 +161,14 @@ def _picture(root: Path, path: Path, number: int, entry: object) -> RealPicture:
     """Turn one entry of annotations.json into a picture."""
     where = f"{path}, entry {number}"
     if not isinstance(entry, dict):
-        raise ValueError(f"{where}: expected an object, got {_brief(entry)}")
+        raise ValueError(f"{where}: expected an object, got {brief(entry)}")
     name = _file_name(entry, where)
     where += f" ({name})"
     if not (root / name).is_file():
         raise ValueError(f"{where}: there is no such picture in {root}")
     points = entry.get("points")
     if not isinstance(points, list) or len(points) > MOST_POINTS:
-        raise ValueError(f"{where}: points must be a list of at most {MOST_POINTS}, got {_brief(points)}")
+        raise ValueError(f"{where}: points must be a list of at most {MOST_POINTS}, got {brief(points)}")
     return RealPicture(
         name=name,
         path=root / name,
@@ -229,22 +186,22 @@ def _picture(root: Path, path: Path, number: int, entry: object) -> RealPicture:
 def _point(entry: object, where: str) -> AnnotatedPoint:
     """Turn one of a picture's points into a value."""
     if not isinstance(entry, dict):
-        raise ValueError(f"{where}: expected an object, got {_brief(entry)}")
+        raise ValueError(f"{where}: expected an object, got {brief(entry)}")
     kind = entry.get("kind")
     for known in get_args(PointKind):
         if kind == known:
             u, v = (_number(entry, key, where, largest=LARGEST_SIZE) for key in ("u", "v"))
             return AnnotatedPoint(known, u, v)
-    raise ValueError(f"{where}: kind must be one of {list(get_args(PointKind))}, got {_brief(kind)}")
+    raise ValueError(f"{where}: kind must be one of {list(get_args(PointKind))}, got {brief(kind)}")
 
 
 def _file_name(entry: Mapping[str, object], where: str) -> str:
     """Return the entry's file name, which must stay inside its folder."""
     name = entry.get("file")
     if not isinstance(name, str) or len(name) > 255 or not name.lower().endswith(".png"):
-        raise ValueError(f"{where}: file must be the name of a .png picture, got {_brief(name)}")
+        raise ValueError(f"{where}: file must be the name of a .png picture, got {brief(name)}")
     if not name.isprintable() or PureWindowsPath(name).name != name:
-        raise ValueError(f"{where}: file must be a plain file name without a folder, got {_brief(name)}")
+        raise ValueError(f"{where}: file must be a plain file name without a folder, got {brief(name)}")
     return name
 
 
@@ -252,34 +209,11 @@ def _number(entry: Mapping[str, object], key: str, where: str, largest: float = 
     """Return a finite number of an entry, or say what is there instead."""
     value = entry.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= largest:
-        raise ValueError(f"{where}: {key} must be a number within +-{largest:g}, got {_brief(value)}")
+        raise ValueError(f"{where}: {key} must be a number within +-{largest:g}, got {brief(value)}")
     return float(value)
 
 
-def _brief(value: object) -> str:
-    """Show the beginning of a value of any size."""
-    if isinstance(value, list | dict):
-        return f"{'a list' if isinstance(value, list) else 'an object'} of {len(value)}"
-    if isinstance(value, int) and abs(value) > 10**40:
-        return "an integer of more than 40 digits"
-    return "nothing" if value is None else f"{value!r:.60}"
-
-
 # --- files ---
-
-
-def _contents(path: Path, largest: int) -> bytes:
-    """Read a file of no more than `largest` bytes."""
-    try:
-        with path.open("rb") as file:
-            contents = file.read(largest + 1)
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read ({error.strerror or error})") from None
-    if not contents or len(contents) > largest:
-        raise ValueError(
-            f"{path}: expected 1 to {largest} bytes, got {'more' if contents else 'an empty file'}"
-        )
-    return contents
 
 
 def _read_json(path: Path) -> object:
@@ -289,7 +223,7 @@ def _read_json(path: Path) -> object:
         raise ValueError(f"{constant} is no JSON number")
 
     try:
-        loaded: object = json.loads(_contents(path, LARGEST_ANNOTATIONS).decode(), parse_constant=refuse)
+        loaded: object = json.loads(contents(path, LARGEST_ANNOTATIONS).decode(), parse_constant=refuse)
     except RecursionError:
         raise ValueError(f"{path}: is nested too deeply") from None
     except ValueError as error:  # also JSONDecodeError and UnicodeDecodeError
@@ -302,21 +236,16 @@ def _read_json(path: Path) -> object:
 
 def _read_png(path: Path) -> Pixels:
     """Read a PNG file as RGB; look at its header first, so that a small file cannot ask for all memory."""
-    contents = _contents(path, LARGEST_PICTURE)
-    if contents[:8] != b"\x89PNG\r\n\x1a\n" or len(contents) < 24:
+    data = contents(path, LARGEST_PICTURE)
+    if data[:8] != b"\x89PNG\r\n\x1a\n" or len(data) < 24:
         raise ValueError(f"{path}: is not a PNG picture")
-    width, height = struct.unpack(">II", contents[16:24])
+    width, height = struct.unpack(">II", data[16:24])
     if not (0 < width <= LARGEST_SIZE and 0 < height <= LARGEST_SIZE):
         raise ValueError(f"{path}: a side must have 1 to {LARGEST_SIZE} pixels, got {width} x {height}")
     try:
-        picture = cv2.imdecode(np.frombuffer(contents, np.uint8), cv2.IMREAD_COLOR)
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     except cv2.error:
         picture = None
     if picture is None:
         raise ValueError(f"{path}: the PNG picture is damaged")
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-
-
-def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
-    return __all__

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import FrozenInstanceError
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ import cv2
 import numpy as np
 import pytest
 
-from nao_course import datasets
-from nao_course.datasets import AnnotatedPoint, data_folder, read_pictures
+from nao_course.datasets import AnnotatedPoint, read_pictures
+from nao_course.datasets.pictures import LARGEST_ANNOTATIONS
 from nao_course.geometry import Pose
 from nao_course.sim.camera import NAO_V4
 
@@ -101,6 +100,13 @@ def test_a_picture_without_points_is_a_picture(tmp_path: Path) -> None:
     assert picture.points == ()
 
 
+def test_the_environment_variable_names_the_folder_of_the_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NAO_COURSE_DATA", str(write(tmp_path, [entry()])))
+    assert len(read_pictures("scenes")) == 1
+
+
 # --- malformed and hostile files ---
 
 
@@ -157,7 +163,7 @@ def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(
         ("[" * 200_000, "nested too deeply|is not JSON"),
         ("[" + "9" * 10_000 + "]", "is not JSON"),
         ("[" + "0," * 20_000 + "0]", "list of 1"),
-        (" " * (datasets.LARGEST_ANNOTATIONS + 1), "got more"),
+        (" " * (LARGEST_ANNOTATIONS + 1), "got more"),
         (json.dumps([entry(x_m=float("nan"))]), "NaN is no JSON number"),
         (json.dumps([entry(x_m=float("inf"))]), "Infinity is no JSON number"),
         (json.dumps([entry()]).replace("1.0", "1e999"), "x_m must be a number"),
@@ -200,38 +206,6 @@ def test_a_small_file_that_claims_to_be_a_huge_picture_is_refused_before_it_is_d
 def test_an_unknown_set_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"'scenes', 'straightwalk'.*got '\.\./scenes'"):
         read_pictures("../scenes", tmp_path)  # type: ignore[arg-type]
-
-
-# --- where the data is ---
-
-
-def test_the_environment_variable_names_the_data_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("NAO_COURSE_DATA", str(write(tmp_path, [entry()])))
-    assert data_folder() == tmp_path
-    assert len(read_pictures("scenes")) == 1
-
-
-def test_without_the_variable_the_data_folder_is_beside_the_project(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("NAO_COURSE_DATA", raising=False)
-    monkeypatch.setattr(datasets, "__file__", str(tmp_path / "project" / "nao_course" / "datasets.py"))
-    with pytest.raises(FileNotFoundError, match="NAO_COURSE_DATA is not set"):
-        data_folder()
-    (tmp_path / "shared" / "data").mkdir(parents=True)
-    assert os.path.samefile(data_folder(), tmp_path / "shared" / "data")
-
-
-def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path / "nowhere"))
-    with pytest.raises(
-        FileNotFoundError, match=r"(?s)nowhere.*sets the environment variable.*amsterdam_2013"
-    ):
-        data_folder()
 
 
 # --- the real sets ---

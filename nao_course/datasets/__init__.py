@@ -1,0 +1,38 @@
+"""Recordings by others, read as the library's own values: pictures of a real robot, logs, and pose graphs."""
+
+from nao_course.datasets.files import DATA_VARIABLE, data_folder
+from nao_course.datasets.freiburg_graph import read_freiburg_graph
+from nao_course.datasets.g2o import read_g2o, write_g2o
+from nao_course.datasets.logs import (
+    FreiburgLog,
+    HomeworkLog,
+    Sights,
+    read_freiburg_log,
+    read_homework_log,
+    write_homework_log,
+)
+from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
+
+__all__ = [
+    "DATA_VARIABLE",
+    "AnnotatedPoint",
+    "FreiburgLog",
+    "HomeworkLog",
+    "PictureSet",
+    "PointKind",
+    "RealPicture",
+    "Sights",
+    "data_folder",
+    "read_freiburg_graph",
+    "read_freiburg_log",
+    "read_g2o",
+    "read_homework_log",
+    "read_pictures",
+    "write_g2o",
+    "write_homework_log",
+]
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

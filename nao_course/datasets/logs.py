@@ -1,0 +1,281 @@
+"""Logs of robots that measure landmarks: the homework's format, and that of Freiburg's course."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.datasets.files import brief, contents, data_folder
+from nao_course.geometry import FloatArray
+
+# What a log may not exceed: far beyond any real one, and small enough that a hostile one costs nothing.
+LARGEST_LOG = 8_000_000  # bytes
+MOST_LANDMARKS = 1_000
+LARGEST_NUMBER = 1e6  # m or rad
+
+
+@dataclass(frozen=True, eq=False)
+class HomeworkLog:
+    """A drive along which every landmark is measured after every step, which is which being known.
+
+    Parameters
+    ----------
+    measurements : ndarray, shape (M + 1, 2k)
+        (bearing, range) of each of k landmarks, rad and m: first from the start, then after each control.
+    controls : ndarray, shape (M, 2)
+        (distance, turn) as commanded, m and rad: drive along the heading, then turn.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit each other.
+    """
+
+    measurements: FloatArray
+    controls: FloatArray
+
+    def __post_init__(self) -> None:
+        """Refuse shapes that do not fit."""
+        for name in ("measurements", "controls"):
+            object.__setattr__(self, name, np.array(getattr(self, name), dtype=float))
+        seen, told = self.measurements.shape, self.controls.shape
+        if len(seen) != 2 or seen[1] % 2 or not seen[1] or told != (seen[0] - 1, 2):
+            raise ValueError(
+                "a HomeworkLog has measurements (M + 1, 2k) and controls (M, 2); "
+                f"got the shapes {seen} and {told}"
+            )
+
+    @property
+    def k(self) -> int:
+        """How many landmarks."""
+        return self.measurements.shape[1] // 2
+
+
+class Sights(NamedTuple):
+    """What is measured from one pose.
+
+    Parameters
+    ----------
+    indices : ndarray of int, shape (n,)
+        Which landmarks: rows of `FreiburgLog.landmarks`.
+    measurements : ndarray, shape (2n,)
+        (bearing, range) of each, rad and m. Freiburg's noise does not depend on the range: right before a
+        landmark one range is below zero.
+    """
+
+    indices: npt.NDArray[np.intp]
+    measurements: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FreiburgLog:
+    """A drive along which some landmarks are measured after each step, which is which being known.
+
+    Parameters
+    ----------
+    landmarks : ndarray, shape (k, 2)
+        Where they truly are, m.
+    odometry : ndarray, shape (M, 3)
+        (turn, distance, turn) of each step, rad, m and rad: turn, drive, turn again.
+    sights : tuple of Sights
+        What is seen after each step.
+    """
+
+    landmarks: FloatArray
+    odometry: FloatArray
+    sights: tuple[Sights, ...]
+
+
+# --- the homework's ---
+
+
+def read_homework_log(path: Path | str | None = None) -> HomeworkLog:
+    """Read a log in the format of the homework 16-833 of Carnegie Mellon: measurements and controls in turn.
+
+    Odd lines hold (bearing, range) of k landmarks, 2k numbers; even lines (distance, turn); the last is of
+    measurements.
+
+    Parameters
+    ----------
+    path : path, optional
+        The file; without it, the homework's own in `data_folder()`.
+
+    Returns
+    -------
+    HomeworkLog
+        The whole file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no path is given and there is no data folder.
+    ValueError
+        If the file is missing, empty, too large or malformed; it names file and line.
+    """
+    path = data_folder() / "slam" / "cmu16833_hw2" / "data.txt" if path is None else Path(path)
+    measurements, controls = list[list[float]](), list[list[float]]()
+    for where, words in _lines(path):
+        if len(measurements) == len(controls):
+            wanted = len(measurements[0]) if measurements else None
+            measurements.append(_bearings_and_ranges(words, wanted, where))
+        elif len(words) == 2:
+            controls.append([_number(word, where) for word in words])
+        else:
+            raise ValueError(f"{where}: a control is a distance and a turn, got {_count(words)}")
+    if len(measurements) == len(controls):
+        raise ValueError(f"{path}: the log ends with a control; the measurements after it are missing")
+    return HomeworkLog(np.array(measurements), np.array(controls).reshape(-1, 2))
+
+
+def write_homework_log(log: HomeworkLog, path: Path | str, decimals: int = 4) -> Path:
+    """Write a log in the homework's format, which `read_homework_log` reads.
+
+    Parameters
+    ----------
+    log : HomeworkLog
+        What to write.
+    path : path
+        The file; an older one is replaced.
+    decimals : int
+        After the point, in m and rad; the homework has 4.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    path = Path(path)
+    rows = [log.measurements[0]]
+    for control, seen in zip(log.controls, log.measurements[1:], strict=True):
+        rows += [control, seen]
+    lines = ["\t".join(f"{value:z.{decimals}f}" for value in row) for row in rows]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return path
+
+
+def _bearings_and_ranges(words: list[str], wanted: int | None, where: str) -> list[float]:
+    """A line of measurements; the first one says how many numbers all of them have."""
+    if len(words) % 2:
+        raise ValueError(f"{where}: each landmark has a bearing and a range, got {_count(words)}")
+    if wanted is not None and len(words) != wanted:
+        raise ValueError(f"{where}: expected {wanted} numbers, as in the first line, got {len(words)}")
+    if len(words) > 2 * MOST_LANDMARKS:
+        raise ValueError(f"{where}: expected at most {MOST_LANDMARKS} landmarks, got {len(words) // 2}")
+    values = [_number(word, where) for word in words]
+    for number, distance in enumerate(values[1::2]):
+        if distance < 0:
+            raise ValueError(f"{where}: the range of landmark {number} is negative (m): {distance}")
+    return values
+
+
+# --- Freiburg's ---
+
+
+def read_freiburg_log(folder: Path | str | None = None) -> FreiburgLog:
+    """Read the EKF log of Freiburg's SLAM course: ``sensor_data.dat`` and ``world.dat``.
+
+    ``ODOMETRY turn distance turn`` begins a step, ``SENSOR landmark range bearing`` follows for each that is seen;
+    ``world.dat`` has ``landmark x y``.
+
+    Parameters
+    ----------
+    folder : path, optional
+        That holds both files; without it, the one in `data_folder()`.
+
+    Returns
+    -------
+    FreiburgLog
+        The landmarks in the order of ``world.dat``; measurements in this course's order.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no folder is given and there is no data folder.
+    ValueError
+        If a file is missing, empty, too large or malformed; it names file and line.
+    """
+    folder = data_folder() / "slam" / "freiburg" if folder is None else Path(folder)
+    places = _read_world(folder / "world.dat")
+    rows = {name: row for row, name in enumerate(places)}
+    odometry, sights = list[list[float]](), list[dict[int, tuple[float, float]]]()
+    for where, (word, *words) in _lines(folder / "sensor_data.dat"):
+        if word not in ("ODOMETRY", "SENSOR") or len(words) != 3:
+            raise ValueError(
+                f"{where}: expected ODOMETRY or SENSOR and three numbers, got {brief(' '.join([word, *words]))}"
+            )
+        if word == "ODOMETRY":
+            odometry.append([_number(each, where) for each in words])
+            sights.append({})
+        elif not odometry:
+            raise ValueError(f"{where}: a measurement before the first ODOMETRY")
+        else:
+            _add_sight(sights[-1], rows, words, where)
+    return FreiburgLog(np.array(list(places.values())), np.array(odometry), tuple(map(_sights, sights)))
+
+
+def _read_world(path: Path) -> dict[str, tuple[float, float]]:
+    """Where each landmark is, by its name."""
+    places = dict[str, tuple[float, float]]()
+    for where, words in _lines(path):
+        if len(words) != 3:
+            raise ValueError(f"{where}: expected a landmark, x and y, got {_count(words)}")
+        if words[0] in places:
+            raise ValueError(f"{where}: landmark {brief(words[0])} stands there twice")
+        if len(places) == MOST_LANDMARKS:
+            raise ValueError(f"{where}: expected at most {MOST_LANDMARKS} landmarks")
+        places[words[0]] = _number(words[1], where), _number(words[2], where)
+    return places
+
+
+def _add_sight(
+    seen: dict[int, tuple[float, float]], rows: dict[str, int], words: list[str], where: str
+) -> None:
+    """Note (bearing, range) of the landmark that a line names."""
+    name, distance, bearing = words[0], _number(words[1], where), _number(words[2], where)
+    if name not in rows:
+        raise ValueError(f"{where}: landmark {brief(name)} is not in world.dat")
+    if rows[name] in seen:
+        raise ValueError(f"{where}: landmark {brief(name)} is measured twice in one step")
+    seen[rows[name]] = bearing, distance
+
+
+def _sights(seen: dict[int, tuple[float, float]]) -> Sights:
+    return Sights(np.array(list(seen), dtype=np.intp), np.array(list(seen.values()), dtype=float).reshape(-1))
+
+
+# --- lines of numbers ---
+
+
+def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
+    """Where each line is, and its words; empty lines may stand at the end only."""
+    try:
+        lines = contents(path, LARGEST_LOG).decode("utf-8-sig").rstrip().splitlines()
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: is not text ({error.reason} at byte {error.start})") from None
+    if not lines:
+        raise ValueError(f"{path}: expected lines of numbers, got an empty file")
+    for number, line in enumerate(lines, start=1):
+        words = line.split()
+        if not words:
+            raise ValueError(f"{path}, line {number}: the line is empty")
+        yield f"{path}, line {number}", words
+
+
+def _number(word: str, where: str) -> float:
+    try:
+        value = float(word) if "_" not in word else math.nan
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= LARGEST_NUMBER:
+        raise ValueError(f"{where}: expected a number within +-{LARGEST_NUMBER:g}, got {brief(word)}")
+    return value
+
+
+def _count(words: list[str]) -> str:
+    return f"{len(words)} number{'' if len(words) == 1 else 's'}"
