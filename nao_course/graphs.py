@@ -15,9 +15,12 @@ import scipy.sparse.linalg
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray
 
-__all__ = ["LANDMARK", "POSE", "Edges", "Graph", "matrices"]
+__all__ = ["LANDMARK", "POSE", "SYMMETRIC", "Edges", "Graph", "matrices"]
 
 POSE, LANDMARK = 0, 1
+
+# For `scipy.sparse.linalg.splu` of a symmetric, positive definite matrix: no pivots, one column after the other.
+SYMMETRIC = {"diag_pivot_thresh": 0.0, "relax": 1, "panel_size": 1, "options": {"SymmetricMode": True}}
 
 IntArray = npt.NDArray[np.int64]
 Residual = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
@@ -211,14 +214,7 @@ class Graph:
         dominant = (links + scipy.sparse.diags_array(1 + links.sum(axis=0))).tocsc()[
             1:, 1:
         ]  # it has a factor
-        factor = scipy.sparse.linalg.splu(
-            dominant,
-            "MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            relax=1,
-            panel_size=1,
-            options={"SymmetricMode": True},
-        )
+        factor = scipy.sparse.linalg.splu(dominant, "MMD_AT_PLUS_A", **SYMMETRIC)
         order = 1 + np.argsort(factor.perm_c)
         widths = np.where(self.kinds == POSE, 3, 2)
         begins = np.cumsum(widths) - widths

@@ -859,8 +859,8 @@ LINEARIZE = Exercise(
     hints=(
         "For each kind of edges: residuals e, the Jacobians side by side as J, then J' Omega J and J' Omega e for all edges at once with @. What is left is to "
         "add them up at their places.",
-        "J.mT @ information is J' Omega of all edges. coo_array((values, (rows, columns))) adds what falls on one place; np.bincount(places.ravel(), "
-        "shares.ravel(), size) does so for b.",
+        "J.mT @ edges.information is J' Omega of all edges; times J it is their blocks, and graph.add_blocks puts those together. For b: residuals as columns, "
+        "[:, :, None], and np.bincount over edges.places.",
     ),
     mistakes=[
         Mistake(
@@ -1071,7 +1071,7 @@ def _turned(graph: Graph, states: Array) -> tuple[Graph, Array]:
     poses, marks = (each.copy() for each in graph.split(states))
     c, s = np.cos(2.5), np.sin(2.5)
     turn = np.array([[c, -s], [s, c]])
-    poses[:, :2], marks = poses[:, :2] @ turn.T + (3.0, -1.0), marks @ turn.T + (3.0, -1.0)
+    poses[:, :2], marks = poses[:, :2] @ turn.T + (6.0, -4.5), marks @ turn.T + (6.0, -4.5)
     poses[:, 2] += 2.5
     return graph, np.concatenate([poses.ravel(), marks.ravel()])
 
@@ -1123,8 +1123,9 @@ GAUSS_NEWTON = Exercise(
     uses=["linearize", *RESIDUALS],
     in_place=True,
     hints=(
-        "Copy the states. In each step linearise where you are now, leave out the first pose's three rows and columns, solve as in lesson 08's solve_sparse, and move.",
-        'splu(H[3:, 3:], permc_spec="MMD_AT_PLUS_A").solve(b[3:]) is what to take away from states[3:]. The history begins before the first step: graph.squared_errors(states, pose_residual, landmark_residual).sum().',
+        "Copy the states. In each step linearise where you are now, leave out the first pose's three rows and columns, solve as in lesson 08's solve_sparse, and move. The history begins before the first step.",
+        "The solution of H[3:, 3:] delta = b[3:] is what to take away from states[3:]. With free = graph.elimination_order the same stands between "
+        "H[free][:, free], b[free] and states[free].",
     ),
     mistakes=[
         Mistake(
@@ -1527,7 +1528,7 @@ REWEIGHT = Exercise(
     comparison=Close(rtol=1e-5, atol=1e-9),
     uses=RESIDUALS,
     hints=(
-        "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.8; the information of each edge is multiplied by it.",
+        "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with another information.",
     ),
     mistakes=[
@@ -1546,7 +1547,7 @@ REWEIGHT = Exercise(
         Mistake(
             "square",
             _reweighted("square"),
-            "Your weight is squared: that is Geman and McClure's kernel, which is known to work, too. Here Cauchy's is wanted, equation 9.8.",
+            "Your weight is squared: that is Geman and McClure's kernel, which is known to work, too. Here Cauchy's is wanted, equation 9.6.",
         ),
         Mistake(
             "cut off",
@@ -1556,7 +1557,7 @@ REWEIGHT = Exercise(
         Mistake(
             "Huber",
             _reweighted("huber"),
-            "That is Huber's kernel. A false closure still pulls with a constant force there; wanted is Cauchy's, equation 9.8.",
+            "That is Huber's kernel. A false closure still pulls with a constant force there; wanted is Cauchy's, equation 9.6.",
         ),
         Mistake(
             "the error, not its square",

@@ -6,11 +6,17 @@ from nao_course.lessons.pose_graphs.figures import (
     draw_step,
     drift_that_climbs,
     false_world,
-    robust_states,
+    relaxed,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
-from nao_course.lessons.pose_graphs.matrices import draw_free_moves, draw_patterns, free_moves
+from nao_course.lessons.pose_graphs.matrices import (
+    count_of_free_moves,
+    draw_free_moves,
+    draw_patterns,
+    free_moves,
+)
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
+from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty, honesty
 from nao_course.lessons.pose_graphs.worlds import (
     World,
@@ -29,9 +35,11 @@ __all__ = [
     "World",
     "arrivals",
     "building",
+    "count_of_free_moves",
     "disturbed",
     "draw_arrivals",
     "draw_false_closure",
+    "draw_false_closures",
     "draw_free_moves",
     "draw_patterns",
     "draw_relaxing",
@@ -46,7 +54,8 @@ __all__ = [
     "honesty",
     "loop",
     "position_error",
-    "robust_states",
+    "relaxed",
+    "robust_gauss_newton",
     "with_false_closures",
 ]
 

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
+from nao_course.lessons.pose_graphs.robust import robust_gauss_newton
 from nao_course.lessons.pose_graphs.worlds import (
     World,
     building,
@@ -147,18 +148,15 @@ def draw_false_closure(
         ("one more, and false", world, relaxed(world, gauss_newton, 8)[-1], 1),
     ]
     if reweight is not None:
-        panels.append(("with weights", world, robust_states(world, gauss_newton, reweight, width=width), 1))
+        panels.append(
+            (
+                "with weights",
+                world,
+                robust_gauss_newton(gauss_newton, reweight, world.graph, world.odometry, width),
+                1,
+            )
+        )
     return _side_by_side(panels, "A drive through a building")
-
-
-def robust_states(
-    world: World, gauss_newton: GaussNewton, reweight: Function, iterations: int = 20, width: float = 3.0
-) -> FloatArray:
-    """Weigh all edges anew before each Gauss-Newton step, from the odometry on."""
-    states = world.odometry
-    for _ in range(iterations):
-        states = np.asarray(gauss_newton(reweight(world.graph, states, width), states.copy(), 1)[0])
-    return states
 
 
 def _side_by_side(panels: Sequence[tuple[str, World, FloatArray, int]], what: str) -> Drawing:

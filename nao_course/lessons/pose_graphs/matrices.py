@@ -109,12 +109,11 @@ def _unknown(places: npt.NDArray[np.int64], poses: int) -> npt.NDArray[np.int64]
     return np.where(places < 3 * poses, places // 3, poses + (places - 3 * poses) // 2)
 
 
-def eigenvalues_of(linearize: Linearize) -> FloatArray:
-    """Eigenvalues, smallest first, of H of a small closed loop at its odometry, with nothing held."""
+def count_of_free_moves(linearize: Linearize) -> int:
+    """How many eigenvalues of H of a small closed loop, with nothing held, are zero but for rounding."""
     world = loop(1, side=2)
-    return np.asarray(
-        np.linalg.eigvalsh(scipy.sparse.csc_array(linearize(world.graph, world.odometry)[0]).toarray())
-    )
+    values = np.linalg.eigvalsh(scipy.sparse.csc_array(linearize(world.graph, world.odometry)[0]).toarray())
+    return int(np.count_nonzero(np.abs(values) < 1e-10 * values[-1]))
 
 
 def free_moves(linearize: Linearize) -> Table:
