@@ -11,14 +11,15 @@ from typing import Any
 from benchmarks import ROOT, Result, Table
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.pose_graphs.ekf_and_graph import (
-    RECORDED,
+    NOISES,
     Filter,
     Smoother,
     at_every_stop,
     compare,
+    hall_drive,
     run_filter,
 )
-from nao_course.lessons.pose_graphs.hall import NOISES, hall_drive
+from nao_course.lessons.pose_graphs.recorded import EKF_AND_GRAPH
 
 STEPS = (25, 50, 100, 200, 400, 800)
 SEEDS = range(30)
@@ -60,7 +61,7 @@ def main() -> Result:
                 for method, of in means.items()
             ]
     rounded = _digits(values[SHOWN])
-    RECORDED.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    EKF_AND_GRAPH.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
     columns = ("drive", "steps", "path m", "last pose m", "landmarks m", "NEES (3)", "ms")
     table = Table(
         f"EKF and graph on the same {len(SEEDS)} drives of each length, means", columns, tuple(rows)

@@ -2,26 +2,147 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
-from nao_course.lessons.pose_graphs.hall import Drive, Noise, hall_drive
-from nao_course.metrics import band, squared_distances
-from nao_course.plotting import STYLES, Drawing, course_style
-from nao_course.plotting.legends import legend_below, source_key
+from nao_course.metrics import squared_distances
 
-RECORDED = Path(__file__).with_suffix(".json")
-
+# The hall: lanes of ten metres, three metres apart, a stop a metre; every landmark within four metres is measured.
+LANE, BETWEEN_LANES, SIGHT = 10, 3, 4.0
+LANDMARKS_PER_M2 = 0.1
 ITERATIONS = 6  # of Gauss-Newton from what the EKF says; after four nothing moves
+
+
+class Noise(NamedTuple):
+    """Standard deviations of one step of a metre, along and across (m) and of the turn (rad), and of one look."""
+
+    along: float
+    across: float
+    turn: float
+    bearing: float
+    range: float
+
+    @property
+    def control_covariance(self) -> FloatArray:
+        """Of (along, across, turn), (3, 3)."""
+        return np.diag([self.along, self.across, self.turn]) ** 2
+
+    @property
+    def measurement_covariance(self) -> FloatArray:
+        """Of (bearing, range), (2, 2)."""
+        return np.diag([self.bearing, self.range]) ** 2
+
+
+NOISES = {
+    "a careful NAO": Noise(0.03, 0.02, np.radians(1.0), np.radians(1.5), 0.05),
+    "3° a step, 5° bearing": Noise(0.05, 0.05, np.radians(3.0), np.radians(5.0), 0.10),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Controls and looks along the lanes of a hall, and what is true.
+
+    Parameters
+    ----------
+    poses : ndarray, shape (M + 1, 3)
+        Where the robot truly is, m and rad; it begins at 0.
+    landmarks : ndarray, shape (k, 2)
+        Where those that are seen truly are, in the order in which they are seen first.
+    controls : ndarray, shape (M, 2)
+        (distance, turn) as commanded, m and rad.
+    looks : list of (ndarray, shape (m,), ndarray, shape (m, 2))
+        For each pose the landmarks' numbers, and their (bearing, range) as measured.
+    noise : Noise
+        What the errors were drawn from, and what both methods are told.
+    """
+
+    poses: FloatArray
+    landmarks: FloatArray
+    controls: FloatArray
+    looks: list[tuple[Any, FloatArray]]
+    noise: Noise
+
+
+def hall_drive(seed: int, steps: int, noise: Noise) -> Drive:
+    """Drive up and down the lanes of a hall with landmarks, the longer the drive, the larger the hall.
+
+    Parameters
+    ----------
+    seed : int
+        Of the hall, and of all errors.
+    steps : int
+        M, a metre each.
+    noise : Noise
+        Of steps and looks.
+
+    Returns
+    -------
+    Drive
+    """
+    rng = np.random.default_rng([seed, steps])
+    controls = _lanes(steps)
+    poses = np.zeros((steps + 1, 3))
+    for step, (distance, turn) in enumerate(controls):
+        along, across, turned = rng.normal(0.0, noise[:3])
+        x, y, theta = poses[step]
+        c, s = np.cos(theta), np.sin(theta)
+        along += distance
+        poses[step + 1] = (
+            x + c * along - s * across,
+            y + s * along + c * across,
+            wrap_angle(theta + turn + turned),
+        )
+    low, high = poses[:, :2].min(axis=0) - 2.0, poses[:, :2].max(axis=0) + 2.0
+    marks = rng.uniform(low, high, (int(LANDMARKS_PER_M2 * np.prod(high - low)), 2))
+    marks, looks = _look_around(poses, marks, noise, rng)
+    return Drive(poses, marks, controls, looks, noise)
+
+
+def _lanes(steps: int) -> FloatArray:
+    """(distance, turn) of each step: ten metres, a quarter turn, three metres, a quarter turn, and back."""
+    controls = np.zeros((steps, 2))
+    controls[:, 0] = 1.0
+    round_trip = 2 * (LANE + BETWEEN_LANES)
+    for step in range(steps):
+        at = (step + 1) % round_trip
+        if at in (LANE, LANE + BETWEEN_LANES):
+            controls[step, 1] = np.pi / 2
+        elif at in (2 * LANE + BETWEEN_LANES, 0):
+            controls[step, 1] = -np.pi / 2
+    return controls
+
+
+def _look_around(
+    poses: FloatArray, marks: FloatArray, noise: Noise, rng: np.random.Generator
+) -> tuple[FloatArray, list[tuple[Any, FloatArray]]]:
+    """Measure what is near each pose; landmarks are numbered as they are seen first, and the others are left out."""
+    number_of: dict[int, int] = {}
+    looks = []
+    for x, y, theta in poses:
+        away = marks - (x, y)
+        ranges = np.hypot(*away.T)
+        near = np.flatnonzero((ranges < SIGHT) & (ranges > 0.3))
+        bearings = np.arctan2(away[near, 1], away[near, 0]) - theta
+        measured = np.column_stack([bearings, ranges[near]])
+        measured += rng.normal(0.0, (noise.bearing, noise.range), measured.shape)
+        measured[:, 0] = wrap_angle(measured[:, 0])
+        looks.append(
+            (
+                np.array([number_of.setdefault(int(each), len(number_of)) for each in near], dtype=int),
+                measured,
+            )
+        )
+    return marks[list(number_of)], looks
+
+
+# --- both methods ---
 
 
 class Filter(NamedTuple):
@@ -47,9 +168,6 @@ class Mapped(NamedTuple):
     landmarks: FloatArray
     covariance: FloatArray
     seconds: float
-
-
-# --- both methods ---
 
 
 def run_filter(drive: Drive, ekf: Filter) -> Mapped:
@@ -170,10 +288,10 @@ def at_every_stop(drive: Drive, smoother: Smoother, begin: Mapped) -> float:
     known = np.maximum.accumulate([max(seen, default=-1) + 1 for seen, _ in drive.looks])
     for poses in range(2, graph.poses + 1):
         landmarks = int(known[poses - 1])
-        shift = np.where(graph.edges >= graph.poses, graph.poses - poses, 0)
-        kept = (graph.edges < poses).any(axis=1) & ((graph.edges < poses) | (shift > 0)).all(axis=1)
+        to_landmark = graph.edges >= graph.poses
+        kept = ((graph.edges < poses) | to_landmark).all(axis=1)
         part = Graph(
-            (graph.edges - shift)[kept],
+            np.where(to_landmark, graph.edges - graph.poses + poses, graph.edges)[kept],
             graph.measurements[kept],
             graph.information[kept],
             np.repeat([POSE, LANDMARK], [poses, landmarks]),
@@ -183,75 +301,3 @@ def at_every_stop(drive: Drive, smoother: Smoother, begin: Mapped) -> float:
         smoother.gauss_newton(part, states, 1)
         seconds += time.process_time() - start
     return seconds
-
-
-# --- the figure ---
-
-
-def draw_ekf_and_graph(recorded: Mapping[str, Any] | None = None) -> Drawing:
-    """Draw error, NEES and time of both methods by the length of the drive.
-
-    Parameters
-    ----------
-    recorded : mapping, optional
-        What ``python -m benchmarks ekf_and_graph`` measured; without it, the course's own record.
-
-    Returns
-    -------
-    Drawing
-        Three plots.
-    """
-    recorded = recorded or json.loads(RECORDED.read_text(encoding="utf-8"))
-    steps, runs = recorded["steps"], recorded["runs"]
-    words = []
-    with course_style():
-        figure = Figure(figsize=(12.0, 4.2))
-        error, nees, seconds = figure.subplots(1, 3)
-        for name, rows in recorded["methods"].items():
-            look = STYLES[name]
-            options: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 2, "ms": 6}
-            error.plot(steps, rows["path"], **options)
-            nees.plot(steps, rows["nees"], **options)
-            seconds.plot(steps, rows["seconds"], **options)
-            words.append(
-                f"{look.label} after {steps[-1]} steps: {rows['path'][-1]:.1f} m, NEES {rows['nees'][-1]:.1f}, "
-                f"{rows['seconds'][-1]:.2g} s"
-            )
-        _plot_band(nees, runs)
-        every = recorded["graph_at_every_stop"]
-        seconds.plot(
-            steps,
-            every,
-            color=STYLES["graph"].colour,
-            lw=1.3,
-            ls=":",
-            marker=STYLES["graph"].marker,
-            mfc="white",
-        )
-        seconds.annotate(
-            "solved anew at every stop",
-            (steps[-1], every[-1]),
-            ha="right",
-            xytext=(0, 7),
-            textcoords="offset points",
-            fontsize=9,
-        )
-        error.set(ylabel="error of the whole path (m)")
-        nees.set(ylabel="NEES of the last pose, mean")
-        seconds.set(ylabel="seconds for the drive")
-        for ax in (error, nees, seconds):
-            ax.set(xscale="log", yscale="log", xlabel="steps of a metre")
-            ax.set_xticks(steps, [str(count) for count in steps], minor=False)
-            ax.minorticks_off()
-            ax.grid(color="#e3e5e8")
-        legend_below(figure, [source_key(name) for name in recorded["methods"]])
-    return Drawing(figure, f"EKF and graph on the same {runs} drives of each length. {'; '.join(words)}.")
-
-
-def _plot_band(ax: Axes, runs: int) -> None:
-    """Between what the mean NEES of an honest pose lies."""
-    low, high = band(3, runs)
-    ax.axhspan(low, high, color="#b5d1ac", alpha=0.7, lw=0)
-    ax.annotate(
-        "honest: 95 %", (1, high), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=9
-    )
