@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks import ROOT, Result, Table
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.pose_graphs.ekf_and_graph import (
+from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     NOISES,
     Filter,
     Smoother,
@@ -19,7 +19,7 @@ from nao_course.lessons.pose_graphs.ekf_and_graph import (
     hall_drive,
     run_filter,
 )
-from nao_course.lessons.pose_graphs.recorded import EKF_AND_GRAPH
+from nao_course.lessons.pose_graphs.measured.recorded import EKF_AND_GRAPH
 
 STEPS = (25, 50, 100, 200, 400, 800)
 SEEDS = range(30)

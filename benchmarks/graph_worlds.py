@@ -10,8 +10,8 @@ from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.lessons.pose_graphs.worlds import between
 
 STEP_SIGMA = np.array([0.02, 0.02, 0.01])  # m, m, rad
-SIGHT_SIGMA = np.array([0.003, 0.02])  # rad, m: a laser scanner's
-SIGHT = 3.0  # m
+SIGHT_SIGMA = np.array([0.001, 0.001])  # rad, m: so good that bearing and range have the optimum of x and y
+NEAREST, FARTHEST = 1.0, 3.5  # m within which a landmark is seen
 HEADINGS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
 
 
@@ -60,7 +60,9 @@ def town_with_landmarks(poses: int = 5000, landmarks: int = 500, seed: int = 9) 
     rng = np.random.default_rng([seed, poses, landmarks])
     truth = streets(poses, rng)
     marks = rng.uniform(truth[:, :2].min(axis=0) - 1, truth[:, :2].max(axis=0) + 1, (landmarks, 2))
-    near = scipy.spatial.cKDTree(marks).query_ball_point(truth[:, :2], SIGHT)
+    tree = scipy.spatial.cKDTree(marks)
+    far, too_near = (tree.query_ball_point(truth[:, :2], distance) for distance in (FARTHEST, NEAREST))
+    near = [sorted(set(each) - set(less)) for each, less in zip(far, too_near, strict=True)]
     pose = np.repeat(np.arange(poses), [len(each) for each in near])
     seen, mark = np.unique(np.concatenate([np.array(each, dtype=int) for each in near]), return_inverse=True)
     away = between(truth[pose], np.column_stack([marks[seen][mark], np.zeros(len(mark))]))[:, :2]

@@ -25,7 +25,7 @@ from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.pose_graphs.recorded import COSTS
+from nao_course.lessons.pose_graphs.measured.recorded import COSTS
 
 OWN = load_solution(ROOT / "solutions" / "09_pose_graphs.ipynb")
 STANDARD = {"intel": "openslam_intel", "M3500": "input_M3500_g2o", "city10000": "city10000"}

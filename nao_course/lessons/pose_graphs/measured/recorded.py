@@ -118,7 +118,7 @@ def draw_solver_costs() -> Drawing:
             colour, marker = _LOOKS[name]
             poses, seconds = ([row[key] for row in rows] for key in ("poses", "seconds"))
             ax.plot(poses, seconds, color=colour, marker=marker, ms=6, lw=2, label=name)
-            words.append(f"{name}: {seconds[-1]:.2g} s for {poses[-1]:,.0f} poses")
+            words.append(f"{name}: {seconds[-1]:.3g} s for {poses[-1]:,.0f} poses")
         ax.set(xscale="log", yscale="log", xlabel="poses", ylabel="seconds for three steps")
         ax.xaxis.set_major_formatter("{x:,.0f}")
         ax.yaxis.set_major_formatter("{x:g}")
