@@ -16,7 +16,7 @@ from nao_course.lessons.pose_graphs.matrices import (
 )
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
 from nao_course.lessons.pose_graphs.real import draw_real_building
-from nao_course.lessons.pose_graphs.recorded import draw_ekf_and_graph, draw_solver_costs
+from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, draw_solver_costs
 from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty
 from nao_course.lessons.pose_graphs.worlds import (
