@@ -1626,21 +1626,11 @@ PLAN = LessonPlan(
             "None.",
         ),
         Question(
-            "who_pays",
-            "One false closure bends a map of 535 edges by metres, though 534 are right. Why do they not outvote it?",
-            {
-                "Because squares are added: one error of 100 sigma costs as much as 10,000 of one sigma.": "Yes. To save that, many right edges are bent a little, each at a small price.",
-                "Because the false closure came last.": "The order of edges changes nothing: all are added into one H and one b.",
-                "Because Gauss-Newton stops in a local minimum.": "It stands in the lowest point there is. The sum of squares itself is what does not fit: it believes that no error is larger than a few sigma.",
-            },
-            "Because squares are added: one error of 100 sigma costs as much as 10,000 of one sigma.",
-        ),
-        Question(
             "conditional",
             "You invert the 3 by 3 block of H that belongs to a pose. What do you get?",
             {
                 "The covariance of that pose.": "That is a block of the inverse, which is another matrix than the inverse of a block.",
-                "The covariance it would have if all other poses were known exactly.": "Right: it counts the direct links only. In the building it is up to a hundred times too sure.",
+                "The covariance it would have if all other poses were known exactly.": "Right: it counts the direct links only. In the building its standard deviations are up to nineteen times too small.",
                 "Nothing that has a meaning.": "It has one, and is useful: all other poses known, this is what is left. It is not what you may say about the map.",
             },
             "The covariance it would have if all other poses were known exactly.",

@@ -13,11 +13,12 @@ from nao_course.lessons.pose_graphs.matrices import (
     count_of_free_moves,
     draw_free_moves,
     draw_patterns,
-    free_moves,
 )
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
+from nao_course.lessons.pose_graphs.real import draw_real_building
+from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, draw_solver_costs
 from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
-from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty, honesty
+from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty
 from nao_course.lessons.pose_graphs.worlds import (
     World,
     building,
@@ -38,20 +39,21 @@ __all__ = [
     "count_of_free_moves",
     "disturbed",
     "draw_arrivals",
+    "draw_ekf_and_graph",
     "draw_false_closure",
     "draw_false_closures",
     "draw_free_moves",
     "draw_patterns",
+    "draw_real_building",
     "draw_relaxing",
+    "draw_solver_costs",
     "draw_step",
     "draw_uncertainty",
     "drift_that_climbs",
     "drifting_loop",
     "false_world",
     "field_drive",
-    "free_moves",
     "half_of_them",
-    "honesty",
     "loop",
     "position_error",
     "relaxed",

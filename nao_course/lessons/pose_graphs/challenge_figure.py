@@ -43,6 +43,7 @@ def draw_entries(run: Run) -> Drawing:
             label="yours",
         )
         errors.set(xlabel="drive", ylabel="error of the poses (m)", yscale="log")
+        errors.set_xticks(range(2, len(run.results) + 1, 2))
         errors.grid(axis="y", alpha=0.3)
         errors.legend()
         ranked = sorted(kept, key=lambda each: each[1])

@@ -115,7 +115,7 @@ def draw_relaxing(
     chi2 = gauss_newton(world.graph, world.odometry.copy(), max(iterations))[1]
     said = []
     with course_style():
-        figure = Figure(figsize=(13.0, 4.9))
+        figure = Figure(figsize=(13.0, 4.45))
         axes = figure.subplots(1, len(iterations))
         for ax, step in zip(axes, iterations, strict=True):
             source = "graph" if step else "odometry"

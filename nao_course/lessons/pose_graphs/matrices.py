@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.worlds import building, loop
-from nao_course.plotting import STYLES, Drawing, Table, course_style, table
+from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.style import GREY
 
 Linearize = Callable[[Graph, FloatArray], tuple[Any, FloatArray]]
@@ -114,21 +114,6 @@ def count_of_free_moves(linearize: Linearize) -> int:
     world = loop(1, side=2)
     values = np.linalg.eigvalsh(scipy.sparse.csc_array(linearize(world.graph, world.odometry)[0]).toarray())
     return int(np.count_nonzero(np.abs(values) < 1e-10 * values[-1]))
-
-
-def free_moves(linearize: Linearize) -> Table:
-    """Table of the smallest eigenvalues of H with nothing held, and with the first pose held."""
-    world = loop(1, side=2)
-    H = scipy.sparse.csc_array(linearize(world.graph, world.odometry)[0]).toarray()
-    rows = []
-    for name, matrix in (("nothing held", H), ("first pose held", H[3:, 3:])):
-        values = np.linalg.eigvalsh(matrix)
-        rows.append([name, *(_say(each, values[-1]) for each in values[:5]), f"{values[-1]:,.0f}"])
-    return table(["", "smallest", "2nd", "3rd", "4th", "5th", "largest"], rows)
-
-
-def _say(value: float, largest: float) -> str:
-    return "0 (rounding)" if abs(value) < 1e-10 * largest else f"{value:.3g}"
 
 
 def draw_free_moves(linearize: Linearize, amounts: Sequence[float] = (0.9, 0.9, 0.25)) -> Drawing:

@@ -25,7 +25,6 @@ from nao_course.lessons.pose_graphs.worlds import (
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
-from nao_course.widgets.parts import box
 
 STEPS = 10
 PACE = 700  # ms a step, while it plays
@@ -92,7 +91,7 @@ class RelaxPanel(FunctionPanel):
         player.description = player.tooltip = "Play the steps"
         ipywidgets.jslink((player, "value"), (self._widgets["step"], "value"))
         row = self.widget.children[2]
-        row.children = (box("H", "nao-choices", player, *row.children[:0]), *row.children)
+        row.children = (player, *row.children)
         self.player = player
 
     def _relax(self, values: Any, student: Any) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""How sure a map is: ellipses along a drive before and after its loops are closed, and whether they are honest."""
+"""How sure a map is: ellipses along a drive before and after its loops are closed."""
 
 from __future__ import annotations
 
@@ -10,18 +10,16 @@ import numpy as np
 import scipy.sparse
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.stats import chi2 as chi2_distribution
 
-from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.figures import GaussNewton
-from nao_course.lessons.pose_graphs.worlds import World, building, loop
-from nao_course.plotting import STYLES, Drawing, Table, course_style, ellipse_outlines, table
+from nao_course.lessons.pose_graphs.worlds import World, building
+from nao_course.plotting import STYLES, Drawing, course_style, ellipse_outlines
 from nao_course.plotting.ellipses import filled_outlines
 from nao_course.plotting.legends import legend_below, source_key
 
 Function = Callable[..., Any]
-RUNS = 60
 
 
 def without_closures(graph: Graph) -> Graph:
@@ -103,48 +101,3 @@ def _plot_ellipses(
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
-
-
-def honesty(
-    linearize: Function, gauss_newton: GaussNewton, marginal_covariances: Function, runs: int = RUNS
-) -> Table:
-    """Mean NEES of a loop's middle pose over many loops: by blocks of the inverse, and by inverses of blocks.
-
-    Parameters
-    ----------
-    linearize, gauss_newton, marginal_covariances : callable
-        The student's.
-    runs : int
-        Loops, each with noise of its own.
-
-    Returns
-    -------
-    Table
-        With the band that holds 95 % of means of an honest covariance, and the part of true places in their ellipse.
-    """
-    scores: dict[str, list[float]] = {"block of the inverse": [], "inverse of the block": []}
-    inside = dict.fromkeys(scores, 0)
-    for seed in range(runs):
-        world = loop(1000 + seed, side=4)
-        middle = world.graph.poses // 2
-        states = gauss_newton(world.graph, world.odometry.copy(), 5)[0]
-        error = (np.asarray(states) - world.truth)[3 * middle : 3 * middle + 3]
-        error[2] = wrap_angle(error[2])
-        H = scipy.sparse.csc_array(linearize(world.graph, states)[0])[3:, 3:]
-        rows = 3 * (middle - 1) + np.arange(3)
-        blocks = {
-            "block of the inverse": np.asarray(marginal_covariances(H, [rows])[0]),
-            "inverse of the block": np.linalg.inv(H.toarray()[np.ix_(rows, rows)]),
-        }
-        for name, block in blocks.items():
-            scores[name].append(float(error @ np.linalg.solve(block, error)))
-            flat = error[:2] @ np.linalg.solve(block[:2, :2], error[:2])
-            inside[name] += bool(flat < chi2_distribution.ppf(0.95, 2))
-    low, high = chi2_distribution.ppf([0.025, 0.975], 3 * runs) / runs
-    rows_ = [
-        [name, f"{np.mean(each):.1f}", f"{low:.2f} to {high:.2f}", f"{100 * inside[name] / runs:.0f} %"]
-        for name, each in scores.items()
-    ]
-    return table(
-        ["covariance", "mean NEES", "95 % band of an honest one", "inside their ellipse of 95 %"], rows_
-    )
