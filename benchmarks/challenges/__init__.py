@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
 from benchmarks.challenges.ekf_slam import EKF_ENTRIES
+from benchmarks.challenges.false_closures import FALSE_CLOSURE_ENTRIES
 from benchmarks.challenges.hough_corners import CORNER_ENTRIES
 from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES
 from benchmarks.challenges.looks import LOOK_ENTRIES
@@ -37,6 +38,7 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "06_localization": LOOK_ENTRIES,
     "07_ekf_slam": EKF_ENTRIES,
     "08_graph_slam": CHOICE_ENTRIES,
+    "09_pose_graphs": FALSE_CLOSURE_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

@@ -1,6 +1,8 @@
-"""Recordings by others, read as the library's own values: pictures of a real robot, and logs."""
+"""Recordings by others, read as the library's own values: pictures of a real robot, logs, and pose graphs."""
 
 from nao_course.datasets.files import DATA_VARIABLE, data_folder
+from nao_course.datasets.freiburg_graph import read_freiburg_graph
+from nao_course.datasets.g2o import read_g2o, write_g2o
 from nao_course.datasets.logs import (
     FreiburgLog,
     HomeworkLog,
@@ -21,9 +23,12 @@ __all__ = [
     "RealPicture",
     "Sights",
     "data_folder",
+    "read_freiburg_graph",
     "read_freiburg_log",
+    "read_g2o",
     "read_homework_log",
     "read_pictures",
+    "write_g2o",
     "write_homework_log",
 ]
 

@@ -5,40 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NoReturn
-
-import scipy.sparse
+from typing import Any
 
 from nao_course.exercises import Close, Comparison, register, register_driver
 from nao_course.exercises.comparisons.comparison import RIGHT, Verdict
+from nao_course.exercises.comparisons.large_sparse import without_dense
 
-MOST_DENSE = 1000  # variables: a dense matrix of more has 8 MB and more
 _NUMBER = re.compile(
     r"(?<![\w.-])\d+(?![\w.]*\w)"
 )  # whole numbers of their own: not that of "int64" or "1e-9"
-
-
-class _TooLarge:
-    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying."""
-
-    def toarray(self, *args: Any, **kwargs: Any) -> NoReturn:
-        """Refuse."""
-        size = self.shape[0]  # type: ignore[attr-defined]
-        raise MemoryError(
-            f"as a dense array this matrix has {size} x {size} numbers, most of them 0: leave it sparse"
-        )
-
-    todense = toarray
-
-
-class _LargeArray(_TooLarge, scipy.sparse.csc_array):  # type: ignore[misc]  # scipy has no types
-    """The same as an array of scipy's."""
-
-
-def without_dense(matrix: Any) -> Any:
-    """Return a sparse matrix that refuses to be made dense where it is large; whatever else as it is."""
-    is_large = scipy.sparse.issparse(matrix) and matrix.shape[0] > MOST_DENSE
-    return _LargeArray(matrix) if is_large else matrix
 
 
 @register_driver

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-import scipy.sparse
-import scipy.sparse.linalg
 
 from nao_course.lessons.graph_slam.drivers import (
     SolvedOrNamed,
     numbers_in,
     solution_or_unheld,
-    without_dense,
 )
 
 
@@ -35,16 +32,6 @@ def test_an_answer_is_handed_on_and_an_error_gives_its_numbers():
     assert solution_or_unheld(np.linalg.solve, np.eye(2), np.ones(2)).tolist() == [1, 1]
     found = solution_or_unheld(refuse, np.eye(2), np.ones(2))
     assert found == {"named": [2, 5], "said": "nothing holds 5, 2, 5"}
-
-
-def test_a_large_sparse_matrix_refuses_to_be_dense_and_does_everything_else():
-    large = scipy.sparse.eye_array(1800, format="csr")
-    guarded = without_dense(large)
-    with pytest.raises(MemoryError, match="leave it sparse"):
-        guarded.toarray()
-    assert scipy.sparse.linalg.splu(guarded.tocsc()).solve(np.ones(1800)).sum() == 1800
-    small = scipy.sparse.eye_array(4, format="coo")
-    assert without_dense(small) is small
 
 
 LOOSE = {"named": [2, 5], "said": ""}

@@ -1,0 +1,166 @@
+"""The pose-landmark graph of Freiburg's SLAM course: a file of Octave's, in MATLAB's version 5 format."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+
+from nao_course.datasets.files import brief, contents, data_folder
+from nao_course.datasets.g2o import LARGEST_NUMBER, positive_definite
+from nao_course.geometry import FloatArray
+from nao_course.graphs import LANDMARK, POSE, Graph
+
+LARGEST_FILE = 50_000_000  # bytes
+WIDTH = {"P": 3, "L": 2}
+KIND = {"P": POSE, "L": LANDMARK}
+
+
+def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArray]:
+    """Read a graph as the homework of Freiburg's SLAM course has it: a struct g with x, edges and idLookup.
+
+    Parameters
+    ----------
+    path : path, optional
+        The file; without it, ``simulation-pose-landmark.dat`` in `data_folder()`.
+
+    Returns
+    -------
+    graph : Graph
+        Poses and landmarks in the order of the file's state vector each; `Graph.ids` are the file's names.
+    states : ndarray, shape (graph.size,)
+        The file's guess, m and rad.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no path is given and there is no data folder.
+    ValueError
+        If the file is missing, empty, too large or malformed; it names the file and, where there is one, the edge.
+    """
+    if path is None:
+        path = data_folder() / "slam" / "freiburg" / "simulation-pose-landmark.dat"
+    path = Path(path)
+    struct = _struct(path)
+    x = _array(path, "g.x", struct["x"], (np.size(struct["x"]),))
+    places = _places(path, struct["idLookup"], len(x))
+    edges = [
+        _Edge(f"{path}, edge {number}", edge, places)
+        for number, edge in enumerate(np.ravel(struct["edges"]), 1)
+    ]
+    is_pose = {
+        place for edge in edges for place in (edge.first, *([edge.second] if edge.kind == "P" else []))
+    }
+    is_landmark = {edge.second for edge in edges if edge.kind == "L"}
+    for edge in edges:
+        if edge.kind == "L" and edge.second in is_pose:
+            raise ValueError(f"{edge.where}: {edge.names[1]} is a pose in another edge, and a landmark here")
+    order = [*sorted(is_pose), *sorted(is_landmark)]
+    widths = [3] * len(is_pose) + [2] * len(is_landmark)
+    spans = sorted((place, place + width) for place, width in zip(order, widths, strict=True))
+    if any(end > begin for (_, end), (begin, _) in itertools.pairwise([*spans, (len(x), 0)])):
+        raise ValueError(
+            f"{path}: the state vector is too short for the vertices, or two of them overlap in it"
+        )
+    number_of = {place: number for number, place in enumerate(order)}
+    name_of = {place: name for name, place in places.items()}
+    graph = Graph(
+        np.array([(number_of[edge.first], number_of[edge.second]) for edge in edges], dtype=int),
+        np.array([edge.measurement for edge in edges]),
+        np.array([edge.information for edge in edges]),
+        np.repeat([POSE, LANDMARK], [len(is_pose), len(is_landmark)]),
+        np.array([name_of[place] for place in order]),
+    )
+    return graph, np.concatenate(
+        [x[place : place + width] for place, width in zip(order, widths, strict=True)]
+    )
+
+
+class _Edge:
+    """One edge of the file, checked: its kind, where its ends stand in the state vector, and what was measured."""
+
+    def __init__(self, where: str, edge: Any, places: dict[int, int]) -> None:
+        fields = {
+            name: getattr(edge, name, None) for name in ("type", "from", "to", "measurement", "information")
+        }
+        if any(value is None for value in fields.values()):
+            raise ValueError(f"{where}: needs the fields {', '.join(fields)}")
+        self.where, self.kind = where, str(fields["type"])
+        if self.kind not in WIDTH:
+            raise ValueError(f"{where}: type must be P or L, got {brief(self.kind)}")
+        self.names = [_name(where, fields[end]) for end in ("from", "to")]
+        for name in self.names:
+            if name not in places:
+                raise ValueError(f"{where}: there is no vertex {name} in idLookup")
+        self.first, self.second = (places[name] for name in self.names)
+        if self.first == self.second:
+            raise ValueError(f"{where}: leads from vertex {self.names[0]} to itself")
+        width = WIDTH[self.kind]
+        self.measurement, self.information = np.zeros(3), np.zeros((3, 3))
+        self.measurement[:width] = _array(where, "measurement", fields["measurement"], (width,))
+        information = _array(where, "information", fields["information"], (width, width))
+        if (
+            not np.allclose(information, information.T, rtol=1e-9)
+            or not positive_definite(information[None])[0]
+        ):
+            raise ValueError(
+                f"{where}: the information matrix must be symmetric and positive definite: {information}"
+            )
+        self.information[:width, :width] = information
+
+
+def _struct(path: Path) -> dict[str, Any]:
+    """Return the struct g, with the fields that a graph needs."""
+    data = contents(path, LARGEST_FILE)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            struct = scipy.io.loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True)["g"]
+        return {name: getattr(struct, name) for name in ("x", "edges", "idLookup")}
+    except Exception as error:  # noqa: BLE001  a damaged file fails in any way
+        raise ValueError(
+            f"{path}: expected a MATLAB file (version 5 to 7) with a struct g that has x, edges and idLookup; "
+            f"{type(error).__name__}: {error!s:.80}"
+        ) from None
+
+
+def _places(path: Path, lookup: Any, size: int) -> dict[int, int]:
+    """Where each vertex begins in the state vector, from 0; Octave counts from 1 or has stored an offset."""
+    places = {}
+    for key in getattr(lookup, "_fieldnames", ()):
+        name = _name(f"{path}, idLookup", key)
+        offset = getattr(getattr(lookup, key), "offset", None)
+        place = float(_array(f"{path}, idLookup, vertex {name}", "offset", offset, ()))
+        if not (place.is_integer() and 0 <= place < size):
+            raise ValueError(f"{path}, idLookup: vertex {name} begins at {place:g}, outside the state vector")
+        places[name] = int(place)
+    if len(set(places.values())) < len(places):
+        raise ValueError(f"{path}, idLookup: two vertices begin at the same place")
+    return places
+
+
+def _name(where: str, value: Any) -> int:
+    """A vertex's number, from a number or a field's name."""
+    try:
+        number = float(str(value).lstrip("x"))
+    except ValueError:
+        number = np.nan
+    if not (0 <= number < 2**53 and number.is_integer()):
+        raise ValueError(f"{where}: a vertex has a whole number, got {brief(str(value))}")
+    return int(number)
+
+
+def _array(where: str | Path, name: str, value: Any, shape: tuple[int, ...]) -> FloatArray:
+    """Return finite numbers of a shape, or say what is there instead."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.full(1, np.nan)
+    if array.shape != shape or not (np.abs(array) <= LARGEST_NUMBER).all():
+        raise ValueError(f"{where}: {name} must be finite numbers of shape {shape}, got {brief(str(value))}")
+    return array

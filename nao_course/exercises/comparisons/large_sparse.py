@@ -1,0 +1,32 @@
+"""Large sparse matrices that refuse to be made dense: what a driver hands to code that must keep them sparse."""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
+import scipy.sparse
+
+MOST_DENSE = 1000  # variables: a dense matrix of more has 8 MB and more
+
+
+class _TooLarge:
+    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying."""
+
+    def toarray(self, *args: Any, **kwargs: Any) -> NoReturn:
+        """Refuse."""
+        size = self.shape[0]  # type: ignore[attr-defined]
+        raise MemoryError(
+            f"as a dense array this matrix has {size} x {size} numbers, most of them 0: leave it sparse"
+        )
+
+    todense = toarray
+
+
+class _LargeArray(_TooLarge, scipy.sparse.csc_array):  # type: ignore[misc]  # scipy has no types
+    """The same as an array of scipy's."""
+
+
+def without_dense(matrix: Any) -> Any:
+    """Return a sparse matrix that refuses to be made dense where it is large; whatever else as it is."""
+    is_large = scipy.sparse.issparse(matrix) and matrix.shape[0] > MOST_DENSE
+    return _LargeArray(matrix) if is_large else matrix

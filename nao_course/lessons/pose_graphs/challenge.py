@@ -1,0 +1,179 @@
+"""The challenge of lesson 09: twenty false loop closures, some of which agree with each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
+from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.graphs import Graph
+from nao_course.lessons.pose_graphs.challenge_figure import draw_entries
+from nao_course.lessons.pose_graphs.worlds import (
+    APART,
+    CLOSURE_SIGMA,
+    CORRIDOR,
+    World,
+    between,
+    building,
+    chained,
+    position_error,
+)
+
+GRAPHS = 20
+POSES = 240
+TRUE_CLOSURES = 24
+FALSE_GROUPS = (
+    5,
+    4,
+    3,
+    2,
+    1,
+    1,
+    1,
+    1,
+    1,
+    1,
+)  # twenty false closures: runs of poses that match another corridor's
+ROUGH = 4.0  # the odometry's deviations, times those of the lesson's building
+FITS = 25.0  # e' Omega e up to which a closure is believed
+
+
+@dataclass(frozen=True, eq=False)
+class Aliased:
+    """A drive through a building whose corridors look alike.
+
+    Parameters
+    ----------
+    world : World
+        Its edges are mixed; the first pose is the truth's.
+    false : ndarray of bool, shape (E,)
+        Which edges are false.
+    """
+
+    world: World
+    false: FloatArray
+
+
+def make_graph(seed: int) -> Aliased:
+    """Drive through a building with rough odometry, few true closures and twenty false ones."""
+    rng = np.random.default_rng([seed, 909])
+    plan = building(int(rng.integers(10_000)), POSES)
+    truth = plan.graph.split(plan.truth)[0]
+    follows = np.flatnonzero(~plan.closures())
+    closures = np.flatnonzero(plan.closures())
+    kept = np.sort(rng.choice(closures, min(TRUE_CLOSURES, len(closures)), replace=False))
+    steps = _rough_steps(plan.graph, follows, truth, rng)
+    pairs, z = _false_closures(truth, rng)
+    graph = plan.graph
+    edges = np.concatenate([graph.edges[follows], graph.edges[kept], pairs])
+    measurements = np.concatenate([steps, graph.measurements[kept], z])
+    closing = np.diag(1 / np.square(CLOSURE_SIGMA))
+    information = np.concatenate(
+        [
+            graph.information[follows] / ROUGH**2,
+            np.broadcast_to(closing, (len(kept) + len(pairs), 3, 3)),
+        ]
+    )
+    false = np.arange(len(edges)) >= len(follows) + len(kept)
+    order = np.concatenate(
+        [np.arange(len(follows)), len(follows) + rng.permutation(len(edges) - len(follows))]
+    )
+    mixed = replace(
+        graph, edges=edges[order], measurements=measurements[order], information=information[order]
+    )
+    path = chained(truth[0], steps)
+    return Aliased(World(mixed, plan.truth, path.ravel()), false[order])
+
+
+def _rough_steps(graph: Graph, follows: Any, truth: FloatArray, rng: np.random.Generator) -> FloatArray:
+    sigma = ROUGH / np.sqrt(np.diagonal(graph.information[follows], axis1=1, axis2=2))
+    return between(truth[:-1], truth[1:]) + sigma * rng.standard_normal(sigma.shape)
+
+
+def _false_closures(truth: FloatArray, rng: np.random.Generator) -> tuple[Any, FloatArray]:
+    """Runs of poses that are taken for a run along another corridor: pairs (late, early), and what is "measured"."""
+    pairs: list[tuple[int, int]] = []
+    measured: list[FloatArray] = []
+    for count in FALSE_GROUPS:
+        while True:
+            early, late = sorted(rng.integers(1, len(truth) - 2 * count, 2).tolist())
+            runs = early + 2 * np.arange(count), late + 2 * np.arange(count)
+            far = np.hypot(*(truth[late] - truth[early])[:2]) > 1.5 * CORRIDOR
+            straight = all(np.ptp(truth[run, 2]) < 1e-9 for run in runs)
+            if far and straight and late - early > APART + 2 * count:
+                break
+        shift = rng.normal(0.0, 0.5, 2)
+        for first, second in zip(*runs, strict=True):
+            pairs.append((int(second), int(first)))
+            noise = np.array(CLOSURE_SIGMA) * rng.standard_normal(3)
+            measured.append(np.array([*shift, 0.0]) + noise)
+    return np.array(pairs), np.array(measured)
+
+
+def closure_squares(world: World, states: Any) -> FloatArray:
+    """Weighted squares of all edges, (E,)."""
+    return world.graph.squared_errors(states, _missed, lambda *ends: np.zeros((0, 2)))
+
+
+def _missed(first: FloatArray, second: FloatArray, z: FloatArray) -> FloatArray:
+    """How far poses are from where z puts them, in the frame of the first: good enough to see what fits."""
+    away = between(first, second) - z
+    away[:, 2] = wrap_angle(away[:, 2])
+    return away
+
+
+def judge(answer: Any, case: Aliased) -> CaseScore:
+    """Score states by their distance from the truth, and say what they believe."""
+    world = case.world
+    if answer is None:
+        raise TypeError("Your answer is None: return the states.")
+    if isinstance(answer, tuple | list) and len(answer) == 2:
+        raise TypeError("Return the states only: gauss_newton gives (states, history), take its first.")
+    states = np.array(answer, dtype=float, subok=False)
+    if states.shape != (world.graph.size,):
+        raise ValueError(f"Your states must have the shape ({world.graph.size},), got {states.shape}.")
+    if not np.isfinite(states).all():
+        raise ValueError("Your states hold NaN or infinity.")
+    states = _begun_at_the_truth(world, states)
+    squares, closing = closure_squares(world, states), world.closures()
+    believed = squares < FITS
+    columns = {
+        "false believed": 100.0 * float(believed[case.false].mean()),
+        "true given up": 100.0 * float(1 - believed[closing & ~case.false].mean()),
+    }
+    return CaseScore(position_error(world, states), columns, (world, states, case.false, believed))
+
+
+def _begun_at_the_truth(world: World, states: FloatArray) -> FloatArray:
+    """Move the whole answer so that its first pose is the true one."""
+    poses, true = states.reshape(-1, 3), world.truth[:3]
+    turn = true[2] - poses[0, 2]
+    c, s = np.cos(turn), np.sin(turn)
+    places = (poses[:, :2] - poses[0, :2]) @ np.array([[c, s], [-s, c]]) + true[:2]
+    return np.column_stack([places, poses[:, 2] + turn]).ravel()
+
+
+CHALLENGE = Challenge(
+    lesson="09_pose_graphs",
+    title="Challenge 09: twenty false loop closures",
+    task=f"In each of {GRAPHS} drives through a building twenty closures are false, and about as many are true. "
+    "Write a function of (graph, states), states being the odometry's; return the states that you believe, flat.",
+    scoring="the root mean square distance of all poses from the truth, in metres; the mean over all drives; smaller "
+    "is better.",
+    seeds=range(1, GRAPHS + 1),
+    make=make_graph,
+    given=lambda case: (case.world.graph, case.world.odometry),
+    judge=judge,
+    figure=draw_entries,
+    columns=(Column("false believed", " %", 0), Column("true given up", " %", 0)),
+    rows=recorded_rows(Path(__file__).with_suffix(".json")),
+    nothing=20.0,
+    higher_is_better=False,
+    unit=" m",
+    case="drive",
+    name_of=lambda seed: f"drive {seed}",
+)

@@ -1,0 +1,282 @@
+"""Maps of pose graphs, and figures of how they relax and of what a false closure does to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray
+from nao_course.graphs import Graph
+from nao_course.lessons.pose_graphs.robust import robust_gauss_newton
+from nao_course.lessons.pose_graphs.worlds import (
+    World,
+    building,
+    drifting_loop,
+    position_error,
+    with_false_closures,
+)
+from nao_course.plotting import STYLES, Drawing, course_style
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.style import FOUND, GREY
+
+Function = Callable[..., Any]
+GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
+
+CLOSURE = "#2a8a82"  # edges to poses that were recognised
+_TRUTH = Line2D([], [], color=STYLES["truth"].colour, lw=1.2, alpha=0.45, label="true path")
+_CLOSURES = Line2D([], [], color=CLOSURE, lw=1.4, label="closure")
+_LANDMARKS = [
+    Line2D([], [], marker="P", color=STYLES["graph"].colour, ls="", ms=8, mec="white", label="landmark"),
+    Line2D([], [], marker="o", mfc="none", mec=STYLES["truth"].colour, ls="", ms=9, label="true landmark"),
+]
+
+
+def plot_graph(
+    world: World,
+    states: npt.ArrayLike,
+    ax: Axes,
+    *,
+    source: str = "graph",
+    false: int = 0,
+    truth: bool = True,
+) -> None:
+    """Draw poses in a source's style, closures, landmarks, and the truth in grey; `false` last edges stand out."""
+    graph, style = world.graph, STYLES[source]
+    poses, marks = graph.split(states)
+    if truth:
+        true, true_marks = graph.split(world.truth)
+        ax.plot(*true[:, :2].T, color=STYLES["truth"].colour, lw=1.2, alpha=0.45, zorder=1)
+        ax.plot(*true_marks.T, "o", mfc="none", mec=STYLES["truth"].colour, ms=9, zorder=2)
+    closing = world.closures()
+    wrong = np.arange(len(closing)) >= len(closing) - false
+    for chosen, colour, width in ((closing & ~wrong, CLOSURE, 1.0), (wrong, FOUND, 2.2)):
+        ends = poses[graph.edges[chosen]][:, :, :2]
+        ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=3))
+    ax.plot(*poses[:, :2].T, "-", color=style.colour, lw=1.5, marker=".", ms=3, zorder=4)
+    to_mark = graph.landmark_edges
+    rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1) if len(to_mark.z) else []
+    ax.add_collection(LineCollection(list(rays), colors=style.colour, linewidths=0.4, alpha=0.5, zorder=3))
+    ax.plot(*marks.T, "P", color=style.colour, ms=8, mec="white", zorder=5)
+    ax.plot(*poses[0, :2], "o", color=STYLES["truth"].colour, ms=6, zorder=6)
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    ax.set_aspect("equal", adjustable="box")
+    ax.autoscale_view()
+
+
+def map_keys(world: World, *, false: bool = False) -> list[Any]:
+    """Legend keys of such maps."""
+    keys: list[Any] = [source_key("odometry"), source_key("graph", "poses by the graph"), _TRUTH]
+    keys += [_CLOSURES] if world.closures().any() else []
+    keys += [Line2D([], [], color=FOUND, lw=2.2, label="false closure")] if false else []
+    return keys + (_LANDMARKS if world.graph.landmarks else [])
+
+
+def say_chi2(value: float) -> str:
+    """Chi2 with as many digits as one can read: "129,796" or "407.1"."""
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.1f}" if value >= 10 else f"{value:.2g}"
+
+
+def relaxed(world: World, gauss_newton: GaussNewton, iterations: int, states: Any = None) -> list[FloatArray]:
+    """States before the first step and after each of them, from the odometry or from other `states`."""
+    every = [world.odometry if states is None else np.asarray(states, dtype=float)]
+    for _ in range(iterations):
+        found, _ = gauss_newton(world.graph, every[-1].copy(), 1)
+        every.append(np.asarray(found, dtype=float))
+    return every
+
+
+def draw_relaxing(
+    gauss_newton: GaussNewton, seed: int = 5, iterations: Sequence[int] = (0, 1, 2, 4)
+) -> Drawing:
+    """Draw how a drive through a building relaxes, step by step, by the student's function.
+
+    Parameters
+    ----------
+    gauss_newton : callable
+        Exercise 9.6.
+    seed : int
+        Of `building`.
+    iterations : sequence of int
+        Moments to show.
+
+    Returns
+    -------
+    Drawing
+    """
+    world = building(seed)
+    every = relaxed(world, gauss_newton, max(iterations))
+    chi2 = gauss_newton(world.graph, world.odometry.copy(), max(iterations))[1]
+    said = []
+    with course_style():
+        figure = Figure(figsize=(13.0, 4.45))
+        axes = figure.subplots(1, len(iterations))
+        for ax, step in zip(axes, iterations, strict=True):
+            source = "graph" if step else "odometry"
+            plot_graph(world, every[step], ax, source=source)
+            title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+            off = position_error(world, every[step])
+            ax.set_title(f"{title}\nχ² = {say_chi2(chi2[step])}, off by {off:.2f} m", fontsize=11)
+            said.append(f"{title}, chi2 {say_chi2(chi2[step])} and off by {off:.2f} m")
+        _same_limits(axes)
+        legend_below(figure, map_keys(world), columns=5)
+    return Drawing(
+        figure,
+        f"A drive through a building's corridors, {world.graph.poses} poses, at {len(iterations)} moments: "
+        f"{'; '.join(said)}.",
+    )
+
+
+def false_world(seed: int = 5, count: int = 1) -> World:
+    """The building with false closures."""
+    return with_false_closures(building(seed), count, seed=2)
+
+
+def draw_false_closure(
+    gauss_newton: GaussNewton, reweight: Function | None = None, width: float = 3.0
+) -> Drawing:
+    """Draw the building without a false closure, with one, and with edges weighted anew at each step."""
+    clean, world = false_world(count=0), false_world()
+    panels = [
+        ("all closures true", clean, relaxed(clean, gauss_newton, 8)[-1], 0),
+        ("one more, and false", world, relaxed(world, gauss_newton, 8)[-1], 1),
+    ]
+    if reweight is not None:
+        panels.append(
+            (
+                "with weights",
+                world,
+                robust_gauss_newton(gauss_newton, reweight, world.graph, world.odometry, width),
+                1,
+            )
+        )
+    return _side_by_side(panels, "A drive through a building")
+
+
+def _side_by_side(panels: Sequence[tuple[str, World, FloatArray, int]], what: str) -> Drawing:
+    said = []
+    with course_style():
+        figure = Figure(figsize=(4.6 * len(panels), 4.5))
+        axes = figure.subplots(1, len(panels), squeeze=False)[0]
+        for ax, (title, world, states, false) in zip(axes, panels, strict=True):
+            plot_graph(world, states, ax, false=false)
+            off = position_error(world, states)
+            ax.set_title(f"{title}: off by {off:.2f} m", fontsize=11)
+            said.append(f"{title}, off by {off:.2f} m")
+        _same_limits(axes)
+        keys = map_keys(panels[0][1], false=True)
+        legend_below(figure, [key for key in keys if key.get_label() != "odometry"], columns=5)
+    return Drawing(figure, f"{what}, {len(panels)} times: {'; '.join(said)}.")
+
+
+def _same_limits(axes: Sequence[Axes]) -> None:
+    """Give maps side by side one scale, and the left one the only words along y."""
+    xs, ys = (np.array([limits(ax) for ax in axes]) for limits in (Axes.get_xlim, Axes.get_ylim))
+    for number, ax in enumerate(axes):
+        ax.set(xlim=(xs[:, 0].min(), xs[:, 1].max()), ylim=(ys[:, 0].min(), ys[:, 1].max()))
+        if number:
+            ax.set_ylabel("")
+
+
+# --- a step that is too long ---
+
+
+def chi2_along(
+    world: World, step: FloatArray, residuals: tuple[Function, Function], parts: FloatArray
+) -> FloatArray:
+    """chi2 on the way from the odometry along a step, at parts of it."""
+    return np.array(
+        [world.graph.squared_errors(world.odometry + part * step, *residuals).sum() for part in parts]
+    )
+
+
+def draw_step(
+    linearize: Function,
+    gauss_newton: GaussNewton,
+    pose_residual: Function,
+    landmark_residual: Function,
+    drifts: Sequence[float] = (30.0, 90.0),
+) -> Drawing:
+    """Draw chi2 along the first step round a loop: what the linear system promises, and what is.
+
+    Parameters
+    ----------
+    linearize, gauss_newton, pose_residual, landmark_residual : callable
+        The student's.
+    drifts : sequence of float
+        Of the odometry's heading on the whole loop, degrees.
+
+    Returns
+    -------
+    Drawing
+    """
+    parts, said = np.linspace(0.0, 1.25, 51), []
+    with course_style():
+        figure = Figure(figsize=(12.0, 4.4))
+        *curves, map_ax = figure.subplots(1, len(drifts) + 1, width_ratios=(*(1.0 for _ in drifts), 1.25))
+        for ax, drift in zip(curves, drifts, strict=True):
+            world = drifting_loop(np.radians(drift))
+            step = np.asarray(gauss_newton(world.graph, world.odometry.copy(), 1)[0]) - world.odometry
+            H, b = linearize(world.graph, world.odometry)
+            true = chi2_along(world, step, (pose_residual, landmark_residual), parts)
+            promised = true[0] + 2 * parts * (b @ step) + parts**2 * (step @ (H @ step))
+            ax.plot(parts, promised / true[0], "--", color=GREY, lw=1.8, label="promised by H and b")
+            ax.plot(parts, true / true[0], color=STYLES["graph"].colour, lw=2.2, label="what is")
+            ax.axvline(1.0, color=GREY, lw=0.8)
+            ax.set(xlabel="part of the step", ylabel="χ² / χ² at the start", ylim=(0, None), xlim=(0, 1.25))
+            ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
+            ax.legend(loc="upper left" if true[40] > true[0] else "upper right")
+            ends = true[40] / true[0], promised[40] / true[0]
+            said.append(
+                f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
+                f"{ends[1]:.3f} was promised, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
+            )
+        world = drifting_loop(np.radians(drifts[-1]))
+        every = relaxed(world, gauss_newton, 2)
+        _plot_steps(world, every, map_ax)
+    return Drawing(
+        figure, f"Chi2 along the first Gauss-Newton step round a closed square: {'; '.join(said)}."
+    )
+
+
+def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
+    looks = [
+        ("odometry", STYLES["odometry"].colour),
+        ("after 1 step", "#d4879c"),
+        ("after 2", STYLES["graph"].colour),
+    ]
+    for (label, colour), states in zip(looks, every, strict=True):
+        ax.plot(*world.graph.split(states)[0][:, :2].T, color=colour, lw=1.8, label=label)
+    ax.plot(
+        *world.graph.split(world.truth)[0][:, :2].T,
+        color=STYLES["truth"].colour,
+        lw=1.2,
+        alpha=0.45,
+        label="truth",
+    )
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_title("the loop on the way", fontsize=11)
+    ax.legend(loc="best")
+
+
+def first_step_ratio(gauss_newton: GaussNewton, drift: float) -> float:
+    """By what the first step multiplies chi2, where the heading has drifted (degrees) round a loop."""
+    world = drifting_loop(np.radians(drift))
+    chi2 = gauss_newton(world.graph, world.odometry.copy(), 1)[1]
+    return float(chi2[1] / chi2[0])
+
+
+def drift_that_climbs(gauss_newton: GaussNewton) -> float:
+    """The drift (degrees) from which on the first step makes chi2 larger: by bisection."""
+    low, high = 10.0, 120.0
+    for _ in range(9):
+        middle = (low + high) / 2
+        low, high = (low, middle) if first_step_ratio(gauss_newton, middle) > 1 else (middle, high)
+    return (low + high) / 2

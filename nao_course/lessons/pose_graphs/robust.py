@@ -1,0 +1,209 @@
+"""What false loop closures do to a map, and what a kernel that weighs edges down does against them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nao_course.geometry import FloatArray
+from nao_course.graphs import Graph
+from nao_course.lessons.pose_graphs.worlds import World, building, position_error, with_false_closures
+from nao_course.plotting import STYLES, Drawing, course_style
+from nao_course.plotting.legends import legend_below
+from nao_course.plotting.style import FOUND, GREY
+
+GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
+Reweight = Callable[[Graph, FloatArray, float], Graph]
+
+COUNTS = (0, 1, 2, 5, 10, 20)
+SEEDS = (1, 2, 3, 4, 5)
+WIDTH = 3.0  # standard deviations: an error beyond it counts less and less
+PLAIN_ITERATIONS, ROBUST_ITERATIONS = 8, 15
+FAR = 3.0  # m between two poses that no true closure connects
+TRUE_COLOUR, FALSE_COLOUR = GREY, FOUND
+
+
+def robust_gauss_newton(
+    gauss_newton: GaussNewton,
+    reweight: Reweight,
+    graph: Graph,
+    states: FloatArray,
+    width: float = WIDTH,
+    iterations: int = ROBUST_ITERATIONS,
+) -> FloatArray:
+    """Weigh each edge by its error, take one step of Gauss-Newton, and do both again.
+
+    Parameters
+    ----------
+    gauss_newton, reweight : callable
+        The student's.
+    graph : Graph
+        Some of its edges may be false.
+    states : ndarray, shape (graph.size,)
+        Where to begin: a kernel finds the map that is near to it, so odometry is better than a bent map.
+    width : float
+        Of the kernel, in standard deviations.
+    iterations : int
+        How often.
+
+    Returns
+    -------
+    ndarray, shape (graph.size,)
+    """
+    for _ in range(iterations):
+        states, _ = gauss_newton(reweight(graph, states, width), states, 1)
+    return states
+
+
+def edge_weights(reweight: Reweight, graph: Graph, states: FloatArray, width: float = WIDTH) -> FloatArray:
+    """How much of each edge's information is left at these states: (E,), from 0 to 1."""
+    left: FloatArray = reweight(graph, states, width).information[:, 0, 0] / graph.information[:, 0, 0]
+    return left
+
+
+@dataclass(frozen=True, eq=False)
+class FalseClosures:
+    """Errors of maps, by the number of false loop closures.
+
+    Parameters
+    ----------
+    counts : tuple of int
+        C numbers of false closures.
+    odometry, plain, robust, late : ndarray, shape (C, S)
+        Root mean square error of the poses (m) of S buildings: of odometry, with all edges trusted, with the kernel,
+        and with the kernel begun late, on the map that trusts all edges.
+    """
+
+    counts: tuple[int, ...]
+    odometry: FloatArray
+    plain: FloatArray
+    robust: FloatArray
+    late: FloatArray
+
+
+def errors_by_false_closures(
+    gauss_newton: GaussNewton,
+    reweight: Reweight,
+    counts: Sequence[int] = COUNTS,
+    seeds: Sequence[int] = SEEDS,
+    poses: int = 300,
+) -> FalseClosures:
+    """Map buildings with more and more false closures, with the kernel and without.
+
+    Parameters
+    ----------
+    gauss_newton, reweight : callable
+        The student's.
+    counts, seeds : sequence of int
+        Numbers of false closures, and the buildings.
+    poses : int
+        Of each drive; a metre each.
+
+    Returns
+    -------
+    FalseClosures
+    """
+    errors = np.array(
+        [[_errors(gauss_newton, reweight, _world(seed, count, poses)) for seed in seeds] for count in counts]
+    )
+    return FalseClosures(tuple(counts), *np.moveaxis(errors, 2, 0))
+
+
+def draw_false_closures(
+    gauss_newton: GaussNewton, reweight: Reweight, found: FalseClosures | None = None
+) -> Drawing:
+    """Draw a map with twenty false closures, without the kernel and with it, and the error by their number.
+
+    Parameters
+    ----------
+    gauss_newton, reweight : callable
+        The student's.
+    found : FalseClosures, optional
+        What `errors_by_false_closures` gave; without it, it is called.
+
+    Returns
+    -------
+    Drawing
+        Two maps and a plot.
+    """
+    found = found or errors_by_false_closures(gauss_newton, reweight)
+    world = _world(SEEDS[0], COUNTS[-1], 300)
+    plain, _ = gauss_newton(world.graph, world.odometry, PLAIN_ITERATIONS)
+    robust = robust_gauss_newton(gauss_newton, reweight, world.graph, world.odometry)
+    with course_style():
+        figure = Figure(figsize=(12.0, 4.3))
+        first, second, third = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.25))
+        _plot_map(world, plain, np.ones(len(world.graph.edges)), first)
+        first.set_title(f"all edges trusted: {position_error(world, plain):.1f} m off", fontsize=11)
+        _plot_map(world, robust, edge_weights(reweight, world.graph, robust), second)
+        second.set_title(f"with the kernel: {position_error(world, robust):.1f} m off", fontsize=11)
+        _plot_errors(found, third)
+        legend_below(figure, [*third.get_legend_handles_labels()[0], *_map_keys()])
+    return Drawing(
+        figure,
+        f"A building with {COUNTS[-1]} false loop closures: {position_error(world, plain):.1f} m off with all edges "
+        f"trusted, {position_error(world, robust):.1f} m with the kernel. {_say(found)}",
+    )
+
+
+def _world(seed: int, count: int, poses: int) -> World:
+    return with_false_closures(building(seed, poses), count, seed)
+
+
+def _errors(gauss_newton: GaussNewton, reweight: Reweight, world: World) -> list[float]:
+    """Errors (m) of odometry, of plain Gauss-Newton, with the kernel, and with the kernel begun late."""
+    plain, _ = gauss_newton(world.graph, world.odometry, PLAIN_ITERATIONS)
+    robust, late = (
+        robust_gauss_newton(gauss_newton, reweight, world.graph, begin) for begin in (world.odometry, plain)
+    )
+    return [position_error(world, states) for states in (world.odometry, plain, robust, late)]
+
+
+def _plot_map(world: World, states: FloatArray, weights: FloatArray, ax: Axes) -> None:
+    """The poses, the truth below them, and the closures, the thinner the less they weigh."""
+    graph = world.graph
+    truth, poses = (graph.split(each)[0] for each in (world.truth, states))
+    ax.plot(*truth[:, :2].T, color=STYLES["truth"].colour, lw=0.8, alpha=0.6)
+    ax.plot(*poses[:, :2].T, color=STYLES["graph"].colour, lw=1.6)
+    chosen = world.closures() & (weights > 0.05)
+    lines = poses[graph.edges[chosen]][:, :, :2]
+    false = np.hypot(*np.diff(truth[graph.edges[chosen]][:, :, :2], axis=1)[:, 0].T) > FAR
+    for which, colour in ((~false, TRUE_COLOUR), (false, FALSE_COLOUR)):
+        ax.add_collection(LineCollection(lines[which], colors=colour, lw=1.3, zorder=3))
+    ax.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+
+
+def _map_keys() -> list[Line2D]:
+    looks = {"truth": (STYLES["truth"].colour, 0.8), "true closure": (TRUE_COLOUR, 1.3)}
+    looks["false closure that counts"] = (FALSE_COLOUR, 1.3)
+    return [Line2D([], [], color=colour, lw=width, label=name) for name, (colour, width) in looks.items()]
+
+
+def _plot_errors(found: FalseClosures, ax: Axes) -> None:
+    """Medians, and what lies between the best building and the worst."""
+    at = np.arange(len(found.counts))
+    rows = {"odometry alone": ("odometry", found.odometry), "all edges trusted": ("ekf", found.plain)}
+    rows |= {
+        "with the kernel": ("graph", found.robust),
+        "kernel, begun on the bent map": ("truth", found.late),
+    }
+    for name, (source, errors) in rows.items():
+        look = STYLES[source]
+        ax.fill_between(at, errors.min(axis=1), errors.max(axis=1), color=look.colour, alpha=0.15, lw=0)
+        ax.plot(at, np.median(errors, axis=1), color=look.colour, marker=look.marker, lw=2, label=name)
+    ax.set(yscale="log", xlabel="false loop closures", ylabel="error of the poses (m)")
+    ax.set_xticks(at, [str(count) for count in found.counts])
+    ax.grid(axis="y", color="#e3e5e8")
+
+
+def _say(found: FalseClosures) -> str:
+    """The figure's medians in words."""
+    rows = zip(found.counts, np.median(found.plain, axis=1), np.median(found.robust, axis=1), strict=True)
+    said = "; ".join(f"{count}: {plain:.1f} and {robust:.1f} m" for count, plain, robust in rows)
+    return f"Median error by the number of false closures, without and with the kernel: {said}."

@@ -1,0 +1,213 @@
+"""A graph that is written is read again to the last bit; a file that is not whole is refused with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nao_course.datasets import g2o, read_g2o, write_g2o
+from nao_course.graphs import LANDMARK, POSE, Graph
+
+GOOD = [
+    "# a comment",
+    "VERTEX_SE2 7 0 0 0",
+    "VERTEX_SE2 3 1.5 0 0.25  # another",
+    "VERTEX_XY 9 2 2",
+    "",
+    "EDGE_SE2_XY 3 9 0.5 2 4 0 4",
+    "EDGE_SE2 7 3 1.5 0 0.25 10 1 0 10 0 100",
+]
+
+
+def written(folder: Path, lines: list[str]) -> Path:
+    path = folder / "graph.g2o"
+    path.write_text("\n".join(lines))
+    return path
+
+
+def changed(line: int, *to: str) -> list[str]:
+    return [*GOOD[: line - 1], *to, *GOOD[line:]]
+
+
+def some_graph(rng: np.random.Generator, poses: int, landmarks: int, edges: int) -> tuple[Graph, np.ndarray]:
+    """Any numbers that a graph may hold, of all sizes."""
+    count = poses + landmarks
+    first = rng.integers(poses, size=edges)
+    second = (first + rng.integers(1, max(count, 2), size=edges)) % max(count, 2)
+    z = rng.normal(size=(edges, 3)) * 10.0 ** rng.integers(-6, 6, size=(edges, 1))
+    roots = rng.normal(size=(edges, 3, 3)) + 3 * np.eye(3)
+    information = roots @ roots.mT
+    information = (information + information.mT) / 2
+    to_landmark = second >= poses
+    z[to_landmark, 2] = 0
+    information[to_landmark, 2], information[to_landmark, :, 2] = 0, 0
+    ids = rng.choice(10 * count, size=count, replace=False)
+    kinds = [POSE] * poses + [LANDMARK] * landmarks
+    graph = Graph(np.column_stack([first, second]), z, information, kinds, ids)
+    return graph, rng.normal(size=graph.size) * 1e3
+
+
+def assert_same(one: Graph, other: Graph) -> None:
+    for name in ("edges", "measurements", "information", "kinds", "ids"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    poses=st.integers(2, 12),
+    landmarks=st.integers(0, 8),
+    edges=st.integers(0, 30),
+)
+def test_a_graph_that_is_written_is_read_again_to_the_last_bit(
+    seed: int, poses: int, landmarks: int, edges: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    graph, states = some_graph(np.random.default_rng(seed), poses, landmarks, edges)
+    again, values = read_g2o(write_g2o(graph, states, tmp_path_factory.mktemp("g2o") / "own.g2o"))
+    assert_same(graph, again)
+    assert np.array_equal(states, values)
+
+
+def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path: Path) -> None:
+    graph, states = read_g2o(written(tmp_path, GOOD))
+    assert graph.ids.tolist() == [7, 3, 9]
+    assert graph.kinds.tolist() == [POSE, POSE, LANDMARK]
+    assert graph.edges.tolist() == [[1, 2], [0, 1]]  # in the file's order, though of two kinds
+    assert graph.measurements.tolist() == [[0.5, 2, 0], [1.5, 0, 0.25]]
+    assert graph.information[0].tolist() == [[4, 0, 0], [0, 4, 0], [0, 0, 0]]
+    assert graph.information[1].tolist() == [[10, 1, 0], [1, 10, 0], [0, 0, 100]]
+    assert states.tolist() == [0, 0, 0, 1.5, 0, 0.25, 2, 2]
+
+
+def test_the_pose_that_fix_names_stands_first(tmp_path: Path) -> None:
+    graph, states = read_g2o(written(tmp_path, [*GOOD, "FIX 3"]))
+    assert graph.ids.tolist() == [3, 7, 9]
+    assert graph.edges.tolist() == [[0, 2], [1, 0]]
+    assert states[:3].tolist() == [1.5, 0, 0.25]
+
+
+@pytest.mark.parametrize(
+    ("line", "to", "message"),
+    [
+        (
+            2,
+            "VERTEX_SE3:QUAT 7 0 0 0 0 0 0 1",
+            "line 2: the tag must be one of VERTEX_SE2, .*got 'VERTEX_SE3:QUAT'",
+        ),
+        (7, "EDGE_SE2_XYZ 7 3 1 2 3", "line 7: the tag must be one of"),
+        (3, "VERTEX_SE2 3 1.5 0", "line 3: VERTEX_SE2 needs 1 vertex and 3 numbers, 5 words; got 4"),
+        (3, "VERTEX_SE2 3 1.5 0 0 0", "line 3: VERTEX_SE2 needs .*got 6"),
+        (
+            6,
+            "EDGE_SE2_XY 3 9 0.5 2 4 0",
+            "line 6: EDGE_SE2_XY needs 2 vertices and 5 numbers, 8 words; got 7",
+        ),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 0 10 0 100", "line 7: EDGE_SE2 needs .*got 11"),
+        (7, "EDGE_SE2 7 4 1.5 0 0.25 10 1 0 10 0 100", "line 7: there is no vertex 4"),
+        (6, "EDGE_SE2_XY 8 9 0.5 2 4 0 4", "line 6: there is no vertex 8"),
+        (4, "VERTEX_XY 3 2 2", "line 4: vertex 3 stands in line 3 already"),
+        (3, "VERTEX_SE2 7 1 1 1", "line 3: vertex 7 stands in line 2 already"),
+        (6, "EDGE_SE2_XY 9 3 0.5 2 4 0 4", "line 6: vertex 9 must be a pose, but it is a landmark"),
+        (6, "EDGE_SE2_XY 3 7 0.5 2 4 0 4", "line 6: vertex 7 must be a landmark, but it is a pose"),
+        (7, "EDGE_SE2 7 9 1.5 0 0.25 10 1 0 10 0 100", "line 7: vertex 9 must be a pose"),
+        (7, "EDGE_SE2 7 7 1.5 0 0.25 10 1 0 10 0 100", "line 7: the edge leads from vertex 7 to itself"),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 0 0 0 0 0 0", "line 7: the information matrix is singular"),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 10 0 10 0 100", "line 7: the information matrix is singular"),
+        (
+            7,
+            "EDGE_SE2 7 3 1.5 0 0.25 10 11 0 10 0 100",
+            "line 7: the information matrix is .*not positive definite",
+        ),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 1 0 -10 0 100", "line 7: the information matrix .*10 1 0 -10 0 100"),
+        (6, "EDGE_SE2_XY 3 9 0.5 2 4 4 4", "line 6: the information matrix is singular"),
+        (2, "VERTEX_SE2 7 0 nan 0", "line 2: expected numbers within .*got nan as number 2"),
+        (4, "VERTEX_XY 9 2 inf", "line 4: expected numbers within .*got inf as number 2"),
+        (6, "EDGE_SE2_XY 3 9 0.5 nan 4 0 4", "line 6: expected numbers within .*number 2"),
+        (7, "EDGE_SE2 7 3 1.5 0 1e300 10 1 0 10 0 100", "line 7: expected numbers within .*number 3"),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 nan 1 0 10 0 100", "line 7: expected numbers within .*number 4"),
+        (2, "VERTEX_SE2 x 0 0 0", "line 2: expected whole numbers of vertices and numbers, got 'x 0 0 0'"),
+        (2, "VERTEX_SE2 7.5 0 0 0", "line 2: expected whole numbers of vertices"),
+        (2, "VERTEX_SE2 7 0 0,5 0", "line 2: expected whole numbers of vertices"),
+        (2, "VERTEX_SE2 7 1_0 0 0", "line 2: expected whole numbers of vertices"),
+        (2, "VERTEX_SE2 -1 0 0 0", "line 2: a vertex has a number from 0"),
+        (2, f"VERTEX_SE2 {2**63} 0 0 0", "line 2: a vertex has a number from 0"),
+        (2, f"VERTEX_SE2 {'9' * 9000} 0 0 0", "line 2: expected whole numbers of vertices"),
+        (5, "FIX 8", "line 5: there is no pose 8"),
+        (5, "FIX 9", "line 5: there is no pose 9"),
+        (5, "FIX 7 3", "line 5: FIX needs 1 vertex and 0 numbers"),
+        (5, "FIX", "line 5: FIX needs 1 vertex"),
+    ],
+)
+def test_a_wrong_line_is_refused_with_its_file_and_number(
+    tmp_path: Path, line: int, to: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"graph\.g2o, {message}") as caught:
+        read_g2o(written(tmp_path, changed(line, to)))
+    assert len(str(caught.value)) < 400
+
+
+def test_a_second_fix_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="line 9: one pose is held"):
+        read_g2o(written(tmp_path, [*GOOD, "FIX 7", "FIX 7"]))
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "got an empty file"),
+        (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
+        (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
+        (b"VERTEX_SE2 0 \xff 0 0\n", "is not text"),
+        (b"\x93NUMPY" + bytes(200), "is not text"),
+    ],
+)
+def test_what_is_no_graph_is_refused_with_its_file(tmp_path: Path, data: bytes, message: str) -> None:
+    (tmp_path / "graph.g2o").write_bytes(data)
+    with pytest.raises(ValueError, match=rf"graph\.g2o.*{message}"):
+        read_g2o(tmp_path / "graph.g2o")
+
+
+def test_a_file_that_is_missing_or_too_large_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(ValueError, match="graph.g2o: cannot be read"):
+        read_g2o(tmp_path / "graph.g2o")
+    monkeypatch.setattr(g2o, "LARGEST_GRAPH", 20)
+    with pytest.raises(ValueError, match="expected 1 to 20 bytes, got more"):
+        read_g2o(written(tmp_path, GOOD))
+
+
+def test_units_do_not_make_an_information_matrix_singular(tmp_path: Path) -> None:
+    graph, _ = read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-6 0 0 1e-6 0 1e12")))
+    assert graph.information[1, 2, 2] == 1e12
+
+
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, rng: np.random.Generator) -> None:
+    graph, states = some_graph(rng, 3, 1, 4)
+    states[2] = np.nan
+    with pytest.raises(ValueError, match="not written, because the states"):
+        write_g2o(graph, states, tmp_path / "own.g2o")
+    assert not (tmp_path / "own.g2o").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "poses", "edges"),
+    [
+        ("openslam_intel", 943, 1837),
+        ("MIT", 808, 827),
+        pytest.param("input_M3500_g2o", 3500, 5453, marks=pytest.mark.slow),
+        pytest.param("city10000", 10_000, 20_687, marks=pytest.mark.slow),
+    ],
+)
+def test_the_standard_graphs_are_read_and_written(
+    data_dir: Path, tmp_path: Path, name: str, poses: int, edges: int
+) -> None:
+    graph, states = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
+    assert (graph.poses, graph.landmarks, len(graph.edges)) == (poses, 0, edges)
+    again, values = read_g2o(write_g2o(graph, states, tmp_path / "own.g2o"))
+    assert_same(graph, again)
+    assert np.array_equal(states, values)

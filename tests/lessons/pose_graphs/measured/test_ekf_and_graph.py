@@ -1,0 +1,109 @@
+"""Both methods map the same drives: without noise to the truth; with it the graph is nearer and more honest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph
+from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
+    NOISES,
+    Filter,
+    Noise,
+    Smoother,
+    at_every_stop,
+    compare,
+    drive_graph,
+    hall_drive,
+    run_filter,
+    run_smoother,
+    scores,
+)
+from tests.paths import SOLUTIONS
+
+HARD = NOISES["3° a step, 5° bearing"]
+TINY = Noise(*(1e-7 * np.ones(5)))
+
+
+@pytest.fixture(scope="module")
+def ekf() -> Filter:
+    own = load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
+    return Filter(*(own[name] for name in Filter._fields))
+
+
+@pytest.fixture(scope="module")
+def smoother() -> Smoother:
+    own = load_solution(SOLUTIONS / "09_pose_graphs.ipynb")
+    return Smoother(*(own[name] for name in Smoother._fields))
+
+
+def test_without_noise_both_find_the_truth(ekf: Filter, smoother: Smoother) -> None:
+    drive = hall_drive(1, 40, TINY)
+    filtered = run_filter(drive, ekf)
+    for mapped in (filtered, run_smoother(drive, smoother, filtered)):
+        away = mapped.poses - drive.poses
+        away[:, 2] = wrap_angle(away[:, 2])
+        assert np.abs(away).max() < 2e-5
+        assert mapped.landmarks == pytest.approx(drive.landmarks, abs=2e-5)
+
+
+def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says(smoother: Smoother) -> None:
+    """The mean of chi2 at the truth is one for each number that was measured."""
+    own = load_solution(SOLUTIONS / "09_pose_graphs.ipynb")
+    found, numbers = 0.0, 0
+    for seed in range(10):
+        drive = hall_drive(seed, 80, Noise(0.1, 0.002, 0.01, 0.02, 0.05))  # along and across are far apart
+        graph = drive_graph(drive)
+        truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
+        squares = graph.squared_errors(truth, own["pose_residual"], own["landmark_residual"])
+        found, numbers = found + squares.sum(), numbers + 240 + 2 * (len(squares) - 80)
+    assert found / numbers == pytest.approx(1.0, abs=0.05)
+
+
+def test_landmarks_are_numbered_as_they_are_seen_first() -> None:
+    drive = hall_drive(2, 60, HARD)
+    numbers = np.concatenate([indices for indices, _ in drive.looks])
+    new = numbers[np.unique(numbers, return_index=True)[1]]
+    assert new.tolist() == list(range(len(drive.landmarks)))
+    assert np.maximum.accumulate(numbers)[-1] == len(drive.landmarks) - 1
+
+
+def test_the_graph_is_nearer_and_more_honest_where_noise_is_large(ekf: Filter, smoother: Smoother) -> None:
+    found = compare(ekf, smoother, HARD, (120,), range(6))
+    assert found["graph"]["path"].shape == (1, 6)
+    assert found["graph"]["path"].mean() < found["ekf"]["path"].mean()
+    assert found["graph"]["nees"].mean() < found["ekf"]["nees"].mean()
+
+
+def test_nees_of_the_truth_is_nothing_and_heads_are_taken_on_the_circle(ekf: Filter) -> None:
+    drive = hall_drive(3, 15, HARD)
+    mapped = run_filter(drive, ekf)
+    turned = drive.poses + (0.0, 0.0, 2 * np.pi)
+    exact = mapped._replace(poses=turned, landmarks=drive.landmarks)
+    assert {**scores(drive, exact), "seconds": 0.0} == pytest.approx(
+        {"path": 0, "last": 0, "landmarks": 0, "nees": 0, "seconds": 0}, abs=1e-12
+    )
+
+
+def test_a_graph_that_is_solved_at_every_stop_is_the_whole_one_at_the_end(
+    ekf: Filter, smoother: Smoother
+) -> None:
+    drive = hall_drive(4, 20, HARD)
+    sizes = []
+
+    def watched(graph, states, iterations):
+        sizes.append((graph.poses, graph.landmarks, len(graph.edges)))
+        return smoother.gauss_newton(graph, states, iterations)
+
+    assert at_every_stop(drive, smoother._replace(gauss_newton=watched), run_filter(drive, ekf)) > 0
+    whole = drive_graph(drive)
+    assert [poses for poses, _, _ in sizes] == list(range(2, 22))
+    assert sizes[-1] == (whole.poses, whole.landmarks, len(whole.edges))
+    assert sizes == sorted(sizes)
+
+
+def test_the_recorded_comparison_is_told_in_words() -> None:
+    alt = draw_ekf_and_graph().alt
+    assert "EKF after 800 steps" in alt and "graph after 800 steps" in alt

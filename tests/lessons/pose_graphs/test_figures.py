@@ -1,0 +1,88 @@
+"""Figures of lesson 09: what they say is what the text says."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.pose_graphs import (
+    arrivals,
+    count_of_free_moves,
+    draw_arrivals,
+    draw_false_closure,
+    draw_free_moves,
+    draw_patterns,
+    draw_real_building,
+    draw_relaxing,
+    draw_step,
+    draw_uncertainty,
+    drift_that_climbs,
+    half_of_them,
+)
+from nao_course.lessons.pose_graphs.guesses import HEADINGS, POSITIONS
+from nao_course.lessons.pose_graphs.matrices import block_picture
+from tests.lessons.pose_graphs.own import OWN
+
+SOLVE, LINEARIZE = OWN["gauss_newton"], OWN["linearize"]
+
+
+def test_the_payoff_says_how_the_building_relaxes():
+    said = draw_relaxing(SOLVE).alt
+    for words in (
+        "off by 6.51 m",
+        "chi2 9,310 and off by 1.23 m",
+        "off by 0.42 m",
+        "chi2 413.3 and off by 0.48 m",
+    ):
+        assert words in said
+
+
+def test_a_step_promises_more_than_it_keeps_and_climbs_from_63_degrees_on():
+    said = draw_step(LINEARIZE, SOLVE, OWN["pose_residual"], OWN["landmark_residual"]).alt
+    assert (
+        "90 degrees the whole step leaves 2.00 of chi2 where 0.013 was promised" in said
+        and "at 0.35 of it" in said
+    )
+    assert drift_that_climbs(SOLVE) == pytest.approx(63, abs=0.5)
+
+
+def test_positions_do_no_harm_and_headings_do():
+    found = arrivals(SOLVE, positions=(1000.0,), headings=(20.0, 70.0), tries=4)
+    assert found["positions"] == pytest.approx(1.0) and found["headings"].tolist() == [1.0, 0.0]
+    drawn = draw_arrivals(
+        {"positions": np.ones(len(POSITIONS)), "headings": np.linspace(1, 0, len(HEADINGS))}
+    )
+    assert "50 % at 40 degrees" in drawn.alt
+    assert half_of_them((10.0, 20.0), np.array([0.8, 0.2])) == pytest.approx(15.0)
+    assert np.isnan(half_of_them((10.0, 20.0), np.array([0.8, 0.6])))
+
+
+def test_the_whole_map_moves_freely_in_three_ways():
+    assert count_of_free_moves(LINEARIZE) == 3
+    assert draw_free_moves(LINEARIZE).alt.count("H times it is 0") == 3
+
+
+def test_the_order_decides_what_the_factor_adds():
+    said = draw_patterns(LINEARIZE).alt
+    assert "7,137 entries in H's lower half, 120,000 in the factor as driven, 13,978" in said
+
+
+def test_closures_shrink_the_ellipses_ninefold():
+    said = draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"]).alt
+    assert "0.39 to 5.10 m" in said and "0.08 to 0.60 m" in said
+
+
+def test_one_false_closure_bends_the_map():
+    assert draw_false_closure(SOLVE).alt.endswith("off by 0.48 m; one more, and false, off by 3.37 m.")
+
+
+def test_blocks_are_painted_by_what_they_link():
+    H = np.zeros((8, 8))
+    H[:3, :3], H[3:6, 3:6], H[6:, 6:], H[0, 3], H[3, 0], H[1, 6], H[6, 1] = 1, 1, 1, 1, 1, 1, 1
+    painted = block_picture(H, 2, 30)
+    cells = painted[6::10, 6::10]
+    assert (cells[0, 1] == cells[1, 0]).all() and (cells[0, 1] == (60, 60, 66)).all()
+    assert (cells[0, 2] == (161, 69, 102)).all() and (cells[1, 2] == 255).all()
+
+
+def test_where_the_recordings_are_not_the_real_building_says_so(monkeypatch):
+    monkeypatch.setenv("NAO_COURSE_DATA", "none")
+    assert "recordings are not here" in draw_real_building(SOLVE)

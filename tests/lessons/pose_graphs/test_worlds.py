@@ -1,0 +1,74 @@
+"""Drives with a known truth: what they measure is what they say."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.lessons.pose_graphs.worlds import (
+    ODOMETRY_SIGMA,
+    between,
+    building,
+    chained,
+    drifting_loop,
+    field_drive,
+    loop,
+    position_error,
+    with_false_closures,
+)
+from tests.lessons.pose_graphs.own import OWN
+
+
+def test_a_pose_between_two_others_is_the_product_of_inverse_and_pose(rng):
+    first, second = rng.uniform(-3, 3, (2, 20, 3))
+    for i, j, found in zip(first, second, between(first, second), strict=True):
+        wanted = Pose.from_array(i).inverse() @ Pose.from_array(j)
+        assert found == pytest.approx(wanted.as_array())
+
+
+def test_steps_add_up_to_the_poses_that_they_lie_between(rng):
+    path = np.cumsum(rng.normal(0, 0.5, (30, 3)), axis=0)
+    again = chained(path[0], between(path[:-1], path[1:]))
+    assert again[:, :2] == pytest.approx(path[:, :2])
+    assert np.cos(again[:, 2] - path[:, 2]) == pytest.approx(1.0)
+
+
+def test_odometry_misses_by_what_its_information_says():
+    world = building(1, 2000)
+    poses = world.graph.split(world.truth)[0]
+    missed = world.graph.pose_edges.z[:1999] - between(poses[:-1], poses[1:])
+    assert missed.std(axis=0) == pytest.approx(np.array(ODOMETRY_SIGMA), rel=0.06)
+    assert 1 / np.sqrt(np.diag(world.graph.information[0])) == pytest.approx(np.array(ODOMETRY_SIGMA))
+
+
+def test_closures_join_poses_that_are_near_and_far_apart_in_time():
+    world = building(5)
+    poses = world.graph.split(world.truth)[0]
+    first, second = world.graph.edges[world.closures()].T
+    assert world.closures().sum() == 130 and (first - second >= 20).all()
+    assert np.hypot(*(poses[first] - poses[second])[:, :2].T).max() < 1.5
+
+
+def test_false_closures_stand_last_and_join_what_is_far_apart():
+    world = with_false_closures(building(5), 7, 3)
+    poses = world.graph.split(world.truth)[0]
+    first, second = world.graph.edges[-7:].T
+    assert np.hypot(*(poses[first] - poses[second])[:, :2].T).min() > 12
+    assert (world.graph.edges[:-7] == building(5).graph.edges).all()
+
+
+def test_a_loop_that_drifts_ends_with_its_heading_off_by_that():
+    world = drifting_loop(np.radians(70), side=5)
+    turned = world.graph.split(world.odometry)[0][-1, 2] - world.graph.split(world.truth)[0][-1, 2]
+    assert np.cos(turned - np.radians(70)) == pytest.approx(1.0)
+    assert OWN["gauss_newton"](world.graph, world.truth, 0)[1][0] > 0, "the odometry is not true"
+
+
+def test_the_same_seed_is_the_same_world_and_all_landmarks_of_the_field_are_seen():
+    assert (building(4, 50).odometry == building(4, 50).odometry).all()
+    assert (loop(1).odometry != loop(2).odometry).any()
+    drive = field_drive(1)
+    assert (
+        set(drive.graph.landmark_edges.second) == set(range(drive.graph.landmarks))
+        and drive.graph.landmarks == 10
+    )
+    assert position_error(drive, drive.truth) == 0.0
