@@ -22,7 +22,6 @@ from nao_course.lessons.localization.lab import (
     patient,
     read,
 )
-from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, Table, course_style, table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
