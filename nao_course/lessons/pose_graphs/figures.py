@@ -64,7 +64,7 @@ def plot_graph(
         ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=3))
     ax.plot(*poses[:, :2].T, "-", color=style.colour, lw=1.5, marker=".", ms=3, zorder=4)
     to_mark = graph.landmark_edges
-    rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1) if len(to_mark.z) else []
+    rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1)
     ax.add_collection(LineCollection(list(rays), colors=style.colour, linewidths=0.4, alpha=0.5, zorder=3))
     ax.plot(*marks.T, "P", color=style.colour, ms=8, mec="white", zorder=5)
     ax.plot(*poses[0, :2], "o", color=STYLES["truth"].colour, ms=6, zorder=6)
