@@ -47,7 +47,7 @@ def tested_one_by_one(graph: Graph, states: FloatArray) -> FloatArray:
     """Take the closure whose outcome is known best, believe it where it fits what is known, and go on with the next."""
     gauss_newton = _lesson()["gauss_newton"]
     believed = graph.edges[:, 1] == graph.edges[:, 0] + 1
-    waiting = list(np.flatnonzero(~believed))
+    waiting = np.flatnonzero(~believed).tolist()
     e, S = _innovations(graph, waiting, _part(graph, believed), states)
     while waiting:
         best = int(np.argmin(np.linalg.slogdet(S)[1]))

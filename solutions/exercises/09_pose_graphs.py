@@ -12,7 +12,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
-from nao_course.geometry import wrap_angle
+from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph, matrices
 from nao_course.lessons.pose_graphs.comparing import SolvedStates
 from nao_course.lessons.pose_graphs.worlds import building, disturbed, field_drive, loop, with_false_closures
@@ -1069,8 +1069,7 @@ def _newton_wrapped(graph: Graph, states: Any, iterations: int) -> Any:
 def _turned(graph: Graph, states: Array) -> tuple[Graph, Array]:
     """The same states, begun at another place and heading: nothing measured changes."""
     poses, marks = (each.copy() for each in graph.split(states))
-    c, s = np.cos(2.5), np.sin(2.5)
-    turn = np.array([[c, -s], [s, c]])
+    turn = rotation_2d(2.5)
     poses[:, :2], marks = poses[:, :2] @ turn.T + (6.0, -4.5), marks @ turn.T + (6.0, -4.5)
     poses[:, 2] += 2.5
     return graph, np.concatenate([poses.ravel(), marks.ravel()])

@@ -2,6 +2,7 @@
 
 from nao_course.lessons.pose_graphs.figures import (
     draw_false_closure,
+    draw_real_building,
     draw_relaxing,
     draw_step,
     drift_that_climbs,
@@ -14,9 +15,8 @@ from nao_course.lessons.pose_graphs.matrices import (
     draw_free_moves,
     draw_patterns,
 )
-from nao_course.lessons.pose_graphs.panel import RelaxPanel
-from nao_course.lessons.pose_graphs.real import draw_real_building
 from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, draw_solver_costs
+from nao_course.lessons.pose_graphs.panel import RelaxPanel
 from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty
 from nao_course.lessons.pose_graphs.worlds import (

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
 from nao_course.geometry import FloatArray, wrap_angle
@@ -55,7 +56,7 @@ class Aliased:
     """
 
     world: World
-    false: FloatArray
+    false: npt.NDArray[np.bool_]
 
 
 def make_graph(seed: int) -> Aliased:

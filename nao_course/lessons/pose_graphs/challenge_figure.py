@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -15,6 +16,8 @@ from nao_course.lessons.pose_graphs.worlds import World, position_error
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import FOUND
+
+Flags = npt.NDArray[np.bool_]
 
 
 def draw_entries(run: Run) -> Drawing:
@@ -61,9 +64,7 @@ def draw_entries(run: Run) -> Drawing:
     )
 
 
-def _plot_believed(
-    world: World, states: FloatArray, false: FloatArray, believed: FloatArray, ax: Axes
-) -> None:
+def _plot_believed(world: World, states: FloatArray, false: Flags, believed: Flags, ax: Axes) -> None:
     graph = world.graph
     poses, truth = (graph.split(each)[0] for each in (states, world.truth))
     ax.plot(*truth[:, :2].T, color=STYLES["truth"].colour, lw=1.0, alpha=0.45)

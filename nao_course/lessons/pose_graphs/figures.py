@@ -12,12 +12,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.robust import robust_gauss_newton
 from nao_course.lessons.pose_graphs.worlds import (
     World,
     building,
+    chained,
     drifting_loop,
     position_error,
     with_false_closures,
@@ -30,6 +32,7 @@ Function = Callable[..., Any]
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 
 CLOSURE = "#2a8a82"  # edges to poses that were recognised
+INTEL = "slam/g2o/openslam_intel.g2o"  # under the recordings
 _TRUTH = Line2D([], [], color=STYLES["truth"].colour, lw=1.2, alpha=0.45, label="true path")
 _CLOSURES = Line2D([], [], color=CLOSURE, lw=1.4, label="closure")
 _LANDMARKS = [
@@ -61,7 +64,7 @@ def plot_graph(
         ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=3))
     ax.plot(*poses[:, :2].T, "-", color=style.colour, lw=1.5, marker=".", ms=3, zorder=4)
     to_mark = graph.landmark_edges
-    rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1) if len(to_mark.z) else []
+    rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1)
     ax.add_collection(LineCollection(list(rays), colors=style.colour, linewidths=0.4, alpha=0.5, zorder=3))
     ax.plot(*marks.T, "P", color=style.colour, ms=8, mec="white", zorder=5)
     ax.plot(*poses[0, :2], "o", color=STYLES["truth"].colour, ms=6, zorder=6)
@@ -280,3 +283,57 @@ def drift_that_climbs(gauss_newton: GaussNewton) -> float:
         middle = (low + high) / 2
         low, high = (low, middle) if first_step_ratio(gauss_newton, middle) > 1 else (middle, high)
     return (low + high) / 2
+
+
+# --- a real building: the Intel Research Lab in Seattle, read where the recordings are ---
+
+
+def intel_graph() -> tuple[Graph, FloatArray]:
+    """The graph of 943 poses in the Intel Research Lab, and the states that its odometry alone gives.
+
+    Returns
+    -------
+    graph : Graph
+    states : ndarray, shape (2829,)
+
+    Raises
+    ------
+    FileNotFoundError
+        If there are no recordings; the message says what to do.
+    """
+    graph, states = read_g2o(data_folder() / INTEL)
+    follows = np.flatnonzero(graph.edges[:, 1] == graph.edges[:, 0] + 1)
+    order = follows[np.argsort(graph.edges[follows, 0], kind="stable")]
+    first = order[np.unique(graph.edges[order, 0], return_index=True)[1]]
+    return graph, chained(states[:3], graph.measurements[first]).ravel()
+
+
+def draw_real_building(gauss_newton: GaussNewton, steps: tuple[int, ...] = (0, 1, 3)) -> Drawing | str:
+    """Draw how the graph of a real building relaxes from its odometry; where it is not there, say so."""
+    try:
+        graph, states = intel_graph()
+    except FileNotFoundError as error:
+        return f"The picture above was made by the solution. {error}"
+    said = []
+    with course_style():
+        figure = Figure(figsize=(12.0, 4.3))
+        for ax, step in zip(figure.subplots(1, len(steps)), steps, strict=True):
+            found, chi2 = gauss_newton(graph, states.copy(), step)
+            title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+            _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
+            ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
+            said.append(f"{title} {say_chi2(float(chi2[-1]))}")
+    return Drawing(
+        figure,
+        f"The graph of the Intel Research Lab, {graph.poses} poses, on its way from odometry; chi2: {', '.join(said)}.",
+    )
+
+
+def _plot_poses(graph: Graph, states: FloatArray, ax: Axes, source: str) -> None:
+    poses = graph.split(states)[0]
+    closing = graph.edges[:, 1] != graph.edges[:, 0] + 1
+    ends = poses[graph.edges[closing]][:, :, :2]
+    ax.add_collection(LineCollection(list(ends), colors=CLOSURE, linewidths=0.5, alpha=0.7))
+    ax.plot(*poses[:, :2].T, "-", color=STYLES[source].colour, lw=0.8, marker=".", ms=1.8)
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    ax.set_aspect("equal", adjustable="datalim")
