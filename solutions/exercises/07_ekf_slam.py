@@ -257,7 +257,7 @@ def _initial_by_landmark(
     """Positions by frames, covariances turned block by block."""
     k = len(measurements) // 2
     bearings, ranges = np.asarray(measurements)[::2], np.asarray(measurements)[1::2]
-    in_robot = np.column_stack([ranges * np.cos(bearings), ranges * np.sin(bearings)])
+    in_robot = (ranges * [np.cos(bearings), np.sin(bearings)]).T
     R = joint_noise(measurement_covariance, k)
     turned = [
         rotation_2d(pose[2] + b) @ np.array([[0, 1], [r, 0]]) for b, r in zip(bearings, ranges, strict=True)
@@ -429,7 +429,7 @@ def _predicted(
     if changed.get("turned_first"):
         at[2] += control[1]
     F, G = motion_slopes(at, control)
-    new, P = np.array(state, dtype=float), np.array(covariance, dtype=float)
+    new, P = (np.array(each, dtype=float) for each in (state, covariance))
     new[:3] += control[0] * np.cos(at[2]), control[0] * np.sin(at[2]), control[1]
     if not changed.get("unwrapped"):
         new[2] = wrap_angle(new[2])
@@ -718,7 +718,7 @@ def _one_by_one(
     """Landmark after landmark, each linearised where the one before has led."""
     R = joint_noise(measurement_covariance, len(indices))
     for j, i in enumerate(indices):
-        rows = slice(2 * j, 2 * j + 2)
+        rows = np.s_[2 * j : 2 * j + 2]
         state, covariance = _looked(state, covariance, [i], measurements[rows], R[rows, rows])
     return state, covariance
 

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, OWN_START, Sigmas
 from nao_course.metrics import band, log_density
 from nao_course.plotting import (
@@ -69,16 +69,16 @@ def make_drive(seed: int) -> Drive:
     rng = np.random.default_rng([77, seed])
     controls = np.array([(STEP, 2 * np.pi / 5 if n % SIDE == 0 else 0.0) for n in range(1, STEPS + 1)])
     Q, landmarks = SIGMAS.control_covariance, OWN_START.to_local(LANDMARKS)
-    truth, told, spread = Pose(), Pose(), np.zeros((3, 3))
+    truth, told = Pose(), [Pose()]
     path, log = [truth], [_step(np.zeros(2), np.zeros((3, 3)), truth, landmarks, rng)]
     for distance, turn in controls:
         along, across, turned = rng.standard_normal(3) * np.sqrt(np.diag(Q))
         truth = truth @ Pose(distance + along, across, turn + turned)
         path.append(truth)
         log.append(_step(np.array([distance, turn]), Q, truth, landmarks, rng))
-        spread = _carried(spread, told.theta, distance, Q)
-        told = told @ Pose(distance, 0.0, turn)
-    return Drive(log, np.array([each.as_array() for each in path]), told.as_array(), spread)
+        told.append(told[-1] @ Pose(distance, 0.0, turn))
+    true, believed = (np.array([each.as_array() for each in poses]) for poses in (path, told))
+    return Drive(log, true, believed[-1], _spread(believed, Q))
 
 
 def _step(
@@ -92,12 +92,16 @@ def _step(
     return control, Q.copy(), numbers.tolist(), noisy.reshape(-1), SIGMAS.measurement_covariance
 
 
-def _carried(covariance: FloatArray, theta: float, distance: float, Q: FloatArray) -> FloatArray:
-    """A pose's covariance after a command."""
-    c, s = np.cos(theta), np.sin(theta)
-    F = np.array([[1, 0, -distance * s], [0, 1, distance * c], [0, 0, 1]])
-    G = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    return F @ covariance @ F.T + G @ Q @ G.T
+def _spread(told: FloatArray, Q: FloatArray) -> FloatArray:
+    """Covariance (3, 3) of the last of the poses (N, 3) that odometry tells.
+
+    A step's slip along and across carries it along; a turn that was wrong swings it about the end of that step.
+    """
+    away = told[-1, :2] - told[1:, :2]
+    slips = np.tile(np.eye(3), (len(away), 1, 1))
+    slips[:, :2, :2] = [rotation_2d(theta) for theta in told[:-1, 2]]
+    slips[:, 0, 2], slips[:, 1, 2] = -away[:, 1], away[:, 0]
+    return np.asarray(np.einsum("kij,jl,kml->im", slips, Q, slips))
 
 
 def as_pose_belief(answer: Any) -> tuple[FloatArray, FloatArray]:

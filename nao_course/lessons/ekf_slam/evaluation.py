@@ -158,7 +158,7 @@ def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
             for step in steps
         ]
     ) / (2e-6)
-    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + joint)
+    K = np.linalg.solve(H @ P @ H.T + joint, H @ P).T
     left = np.eye(len(state))
     doubts = [np.diag((left - s * K @ H) @ P @ (left - s * K @ H).T + s**2 * K @ joint @ K.T) for s in SCALES]
     return np.array([each[:2].sum() for each in doubts]), np.array([each[3:].sum() for each in doubts])
