@@ -15,6 +15,9 @@ PYTEST = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m pytest -n $(WORKERS) 
 LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-version 3.11 \
 	--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
+# A phone's photo comes in one message: of more than 10 MB JupyterLab's server says nothing, and closes the connection.
+PHOTOS = --ServerApp.tornado_settings="{'websocket_max_message_size': 60000000}"
+
 .DEFAULT_GOAL := help
 .PHONY: help lab test lint test-quick test-slow test-all bench build lock clean
 .NOTPARALLEL:
@@ -26,7 +29,7 @@ help:  ## say what there is
 lab: .venv/lab.stamp  ## open the lessons in JupyterLab
 	@mkdir -p notebooks
 	@$(PY) -m nao_course.cli renew
-	$(PY) -m jupyterlab notebooks $(LAB_ARGS)
+	$(PY) -m jupyterlab notebooks $(PHOTOS) $(LAB_ARGS)
 
 test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow
 

@@ -102,7 +102,7 @@ FUSE = Exercise(
         Mistake(
             "weights exchanged in both lines",
             _carried_on(lambda a, b: b / (a + b)),
-            "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts.",
+            "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts. Both lines need it.",
         ),
         Mistake(
             "standard deviations",
@@ -112,7 +112,7 @@ FUSE = Exercise(
         Mistake(
             "standard deviations in both lines",
             _carried_on(lambda a, b: a**0.5 / (a**0.5 + b**0.5)),
-            "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight.",
+            "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight. Both lines need it.",
         ),
         Mistake(
             "variances squared",
@@ -122,7 +122,7 @@ FUSE = Exercise(
         Mistake(
             "taken for standard deviations",
             _fused(lambda a, b: a**2 / (a**2 + b**2), lambda a, b: a**2 * b**2 / (a**2 + b**2)),
-            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take.",
+            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take. Both lines need it.",
         ),
         Mistake(
             "the other part of the variance",
@@ -142,7 +142,7 @@ FUSE = Exercise(
         Mistake(
             "plain average in both lines",
             _fused(lambda a, b: 0.5, lambda a, b: (a + b) / 4),
-            "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
+            "Your mean lies in the middle, whoever is surer. Weigh both by their variances. Both lines need it.",
         ),
         Mistake(
             "away from b",

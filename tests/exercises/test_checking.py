@@ -110,7 +110,7 @@ def interrupted(x, low, high):
         ),
         (interrupted, "interrupted", "stopped by you"),
         (3.0, "wrong", "a function is wanted, got a float"),
-        (None, "wrong", "a function is wanted, got NoneType"),
+        (None, "wrong", "a function is wanted, got None"),
     ],
 )
 def test_each_state_is_told_apart(check, function, state, text):

@@ -76,7 +76,7 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(caps
     [
         (lambda: np.ones((2, 3)) @ np.ones((2, 3)), "one transposed that should not be"),
         (lambda: np.linalg.solve(np.eye(2), np.ones(3)), "Print each .shape"),
-        (lambda: np.ones(3) - np.ones(2), "need one shape"),
+        (lambda: np.ones(4) - np.ones(2), "need one shape"),
         (lambda: np.zeros(0)[0], "That array is empty"),
         (lambda: np.zeros(3)[3], "the last of n is n - 1"),
         (lambda: np.zeros(3)[0:1.6], "Limits of a slice are whole numbers"),

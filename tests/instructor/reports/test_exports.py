@@ -169,10 +169,10 @@ def test_every_student_gets_a_file(journal, tmp_path):
 
 def test_another_format_is_refused_with_those_there_are():
     with pytest.raises(
-        ExportError, match=r"no format 'nbgrader'; there are csv and gradescope.*later version"
+        ExportError, match=r"no format 'nbgrader'; there are csv, gradescope, moodle, canvas.*later version"
     ):
         check_format("nbgrader")
-    with pytest.raises(ExportError, match=r"no format 'xls'; there are csv and gradescope\.$"):
+    with pytest.raises(ExportError, match=r"no format 'xls'; there are csv, gradescope, moodle, canvas\.$"):
         check_format("xls")
 
 
@@ -188,7 +188,7 @@ def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
     assert "grades.csv" in command("export", grades, "--format", "csv").stdout
     assert (grades / "exports" / "grades.csv").is_file()
     refused = command("export", grades, "--format", "nbgrader")
-    assert refused.exit_code == 1 and "there are csv and gradescope" in refused.stderr
+    assert refused.exit_code == 1 and "there are csv, gradescope" in refused.stderr
     assert "no lesson '7' was graded" in command("export", grades, "--format", "csv", "--lesson", "7").stderr
     sheet = grades / "marking" / "01_hsl_filtering_why_hsl.csv"
     assert "1 answer, 1 to mark" in command("marks", grades).stdout

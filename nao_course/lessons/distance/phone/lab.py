@@ -15,7 +15,14 @@ from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose, as_points
 from nao_course.lessons.distance.panel import mark_pixels
-from nao_course.lessons.distance.phone.photo import FOCALS_35, SIZE, Photo, read_photo, view_from_points
+from nao_course.lessons.distance.phone.photo import (
+    FOCALS_35,
+    LARGEST_FILE,
+    SIZE,
+    Photo,
+    read_photo,
+    view_from_points,
+)
 from nao_course.lessons.distance.phone.sheet import CLICKED, FIELD, SCALE, usual_photo
 from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_pose, table
 from nao_course.plotting.legends import legend_below
@@ -29,10 +36,11 @@ WHERE = {
     "C": "far, right",
     "D": "far, left",
 }  # seen from the halfway line
-# A browser hands files to the kernel in one message. Of more than 10 MB the server takes none, and says nothing.
+# A browser hands files to the kernel in one message. JupyterLab's server takes 10 MB, and of more it says nothing:
+# `make lab` lets it take what is read here. Other servers may have limits of their own.
 UPLOADED = (
-    "JPEG or PNG, less than 9 MB. A larger one: drag it into the list of files on the left, and name it: "
-    '<code>PhoneLab(..., photo="name.jpg")</code>'
+    f"JPEG or PNG, at most {LARGEST_FILE / 1e6:.0f} MB. If nothing comes of a large one: drag it into the list of "
+    'files on the left, and name it: <code>PhoneLab(..., photo="name.jpg")</code>'
 )
 STAND_IN = "This is a stand-in. Choose a photo of your own, or try with this one."
 
