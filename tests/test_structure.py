@@ -19,7 +19,7 @@ PACKAGE = "nao_course"
 
 LAYERS = (
     {"geometry"},
-    {"slam"},
+    {"slam", "graphs"},
     {"sim"},
     {"datasets", "metrics"},
     {"plotting"},

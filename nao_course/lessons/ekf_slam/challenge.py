@@ -11,9 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
+from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, OWN_START, Sigmas
-from nao_course.metrics import band, log_density
+from nao_course.metrics import band
 from nao_course.plotting import (
     Drawing,
     course_style,
@@ -38,7 +39,6 @@ FIELD = Field(2012)
 _MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
 LANDMARKS: FloatArray = np.array([(mark.x, mark.y) for mark in _MARKS])
 KINDS = ["post" if mark.kind == "post" else "corner" for mark in _MARKS]
-DEEPEST = -20.0  # bits: no drive counts less, so that one is not everything
 SHOWN = 3
 
 Step = tuple[FloatArray, FloatArray, list[int], FloatArray, FloatArray]
@@ -104,50 +104,11 @@ def _spread(told: FloatArray, Q: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("kij,jl,kml->im", slips, Q, slips))
 
 
-def as_pose_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
-    """Return an answer's pose (3,) and its covariance (3, 3); the map that may follow is not looked at.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
-    """
-    if answer is None:
-        raise TypeError("Your entry returns None: does it end with return state, covariance?")
-    try:
-        state, covariance = (np.array(each, dtype=float, subok=False) for each in answer)
-    except (TypeError, ValueError):
-        raise TypeError(
-            "Your entry must return two things: the state, pose first, and its covariance."
-        ) from None
-    if state.ndim != 1 or len(state) < 3 or covariance.shape != (len(state), len(state)):
-        raise ValueError(
-            f"Your state has shape {state.shape} and your covariance {covariance.shape}; (n,) and (n, n) with the "
-            "pose first are wanted."
-        )
-    pose, spread = state[:3], covariance[:3, :3]
-    if not (np.isfinite(pose).all() and np.isfinite(spread).all()):
-        raise ValueError("Your pose or its covariance has NaN or infinite numbers in it.")
-    if not np.allclose(spread, spread.T, rtol=1e-6, atol=1e-12):
-        raise ValueError("Your pose's covariance is not symmetric.")
-    if np.linalg.eigvalsh(spread)[0] <= 0:
-        raise ValueError(
-            "Your pose's covariance has an eigenvalue that is not positive: a direction without doubt."
-        )
-    return pose, spread
-
-
 def judge(answer: Any, drive: Drive) -> CaseScore:
     """Score a belief at the end: by how many bits it is denser at the true pose than odometry's."""
-    pose, covariance = as_pose_belief(answer)
-    bits, nees = log_density(pose, covariance, drive.path[-1])
-    alone, _ = log_density(drive.odometry, drive.odometry_covariance, drive.path[-1])
-    columns = {
-        "off": 100 * float(np.hypot(*(pose - drive.path[-1])[:2])),
-        "stated": 100 * float(np.sqrt(np.trace(covariance[:2, :2]))),
-        "NEES": min(nees, 1000.0),
-    }
-    return CaseScore(max(bits - alone, DEEPEST), columns, (drive, pose, covariance))
+    pose, covariance = as_belief(answer, with_map=True)
+    alone = drive.odometry, drive.odometry_covariance
+    return score_belief(pose, covariance, drive.path[-1], alone, (drive, pose, covariance))
 
 
 def draw_worst_drives(run: Run) -> Drawing:

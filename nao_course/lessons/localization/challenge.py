@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
+from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, look_at
-from nao_course.metrics import log_density
 from nao_course.plotting import Drawing, course_style, plot_ellipse, plot_field, plot_landmarks, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY
@@ -22,7 +22,6 @@ from nao_course.sim import SensorNoise
 
 ROBOTS = 40
 LOOKS = 3
-DEEPEST = -20.0  # bits: no robot counts less, so that one is not everything
 SHOWN = 3
 
 
@@ -110,53 +109,11 @@ def make_robot(seed: int) -> LostRobot:
     return LostRobot(pose, covariance, truth, looks)
 
 
-def as_belief(answer: Any) -> tuple[FloatArray, FloatArray]:
-    """Return an answer as pose (3,) and covariance (3, 3).
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
-    """
-    if answer is None:
-        raise TypeError("Your entry returns None: does it end with return pose, covariance?")
-    try:
-        pose, covariance = (np.array(each, subok=False) for each in answer)
-        complex_ones = "c" in (pose.dtype.kind, covariance.dtype.kind)
-        pose, covariance = pose.real.astype(float), covariance.real.astype(float)
-    except (TypeError, ValueError):
-        raise TypeError(
-            "Your entry must return two things: the pose (3,) and its covariance (3, 3)."
-        ) from None
-    if complex_ones:
-        raise TypeError("Your belief has complex numbers in it: the root of something negative, perhaps?")
-    if pose.shape != (3,) or covariance.shape != (3, 3):
-        raise ValueError(
-            f"Your pose has shape {pose.shape} and your covariance {covariance.shape}; (3,) and (3, 3) "
-            "are wanted."
-        )
-    if not (np.isfinite(pose).all() and np.isfinite(covariance).all()):
-        raise ValueError("Your belief has NaN or infinite numbers in it.")
-    if not np.allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12):
-        raise ValueError("Your covariance is not symmetric.")
-    if np.linalg.eigvalsh(covariance)[0] <= 0:
-        raise ValueError(
-            "Your covariance has an eigenvalue that is not positive: a direction without any doubt."
-        )
-    return pose, covariance
-
-
 def judge(answer: Any, robot: LostRobot) -> CaseScore:
     """Score a belief: by how many bits its density at the true pose is above that of the belief at first."""
     pose, covariance = as_belief(answer)
-    after, nees = log_density(pose, covariance, robot.truth)
-    before, _ = log_density(robot.pose, robot.covariance, robot.truth)
-    columns = {
-        "off": 100 * float(np.hypot(*(pose - robot.truth)[:2])),
-        "stated": 100 * float(np.sqrt(covariance[0, 0] + covariance[1, 1])),
-        "NEES": min(nees, 1000.0),
-    }
-    return CaseScore(max(after - before, DEEPEST), columns, (robot, pose, covariance))
+    before = robot.pose, robot.covariance
+    return score_belief(pose, covariance, robot.truth, before, (robot, pose, covariance))
 
 
 def draw_worst_robots(run: Run) -> Drawing:

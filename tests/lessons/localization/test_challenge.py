@@ -9,7 +9,6 @@ from nao_course.lessons.localization.challenge import (
     CHALLENGE,
     DEEPEST,
     LOOKS,
-    as_belief,
     judge,
     make_robot,
 )
@@ -91,22 +90,6 @@ def test_every_robot_gets_its_looks_anew_and_looking_is_no_change_of_what_is_giv
     for _ in range(2):
         came = run(CHALLENGE, looks_around)
         assert came.complete and came.problems() == [] and came.score == 0.0
-
-
-def test_what_is_no_belief_is_said_in_words():
-    pose, good = np.zeros(3), np.eye(3)
-    for answer, kind, words in (
-        (None, TypeError, "returns None"),
-        (3, TypeError, "two things"),
-        ((np.zeros(2), good), ValueError, "shape"),
-        ((pose, good * np.nan), ValueError, "NaN"),
-        ((pose, np.triu(np.ones((3, 3)))), ValueError, "not symmetric"),
-        ((pose, np.diag([1.0, 1.0, 0.0])), ValueError, "not positive"),
-        ((pose + 1j, good), TypeError, "complex numbers"),
-        (("here", good), TypeError, "two things"),
-    ):
-        with pytest.raises(kind, match=words):
-            as_belief(answer)
 
 
 def test_the_figure_shows_the_robots_that_lose_most():

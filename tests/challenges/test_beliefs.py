@@ -1,0 +1,50 @@
+"""A belief is taken only as pose and covariance that can be one, and scored by its density at the truth."""
+
+import numpy as np
+import pytest
+
+from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
+
+POSE, GOOD = np.zeros(3), np.eye(3)
+
+
+@pytest.mark.parametrize("with_map", [False, True])
+@pytest.mark.parametrize(
+    ("answer", "kind", "words"),
+    [
+        (None, TypeError, "returns None"),
+        (3, TypeError, "two things"),
+        (("here", GOOD), TypeError, "two things"),
+        ((np.zeros(2), np.eye(2)), ValueError, "shape"),
+        ((np.zeros(5), GOOD), ValueError, "shape"),
+        ((POSE + np.nan, GOOD), ValueError, "NaN"),
+        ((POSE, GOOD * np.nan), ValueError, "NaN"),
+        ((POSE, np.triu(np.ones((3, 3)))), ValueError, "not symmetric"),
+        ((POSE, np.diag([1.0, 1.0, 0.0])), ValueError, "not positive"),
+        ((POSE + 1j, GOOD), TypeError, "complex numbers"),
+    ],
+)
+def test_what_is_no_belief_is_said_in_words(answer, kind, words, with_map):
+    with pytest.raises(kind, match=words):
+        as_belief(answer, with_map)
+
+
+def test_a_map_is_left_out_where_there_may_be_one_and_refused_elsewhere():
+    state, covariance = np.append(POSE, [np.nan, 9.0]), np.eye(5)
+    pose, spread = as_belief((state.tolist(), covariance), with_map=True)
+    assert pose.shape == (3,) and spread.shape == (3, 3)
+    with pytest.raises(ValueError, match=r"\(3,\) and \(3, 3\) are wanted"):
+        as_belief((state, covariance))
+
+
+def test_bits_are_those_of_gaussian_densities_and_one_case_is_not_everything():
+    before = POSE, 4 * GOOD
+    same = score_belief(*before, POSE, before, None)
+    assert same.score == 0 and same.columns["NEES"] == 0
+    sharper = score_belief(POSE, GOOD, POSE, before, None)
+    assert sharper.score == pytest.approx(3.0)  # half the sigma in each of three directions
+    assert sharper.columns["stated"] == pytest.approx(100 * np.sqrt(2))
+    lost = score_belief(POSE + (1.0, 0, 0), 1e-6 * GOOD, POSE, before, None)
+    assert lost.score == DEEPEST and lost.columns == {
+        "off": 100.0, "stated": pytest.approx(100 * np.sqrt(2e-6)), "NEES": 1000.0
+    }  # fmt: skip
