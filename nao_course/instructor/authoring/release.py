@@ -26,7 +26,7 @@ AS_THEY_ARE = (
     *("jupyter/overrides.json", "jupyter/page_config.json"),
 )
 README = "docs/for_students.md"
-_KINDS = {".json", ".py", ".typed"}  # of the library's files; the checks' data is chosen by lesson
+_KINDS = {".json", ".py", ".txt", ".typed"}  # of the library's files; the checks' data is chosen by lesson
 ALL_LESSONS = "all lessons"  # what is told of when it is no single one
 
 

@@ -38,6 +38,17 @@ def test_the_zip_has_what_make_lab_needs_and_nothing_of_the_instructors(files):
     assert not [name for name in files if name.startswith("notebooks/")], "students work there"
 
 
+def test_every_file_of_the_students_library_is_in_the_zip(files):
+    """A lesson's log that is left out is a traceback in the lesson's first cell."""
+    package = PROJECT / "nao_course"
+    theirs = [
+        path.relative_to(PROJECT).as_posix()
+        for path in package.rglob("*")
+        if path.is_file() and not {"instructor", "__pycache__"} & set(path.relative_to(package).parts)
+    ]
+    assert len(theirs) > 200 and [name for name in theirs if name not in files] == []
+
+
 def test_a_release_says_its_version_in_a_file_and_in_each_notebook(files):
     stamp = json.loads(files["release/release.json"])
     assert (stamp["version"], stamp["title"]) == (COURSE.version, COURSE.title)
