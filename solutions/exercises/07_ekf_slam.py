@@ -559,7 +559,7 @@ PREDICT = Exercise(
     hidden=_motion_hidden,
     comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
     hints=(
-        "Copy both, and change only what a motion changes: the first three of the state, and the three blocks of equation 7.2 that have a p in their name.",
+        "Copy both, and change only what a motion changes: the first three of the state, and the three blocks of equation 7.3 that have a p in their name.",
         "covariance[3:, :3] is P_lp: it becomes P_lp F'. The block [:3, 3:] is its transpose. The block [3:, 3:] stays.",
     ),
     mistakes=[
@@ -996,7 +996,7 @@ UPDATE_LANDMARKS = Exercise(
     hidden=_look_hidden,
     comparison=Each((Close(atol=1e-7), Close(atol=1e-7))),
     hints=(
-        "First fill the innovation and H, two rows for each measured landmark: j counts the measurements, i = indices[j] the landmarks. Then wrap, then the lines of equation 7.4.",
+        "First fill the innovation and H, two rows for each measured landmark: j counts the measurements, i = indices[j] the landmarks. Then wrap, then the lines of equation 7.5.",
         "Rows 2 j and 2 j + 1 of H: columns 0 to 2 are measurement_jacobian_pose, columns 3 + 2 i and 4 + 2 i are measurement_jacobian_landmark. Wrap "
         "innovation[::2] with warp2pi. S = H P H' + joint_noise(measurement_covariance, len(indices)).",
     ),

@@ -1100,7 +1100,7 @@ PLAN = LessonPlan(
             {
                 "The poses near the start move a little towards it.": "They would, if something pulled the start away. But nothing else says where "
                 "the map is, so the start's own error is 0 with any weight.",
-                "Nothing.": "Right. All other constraints speak of differences, so the whole map can be shifted until the start's error is 0. "
+                "Nothing.": "All other constraints speak of differences, so the whole map can be shifted until the start's error is 0. "
                 "The covariance does change: with the weight 1 the whole map is only known to one unit.",
                 "The map becomes smaller.": "Sizes are made of differences, and the start says nothing about those.",
             },
@@ -1112,7 +1112,7 @@ PLAN = LessonPlan(
             {
                 "Yes: a 0 means that they are independent, so the correlation must be 0.": "The 0 says that they are independent once all other "
                 "variables are known. Nobody knows the poses, and both landmarks were measured from them.",
-                "No: no constraint links them, but both hang on the same poses.": "Right. Omega lists direct links; the inverse counts every way "
+                "No: no constraint links them, but both hang on the same poses.": "Omega lists direct links; the inverse counts every way "
                 "from one to the other.",
                 "It cannot be told without the measurements.": "Omega holds all that the measurements say about that. The values are not needed.",
             },

@@ -1551,7 +1551,7 @@ REWEIGHT = Exercise(
         Mistake(
             "cut off",
             _reweighted("cut"),
-            "You cut edges off at the width. Equation 9.8 fades them out: an edge that fits again later must be able to come back.",
+            "You cut edges off at the width. The kernel fades them out: an edge that fits again later must be able to come back.",
         ),
         Mistake(
             "Huber",
@@ -1620,7 +1620,7 @@ PLAN = LessonPlan(
             {
                 "All of them: their poses have changed.": "The poses have. A residual sees only one pose from another, and that is as before.",
                 "Those of the first pose, which is fixed.": "Its edges, too, only say where others are, seen from it.",
-                "None.": "Right. Every residual is written in a frame that moves along. So nothing that was measured tells where the map is, and something must hold it.",
+                "None.": "Every residual is written in a frame that moves along. So nothing that was measured tells where the map is, and something must hold it.",
             },
             "None.",
         ),
@@ -1629,7 +1629,7 @@ PLAN = LessonPlan(
             "You invert the 3 by 3 block of H that belongs to a pose. What do you get?",
             {
                 "The covariance of that pose.": "That is a block of the inverse, which is another matrix than the inverse of a block.",
-                "The covariance it would have if all other poses were known exactly.": "Right: it counts the direct links only. In the building its standard deviations are up to nineteen times too small.",
+                "The covariance it would have if all other poses were known exactly.": "Right: it counts the direct links only. In the building its standard deviations are up to 27 times too small.",
                 "Nothing that has a meaning.": "It has one, and is useful: all other poses known, this is what is left. It is not what you may say about the map.",
             },
             "The covariance it would have if all other poses were known exactly.",
