@@ -43,7 +43,7 @@ from nao_course.instructor.autograding.lending import (
     where_from,
     with_what_classes_use,
 )
-from nao_course.instructor.autograding.tries import SecondChances, as_told_before, in_spite_of_the_server
+from nao_course.instructor.autograding.tries import SecondChances, in_spite_of_the_server, until_agreed
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.submissions import Files, Submission, read
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
@@ -113,9 +113,7 @@ def grade(
         )
 
     try:
-        result, deaths = work(assignment)
-        if deaths:
-            result = as_told_before(work(assignment.anew())[0], result)
+        result = until_agreed(lambda again: work(assignment.anew() if again else assignment))
     except (Stopped, SandboxError):
         raise
     except Exception as error:
