@@ -275,7 +275,7 @@ class SubmissionGrader:
         stopped: Callable[[], bool],
         chances: SecondChances,
     ) -> None:
-        self.stopped, self.chances, self.had_one = stopped, chances, False
+        self.stopped, self.chances, self.in_vain = stopped, chances, False
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of processes that an exercise was run in once more
         self.attempts: list[str] = []  # seen there
@@ -424,12 +424,17 @@ class SubmissionGrader:
                 break
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
-        """Call a function; a submission's first time-out is tried once more, with twice the time."""
+        """Call a function; a time-out is tried once more, with more time, unless that was in vain before."""
         outcome = self.answer(exercise, case, exercise.seconds)
-        if outcome.status == "timed out" and not self.had_one:
-            self.had_one = True
-            if self.chances.take(2 * exercise.seconds):
-                outcome = self.answer(exercise, case, 2 * exercise.seconds)
+        if (
+            outcome.status == "timed out"
+            and not self.in_vain
+            and (more := self.chances.take(exercise.seconds))
+        ):
+            outcome = self.answer(exercise, case, more)
+            self.in_vain = outcome.status == "timed out"
+            if not self.in_vain:
+                self.chances.give_back(more)
         return (
             replace(outcome, status="raised", text="KeyboardInterrupt")
             if outcome.status == "interrupted"

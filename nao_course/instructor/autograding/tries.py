@@ -17,17 +17,32 @@ MOST_TRIES = 4  # at a submission whose processes are ended
 
 @dataclass
 class SecondChances:
-    """Time that a run has for calls that took too long, because the machine may have been busy."""
+    """Time that a run has for calls that took too long, because the machine may have been busy.
+
+    Parameters
+    ----------
+    seconds : float
+        Spent by calls that take too long once more; who is only slow gives them back.
+    least : float
+        That a second chance lasts; at least twice as long as the first.
+    """
 
     seconds: float = SECOND_CHANCES
+    least: float = 10.0
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
-    def take(self, seconds: float) -> bool:
-        """Take some, if there is that much left."""
+    def take(self, seconds: float) -> float:
+        """How long a call that had some seconds may be tried again; 0 where that much is not left."""
+        wanted = max(2 * seconds, self.least)
         with self._lock:
-            granted = seconds <= self.seconds
-            self.seconds -= seconds if granted else 0.0
+            granted = wanted if wanted <= self.seconds else 0.0
+            self.seconds -= granted
         return granted
+
+    def give_back(self, seconds: float) -> None:
+        """Return what a call was granted that only needed a little longer."""
+        with self._lock:
+            self.seconds += seconds
 
 
 def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> SubmissionResult:
@@ -56,12 +71,20 @@ def _verdicts(result: SubmissionResult) -> list[tuple[str, str, float]]:
 
 
 def as_told_before(second: SubmissionResult, first: SubmissionResult) -> SubmissionResult:
-    """A second try's result with what the first said of public cases: a second one may know hidden inputs by then."""
+    """A further try's result with what the first said of public cases: a second one may know hidden inputs by then.
+
+    Where the first was ended in them, it said nothing else.
+    """
     before = {each.name: each for each in first.exercises}
-    told = [
-        each if each.state == "right" else replace(each, public=before[each.name].public, hint="", mistake="")
-        for each in second.exercises
-    ]
+    told = []
+    for each in second.exercises:
+        said = before[each.name]
+        ended = any("ended by signal" in line for line in said.public)
+        told.append(
+            each
+            if each.state == "right" or ended
+            else replace(each, public=said.public, hint=said.hint, mistake=said.mistake)
+        )
     return replace(second, exercises=tuple(told))
 
 

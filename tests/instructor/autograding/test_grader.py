@@ -45,7 +45,7 @@ def marked(server, assignment, tmp_path):
         for name, source in (helpers or {}).items():
             path.with_name(name).write_text(source)
         submission = Submission("ada", chain.LESSON, path, beside, file="ada/x.ipynb")
-        result = grade(submission, assignment.within(seconds), server, "full")
+        result = grade(submission, assignment.within(seconds), server, "full", chances=SecondChances(least=0.0))
         assert from_json(json.loads(json.dumps(as_json(result)))) == result
         return result
 
@@ -386,7 +386,7 @@ def test_what_only_needs_a_little_more_time_is_right(marked, monkeypatch):
 
 
 def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
-    calls, chances = timed_calls(monkeypatch, assignment), SecondChances(2.5)
+    calls, chances = timed_calls(monkeypatch, assignment), SecondChances(2.5, least=0.0)
     slow = {"double": "import time\ndef double(x):\n    time.sleep(1000)"}
     for number in range(4):
         path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
