@@ -5,11 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import re
-import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from nao_course.homework import zipped
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.html import number
 from nao_course.instructor.reports.spreadsheets import TableError, read_rows
@@ -133,11 +133,5 @@ def moodle_feedback(pages: Mapping[str, bytes]) -> tuple[bytes, tuple[str, ...]]
     left_out : tuple of str
         Students whose names have no number of Moodle's.
     """
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as made:
-        for student, page in sorted(pages.items()):
-            if _number_of(student):
-                entry = zipfile.ZipInfo(f"{student}_assignsubmission_file_/feedback.html")
-                entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o100644 << 16
-                made.writestr(entry, page)
-    return archive.getvalue(), tuple(sorted(each for each in pages if not _number_of(each)))
+    files = {f"{each}_assignsubmission_file_/feedback.html": pages[each] for each in pages if _number_of(each)}
+    return zipped(files), tuple(sorted(each for each in pages if not _number_of(each)))
