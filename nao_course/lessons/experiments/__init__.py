@@ -1,0 +1,40 @@
+"""What lesson 10, experiments, alone uses."""
+
+from nao_course.lazy_names import import_when_asked
+
+_NAMES = {
+    "budget": (
+        "Budget",
+        "larger_source",
+        "draw_budget",
+        "draw_range_budget",
+        "measure_budget",
+        "pixel_errors",
+        "tell_tilt_left",
+        "usual_sight",
+    ),
+    "intervals": ("Interval",),
+    "landscape": (
+        "broken_promise",
+        "best_settings",
+        "draw_beside_paper",
+        "draw_landscape",
+        "draw_optimism",
+        "draw_payoff",
+        "draw_winners",
+    ),
+    "panel": ("SettingPanel",),
+    "paper_table": ("BETAS", "GAPS", "LENGTHS", "PAPER_MEANS", "PAPER_SIGMAS", "SETTINGS"),
+    "reading": ("draw_agreement", "draw_possible", "draw_sizes", "impossible_means"),
+    "resampling": ("optimism", "shares_won"),
+    "scenes": ("nothing_costs", "real_scenes", "search_scenes", "simulated_scenes"),
+}
+__all__ = sorted(name for names in _NAMES.values() for name in names)
+
+
+__getattr__ = import_when_asked(__name__, _NAMES)  # a check compares intervals, and needs no panel
+
+
+def __dir__() -> list[str]:
+    """What tab completion shows: not the modules these names come from."""
+    return __all__

@@ -1,0 +1,294 @@
+"""The error budget of a look: what pixels and what the tilt do to ranges and to the pose, predicted and sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nao_course.exercises.trying import made
+from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.lessons.experiments.scenes import CornerScene
+from nao_course.metrics import REACH
+from nao_course.plotting import STYLES, Drawing, Table, course_style, table
+from nao_course.plotting.legends import legend_below
+from nao_course.sim import NAO_V4, CameraView, Field
+
+Function = Callable[..., Any]
+HEAD_PITCH = float(np.radians(-24.6))  # as in the standard scenes
+POSE = Pose(1.0, 0.2, -0.1)
+TILT = float(np.radians(1.0))  # of the simulator's torso
+SAMPLES = 200
+_COLOURS = {"pixels": STYLES["ekf"].colour, "tilt": STYLES["odometry"].colour}
+_AXES = ("x", "y", "heading")
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What a robot looks at.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (3,)
+        The robot's, x, y in m and theta in rad, field frame.
+    landmarks : ndarray, shape (k, 2)
+        Corners and posts in view, m, field frame.
+    view : CameraView
+        Of its camera.
+    """
+
+    pose: FloatArray
+    landmarks: FloatArray
+    view: CameraView
+
+
+@cache
+def usual_sight() -> Sight:
+    """Return the corners and posts that the lower camera sees from a place before the goal."""
+    view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, (320, 240))
+    places = np.array([(mark.x, mark.y) for mark in Field(2012).landmarks if mark.kind != "cross"])
+    seen = view.contains(view.project(POSE.to_local(places)))
+    return Sight(POSE.as_array(), places[seen], view)
+
+
+def in_pixels(sight: Sight) -> FloatArray:
+    """Where the landmarks are in the picture, (k, 2), px."""
+    return sight.view.project(Pose.from_array(sight.pose).to_local(sight.landmarks))
+
+
+def pixel_errors(find: Callable[[Any], Any], scenes: tuple[CornerScene, ...]) -> FloatArray:
+    """Measure how far the corners that a detector finds are from the true ones.
+
+    Parameters
+    ----------
+    find : callable
+        ``find(picture)`` returns corners (K, 2).
+    scenes : tuple of CornerScene
+        With the true corners.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        (u, v) in pixels: found less true, of each hit.
+    """
+    errors = []
+    for picture, corners in scenes:
+        found = np.asarray(find(picture.copy()), dtype=float).reshape(-1, 2)
+        for corner in corners:
+            away = np.hypot(*(found - corner).T)
+            if len(away) and away.min() <= REACH:
+                errors.append(found[away.argmin()] - corner)
+    return np.array(errors).reshape(-1, 2)
+
+
+def sampled_poses(sight: Sight, pixel_sigma: float, tilt_sigma: float, weights: FloatArray) -> FloatArray:
+    """Take many pictures of a sight and find the pose from each, by least squares.
+
+    Parameters
+    ----------
+    sight : Sight
+        What is seen, and from where.
+    pixel_sigma, tilt_sigma : float
+        Standard deviations of each pixel, px, and of each picture's pitch, rad.
+    weights : ndarray, shape (2k, 2k)
+        Inverse covariance by which the robot weighs (bearing, range, ...): the same in all pictures.
+
+    Returns
+    -------
+    ndarray, shape (SAMPLES, 3)
+        Errors of x, y (m) and theta (rad), in the field frame.
+    """
+    from scipy.optimize import least_squares  # takes long to import
+
+    rng, root = np.random.default_rng(7), np.linalg.cholesky(weights).T
+    true = in_pixels(sight)
+    errors = []
+    for _ in range(SAMPLES):
+        leaning = replace(sight.view, pitch=sight.view.pitch + rng.normal(0, tilt_sigma))
+        pixels = leaning.project(Pose.from_array(sight.pose).to_local(sight.landmarks))
+        pixels = pixels + rng.normal(0, pixel_sigma, true.shape)
+        seen = _bearings_and_ranges(_ground(pixels, sight.view))
+
+        def misses(pose: FloatArray, seen: FloatArray = seen) -> FloatArray:
+            expected = _bearings_and_ranges(Pose.from_array(pose).to_local(sight.landmarks))
+            off = seen - expected
+            off[:, 0] = wrap_angle(off[:, 0])
+            return np.asarray(root @ off.ravel())
+
+        errors.append(least_squares(misses, sight.pose, method="lm").x - sight.pose)
+    return np.array(errors)
+
+
+def _ground(pixels: FloatArray, view: CameraView) -> FloatArray:
+    """Points of the ground (k, 2) that pixels show: the meeting of each pixel's ray and the floor, by homography."""
+    corners = np.array([(0.5, -0.5), (0.5, 0.5), (4.0, -1.0), (4.0, 1.0)])
+    import cv2
+
+    flat = view.undistort(view.project(corners))
+    back = cv2.getPerspectiveTransform(flat.astype(np.float32), corners.astype(np.float32))
+    found = cv2.perspectiveTransform(view.undistort(pixels)[None], back)
+    return np.asarray(found[0], dtype=float)
+
+
+def _bearings_and_ranges(points: FloatArray) -> FloatArray:
+    polar = points @ (1, 1j)
+    return np.stack((np.angle(polar), np.abs(polar)), axis=1)
+
+
+def draw_range_budget(
+    measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
+) -> Drawing:
+    """Draw what a pixel error and a tilt are worth at each distance, by lesson 04's covariance."""
+    pixel_sigma = made(pixel_sigma)
+    view = usual_sight().view
+    distances = np.linspace(0.8, 5.0, 43)
+    pixels = view.project(np.array([(d + view.offset[0], 0.0) for d in distances]))
+    parts = {
+        "pixels": [_range_sigma(measurement_covariance, each, view, pixel_sigma, 0.0) for each in pixels],
+        "tilt": [_range_sigma(measurement_covariance, each, view, 0.0, tilt_sigma) for each in pixels],
+    }
+    words = []
+    with course_style():
+        figure = Figure(figsize=(7.6, 3.6))
+        ax = figure.add_subplot()
+        for name, sigmas in parts.items():
+            ax.plot(
+                distances,
+                sigmas,
+                color=_COLOURS[name],
+                lw=2.4,
+                label=_say_source(name, pixel_sigma, tilt_sigma),
+            )
+            at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
+            words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
+        ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
+        legend_below(figure, ax.get_legend_handles_labels()[0])
+    return Drawing(figure, f"What each source does to a range. {'; '.join(words)}.")
+
+
+def _range_sigma(covariance: Function, pixel: FloatArray, view: CameraView, *sigmas: float) -> float:
+    return float(np.sqrt(np.asarray(covariance(pixel[None], view, *sigmas))[1, 1]))
+
+
+def _say_source(name: str, pixel_sigma: float, tilt_sigma: float) -> str:
+    return {"pixels": f"pixels, {pixel_sigma:.1f} px", "tilt": f"tilt, {np.degrees(tilt_sigma):.1f} degrees"}[
+        name
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Budget:
+    """Standard deviations of x, y (m) and theta (rad), by where they come from.
+
+    Parameters
+    ----------
+    predicted : dict of str to ndarray, shape (3,)
+        By "pixels", "tilt" and "both".
+    measured : dict of str to ndarray, shape (3,)
+        The same, of sampled pictures.
+    """
+
+    predicted: dict[str, FloatArray]
+    measured: dict[str, FloatArray]
+
+
+def measure_budget(
+    error_budget: Function, measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
+) -> Budget:
+    """Ask a student's function for the budget of the usual sight, and sample it."""
+    pixel_sigma = made(pixel_sigma)
+    sight = usual_sight()
+    given = (sight.pose.copy(), sight.landmarks.copy(), sight.view)
+    parts = [np.asarray(each, dtype=float) for each in error_budget(*given, pixel_sigma, tilt_sigma)]
+    predicted = dict(zip(("pixels", "tilt"), map(_sigmas, parts), strict=True)) | {
+        "both": _sigmas(sum(parts))
+    }
+    weights = np.linalg.inv(measurement_covariance(in_pixels(sight), sight.view, pixel_sigma, tilt_sigma))
+    sources = {"pixels": (pixel_sigma, 0.0), "tilt": (0.0, tilt_sigma), "both": (pixel_sigma, tilt_sigma)}
+    measured = {name: sampled_poses(sight, *each, weights).std(axis=0) for name, each in sources.items()}
+    return Budget(predicted, measured)
+
+
+def tilt_left(
+    measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
+) -> dict[str, FloatArray]:
+    """Measure what a tilt does to the pose, by what the robot's weights know of it.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (3,)
+        Standard deviations of x, y (m) and theta (rad), from sampled pictures whose pixels are exact.
+    """
+    sight = usual_sight()
+    pixels = in_pixels(sight)
+    exact, leaning = (
+        np.asarray(measurement_covariance(pixels, sight.view, pixel_sigma, tilt))
+        for tilt in (0.0, tilt_sigma)
+    )
+    own_blocks = np.kron(np.eye(len(pixels)), np.ones((2, 2))) > 0
+    known = {
+        "nothing": exact,
+        "one for each landmark": np.where(own_blocks, leaning, 0.0),
+        "one for all": leaning,
+    }
+    return {
+        name: sampled_poses(sight, 0.0, tilt_sigma, np.linalg.inv(covariance)).std(axis=0)
+        for name, covariance in known.items()
+    }
+
+
+def tell_tilt_left(measurement_covariance: Function, pixel_sigma: float) -> Table:
+    """Set in a table what one degree of tilt does to the pose, by what the robot's weights know of it."""
+    found = tilt_left(measurement_covariance, made(pixel_sigma))
+    rows = [
+        (name, f"{100 * x:.1f} cm", f"{100 * y:.1f} cm", f"{np.degrees(theta):.1f}°")
+        for name, (x, y, theta) in found.items()
+    ]
+    return table(("what the weights know of the tilt", "x", "y", "heading"), rows)
+
+
+def _sigmas(covariance: Any) -> FloatArray:
+    return np.sqrt(np.diag(covariance))
+
+
+def larger_source(budget: Budget) -> str:
+    """Return which source is the larger part of the error in x, as predicted: "pixels" or "tilt"."""
+    predicted = made(budget).predicted
+    return max(("pixels", "tilt"), key=lambda name: float(predicted[name][0]))
+
+
+def draw_budget(budget: Budget) -> Drawing:
+    """Draw what each source adds to x, y and heading: bars as predicted, dots as measured."""
+    budget = made(budget)
+    words = []
+    with course_style():
+        figure = Figure(figsize=(9.0, 3.7))
+        place, heading = figure.subplots(1, 2, width_ratios=(2, 1))
+        for row, (name, colour) in enumerate({**_COLOURS, "both": STYLES["truth"].colour}.items()):
+            scale = np.array([100.0, 100.0, np.degrees(1.0)])
+            wanted, have = budget.predicted[name] * scale, budget.measured[name] * scale
+            for i, (value, dot) in enumerate(zip(wanted, have, strict=True)):
+                ax = place if i < 2 else heading
+                at = (i if i < 2 else 0) + (row - 1) * 0.26
+                ax.bar(at, value, 0.24, color=colour, alpha=0.75, label=name if i == 0 else None)
+                ax.plot(at, dot, "D", color="white", mec="black", ms=7)
+            said = zip(_AXES, wanted, have, ("cm", "cm", "degrees"), strict=True)
+            words.append(
+                f"{name}: " + ", ".join(f"{axis} {a:.1f} {unit} ({b:.1f})" for axis, a, b, unit in said)
+            )
+        place.set_xticks([0, 1], ["x", "y"])
+        place.set(ylabel="sigma (cm)")
+        heading.set_xticks([0], ["heading"])
+        heading.set(ylabel="sigma (degrees)", xlim=(-0.6, 0.6))
+        keys = [*place.get_legend_handles_labels()[0]]
+        measured = place.plot(
+            [], [], "D", color="white", mec="black", ms=7, label=f"measured, {SAMPLES} pictures"
+        )
+        legend_below(figure, [*keys, *measured])
+    return Drawing(
+        figure, f"Error of the pose by its source, predicted and, in brackets, measured. {'; '.join(words)}."
+    )

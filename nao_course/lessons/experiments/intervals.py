@@ -1,0 +1,122 @@
+"""How an interval is judged that is made of random draws: it is asked for with several generators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nao_course.exercises import Case, Comparison, Verdict, register, register_driver
+from nao_course.exercises.comparisons.comparison import RIGHT, with_article
+from nao_course.exercises.comparisons.structure import as_numbers
+
+SEEDS = (0, 1, 2, 3, 4, 0)  # the first comes again at the end: it has to give the same
+_ENDS = ("the lower end", "the upper end")
+
+
+@register_driver
+def with_generators(function: Callable[..., Any], values: Any, probability: float) -> list[Any]:
+    """Call ``function(values, probability, rng)`` with several generators; what it answers comes back as it is."""
+    return [function(np.array(values), probability, np.random.default_rng(seed)) for seed in SEEDS]
+
+
+@register
+@dataclass(frozen=True)
+class Interval(Comparison):
+    """Two ends that scatter from generator to generator around the expected ones.
+
+    Parameters
+    ----------
+    share : float
+        How far the ends' means over the generators may be from the reference's, as a part of its width.
+    scatter : float
+        How far the ends may move from generator to generator, standard deviation, as a part of the width. With 2000
+        resamples it is 0.015, and 0.02 for 99 %.
+    """
+
+    share: float = 0.05
+    scatter: float = 0.045
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare the answers to all generators with the reference's."""
+        wanted = np.asarray(expected, dtype=float)
+        if not isinstance(got, list) or len(got) != len(SEEDS):
+            return Verdict("type", "your answers are not one for each call")
+        if any(each is None for each in got):
+            return Verdict("nothing", "your answer is None: a return may be missing")
+        rows = [as_numbers(each, "your answer") for each in got]
+        for answer, row in zip(got, rows, strict=True):
+            if isinstance(row, Verdict):
+                return Verdict(
+                    "type", f"your answer is {with_article(answer)}; two numbers (low, high) are wanted"
+                )
+            if row.shape != (2,):
+                return Verdict(
+                    "shape", f"your answer has shape {row.shape}; two numbers (low, high) are wanted"
+                )
+            if np.isnan(row).any():
+                return Verdict("nan", "your answer has NaN in it")
+        return self._judge_ends(wanted, np.array(rows, dtype=float))
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Whether an answer is the same wrong one as a mistake's: as repeatable, and with about the same ends."""
+        pair = [_rows(each) for each in (answer, got)]
+        one, other = pair
+        if one is None or other is None:
+            return one is None and other is None and repr(answer) == repr(got)
+        if any(ask(one) != ask(other) for ask in (_repeats, _fixed, self._scatters)):
+            return False
+        width = max(float(np.ptp(one.mean(axis=0))), 1e-9)
+        near = 0.02 if _fixed(one) else 2 * self.share  # what is not drawn does not scatter
+        return bool((np.abs(one.mean(axis=0) - other.mean(axis=0)) <= near * width).all())
+
+    def _scatters(self, rows: Any) -> bool:
+        """Whether the ends move more from generator to generator than those of enough resamples."""
+        width = float(np.ptp(rows.mean(axis=0)))
+        return bool(np.std(rows[:-1], axis=0).mean() > self.scatter * width + 1e-9)
+
+    def _judge_ends(self, wanted: Any, have: Any) -> Verdict:
+        width = float(np.ptp(wanted.mean(axis=0)))
+        if not _repeats(have):
+            return Verdict("value", "the same rng gave two different answers; rng.choice draws from it")
+        if width and _fixed(have):
+            return Verdict(
+                "value",
+                "whatever rng it gets, your answer is the same: draw resamples with it, and take their means",
+            )
+        if (have[:, 0] > have[:, 1]).any():
+            return Verdict("value", "the lower end is above the upper one: the answer is (low, high)")
+        off = np.abs(have.mean(axis=0) - wanted.mean(axis=0))
+        for i, end in enumerate(_ENDS):
+            if off[i] > self.share * width + 1e-9:
+                where = "low" if have[:, i].mean() < wanted[:, i].mean() else "high"
+                return Verdict("value", f"{end} of your interval, {have[:, i].mean():.4g}, is too {where}")
+        if self._scatters(have):
+            return Verdict("value", "from one rng to another the ends of your interval move too much")
+        return RIGHT
+
+
+def _rows(answers: Any) -> Any:
+    """Answers as an array (len(SEEDS), 2); None where they are something else."""
+    try:
+        rows = np.array(answers, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return rows if rows.shape == (len(SEEDS), 2) and np.isfinite(rows).all() else None
+
+
+def _repeats(rows: Any) -> bool:
+    """Whether the first generator, asked again at the end, gave the same."""
+    return bool((rows[0] == rows[-1]).all())
+
+
+def _fixed(rows: Any) -> bool:
+    """Whether all generators gave the same."""
+    return bool(np.allclose(rows, rows[0], rtol=1e-12, atol=1e-12))
+
+
+def case_of(values: Any, probability: float, name: str = "") -> Case:
+    """A case of `Interval`: the generator is the driver's."""
+    return Case((np.asarray(values, dtype=float), probability), name)

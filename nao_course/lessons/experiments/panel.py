@@ -1,0 +1,108 @@
+"""The settings panel: any setting on sliders, what it costs, how sure that is, and the pictures that cost most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nao_course.geometry import FloatArray
+from nao_course.lessons.experiments.landscape import NOTHING, OURS, interval_of
+from nao_course.lessons.experiments.resampling import as_table
+from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs
+from nao_course.plotting import Drawing, course_style
+from nao_course.plotting.marks import TRUE, with_crosses, with_rings
+from nao_course.plotting.style import FOUND
+from nao_course.widgets import Action, FunctionPanel, Legend, Slider
+
+WORST = 2  # pictures that are shown
+
+
+class SettingPanel(FunctionPanel):
+    """A setting on sliders: its cost with an interval, the cost of each picture, and the worst pictures.
+
+    Parameters
+    ----------
+    scenes : sequence of CornerScene
+        To try settings on.
+    grid_search : callable
+        ``grid_search(scenes, betas, gaps, lengths)`` returns costs (S,) by setting.
+    bootstrap_interval : callable
+        ``bootstrap_interval(values, probability, rng)`` returns (low, high).
+    find : callable
+        ``find(picture, beta, gap, length)`` returns corners (K, 2).
+
+    Raises
+    ------
+    ValueError
+        If there are fewer scenes than are shown.
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[CornerScene],
+        grid_search: Callable[..., Any],
+        bootstrap_interval: Callable[..., Any],
+        find: Callable[..., Any],
+    ) -> None:
+        """Try the paper's setting and build the widgets."""
+        if len(scenes) < WORST:
+            raise ValueError(f"scenes must be at least {WORST}, got {len(scenes)}")
+        self._scenes, self._nothing = list(scenes), nothing_costs(scenes)
+        super().__init__(
+            "Settings panel",
+            self._try,
+            [
+                Slider("beta", "Beta", 80, 180, 5, 120, tooltip="Of the white threshold, a lightness"),
+                Slider(
+                    "gap", "Largest gap", 1, 15, 1, 5, unit="px", tooltip="Missing pixels within a segment"
+                ),
+                Slider("length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Of a segment"),
+                Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
+            ],
+            student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
+            unfinished={
+                "grid_search": "Finish exercise 10.3 to see what a setting costs.",
+                "bootstrap_interval": "Finish exercise 10.4 to see the interval.",
+                "find": "Finish lessons 01 and 03 to see the corners.",
+            },
+        )
+
+    def _try(self, values: Any, student: Any) -> Iterator[Any]:
+        """Show the costs of all pictures, then the interval, then the pictures that cost most."""
+        setting = (values.beta, values.gap, values.length)
+        table = as_table(student.grid_search(self._scenes, *([each] for each in setting)))
+        costs = next(iter(table.values()))
+        yield {"Cost of each picture": _draw_costs(costs, self._nothing)}
+        yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
+        low, high = interval_of(student.bootstrap_interval, costs)
+        better, worse = interval_of(student.bootstrap_interval, costs - self._nothing)
+        for i in np.argsort(-costs, kind="stable")[:WORST]:
+            pixels, corners = self._scenes[i]
+            found = student.find(pixels, *setting)
+            marked = with_crosses(with_rings(pixels, found, "corners (u, v)"), corners)
+            yield {f"Picture {i + 1} costs {costs[i]:.2f}": marked}
+        yield (
+            f"Mean cost {costs.mean():.2f}, 95 % from {low:.2f} to {high:.2f}. Nothing costs "
+            f"{self._nothing.mean():.2f}; "
+            f"the difference is {np.mean(costs - self._nothing):.2f}, 95 % from {better:.2f} to {worse:.2f}."
+        )
+
+
+def _draw_costs(costs: FloatArray, nothing: FloatArray) -> Drawing:
+    """The cost of each picture, sorted, with what nothing costs there."""
+    order = np.argsort(costs, kind="stable")
+    with course_style():
+        figure = Figure(figsize=(4.6, 3.4))
+        ax = figure.add_subplot()
+        ax.bar(range(len(costs)), costs[order], color=OURS, width=0.8, label="this setting")
+        ax.plot(range(len(costs)), nothing[order], "_", color=NOTHING, ms=8, mew=2, label="nothing")
+        ax.axhline(0, color="black", lw=0.8)
+        ax.set(xlabel="pictures, by their cost", ylabel="cost", xticks=[])
+        ax.legend(loc="upper left")
+    return Drawing(
+        figure,
+        f"Cost of {len(costs)} pictures from {costs.min():.2f} to {costs.max():.2f}, mean {costs.mean():.2f}.",
+    )

@@ -1,0 +1,90 @@
+"""How much a table of costs would change with other pictures: what wins, and what a choice promises."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.exercises.trying import made
+from nao_course.geometry import FloatArray
+from nao_course.lessons.experiments.paper_table import Setting
+
+CostTable = Mapping[Setting, FloatArray]  # costs (S,) of each scene, by the setting
+DRAWS = 4000
+
+
+def as_table(answer: Any) -> dict[Setting, FloatArray]:
+    """Return a student's table as costs (S,) of floats by setting, the best mean first.
+
+    Where a demonstration could not make the table, what that one said is said again.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is something else; the message is for the student.
+    """
+    answer = made(answer)
+    if not isinstance(answer, Mapping) or not answer:
+        raise TypeError(
+            f"grid_search must return a dict of costs by (beta, gap, length), got {type(answer).__name__}"
+        )
+    costs = {key: np.array(each, dtype=float, subok=False) for key, each in answer.items()}
+    shapes = {each.shape for each in costs.values()}
+    if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+        raise ValueError(f"all settings must have one cost a scene, (S,); got shapes {sorted(shapes)}")
+    return dict(sorted(costs.items(), key=lambda item: float(item[1].mean())))
+
+
+def shares_won(table: CostTable, draws: int = DRAWS) -> dict[Setting, float]:
+    """Return how often each setting has the lowest mean, when as many scenes are drawn from these, with replacement."""
+    costs = np.array(list(table.values()))
+    counts = np.random.default_rng(0).multinomial(
+        costs.shape[1], np.full(costs.shape[1], 1 / costs.shape[1]), draws
+    )
+    winners = (counts @ costs.T).argmin(axis=1)
+    wins = np.bincount(winners, minlength=len(costs)) / draws
+    return dict(zip(table, wins.tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class Optimism:
+    """What a setting costs that was chosen on one half of the scenes, the mean of each over many halvings.
+
+    Parameters
+    ----------
+    promised : ndarray, shape (M,)
+        On the half on which it was the best.
+    kept : ndarray, shape (M,)
+        On the other half.
+    any_setting : float
+        The mean of all settings.
+    """
+
+    promised: npt.NDArray[np.float64]
+    kept: npt.NDArray[np.float64]
+    any_setting: float
+
+
+def optimism(table: CostTable, halvings: int = 1000) -> Optimism:
+    """Choose on one half, report on the other, many times."""
+    costs = np.array(list(table.values()))
+    rng, scenes = np.random.default_rng(0), costs.shape[1]
+    promised, kept = [], []
+    for _ in range(halvings):
+        order = rng.permutation(scenes)
+        one, other = order[: scenes // 2], order[scenes // 2 :]
+        chosen = int(costs[:, one].mean(axis=1).argmin())
+        promised.append(costs[chosen, one].mean())
+        kept.append(costs[chosen, other].mean())
+    return Optimism(np.array(promised), np.array(kept), float(costs.mean()))
+
+
+def rank_correlation(first: Mapping[Setting, float], second: Mapping[Setting, float]) -> float:
+    """Return Spearman's correlation of two tables' means: 1 where they order the settings alike."""
+    from scipy.stats import spearmanr  # takes long to import
+
+    return float(spearmanr([first[key] for key in first], [second[key] for key in first]).statistic)

@@ -1,0 +1,80 @@
+"""Pictures to try settings on: simulated and real ones, each with the corners that are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.challenges.progress import Progress
+from nao_course.datasets import PictureSet, read_pictures
+from nao_course.geometry import FloatArray
+from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PICTURES, Setting
+from nao_course.lessons.experiments.resampling import as_table
+from nao_course.metrics import CornerTruth
+from nao_course.sim.scenes import SceneSet, standard_scene
+
+Pixels = npt.NDArray[np.uint8]
+CornerScene = tuple[Pixels, FloatArray]  # a picture (H, W, 3), and its corners (K, 2), (u, v) px
+
+
+@cache
+def simulated_scene(number: int, which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> CornerScene:
+    """Make one picture of a standard set, from 0, with the corners L and T in it; nobody can paint on it."""
+    scene = standard_scene(which, number, size)
+    pair = scene.pixels, CornerTruth.of(scene.truth).corners
+    for array in pair:
+        array.setflags(write=False)
+    return pair
+
+
+def simulated_scenes(which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> tuple[CornerScene, ...]:
+    """Make all thirty pictures of the simulator's set "tune" or "report"."""
+    return tuple(simulated_scene(number, which, size) for number in range(PICTURES))
+
+
+def real_scenes(which: PictureSet) -> tuple[CornerScene, ...]:
+    """Read the pictures of a real NAO with the corners that were marked by hand; none where they are not."""
+    try:
+        pictures = read_pictures(which)
+    except FileNotFoundError:
+        return ()
+    return tuple((each.pixels, CornerTruth.marked(each.points).corners) for each in pictures)
+
+
+def nothing_costs(scenes: Sequence[CornerScene]) -> FloatArray:
+    """Return what reporting nothing costs in each scene, (S,): 1 for each corner that is there."""
+    return np.array([float(len(corners)) for _, corners in scenes])
+
+
+def search_scenes(
+    grid_search: Callable[..., Any], scenes: Sequence[CornerScene]
+) -> dict[Setting, FloatArray]:
+    """Search the 27 settings with a student's function, and say meanwhile how many scenes are done.
+
+    It is asked for one scene after the other: a bar that counts what is taken from a list would begin anew with each
+    of the student's loops.
+
+    Parameters
+    ----------
+    grid_search : callable
+        ``grid_search(scenes, betas, gaps, lengths)`` returns costs by setting.
+    scenes : sequence of CornerScene
+        At least one.
+
+    Returns
+    -------
+    dict of Setting to ndarray, shape (S,)
+        The costs of all scenes, the best mean first.
+    """
+    tables, progress = [], None
+    for scene in scenes:
+        tables.append(as_table(grid_search([scene], list(BETAS), list(GAPS), list(LENGTHS))))
+        progress = progress or Progress(len(scenes), "scenes")  # an unwritten function shows no bar
+        progress.step()
+    if progress:
+        progress.end()
+    return as_table({key: np.concatenate([each[key] for each in tables]) for key in tables[0]})

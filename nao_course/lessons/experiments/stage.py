@@ -1,0 +1,61 @@
+"""What lesson 10 adds to the student's robot: it tries settings while it drives, and looks with the best so far."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nao_course.colours import GREEN, YELLOW, mean_lightness
+from nao_course.geometry import as_points
+from nao_course.lessons.experiments.landscape import say_setting
+from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PICTURES, SETTINGS, Setting
+from nao_course.lessons.experiments.resampling import as_table
+from nao_course.lessons.experiments.scenes import simulated_scene
+from nao_course.plotting.drawing import say_count
+from nao_course.sim import SimulatedNao
+from nao_course.widgets.attempts import StudentCode
+from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+
+EVERY = 3  # pictures until the next try: with more of them the robot would have to wait
+TRIES = tuple((number, beta) for number in range(PICTURES) for beta in BETAS)  # scenes, thresholds
+
+
+def _tune_and_look(student: StudentCode, nao: SimulatedNao) -> Look:
+    """Try the 27 settings on one scene after the other while pictures come; find corners with the best of them."""
+    costs: dict[Setting, list[float]] = {setting: [] for setting in SETTINGS}
+    pictures = tried = 0
+
+    def tune() -> tuple[Setting, int]:
+        nonlocal pictures, tried
+        wanted = min(len(BETAS) + pictures // EVERY, len(TRIES))  # the first scene at once
+        for number, beta in TRIES[tried:wanted]:
+            table = as_table(
+                student.grid_search([simulated_scene(number)], [beta], list(GAPS), list(LENGTHS))
+            )
+            for setting, each in table.items():
+                costs[setting].extend(each.tolist())
+            tried += 1
+        pictures += 1
+        scenes = tried // len(BETAS)
+        return min(costs, key=lambda setting: float(np.mean(costs[setting][:scenes]))), scenes
+
+    def look(sight: Sight) -> Overlay:
+        setting, scenes = tune()
+        beta, gap, length = setting
+        pixels = sight.picture.pixels
+        labels = student.color_labels(
+            pixels, GREEN, YELLOW, student.white_threshold(mean_lightness(pixels), beta)
+        )
+        corners = as_points(student.find_corners(labels, gap, length), name="corners (u, v)")
+        found, on = say_count(len(corners), "corner"), say_count(scenes, "scene")
+        text = f"{found} with {say_setting(setting)}, your best on {on}"
+        return Overlay(corners, pixels=corners, text=text)
+
+    return look
+
+
+STAGE = Stage(
+    name="corners, best setting",
+    lesson="10_experiments",
+    uses=("grid_search", "01:color_labels", "01:white_threshold", "03:find_corners"),
+    wire=_tune_and_look,
+)

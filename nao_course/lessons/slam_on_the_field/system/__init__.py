@@ -1,0 +1,3 @@
+"""The whole robot: pictures to measurements, drives over the field, and what each way of SLAM makes of them."""
+
+__all__ = ["association", "careful", "compass", "demo", "drives", "lines", "observation", "walk", "ways"]

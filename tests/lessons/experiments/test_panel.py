@@ -1,0 +1,51 @@
+"""The settings panel: its values reach the student's functions, and what is missing is named."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.experiments.panel import SettingPanel
+
+SCENES = [(np.full((48, 64, 3), 90, np.uint8), np.array([(20.0 + k, 20.0)])) for k in range(4)]
+
+
+def grid(scenes, betas, gaps, lengths):
+    return {(betas[0], gaps[0], lengths[0]): np.arange(len(scenes), dtype=float)}
+
+
+def panel(grid_search=grid, bootstrap_interval=lambda values, p, rng: (0.5, 2.5), find=None):
+    return SettingPanel(
+        SCENES, grid_search, bootstrap_interval, find or (lambda picture, *setting: [(5.0, 6.0)])
+    )
+
+
+def test_every_slider_reaches_the_students_functions():
+    got = []
+    shown = panel(
+        grid_search=lambda scenes, *values: got.append(values) or grid(scenes, *values),
+        find=lambda picture, *setting: got.append(setting) or np.zeros((0, 2)),
+    )
+    shown.set(beta=150, gap=3, length=25)
+    assert got[-3:] == [([150], [3], [25]), (150, 3, 25), (150, 3, 25)]
+
+
+def test_it_says_cost_interval_and_the_pictures_that_cost_most():
+    shown = panel()
+    assert "Mean cost 1.50, 95 % from 0.50 to 2.50. Nothing costs 1.00" in shown.summary()
+    assert {"Picture 4 costs 3.00", "Picture 3 costs 2.00"} <= set(shown.shown.pictures)
+
+
+def test_what_is_not_written_is_named():
+    def blank(*given):
+        raise NotImplementedError
+
+    assert "Finish exercise 10.3" in panel(grid_search=blank).summary()
+    assert "Finish exercise 10.4" in panel(bootstrap_interval=blank).summary()
+
+
+def test_a_table_that_is_none_is_said():
+    assert "dict of costs" in panel(grid_search=lambda *given: [1.0]).summary()
+
+
+def test_there_are_pictures_to_show():
+    with pytest.raises(ValueError, match="at least 2"):
+        SettingPanel(SCENES[:1], grid, None, None)

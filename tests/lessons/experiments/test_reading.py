@@ -1,0 +1,123 @@
+"""Reading the paper's table: which means are possible, and what was recorded on other pictures."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from nao_course.lessons.experiments import reading
+from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, SETTINGS
+from nao_course.lessons.experiments.resampling import as_table, optimism, shares_won
+from nao_course.lessons.experiments.scenes import simulated_scenes
+from tests.lessons.experiments.own import OWN, TEXT, table
+from tests.paths import PROJECT
+
+
+def measured():
+    return json.loads((PROJECT / "benchmarks" / "results" / "experiments.json").read_text(encoding="utf-8"))
+
+
+def test_thirteen_of_the_papers_means_cannot_come_from_thirty_pictures():
+    cannot = reading.impossible_means(OWN["possible_hits"])
+    assert len(cannot) == 13 == measured()["impossible"] and (130, 4, 30) in cannot
+    assert "Here 14 of 27 do; chance does as well in 3 of 100 tables" in TEXT
+    assert 0.28 < measured()["by chance possible"] < 0.38
+    assert round(100 * binom.sf(13, 27, measured()["by chance possible"])) == 3
+
+
+def test_ten_of_the_papers_means_are_ninetieths_and_chance_hardly_ever_does_that():
+    """The lesson said "with four thirds it is 17 of 27", as if that were more: 17 are those that cannot be."""
+    assert len(reading.ninetieths()) == 27 - measured()["impossible with four thirds"] == 10
+    assert (120, 5, 40) in reading.ninetieths() and (110, 4, 40) not in reading.ninetieths()
+    numbers = np.arange(2000, 10000) / 1000
+    chance = np.mean([abs(90 * each - round(90 * each)) <= 0.045 + 1e-9 for each in numbers])
+    assert "by chance only 9 % would" in TEXT and round(100 * chance) == 9
+    assert "one of 14000 tables" in TEXT and round(1 / binom.sf(9, 27, chance), -3) == 14000
+
+
+def test_the_best_row_has_at_most_25_hits():
+    alt = reading.draw_possible(OWN["possible_hits"]).alt
+    assert "For 13 there is none" in alt and "For the best setting there are 9 from 1 to 25" in alt
+    assert "at most 25 hits" in TEXT and "With four thirds for a hit 10 means can be" in alt
+
+
+def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found():
+    assert reading.recorded() == measured()["sets"]
+    assert all(len(each["means"]) == len(SETTINGS) for each in reading.recorded().values())
+
+
+def test_agreement_is_said_with_an_interval_for_each_other_table():
+    alt = reading.draw_agreement(table()).alt
+    assert alt.count("95 % from") == 5 and "The paper's with simulator, other rooms 0.51" in alt
+
+
+def test_a_table_without_noise_agrees_with_itself_and_a_table_of_noise_does_not():
+    rng, order = np.random.default_rng(3), np.arange(27.0)
+    means = dict(zip(SETTINGS, order, strict=True))
+    sure = {key: mean + rng.normal(0, 0.1, 30) for key, mean in means.items()}
+    middle, low, high = reading.agreement(sure, {"itself": means})["itself"]
+    assert low > 0.95 and low - 1e-9 <= middle <= high + 1e-9
+    noise = {key: rng.normal(0, 1, 30) for key in SETTINGS}
+    middle, low, high = reading.agreement(noise, {})[reading.HALVES]
+    assert -0.5 < middle < 0.5 and low < 0 < high
+
+
+def test_equal_means_are_equal_whatever_the_order_of_their_sum():
+    """The figure said -0.07 where the text, by means of four digits, said -0.06."""
+    one = {key: np.array([0.1, 0.2, 0.3]) for key in SETTINGS}
+    one[SETTINGS[0]] = np.array([0.3, 0.2, 0.1]) + 1e-12
+    one[SETTINGS[1]] = np.array([5.0, 5.0, 5.0])
+    other = {key: float(key == SETTINGS[1]) for key in SETTINGS}
+    assert reading.agreement(one, {"other": other})["other"][0] > 0.999
+
+
+def test_sizes_are_drawn_from_what_was_recorded():
+    alt = reading.draw_sizes().alt
+    best = reading.recorded_means("160 x 120, the same pixels")[120, 5, 40]
+    assert f"160 x 120, the same pixels: {best:.2f}" in alt and "Nothing costs 2.03" in alt
+
+
+def test_means_by_setting_are_in_the_papers_order():
+    means = reading.recorded_means("simulator, other rooms")
+    assert np.allclose(list(means.values()), reading.recorded()["simulator, other rooms"]["means"])
+
+
+def test_what_the_text_says_of_other_pictures_is_what_was_recorded():
+    tables = {name: reading.recorded_means(name) for name in reading.AGREEING}
+    own = reading.recorded_means("320 x 240, the same pixels")
+    rho = [reading.rank_correlation(own, each) for each in tables.values()]
+    assert [f"{each:.2f}" for each in rho] == ["0.72", "-0.06", "0.71"]
+    assert "(0.72)" in TEXT and "(0.71)" in TEXT and "(-0.06)" in TEXT
+    eight = tables["a real NAO, eight places"].values()
+    assert f"between {min(eight):.2f} and {max(eight):.2f}" in TEXT
+    half, twice = (
+        [reading.recorded_means(f"{size}, {how}")[120, 5, 40] for how in ("the same pixels", "in proportion")]
+        for size in ("160 x 120", "640 x 480")
+    )
+    assert (
+        f"costs {half[0]:.2f} at half the size with the same pixels and {half[1]:.2f} in proportion" in TEXT
+    )
+    assert f"at twice the size {twice[0]:.2f} and {twice[1]:.2f}" in TEXT
+    costs = f"{own[120, 5, 40]:.2f}, and at twice the size {twice[0]:.2f} or {twice[1]:.2f}"
+    assert f"its setting costs you {costs}" in TEXT
+
+
+@pytest.mark.slow
+def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
+    found = OWN["grid_search"](simulated_scenes(), list(BETAS), list(GAPS), list(LENGTHS))
+    best = min(found, key=lambda key: found[key].mean())
+    low, high = OWN["bootstrap_interval"](found[best], 0.95, np.random.default_rng(0))
+    assert f"With 120, 7, 50 you are at {found[best].mean():.2f}, from about {low:.1f} to {high:.1f}" in TEXT
+    assert f"costs {found[120, 5, 40].mean():.2f}, the lowest mean" in TEXT
+    halves = optimism(as_table(found))
+    assert f"promised {halves.promised.mean():.2f} and costs {halves.kept.mean():.2f}" in TEXT
+    assert 0.3 < shares_won(found)[best] < 0.37
+    others = {name: reading.recorded_means(name) for name in reading.AGREEING}
+    agree = reading.agreement(found, others)
+    assert [f"{agree[name][0]:.2f}" for name in reading.AGREEING] == ["0.72", "-0.06", "0.71"]
+    assert f"hardly agree, {agree[reading.HALVES][0]:.2f} in the middle" in TEXT
+    costs = np.array([found[key] for key in SETTINGS])
+    assert set(np.argsort(costs.mean(axis=0))[-3:] + 1) == {25, 11, 15} and (costs[:, 24] == 4).all()
+    assert "Pictures 25, 11 and 15" in TEXT
+    assert costs[[key[2] == 50 for key in SETTINGS], 10].mean() < 0.5

@@ -1,0 +1,54 @@
+"""What other pictures would have changed: winners, broken promises, and what is no table."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.experiments.paper_table import PAPER_MEANS, PAPER_SIGMAS, SETTINGS
+from nao_course.lessons.experiments.resampling import as_table, optimism, rank_correlation, shares_won
+from tests.lessons.experiments.own import table
+
+
+def test_the_papers_table_has_27_rows_with_its_best_in_the_middle():
+    assert len(PAPER_MEANS) == len(PAPER_SIGMAS) == 27 and list(PAPER_MEANS) == list(SETTINGS)
+    assert min(PAPER_MEANS, key=PAPER_MEANS.get) == (120, 5, 40) and PAPER_MEANS[120, 5, 40] == 2.122
+    assert PAPER_SIGMAS[120, 5, 40] == 0.322 and PAPER_MEANS[130, 7, 50] == 5.103
+
+
+def test_a_setting_that_is_far_better_wins_every_draw_and_shares_add_up():
+    shares = shares_won(table())
+    assert shares[SETTINGS[0]] == 1.0 and sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_equal_settings_share_the_wins():
+    rng = np.random.default_rng(2)
+    shares = shares_won({key: rng.normal(0, 1, 30) for key in SETTINGS[:3]})
+    assert all(0.02 < each < 0.9 for each in shares.values())
+
+
+def test_the_best_of_noise_promises_more_than_it_keeps_and_a_real_best_does_not():
+    rng = np.random.default_rng(1)
+    noise = optimism({key: rng.normal(2, 1, 400) for key in SETTINGS})
+    assert noise.promised.mean() < 1.93 and noise.kept.mean() == pytest.approx(noise.any_setting, abs=0.06)
+    real = optimism(table())
+    assert real.kept.mean() == pytest.approx(real.promised.mean(), abs=0.05)
+
+
+def test_a_students_table_is_sorted_by_its_means_and_copied():
+    given = {(1, 2, 3): [4.0, 6.0], (4, 5, 6): [1.0, 2.0]}
+    assert list(as_table(given)) == [(4, 5, 6), (1, 2, 3)]
+
+
+@pytest.mark.parametrize(
+    "wrong", [None, {}, [1.0], {(1, 2, 3): 1.0}, {(1, 2, 3): [1.0], (4, 5, 6): [1.0, 2.0]}]
+)
+def test_what_is_no_table_is_said(wrong):
+    with pytest.raises((TypeError, ValueError), match="grid_search|one cost a scene"):
+        as_table(wrong)
+
+
+def test_tables_that_order_settings_alike_correlate():
+    doubled = {key: 2 * mean for key, mean in PAPER_MEANS.items()}
+    assert rank_correlation(PAPER_MEANS, doubled) == pytest.approx(1.0)
+    assert rank_correlation(PAPER_MEANS, {key: -mean for key, mean in PAPER_MEANS.items()}) == pytest.approx(
+        -1.0
+    )

@@ -1,0 +1,78 @@
+"""Figures, panel and drivers of lesson 11: each has words, and shows what it was given."""
+
+import json
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.lessons.slam_on_the_field import figures
+from nao_course.lessons.slam_on_the_field.associating import shares
+from nao_course.lessons.slam_on_the_field.drivers import on_taken_picture, taken_from
+from nao_course.lessons.slam_on_the_field.figures import draw_drives, draw_one_tilt, draw_sights
+from nao_course.lessons.slam_on_the_field.ideas import RECORDED, draw_ideas
+from nao_course.lessons.slam_on_the_field.panel import draw_riddle
+from nao_course.lessons.slam_on_the_field.worlds import riddle
+from nao_course.slam import DeadReckoning
+
+
+def test_one_tilt_is_told_in_words():
+    assert "correlation is 0.9" in draw_one_tilt().alt
+
+
+def test_right_and_wrong_associations_are_counted():
+    each = riddle(4, 0.1, 0.1)
+    wrong = list(each.origins)
+    wrong[0] = -1
+    assert each.right(each.origins) == len(each.origins) and each.right(wrong) == len(each.origins) - 1
+    assert (
+        f"{len(each.origins) - 1} of them are taken for the right landmark"
+        in draw_riddle(each, np.array(wrong)).alt
+    )
+
+
+@pytest.mark.parametrize("answer", [None, [(0.1, 1.0)], 3.0])
+def test_sights_that_are_no_measurements_are_refused_in_words(answer):
+    with pytest.raises(TypeError, match="measure must return a list of Measurement"):
+        draw_sights(lambda picture, view: answer)
+
+
+def test_the_payoff_is_what_the_pictures_show(monkeypatch):
+    """Who measures nothing knows no more than odometry: nothing but `measure` tells where landmarks are."""
+    monkeypatch.setattr(figures, "PAYOFF_MOVES", 1)
+    looked = []
+
+    class Blind(DeadReckoning):
+        def __init__(self, start, odometry):
+            super().__init__(start)
+
+    drawing = draw_drives(lambda picture, view: looked.append(picture.shape) or [], Blind, Blind)
+    assert looked == [(240, 320, 3)] * 6
+    assert "map has 0 landmarks" in drawing.alt
+
+
+def test_the_ideas_say_where_a_better_noise_alone_is_worse():
+    """What the lesson's text says of its figure, held against the recorded numbers."""
+    rows = {row["idea"]: row for row in json.loads(RECORDED.read_text(encoding="utf-8"))}
+    constant, whole, jointly = (rows[name] for name in ("constant R", "the whole R", "the whole R, jointly"))
+    assert np.median(whole["nees"]) > 10 * np.median(constant["nees"])
+    assert max(whole["off"]) > 3 * max(constant["off"])
+    assert np.median(jointly["off"]) < np.median(constant["off"]) / 2
+    assert all(0.03 < rows[name]["wrong"] < 0.07 for name in ("constant R", "tilt in R", "the whole R"))
+    assert jointly["wrong"] < 0.01 < 0.03 < rows["constant R, jointly"]["wrong"]
+    assert "constant R, jointly" in draw_ideas().alt
+
+
+def test_an_answer_of_another_length_is_refused():
+    with pytest.raises(ValueError, match="need as many numbers"):
+        shares(lambda *given: [0], [riddle(4, 0.1, 0.1)])
+
+
+def test_a_picture_is_taken_where_it_is_asked_for():
+    picture = taken_from(Pose(0.6, 0.5, -0.25), 0.0)
+    assert on_taken_picture(lambda pixels, view: (pixels.shape, view.size), Pose(0.6, 0.5, -0.25), 0.0) == (
+        picture.pixels.shape,
+        (320, 240),
+    )
+    darker = taken_from(Pose(0.6, 0.5, -0.25), 0.0, 0.5)
+    assert darker.pixels.mean() == pytest.approx(picture.pixels.mean() / 2, abs=1)

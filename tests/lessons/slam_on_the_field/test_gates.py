@@ -1,0 +1,128 @@
+"""Gates: what becomes of a measurement is counted right, and the lesson says what thirty recorded drives say."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from benchmarks import RESULTS
+from nao_course.geometry import Pose
+from nao_course.lessons.slam_on_the_field import gates
+from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
+from nao_course.lessons.slam_on_the_field.system.observation import observation
+from nao_course.lessons.slam_on_the_field.worlds import DrawnDrive, drawn_drive
+from nao_course.slam import DeadReckoning, Measurement
+from tests.paths import SOLUTIONS
+
+NUMBERS = [[0, 1], [1, 2, -1]]  # by which a scripted filter names the measurements of two pictures
+ORIGINS = ((4, 7), (4, 7, 8))
+
+
+class Scripted(DeadReckoning):
+    """A filter that believes every command, and names measurements as it is told."""
+
+    def __init__(self, start, odometry, gate, association=None):
+        super().__init__(start)
+        self.pictures = iter(NUMBERS)
+
+    def observe(self, measurements):
+        super().observe(measurements)
+        self.indices = np.array(next(self.pictures))
+
+
+def two_pictures():
+    seen = [
+        observation([Measurement(0.1 * i, 1.0 + i, "corner") for i in range(len(each))]) for each in NUMBERS
+    ]
+    start = Pose(1.0, 0.0, 0.0)
+    return DrawnDrive(start, [(None, each) for each in seen], np.tile(start.as_array(), (2, 1)), ORIGINS)
+
+
+def test_a_measurement_is_right_wrong_again_or_left_out():
+    watched = gates.watch(Scripted, two_pictures(), 3.0)
+    # First 4 and 7 come onto the map; then 4 is taken for 7, 7 is put on the map again, and 8 is left out.
+    assert dict(watched.fates) == {"right": 2, "wrong": 1, "again": 1, "left out": 1}
+    assert gates.shares_of([watched, watched]) == {"right": 0.4, "wrong": 0.2, "again": 0.2, "left out": 0.2}
+    assert watched.outcome.off == 0
+
+
+def test_what_is_kept_of_a_way_to_associate_is_not_shown_for_another_one(monkeypatch):
+    """A student who mends a function and runs the cell again sees what the mended one does."""
+    monkeypatch.setattr(gates, "watch", lambda slam_class, drive, gate, match: match)
+    begun, mended = (lambda *_: []), (lambda *_: [])
+
+    class Own(Scripted):
+        """What is kept of it is of no other test."""
+
+    for match in (begun, mended, begun):
+        shown = gates.with_gates(Own, match)[f"{gates.JOINTLY}, gate {gates.JOINT_GATE:g}"]
+        assert shown == [match] * gates.DRIVES
+
+
+def test_thirty_drives_are_recorded_for_both_ways_and_every_gate():
+    rows = gates.recorded()
+    assert {(row["way"], row["gate"]) for row in rows} == {
+        (way, gate) for way in (gates.NEAREST, gates.JOINTLY) for gate in gates.GATES
+    }
+    assert {len(row[each]) for row in rows for each in ("off", "nees", "landmarks")} == {30}
+    assert all(sum(row["shares"].values()) == pytest.approx(1, abs=1e-3) for row in rows)
+    drawn = gates.draw_associations()
+    assert "30 drives" in drawn.alt and "Gate 3, joint compatibility" in drawn.alt
+
+
+def test_joint_compatibility_is_right_more_often_at_the_usual_gate():
+    right = {(row["way"], row["gate"]): row["shares"]["right"] for row in gates.recorded()}
+    assert right[gates.JOINTLY, 3.0] > right[gates.NEAREST, 3.0] + 0.05
+    assert right[gates.JOINTLY, 10.0] > right[gates.NEAREST, 10.0] + 0.05
+
+
+def section(heading: str) -> str:
+    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    return re.split(r"^## ", text.partition(f"\n## {heading}\n")[2], flags=re.MULTILINE)[0]
+
+
+def test_the_lesson_states_what_thirty_drives_say():
+    drives = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["drives"]
+    tight, usual, wide = (drives[f"nearest neighbour, gate {gate}"] for gate in (1, 3, 10))
+    usual_j, wide_j = (drives[f"joint compatibility, gate {gate}"] for gate in (3, 10))
+    text = section("Which gate?")
+    for words in (
+        f"leaves out {tight['left out %']:.0f} % of all",
+        f"Another {tight['again %']:.0f} % lie beyond",
+        f"{tight['landmarks']:.0f} landmarks where there are ten",
+        f"corrects little: {tight['off cm']:.0f} cm off",
+        f"takes {wide['wrong %']:.0f} % for a wrong",
+        f"end more than {wide['off cm']:.0f} cm off",
+        f"is right in {usual['right %']:.0f} %",
+        f"{usual['> 10 cm']} of 30 drives end more than 10 cm off",
+        f"right in {usual_j['right %']:.0f} %, and {usual_j['> 10 cm']} of 30",
+        f"still {wide_j['> 50 cm']} of 30 drives end more than 50 cm off",
+    ):
+        assert words in text, words
+
+
+def test_the_lesson_states_what_a_hundred_looks_say():
+    looks = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["looks"]
+    usual = looks["gate 3"]
+    said = ", ".join(
+        f"{usual[f'{doubt} degrees']['right']:.0f} %{' are right' if doubt == 2 else ''} at {doubt}°"
+        for doubt in (2, 5, 10)
+    )
+    text = section("Which landmark is it?")
+    assert said in text, said
+    assert "Three of five right ones are refused" in text
+    assert looks["gate 1"]["2 degrees"]["left out"] == pytest.approx(60, abs=5)
+
+
+@pytest.mark.slow
+def test_the_record_is_what_the_solution_does(own):
+    recorded = {(row["way"], row["gate"]): row for row in gates.recorded()}
+    for way, match in ((gates.NEAREST, None), (gates.JOINTLY, associate_jointly)):
+        off = [
+            gates.watch(own["EkfSlam"], drawn_drive(seed, gates.MOVES), 3.0, match).outcome.off
+            for seed in (400, 401)
+        ]
+        assert recorded[way, 3.0]["off"][:2] == pytest.approx(off, abs=2e-4)
