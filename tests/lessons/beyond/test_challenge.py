@@ -1,0 +1,104 @@
+"""The challenge of lesson 12: the most certain map in twenty moves, and a score that only honest maps get."""
+
+import numpy as np
+import pytest
+
+from benchmarks.challenges.unknown_maps import MAP_ENTRIES, stand_still
+from nao_course.challenges import CaseResult, Run
+from nao_course.challenges.beliefs import DEEPEST
+from nao_course.lessons.beyond.challenge import AREA, CHALLENGE, LEAST, draw_worst_maps, judge, make_case
+from nao_course.metrics import band
+
+
+def test_a_map_with_nothing_on_it_scores_nothing():
+    assert judge(([], np.zeros(3), np.zeros((3, 3))), make_case(3)).score == 0
+
+
+def test_a_landmark_counts_the_bits_by_which_its_place_is_surer_than_anywhere_on_the_carpet():
+    case, sigma = make_case(3), 0.05
+    state = np.append(np.zeros(3), case.landmarks[4])
+    scored = judge(([4], state, np.eye(5) * sigma**2), case)
+    assert scored.score == pytest.approx(np.log2(AREA / (2 * np.pi * (sigma**2 + LEAST))), abs=1e-6)
+    assert scored.columns["found"] == 1 and scored.columns["NEES a coordinate"] == 0
+
+
+def test_to_be_sure_of_wrong_places_costs_more_than_not_to_look():
+    case = make_case(3)
+    state = np.append(np.zeros(3), (case.landmarks + (0.3, 0.0)).ravel())
+    scored = judge((range(10), state, np.eye(23) * 0.02**2), case)
+    assert scored.score == DEEPEST
+    assert scored.columns["NEES a coordinate"] == pytest.approx(112.5, rel=0.01)
+
+
+def test_honest_doubt_scores_best():
+    case, rng = make_case(3), np.random.default_rng(0)
+    state = np.append(np.zeros(3), (case.landmarks + rng.normal(0, 0.1, (10, 2))).ravel())
+    scores = [judge((range(10), state, np.eye(23) * sigma**2), case).score for sigma in (0.03, 0.1, 0.3)]
+    assert scores[1] > max(scores[0], scores[2])
+
+
+def test_the_same_moves_show_the_same_whatever_was_looked_at():
+    first, second = make_case(5).robot, make_case(5).robot
+    first.look()
+    for robot in (first, second):
+        robot.move((0.2, 0.5))
+    assert np.array_equal(first.look()[1], second.look()[1])
+    assert np.array_equal(first.look()[1], first.look()[1])
+
+
+def test_a_robot_makes_twenty_moves_and_no_wild_ones():
+    robot = make_case(5).robot
+    for wrong in ((0.4, 0.0), (0.1, 4.0), (np.nan, 0.0), 0.2, (0.1, 0.1, 0.1)):
+        with pytest.raises(ValueError, match="a move is"):
+            robot.move(wrong)
+    assert robot.moves_left == 20
+    for _ in range(20):
+        robot.move((0.0, 0.3))
+    assert robot.moves_left == 0
+    with pytest.raises(ValueError, match="all 20 moves"):
+        robot.move((0.0, 0.3))
+
+
+def test_who_leaves_the_carpet_is_told_so():
+    robot = make_case(5).robot
+    for _ in range(10):  # 3 m, past the goal line
+        robot.move((0.3, 0.0))
+    with pytest.raises(ValueError, match="left the carpet with move 11"):
+        robot.move((0.3, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "returns None"),
+        (([0], np.zeros(5)), "three things"),
+        (([0], np.zeros(4), np.eye(4)), "with 1 numbers"),
+        (([0, 0], np.zeros(7), np.eye(7)), "each once"),
+        (([11], np.zeros(5), np.eye(5)), "from 0 to 9"),
+        (([0], np.full(5, np.nan), np.eye(5)), "NaN"),
+        (([0], np.zeros(5), np.triu(np.ones((5, 5)))), "not symmetric"),
+        (([0], np.zeros(5), -np.eye(5)), "negative eigenvalue"),
+    ],
+)
+def test_what_is_no_map_is_refused_in_words(answer, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        judge(answer, make_case(1))
+
+
+def test_the_recorded_rows_say_what_the_lesson_says():
+    rows = {row.name: row for row in CHALLENGE.rows}
+    assert list(rows) == list(MAP_ENTRIES)
+    scores = {name: row.score for name, row in rows.items()}
+    assert scores["standing still"] == pytest.approx(21.6, abs=0.1)
+    assert scores["the paper's way, a fixed plan"] == pytest.approx(74.5, abs=0.1)
+    assert scores["the reference"] == pytest.approx(73.2, abs=0.1)
+    assert scores["a better one"] == pytest.approx(94.8, abs=0.1)
+    assert rows["a better one"].columns["NEES a coordinate"] == pytest.approx(1.2, abs=0.05)
+    low, high = (each / 20 for each in band(20, 20))
+    assert low < rows["the reference"].columns["NEES a coordinate"] < high
+
+
+def test_the_figure_draws_the_worst_maps():
+    scored = {seed: judge(stand_still(make_case(seed).robot), make_case(seed)) for seed in range(3)}
+    results = [CaseResult(seed, f"robot {seed}", s.score, s.columns, s.kept) for seed, s in scored.items()]
+    assert draw_worst_maps(Run(CHALLENGE, tuple(results))).alt.startswith("Score of 3 robots: ")

@@ -1,0 +1,139 @@
+"""The equations of lesson 12, held against its solution."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from nao_course.geometry import wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.beyond.planning import options
+from nao_course.lessons.beyond.two_cameras import (
+    OFF_AXIS,
+    PIXEL_SIGMA,
+    expected_sigmas,
+    measure_again,
+    pitch_for,
+)
+from nao_course.lessons.beyond.worlds import LANDMARKS
+from nao_course.sim import NAO_V4
+from nao_course.slam import range_and_bearing
+from tests.paths import SOLUTIONS
+
+
+def covariance(rng, size, scale):
+    root = rng.normal(0, scale, (size, size)) + np.eye(size) * scale
+    return root @ root.T
+
+
+def innovation(measurement, pose, landmark):
+    nu = measurement - range_and_bearing(pose, landmark)
+    nu[0] = wrap_angle(nu[0])
+    return nu
+
+
+@pytest.mark.asserts("eq-12-1")
+def test_a_particle_is_kept_as_often_as_a_tooth_of_the_comb_falls_into_its_piece(own):
+    for seed, n in enumerate((1, 2, 5, 30, 400)):
+        weights = np.random.default_rng(seed).exponential(1, n) ** 3
+        weights /= weights.sum()
+        q = np.random.default_rng(seed + 50).random()
+        ends = np.append(0, np.cumsum(weights))
+        kept = own["resample"](weights, np.random.default_rng(seed + 50))
+        for i in range(n):
+            teeth = [(q + j) / n for j in range(n) if ends[i] < (q + j) / n <= ends[i + 1]]
+            assert np.sum(kept == i) == len(teeth)
+
+
+@pytest.mark.asserts("eq-12-2")
+def test_a_particles_weight_is_the_density_of_the_innovation(own, rng):
+    particles = np.column_stack([rng.uniform(0, 3, (20, 2)), rng.uniform(-np.pi, np.pi, 20)])
+    landmark, R = np.array([1.0, 0.5]), covariance(rng, 2, 0.2)
+    z = np.array([-3.1, 1.2])
+    wanted = [multivariate_normal(np.zeros(2), R).logpdf(innovation(z, pose, landmark)) for pose in particles]
+    assert np.allclose(own["weigh"](particles, landmark, z, R), wanted)
+
+
+@pytest.mark.asserts("eq-12-3", "eq-12-4")
+def test_a_particles_landmark_is_corrected_as_one_kalman_filter_of_two_numbers(own, rng):
+    for _ in range(20):
+        pose = np.append(rng.uniform(0, 3, 2), rng.uniform(-np.pi, np.pi))
+        mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
+        z = range_and_bearing(pose, mean) + rng.normal(0, 0.1, 2)
+        nu = innovation(z, pose, mean)
+        step = (
+            1e-6  # slopes of the innovation by the landmark, by differences: minus those of what is expected
+        )
+        H = -np.column_stack(
+            [
+                (innovation(z, pose, mean + e) - innovation(z, pose, mean - e)) / (2 * step)
+                for e in step * np.eye(2)
+            ]
+        )
+        S = H @ P @ H.T + R
+        K = P @ H.T @ np.linalg.inv(S)
+        moved, left, log_weight = own["update_particle_landmark"](pose, mean, P, z, R)
+        assert np.allclose(moved, mean + K @ nu, atol=1e-6)
+        assert np.allclose(left, P - K @ H @ P, atol=1e-6)
+        assert np.isclose(log_weight, multivariate_normal(np.zeros(2), S).logpdf(nu), atol=1e-6)
+
+
+def test_a_particle_corrects_its_landmark_as_lesson_07_does_where_the_pose_is_certain(own, ekf, rng):
+    _, update_landmarks, _ = ekf
+    for _ in range(10):
+        pose = np.append(rng.uniform(0, 3, 2), rng.uniform(-np.pi, np.pi))
+        mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
+        z = range_and_bearing(pose, mean) + rng.normal(0, 0.05, 2)
+        whole = np.zeros((5, 5))
+        whole[3:, 3:] = P
+        state, after = update_landmarks(np.append(pose, mean), whole, [0], z, R[None])
+        moved, left, _ = own["update_particle_landmark"](pose, mean, P, z, R)
+        assert np.allclose(state, np.append(pose, moved)) and np.allclose(after[3:, 3:], left)
+        assert np.allclose(after[:3], 0)
+
+
+@pytest.mark.asserts("eq-12-5")
+def test_the_shortest_way_between_two_rays_is_at_right_angles_to_both(own, rng):
+    met = 0
+    for _ in range(60):
+        a, b = rng.normal(0, 1, (2, 3))
+        u, v = (each / np.linalg.norm(each) for each in rng.normal(0, 1, (2, 3)))
+        middle, gap = own["intersect_rays"](a, u, b, v)
+        if np.isnan(gap):
+            continue
+        met += 1
+        n = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+        for origin, direction, side in ((a, u, -1), (b, v, 1)):
+            near = middle + side * np.sign((b - a) @ n) * gap / 2 * n  # the way's end on this ray
+            assert np.allclose(np.cross(near - origin, direction), 0, atol=1e-6)
+            assert (near - origin) @ direction >= -1e-9
+    assert met >= 10
+
+
+@pytest.mark.asserts("eq-12-6")
+def test_both_cameras_scatter_as_a_pixels_angle_and_the_baseline_say(own):
+    pixel_to_ground = load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
+    distance, size = 2.0, (640, 480)
+    top, bottom = (NAO_V4.view(camera, 0.0, pitch_for(distance), size=size) for camera in ("top", "bottom"))
+    angle = PIXEL_SIGMA / bottom.focal[1] * np.cos(OFF_AXIS) ** 2
+    both = distance**2 / np.linalg.norm(top.position - bottom.position) * np.sqrt(2) * angle
+    assert np.isclose(expected_sigmas(distance, size[0])[1], both)
+    looks = measure_again(own["intersect_rays"], pixel_to_ground, distance, size, looks=200)
+    assert looks.sigmas[1] == pytest.approx(both, rel=0.15)
+
+
+@pytest.mark.asserts("eq-12-7")
+def test_the_move_is_chosen_whose_position_has_the_least_variances(own, ekf, rng):
+    predict, update_landmarks, _ = ekf
+    for _ in range(10):
+        pose = np.append(rng.uniform((0.5, -1), (2, 1)), rng.uniform(-np.pi, np.pi))
+        state = np.concatenate([pose, LANDMARKS[:4].ravel()])
+        P = covariance(rng, len(state), 0.05)
+        offered, sums = options(state), []
+        for option in offered:
+            after = predict(state, P, option.control, option.control_covariance, 4)
+            if option.indices:
+                after = update_landmarks(
+                    *after, option.indices, option.measurements, option.measurement_covariance
+                )
+            sums.append(after[1][0, 0] + after[1][1, 1])
+        assert own["choose_move"](state, P, offered) == int(np.argmin(sums))

@@ -1,0 +1,132 @@
+"""Exploration of a room of boxes."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.beyond.exploring import (
+    FREE,
+    OCCUPIED,
+    SHAPE,
+    START,
+    STRIDE,
+    UNKNOWN,
+    anywhere_known,
+    as_mask,
+    as_steps,
+    cell_centres,
+    cell_of,
+    explore,
+    lawn_mower,
+    look,
+    nearest_frontier,
+    passable,
+    room_of_boxes,
+    way_back,
+)
+
+
+def test_each_cells_centre_lies_in_it():
+    centres = cell_centres()
+    for row, column in ((0, 0), (10, 3), (SHAPE[0] - 1, SHAPE[1] - 1)):
+        assert cell_of(centres[row, column]) == (row, column)
+
+
+def test_a_look_tells_no_lies_and_sees_no_cell_behind_a_box():
+    for seed in range(3):
+        taken = room_of_boxes(seed)
+        grid = np.full(SHAPE, UNKNOWN)
+        look(grid, taken, np.array(START), np.linspace(-3, 3, 7))
+        assert not taken[grid == FREE].any() and taken[grid == OCCUPIED].all()
+        assert (grid != UNKNOWN).sum() > 50
+    wall = np.zeros(SHAPE, dtype=bool)
+    wall[:, cell_of(np.array(START))[1] + 5] = True
+    grid = np.full(SHAPE, UNKNOWN)
+    look(grid, wall, np.array(START), 0.0)
+    assert (grid[:, cell_of(np.array(START))[1] + 6 :] == UNKNOWN).all()
+
+
+def test_the_robot_keeps_a_cell_away_from_boxes():
+    grid = np.full((5, 5), FREE)
+    grid[2, 2] = OCCUPIED
+    free = passable(grid)
+    assert not free[2, 1:4].any() and not free[1:4, 2].any() and free.sum() == 20
+    grid[0, 0] = UNKNOWN
+    assert not passable(grid)[0, 0] and passable(grid)[0, 1]
+
+
+def test_a_way_back_is_as_long_as_its_steps_say(own, rng):
+    free = rng.random((12, 15)) > 0.25
+    free[6, 7] = True
+    steps = own["travel_steps"](free, (6, 7))
+    goals = [(int(row), int(column)) for row, column in np.argwhere(steps >= 0)]
+    for goal in goals[:: max(1, len(goals) // 15)]:
+        way = way_back(steps, goal)
+        assert way[0] == (6, 7) and way[-1] == goal and len(way) == steps[goal] + 1
+        assert np.abs(np.diff(way, axis=0)).sum() == len(way) - 1 and all(free[cell] for cell in way)
+
+
+def test_steps_of_neighbours_differ_by_one_at_most(own, rng):
+    free = rng.random((20, 20)) > 0.3
+    free[3, 4] = True
+    steps = own["travel_steps"](free, (3, 4))
+    assert (steps[~free] == -1).all() and steps[3, 4] == 0
+    for one, other in ((steps[1:], steps[:-1]), (steps[:, 1:], steps[:, :-1])):
+        both = (one >= 0) & (other >= 0)
+        assert (np.abs(one - other)[both] == 1).all()  # colours of a chessboard: never the same
+        beside = (one >= 0) != (other >= 0)
+        assert not (np.minimum(one, other)[beside] >= 0).any()
+
+
+def test_frontiers_are_free_and_vanish_where_all_is_known(own, rng):
+    grid = rng.integers(-1, 2, (15, 12))
+    ends = own["find_frontiers"](grid)
+    assert (grid[ends] == FREE).all()
+    assert not own["find_frontiers"](np.abs(grid)).any()
+    turned = own["find_frontiers"](np.rot90(grid))
+    assert (turned == np.rot90(ends)).all()
+
+
+@pytest.mark.parametrize("way", ["frontier", "random", "lanes"])
+def test_whatever_way_a_robot_goes_it_stays_off_boxes_and_forgets_nothing(own, way):
+    choose = {
+        "frontier": lambda: nearest_frontier(own["find_frontiers"]),
+        "random": lambda: anywhere_known(np.random.default_rng(0)),
+        "lanes": lawn_mower,
+    }[way]()
+    taken = room_of_boxes(3)
+    seen = list(explore(own["travel_steps"], choose, 3, 25))
+    assert len(seen) == 25
+    for before, after in pairwise(seen):
+        assert (after.grid[before.grid != UNKNOWN] != UNKNOWN).all() and after.part >= before.part
+        assert not taken[cell_of(after.place)]
+        moved = np.abs(np.subtract(cell_of(after.place), cell_of(before.place))).sum()
+        assert moved <= STRIDE
+    assert 0.1 < seen[0].part < seen[-1].part <= 1
+
+
+def test_frontiers_end_only_where_all_that_can_be_reached_is_known(own):
+    *_, last = explore(own["travel_steps"], nearest_frontier(own["find_frontiers"]), 1, 90)
+    assert last.goal is None and last.part > 0.95
+
+
+@pytest.mark.parametrize("answer", [np.zeros((2, 2)), np.zeros((3, 2), bool), [[2, 0], [0, 0]], None, "x"])
+def test_what_is_no_mask_of_the_grid_is_refused(answer):
+    with pytest.raises(ValueError, match=r"boolean mask \(2, 2\)"):
+        as_mask(answer, (2, 2))
+
+
+def test_a_mask_may_be_lists_or_zeros_and_ones():
+    assert as_mask([[True, False], [False, False]], (2, 2)).tolist() == [[True, False], [False, False]]
+    assert as_mask(np.eye(2, dtype=int), (2, 2)).dtype == bool
+
+
+@pytest.mark.parametrize("answer", [np.zeros((2, 2)), np.zeros((3, 2), int), np.full((2, 2), np.nan), None])
+def test_what_are_no_steps_is_refused(answer):
+    with pytest.raises(ValueError, match=r"whole numbers \(2, 2\)"):
+        as_steps(answer, (2, 2))
+
+
+def test_steps_may_be_lists():
+    assert as_steps([[0, -1], [1, 2]], (2, 2)).sum() == 2

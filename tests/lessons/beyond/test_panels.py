@@ -1,0 +1,88 @@
+"""The panels of lesson 12: what two cameras measure, and a room that is explored."""
+
+import pytest
+
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.beyond import ExplorePanel, TwoCamerasPanel
+from nao_course.lessons.beyond.panels import MOVES
+from tests.paths import SOLUTIONS
+
+
+@pytest.fixture(scope="module")
+def pixel_to_ground():
+    return load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
+
+
+def sigmas(panel):
+    words = panel.summary().split()
+    return float(words[words.index("camera") + 1]), float(words[words.index("both") + 1])
+
+
+def known(panel):
+    return float(panel.summary().partition(" moves ")[2].partition("%")[0])
+
+
+def test_more_pixels_help_both_cameras_and_not_one(own, pixel_to_ground):
+    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
+    one, both = sigmas(panel)
+    panel.set(width=1280)
+    assert sigmas(panel)[0] == pytest.approx(one, rel=0.1)
+    assert sigmas(panel)[1] == pytest.approx(both / 4, rel=0.15)
+
+
+def test_without_lean_one_camera_is_the_better_way(own, pixel_to_ground):
+    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
+    _, both = sigmas(panel)
+    panel.set(lean=0.0)
+    still, still_both = sigmas(panel)
+    assert still < 0.02 and still_both == pytest.approx(both, rel=0.2)
+
+
+def test_a_point_that_is_not_in_both_pictures_is_said_to_be_so(own, pixel_to_ground):
+    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
+    panel.set(distance=3.0, pitch=20.0)
+    assert "not in both pictures" in panel.summary() and "does not see it" in panel.summary()
+    assert "nan" not in panel.summary()
+    assert "deviation: the" not in panel.summary(), "what is not seen has no standard deviation"
+    assert panel.drawing().alt.startswith("How far is it?")
+
+
+def test_the_known_part_grows_while_it_plays_and_the_frontiers_end(own):
+    panel = ExplorePanel(own["find_frontiers"], own["travel_steps"])
+    parts = []
+    for move in (0, 20, MOVES - 1):
+        panel.set(move=move)
+        parts.append(known(panel))
+    assert parts == sorted(parts) and parts[-1] >= 99
+    assert "with 3 frontier cells" in panel.summary()  # between boxes, where no way leads
+
+
+def test_a_function_that_was_mended_explores_anew(own):
+    """What was driven by the old function is not shown as the new one's."""
+    panel = ExplorePanel(own["find_frontiers"], own["travel_steps"])
+    panel.set(move=40)
+    right = known(panel)
+
+    def nowhere(grid):
+        return grid == 5
+
+    other = ExplorePanel(nowhere, own["travel_steps"])
+    other._explored = panel._explored
+    other.set(move=40)
+    assert known(other) < right - 20 and "with 0 frontier cells" in other.summary()
+
+
+@pytest.mark.parametrize("name", ["find_frontiers", "travel_steps"])
+def test_what_is_not_written_is_named(own, name):
+    def unwritten(*given):
+        raise NotImplementedError
+
+    functions = {key: own[key] for key in ("find_frontiers", "travel_steps")} | {name: unwritten}
+    said = ExplorePanel(**functions).summary()
+    assert f"Finish exercise 12.{5 if name == 'find_frontiers' else 6}" in said
+
+
+def test_nonsense_is_said_in_words(own):
+    for nonsense in (None, 3, [[True]]):
+        said = ExplorePanel(lambda grid, answer=nonsense: answer, own["travel_steps"]).summary()
+        assert "find_frontiers" in said

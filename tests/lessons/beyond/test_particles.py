@@ -1,0 +1,184 @@
+"""Particles of lesson 12: the law of a comb, what a student's functions may return, and FastSLAM without noise."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.beyond.figures import LAP, START, lap
+from nao_course.lessons.beyond.particles import (
+    Belief,
+    FastSlam,
+    NamedEkf,
+    chosen,
+    effective,
+    find_itself,
+    log_weights,
+    normalised,
+    run_fast_slam,
+    systematic,
+    weigh_unnamed,
+)
+from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, ODOMETRY, drive, noise_of
+from nao_course.slam import range_and_bearing
+
+WEIGHTS = np.array([0.5, 0.1, 0.4])
+SEEDS = [*range(200), *range(5)]
+
+
+def judged(function, weights=WEIGHTS):
+    return systematic(
+        (weights, SEEDS), {}, [function(weights, np.random.default_rng(seed)) for seed in SEEDS]
+    )
+
+
+def comb(teeth):
+    return lambda weights, rng: np.searchsorted(np.cumsum(weights), teeth(len(weights), rng))
+
+
+def test_the_lessons_comb_obeys_its_law_whatever_the_weights(own, rng):
+    for n, peak in ((1, 1.0), (2, 0.3), (7, 1.0), (40, 2.0), (150, 4.0)):
+        weights = normalised(peak * rng.normal(0, 1, n))
+        assert judged(own["resample"], weights) == ""
+    assert judged(own["resample"], np.array([0.0, 0.0, 1.0])) == ""
+    assert judged(own["resample"], np.full(8, 1 / 8)) == ""
+
+
+def test_any_comb_will_do_in_any_order():
+    def from_above(weights, rng):
+        n, shift = len(weights), rng.uniform(0, 1 / len(weights))
+        return rng.permutation(np.searchsorted(np.cumsum(weights), 1 - np.arange(n) / n - shift))
+
+    assert judged(from_above) == ""
+
+
+def test_what_is_no_comb_is_told_by_a_particle_and_its_count():
+    assert "where a comb keeps it" in judged(lambda weights, rng: rng.choice(3, 3, p=weights))
+    weights = np.array([0.25, 0.1, 0.3, 0.35])
+    stratified = judged(comb(lambda n, rng: (np.arange(n) + rng.random(n)) / n), weights)
+    assert stratified.startswith("particle 2 of 4, of weight 0.3, was kept")
+    assert stratified.endswith("times, where a comb keeps it 1 or 2 times")
+    assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + 0.5) / n))
+    assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + rng.random() / 2) / n))
+
+
+def test_a_particle_that_is_kept_too_often_is_told_though_none_is_kept_too_seldom():
+    def two_at_once(weights, rng):
+        left = 4 * weights - np.floor(4 * weights)
+        return [0, 1, *[rng.choice(4, p=left / 2)] * 2]
+
+    told = judged(two_at_once, np.array([0.4, 0.4, 0.1, 0.1]))
+    assert "times, where a comb keeps it" in told and ("3 times, where" in told or "2 times, where" in told)
+
+
+def test_a_generator_of_ones_own_is_told():
+    other = np.random.default_rng(1)
+    assert "the same rng gave two different answers" in judged(
+        comb(lambda n, rng: (np.arange(n) + other.random()) / n)
+    )
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ([0, 1], "3 whole numbers"),
+        ([0.0, 1.0, 2.0], "whole numbers"),
+        ([1, 2, 3], "from 0 to 2"),
+        ([-1, 0, 1], "from 0 to 2"),
+        ("012", "3 whole numbers"),
+        ([[0, 1, 2]], "3 whole numbers"),
+        (10**9, "3 whole numbers"),
+        ([0, 1, 10**12], "from 0 to 2"),
+    ],
+)
+def test_what_are_no_numbers_of_particles_is_refused(answer, words):
+    with pytest.raises(ValueError, match=words):
+        chosen(answer, 3)
+    assert words in judged(lambda weights, rng: answer)
+
+
+def test_too_few_draws_are_told():
+    assert systematic((WEIGHTS, SEEDS), {}, [[0, 1, 2]]) == "there are 1 answers to 205 calls"
+
+
+def test_log_weights_are_as_many_as_particles_and_no_nan():
+    assert log_weights([0, -np.inf], 2).dtype == float
+    with pytest.raises(ValueError, match=r"2 log weights, got shape \(3,\)"):
+        log_weights(np.zeros(3), 2)
+    with pytest.raises(ValueError, match="NaN"):
+        log_weights([0.0, np.nan], 2)
+
+
+def test_weights_sum_to_one_however_small_the_densities_are(rng):
+    logs = -1000 + rng.normal(0, 1, 30)
+    weights = normalised(logs)
+    assert np.isclose(weights.sum(), 1) and np.allclose(np.diff(np.log(weights)), np.diff(logs))
+    assert effective(np.full(7, 1 / 7)) == pytest.approx(7) and effective(np.array([0, 1.0, 0])) == 1
+
+
+def test_a_landmark_without_a_name_weighs_as_the_mean_of_its_kind(own):
+    particles = np.array([[1.5, 0.0, 0.0], [1.0, 0.5, 0.3]])
+    seen = range_and_bearing(particles[0], LANDMARKS[KINDS.index("post")])
+    logs = weigh_unnamed(own["weigh"], particles, "post", seen)
+    places = LANDMARKS[[kind == "post" for kind in KINDS]]
+    each = [np.exp(own["weigh"](particles, place, seen, noise_of(seen))) for place in places]
+    assert np.allclose(np.exp(logs), np.mean(each, axis=0) + 1e-3)
+
+
+def test_a_lost_robot_finds_its_place(own):
+    clouds = find_itself(own["weigh"], own["resample"], lap(2, 12), np.random.default_rng(2), 2000)
+    truth = lap(2, 12)[-1].pose
+    assert np.hypot(*(np.median(clouds[-1][:, :2], axis=0) - truth[:2])) < 0.2
+    assert np.ptp(clouds[0][:, 1]) > 3
+
+
+def test_without_noise_every_particle_drives_the_truth_and_maps_it(own, still):
+    steps = list(drive(START, lambda: LAP, 12, still))
+    slam = FastSlam(START, own["update_particle_landmark"], own["resample"], 4, still)
+    run = run_fast_slam(slam, steps)
+    assert np.allclose(run.errors, 0, atol=1e-12) and np.allclose(run.nees, 0, atol=1e-9)
+    assert np.allclose(slam.poses, steps[-1].pose) and slam.known.sum() >= 5
+    assert np.allclose(slam.means[:, slam.known], LANDMARKS[slam.known], atol=1e-9)
+    assert np.allclose(slam.paths, np.array([START.as_array(), *(step.pose for step in steps)]))
+    assert set(run.ancestors) == {4} and np.allclose(run.effective, 4)
+
+
+def test_without_noise_the_filter_on_named_landmarks_is_exact(ekf, still):
+    slam = NamedEkf(START, *ekf)
+    for step in drive(START, lambda: LAP, 12, still):
+        if step.motion is not None:
+            slam.move(np.array([step.motion.distance, step.motion.turn]), ODOMETRY.covariance(step.motion))
+        slam.observe(step.numbers.tolist(), step.measurements)
+        assert np.allclose(slam.belief().error(step.pose), 0, atol=1e-9)
+    assert np.allclose(slam.state[3:].reshape(-1, 2), LANDMARKS[slam.known], atol=1e-9)
+    assert np.linalg.eigvalsh(slam.covariance).min() > -1e-12
+
+
+def test_ancestors_never_come_back(own):
+    slam = FastSlam(START, own["update_particle_landmark"], own["resample"], 10, np.random.default_rng(3))
+    run = run_fast_slam(slam, lap(3, 20))
+    assert (np.diff(run.ancestors) <= 0).all() and run.ancestors[-1] < 10
+    assert run.paths.shape == (10, 22, 3)
+
+
+def test_particles_are_resampled_only_when_too_few_count(own):
+    asked = []
+
+    def resample(weights, rng):
+        asked.append(effective(weights))
+        return own["resample"](weights, rng)
+
+    slam = FastSlam(START, own["update_particle_landmark"], resample, 20, np.random.default_rng(3))
+    run_fast_slam(slam, lap(3, 15))
+    assert asked and max(asked) < 10
+
+
+def test_the_mean_of_headings_knows_the_turn(still):
+    slam = FastSlam(START, None, None, 2, still)
+    slam.poses[:, 2] = (np.pi - 0.1, -np.pi + 0.1)
+    belief = slam.belief()
+    assert abs(belief.pose[2]) == pytest.approx(np.pi)
+    assert belief.covariance[2, 2] == pytest.approx(0.01)
+
+
+def test_nees_is_three_squares_for_one_standard_deviation_each():
+    belief = Belief(np.array([1.0, 2.0, np.pi]), np.diag([0.04, 0.09, 0.01]))
+    assert belief.nees(np.array([1.2, 2.3, -np.pi + 0.1])) == pytest.approx(3, rel=1e-4)

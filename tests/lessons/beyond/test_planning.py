@@ -1,0 +1,131 @@
+"""Drives that choose their next move."""
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import decode, encode
+from nao_course.geometry import Pose
+from nao_course.lessons.beyond.planning import (
+    GOAL_LINE,
+    ROOM,
+    STEP,
+    TURNS,
+    Option,
+    at_random,
+    in_a_circle,
+    journey,
+    options,
+    straight_on,
+)
+from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, noise_of, room_ahead
+from nao_course.slam import Motion, range_and_bearing
+
+STATE = np.concatenate([(1.2, -0.3, 0.4), LANDMARKS.ravel()])
+
+
+def test_an_option_says_what_will_be_seen_where_it_leads_if_nothing_errs():
+    assert len(options(STATE)) > 3
+    for option in options(STATE):
+        distance, turn = option.control
+        after = (Pose.from_array(STATE[:3]) @ Pose(distance, 0, 0) @ Pose(0, 0, turn)).as_array()
+        assert option.indices == np.flatnonzero(AHEAD.sees(after, LANDMARKS)).tolist()
+        expected = range_and_bearing(after, LANDMARKS[option.indices])
+        assert np.allclose(option.measurements, expected.ravel())
+        assert np.allclose(option.measurement_covariance, [noise_of(each) for each in expected])
+        assert np.allclose(option.control_covariance, ODOMETRY.covariance(Motion(distance, turn)))
+
+
+def test_after_each_move_that_is_offered_there_is_room(rng):
+    for pose in np.column_stack(
+        [rng.uniform((0.25, -1.75), (2.75, 1.75), (60, 2)), rng.uniform(-np.pi, np.pi, 60)]
+    ):
+        offered = options(pose)
+        assert offered
+        for option in offered:
+            distance, turn = option.control
+            after = (Pose.from_array(pose) @ Pose(distance, 0, turn)).as_array()
+            assert 0 <= distance <= STEP and option.indices == [] and option.measurements.shape == (0,)
+            assert len(offered) == 1 or room_ahead(after, STEP) >= ROOM
+
+
+def test_an_option_travels_to_the_grader_as_it_is():
+    option = options(STATE)[1]
+    back = decode(encode(option))
+    assert isinstance(back, Option) and back.indices == option.indices
+    assert np.array_equal(back.measurement_covariance, option.measurement_covariance)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("control", np.zeros(3)),
+        ("control_covariance", np.zeros((2, 2))),
+        ("measurements", np.zeros(3)),
+        ("measurement_covariance", np.zeros((2, 2))),
+        ("indices", [0]),
+    ],
+)
+def test_an_option_of_other_shapes_is_refused(name, value):
+    good = {
+        "control": np.zeros(2),
+        "control_covariance": np.zeros((3, 3)),
+        "indices": [0, 1],
+        "measurements": np.zeros(4),
+        "measurement_covariance": np.zeros((2, 2, 2)),
+    }
+    Option(**good)
+    with pytest.raises(ValueError, match="must have shape"):
+        Option(**{**good, name: value})
+
+
+def test_a_journey_is_the_same_from_its_seed_and_its_map_holds_what_was_seen(ekf):
+    one, again = (journey(at_random(3), ekf, 3, 6) for _ in range(2))
+    assert np.array_equal(one.truth, again.truth) and np.array_equal(one.covariance, again.covariance)
+    assert len(one.truth) == len(one.believed) == len(one.doubts) == 7
+    assert len(one.state) == 3 + 2 * len(one.known) and one.map_error < 0.5
+    assert one.off == pytest.approx(np.hypot(*(one.truth[-1] - one.believed[-1])[:2]))
+    assert not np.array_equal(one.truth, journey(at_random(4), ekf, 4, 6).truth)
+
+
+def test_a_journey_begins_with_the_goal_ahead_or_behind(ekf):
+    for seed in range(5):
+        for back in (False, True):
+            x, y, theta = journey(straight_on, ekf, seed, 0, back=back).truth[0]
+            ahead = np.cos(np.arctan2(-y, GOAL_LINE - x) - theta)
+            assert ahead < -0.9 if back else ahead > 0.9
+
+
+@pytest.mark.parametrize("answer", [None, 1.0, True, -1, 99, "0", [0]])
+def test_what_is_no_number_of_an_option_is_refused_with_a_sentence(ekf, answer):
+    with pytest.raises(ValueError, match="one of the moves that are offered"):
+        journey(lambda state, covariance, offered: answer, ekf, 0, 1)
+
+
+def test_a_choice_may_change_what_it_is_given_and_changes_nothing(ekf):
+    def spoil(state, covariance, offered):
+        state[:], covariance[:] = 0, 0
+        return 0
+
+    kept = journey(lambda state, covariance, offered: 0, ekf, 1, 4)
+    assert np.array_equal(journey(spoil, ekf, 1, 4).state, kept.state)
+
+
+def test_plans_that_know_nothing_turn_as_they_say():
+    offered = options(STATE)
+    turns = [option.control[1] for option in offered]
+    assert turns[in_a_circle(STATE, np.eye(3), offered)] == pytest.approx(TURNS[5])
+    assert turns[straight_on(STATE, np.eye(3), offered)] == min(turns, key=abs)
+
+
+def test_the_lessons_choice_ends_surer_than_chance(own, ekf):
+    chosen = [journey(own["choose_move"], ekf, seed).doubts[-1] for seed in range(3)]
+    chance = [journey(at_random(seed), ekf, seed).doubts[-1] for seed in range(3)]
+    assert np.median(chosen) < 0.75 * np.median(chance)
+
+
+def test_from_a_blind_start_the_choice_finds_less_in_four_moves_than_chance(own, ekf):
+    def found(choose):
+        return np.median([len(journey(choose(seed), ekf, seed, 4, back=True).known) for seed in range(12)])
+
+    assert found(lambda seed: own["choose_move"]) == 1
+    assert found(at_random) == 5

@@ -1,0 +1,151 @@
+"""What lesson 12 adds to the robot: where it would go next, so that it explores by itself."""
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.lessons.beyond.exploring import FREE, cell_centres
+from nao_course.lessons.beyond.particles import NamedEkf
+from nao_course.lessons.beyond.stage import DOUBT, PICTURES, STAGE, Explorer
+from nao_course.lessons.beyond.worlds import INSIDE
+from nao_course.sim import OdometryNoise, SensorNoise, SimulatedNao, Truth
+from nao_course.student.stages import PLANNED
+from nao_course.widgets import ControlPanel
+from nao_course.widgets.attempts import StudentCode
+from nao_course.widgets.control_panel import Overlay, Pipeline, Stage
+
+
+@pytest.fixture
+def functions(own, ekf):
+    new = {name: own[name] for name in ("find_frontiers", "travel_steps", "choose_move")}
+    return new | dict(zip(("predict", "update_landmarks", "add_landmark"), ekf, strict=True))
+
+
+def robot(pose=Pose(0.6, 0.5, -0.25), **more):
+    return SimulatedNao(pose=pose, rng=41, **more)
+
+
+class Drive:
+    """A robot that goes where the stage says, a picture after each motion."""
+
+    def __init__(self, functions, nao=None):
+        self.nao = nao or robot()
+        self.pipeline = Pipeline([STAGE], functions, self.nao, time_limit=60.0)
+        self.look()
+
+    def look(self):
+        self.seen = self.pipeline.look(self.nao.take_picture())
+
+    def go(self):
+        motion = self.seen.motion
+        self.nao.walk(motion.distance)
+        self.nao.turn(motion.turn)
+        self.look()
+
+    @property
+    def part(self):
+        return float(self.seen.overlays[STAGE.name].text.partition("%")[0])
+
+
+def test_it_goes_where_nothing_was_seen_yet_and_stays_where_it_may_drive(functions):
+    drive = Drive(functions)
+    parts = [drive.part]
+    for _ in range(12):
+        drive.go()
+        parts.append(drive.part)
+        pose = Truth(drive.nao).pose
+        assert INSIDE[0][0] - 0.3 < pose.x < INSIDE[1][0] + 0.3
+        assert INSIDE[0][1] - 0.3 < pose.y < INSIDE[1][1] + 0.3
+    assert parts == sorted(parts) and parts[0] < 40 and parts[-1] > parts[0] + 30
+
+
+@pytest.mark.slow
+def test_it_sees_all_of_where_it_may_drive_and_then_stands_still(functions):
+    nao = robot()
+    panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))
+    panel.explore(80)
+    assert "100% seen" in panel.summary() and "all is seen" in panel.summary()
+    before = nao.odometry
+    panel.explore(3)
+    assert nao.odometry == before
+
+
+def test_the_map_of_a_robot_that_maps_by_its_pictures_stays_that_map(functions):
+    def mapped(student, nao):
+        return lambda sight: Overlay(result="a map of lesson 11")
+
+    nao = robot()
+    eleven = Stage(PICTURES, "11_slam_on_the_field", (), mapped)
+    seen = Pipeline([eleven, STAGE], functions, nao, time_limit=60.0).look(nao.take_picture())
+    assert seen.estimate is None and seen.motion is not None
+    assert PLANNED["11"] == PICTURES
+
+
+def test_in_doubt_the_students_choice_drives_and_else_the_nearest_frontier(functions, ekf):
+    slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
+    explorer = Explorer(StudentCode(functions))
+    explorer.see(slam.state, 0.0, 0.0)
+    explorer.next(slam)
+    assert explorer.why == "to the nearest frontier"
+    slam.covariance = np.eye(3) * DOUBT**2
+    move = explorer.next(slam)
+    assert explorer.why == "to be surer" and move.distance == pytest.approx(0.3)
+    slam.covariance = np.eye(3) * (DOUBT / 3) ** 2
+    explorer.next(slam)
+    assert explorer.why == "to the nearest frontier"
+
+
+def test_a_robot_that_looks_back_in_vain_goes_on_after_a_while(functions, ekf):
+    slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
+    slam.covariance = np.eye(3) * DOUBT**2
+    explorer, reasons = Explorer(StudentCode(functions)), []
+    for _ in range(9):
+        explorer.see(slam.state, 0.0, 0.3)
+        explorer.next(slam)
+        reasons.append(explorer.why)
+    assert reasons == 3 * ["to be surer"] + 3 * ["to the nearest frontier"] + 3 * ["to be surer"]
+
+
+def test_what_it_sees_lies_before_the_head_and_within_its_reach(functions):
+    explorer = Explorer(StudentCode(functions))
+    explorer.see(np.array([0.5, 0.0, 0.0]), np.pi / 2, 0.0)  # it looks to its left
+    away = cell_centres()[explorer.grid == FREE] - (0.5, 0.0)
+    assert len(away) > 50 and away[:, 1].min() > -0.1 and np.hypot(*away.T).max() < 2.1
+    assert np.abs(np.arctan2(away[:, 0], away[:, 1]))[np.hypot(*away.T) > 0.5].max() < np.radians(36)
+
+
+def test_without_noise_it_knows_its_place_exactly(functions):
+    quiet = {"odometry_noise": OdometryNoise(0, 0, 0, 0), "sensor_noise": SensorNoise(1e-9, 1e-9)}
+    drive = Drive(functions, robot(**quiet))
+    for _ in range(4):
+        drive.go()
+    assert np.allclose(drive.seen.estimate.pose.as_array(), Truth(drive.nao).pose.as_array(), atol=1e-5)
+
+
+def test_what_fails_is_said_and_no_command_is_taken_in_twice(functions):
+    broken = {"now": False}
+
+    def update_landmarks(*given):
+        if broken["now"]:
+            raise ZeroDivisionError("no")
+        return functions["update_landmarks"](*given)
+
+    drive = Drive(functions | {"update_landmarks": update_landmarks})
+    broken["now"] = True
+    drive.nao.walk(0.2)
+    drive.look()
+    assert "ZeroDivisionError in update_landmarks()" in drive.seen.complaints[0]
+    assert drive.seen.motion is None
+    broken["now"] = False
+    drive.look()
+    pose = drive.seen.estimate.pose.as_array() - Truth(drive.nao).pose.as_array()
+    assert drive.seen.motion is not None and np.hypot(*pose[:2]) < 0.05
+
+
+@pytest.mark.parametrize("name", ["find_frontiers", "travel_steps", "predict", "add_landmark"])
+def test_nonsense_is_said_in_words(functions, name):
+    nao = robot()
+    pipeline = Pipeline([STAGE], functions | {name: lambda *given: None}, nao, time_limit=60.0)
+    pipeline.look(nao.take_picture())
+    nao.walk(0.1)
+    assert name in pipeline.look(nao.take_picture()).complaints[0]
