@@ -1172,7 +1172,7 @@ PLAN = LessonPlan(
         ),
         Question(
             "why_epsilon",
-            "Why does the paper widen green by epsilon, and does not say so of yellow?",
+            "Why does the paper widen green by epsilon, and yellow not?",
             {
                 "The carpet is everywhere, and its example shows only one place.": "It is seen near and far, in shadow and in glare, and "
                 "its hue differs a little from place to place. A goal is small, in one place and one light.",

@@ -816,7 +816,7 @@ KALMAN_UPDATE = Exercise(
     comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
     hints=(
         "Write S, then K, then the mean, then the covariance: one line each. Check shapes: H is (m, n), S (m, m), K (n, m).",
-        "S = H P H' + R; K = P H' S^-1; the new mean is mean + K @ innovation, the new covariance (I - K H) P, or the longer form of equation 6.8.",
+        "S = H P Hᵀ + R; K = P Hᵀ S^-1; the new mean is mean + K @ innovation, the new covariance (I - K H) P, or the longer form of equation 6.8.",
     ),
     mistakes=[
         Mistake(
@@ -827,27 +827,27 @@ KALMAN_UPDATE = Exercise(
         Mistake(
             "gain over R",
             _changed_update(over_R=True),
-            "You divide by R alone. The innovation is uncertain by both, S = H P H' + R.",
+            "You divide by R alone. The innovation is uncertain by both, S = H P Hᵀ + R.",
         ),
         Mistake(
             "no inverse",
             _changed_update(no_inverse=True),
-            "You multiply by S; the gain divides by it: K = P H' S^-1.",
+            "You multiply by S; the gain divides by it: K = P Hᵀ S^-1.",
         ),
         Mistake(
             "P left out of the gain",
             _changed_update(one=True),
-            "P is missing in the gain: K = P H' S^-1. What is known poorly has to move farther.",
+            "P is missing in the gain: K = P Hᵀ S^-1. What is known poorly has to move farther.",
         ),
         Mistake(
             "gain transposed",
             _changed_update(gain_transposed=True),
-            "Your gain is transposed: S^-1 H P is K'. K has a row for each value of the state and a column for each measurement.",
+            "Your gain is transposed: S^-1 H P is Kᵀ. K has a row for each value of the state and a column for each measurement.",
         ),
         Mistake(
             "H P H",
             _hph,
-            "It is H P H', with the second H transposed: S has as many rows and columns as there are measurements. Where all shapes are alike, Python says nothing.",
+            "It is H P Hᵀ, with the second H transposed: S has as many rows and columns as there are measurements. Where all shapes are alike, Python says nothing.",
         ),
         Mistake(
             "innovation's sign",
@@ -897,7 +897,7 @@ KALMAN_UPDATE = Exercise(
         Mistake(
             "Joseph's form without a transpose",
             _changed_update(after="not_transposed"),
-            "In Joseph's form the second I - K H is transposed: (I - K H) P (I - K H)'. Without it the matrix is not even symmetric.",
+            "In Joseph's form the second I - K H is transposed: (I - K H) P (I - K H)ᵀ. Without it the matrix is not even symmetric.",
         ),
         Mistake(
             "P forgotten behind",
@@ -917,7 +917,7 @@ KALMAN_UPDATE = Exercise(
         Mistake(
             "half of Joseph's form",
             _changed_update(after="no_noise"),
-            "(I - K H) P (I - K H)' alone forgets that the measurement has noise: K R K' belongs to it.",
+            "(I - K H) P (I - K H)ᵀ alone forgets that the measurement has noise: K R Kᵀ belongs to it.",
         ),
     ],
     alternatives={

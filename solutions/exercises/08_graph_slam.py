@@ -113,6 +113,14 @@ def _start_first(omega: Any, xi: Any, index: int, position: float) -> Pair:
     return _start()(omega, xi, 0, position)
 
 
+def _start_weight_in_xi(omega: Any, xi: Any, index: int, position: float) -> Pair:
+    return _start()(omega, xi, index, position)[0], _start()(omega, xi, index, 1.0)[1]
+
+
+def _start_everywhere(omega: Any, xi: Any, index: int, position: float) -> Pair:
+    return omega + np.eye(len(xi)), _start()(omega, xi, index, position)[1]
+
+
 def _start_swapped(omega: Any, xi: Any, index: int, position: float) -> Any:
     return _start()(omega, xi, index, position)[::-1]
 
@@ -202,6 +210,16 @@ ADD_INITIAL_POSITION = Exercise(
             _start_first,
             "The start is that of the variable `index`, which need not be 0.",
         ),
+        Mistake(
+            "the weight in xi",
+            _start_weight_in_xi,
+            "Omega is right. xi gets the position, times the weight 1; you add the weight alone.",
+        ),
+        Mistake(
+            "every variable",
+            _start_everywhere,
+            "You hold every variable. Only the one with the number `index` has a known position.",
+        ),
         Mistake("xi first", _start_swapped, "Return omega first, then xi."),
         Mistake(
             "in place",
@@ -221,10 +239,12 @@ def _link(**changed: Any) -> Callable[..., Pair]:
 
     def function(omega: Any, xi: Any, first: int, second: int, value: float, epsilon: float = 1.0) -> Pair:
         omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
-        if changed.get("swapped"):
+        if changed.get("sorted") and first > second:
             first, second = second, first
         if changed.get("next"):
-            second = min(first + 1, len(xi) - 1)
+            second = first + 1
+        if changed.get("forwards"):
+            value = abs(value)
         weight = changed.get("weight", lambda each: 1 / each)(epsilon)
         of_xi = changed.get("weight_of_xi", lambda each: weight)(epsilon)
         off = changed.get("off", -1.0) * weight
@@ -235,7 +255,7 @@ def _link(**changed: Any) -> Callable[..., Pair]:
             return omega, xi
         omega[first, first] += weight * changed.get("diagonal_first", 1.0)
         omega[second, second] += weight
-        omega[first, second] += off
+        omega[first, second] += off * changed.get("upper", 1.0)
         omega[second, first] += off * changed.get("lower", 1.0)
         signs = changed.get("signs", (-1.0, 1.0))
         if changed.get("xi_assigned"):
@@ -333,6 +353,21 @@ def _link_mistakes(value: str, first: str, second: str) -> list[Mistake]:
             "nothing on one diagonal",
             _link(diagonal_first=0.0),
             f"omega[{first}, {first}] gets something, too: the square holds {first} as well as {second}.",
+        ),
+        Mistake(
+            "one equation of two",
+            _link(diagonal_first=0.0, upper=0.0, signs=(0.0, 1.0)),
+            f"You add one equation, to the row of {second}. Its negative belongs to the row of {first}: both derivatives are 0.",
+        ),
+        Mistake(
+            "the smaller number first",
+            _link(sorted=True),
+            f"You put the smaller number first. The {value} leads from {first} to {second}, whichever number is larger.",
+        ),
+        Mistake(
+            "forwards only",
+            _link(forwards=True),
+            f"You take the size of the {value} and lose its sign: backwards it is negative.",
         ),
         Mistake(
             "epsilon for 1/epsilon",
@@ -436,6 +471,12 @@ def _measured_position(
     return omega, xi
 
 
+def _measured_and_held(
+    omega: Any, xi: Any, pose: int, landmark: int, offset: float, epsilon: float = 1.0
+) -> Pair:
+    return _start()(*_link()(omega, xi, pose, landmark, offset, epsilon), landmark, offset)
+
+
 def _measurement_public() -> list[Case]:
     rng = np.random.default_rng(83)
     return [
@@ -461,6 +502,11 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
     ),
     mistakes=[
         *_link_mistakes("offset", "pose", "landmark"),
+        Mistake(
+            "a start besides",
+            _measured_and_held,
+            "The link is right. Besides, you hold the landmark at `offset`, as if that were its position: leave that out.",
+        ),
         Mistake(
             "a position",
             _measured_position,
@@ -528,6 +574,33 @@ def _solve_with_another_error(omega: Any, xi: Any) -> Array:
     return np.linalg.solve(omega, xi)
 
 
+def _solve_by_eigenvalues(is_zero: Callable[[Any], Any]) -> Callable[..., Array]:
+    """Names what can move along the eigenvectors whose values are called 0."""
+
+    def function(omega: Any, xi: Any) -> Array:
+        values, vectors = np.linalg.eigh(omega)
+        free = vectors[:, is_zero(values)]
+        _refuse(np.flatnonzero(np.abs(free).max(axis=1, initial=0.0) > 1e-6).tolist())
+        return np.linalg.solve(omega, xi)
+
+    return function
+
+
+def _solve_until_numpy_complains(omega: Any, xi: Any) -> Array:
+    try:
+        return np.linalg.solve(omega, xi)
+    except np.linalg.LinAlgError:
+        _refuse(unheld(omega))
+        raise
+
+
+def _summing_to_0(omega: Any) -> list[int]:
+    """Parts whose entries sum to exactly 0."""
+    count, part = scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(omega), directed=False)
+    sums = np.bincount(part, np.asarray(omega.sum(axis=1)).ravel(), count)
+    return [int(each) for each in np.flatnonzero((sums == 0)[part])]
+
+
 def _without_constraint(omega: Any) -> list[int]:
     return [int(each) for each in np.flatnonzero(np.diag(omega) == 0)]
 
@@ -552,6 +625,14 @@ def _solve_public() -> list[Case]:
             linked(6, [(0, 1, 2.0, 1.0), (1, 4, 3.0, 0.5), (2, 3, 1.0, 2.0), (3, 5, 1.0, 1.0)], {0: -4.0}),
             "two parts, one of them held",
         ),
+        Case(linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: 100.0}), "a drive measured in millimetres"),
+        # rounding leaves something here: no pivot, and no sum, is exactly 0
+        Case(linked(9, a_drive(np.random.default_rng(841), 6, 3), {}), "a drive without a start"),
+        Case(
+            linked(8, a_drive(rng, 6, 2, (1e-8, 1e-7)), {}),
+            "measured to a tenth of a millimetre, without a start",
+        ),
+        Case((np.zeros((2, 2)), np.zeros(2)), "nothing is known yet"),
     ]
 
 
@@ -585,16 +666,18 @@ def _solve_hidden(rng: np.random.Generator) -> list[Case]:
         Case(linked(int(rng.integers(3, 7)), [], {})),
         Case(linked(8, a_drive(rng, 4, 3), {0: float(rng.normal(0, 2))})),
         Case(linked(9, a_drive(rng, 6, 3, (5e-4, 1e-3)), {})),
+        *(Case(linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: float(rng.normal(0, 100))})) for _ in range(2)),
+        *(Case(linked(8, a_drive(rng, 6, 2, (1e-8, 1e-7)), {})) for _ in range(2)),
         Case(_apart(rng, 4)),
         Case(linked(60, a_drive(rng, 50, 10), {})),
     ]
 
 
 _SOLVE_HINTS = (
-    "np.linalg.solve does the first part. For the second: omega @ v = 0 for some v that is not 0 means that x and x + v are equally good. "
-    "Which function gives such directions of a symmetric matrix?",
-    "values, vectors = np.linalg.eigh(omega): columns of vectors whose value is (nearly) 0, against the largest one, are such directions. "
-    "Each variable with an entry in one of them can be moved freely: name all of these, and raise ValueError.",
+    "np.linalg.solve does the first part. For the second, np.linalg.eigh(omega) gives eigenvalues, and a direction in each column of its second "
+    "answer. Which columns count, and what does an entry of such a column say of its variable?",
+    "values, vectors = np.linalg.eigh(omega): columns whose value is nearly 0 against the largest one (<=, for the largest may be 0 itself) are such "
+    "directions. Each variable with an entry in one of them can be moved freely: name all of these, and raise ValueError.",
 )
 
 SOLVE = Exercise(
@@ -628,6 +711,27 @@ SOLVE = Exercise(
             "a little on the diagonal",
             lambda omega, xi: np.linalg.solve(omega + 1e-6 * np.eye(len(xi)), xi),
             "You make the matrix solvable by adding to its diagonal. That holds every variable at 0, a little, and hides what is missing.",
+        ),
+        Mistake(
+            "only what NumPy notices",
+            _solve_until_numpy_complains,
+            "Here rounding leaves some 1e-16 where 0 should be, so neither NumPy's LinAlgError nor == 0 finds it, and x is one of all maps, wherever "
+            "rounding put it. Before you solve, compare with a small part of the weights.",
+        ),
+        Mistake(
+            "a fixed limit for 0",
+            _solve_by_eigenvalues(lambda values: values < 1e-6),
+            "You take for 0 what is below a fixed number. In millimetres all weights are as small as that: compare with the largest one.",
+        ),
+        Mistake(
+            "a smaller fixed limit",
+            _solve_by_eigenvalues(lambda values: values < 1e-9),
+            "Your limit for 0 is a fixed number. With weights of 1e8 rounding alone is larger: compare with the largest one.",
+        ),
+        Mistake(
+            "less than a part of nothing",
+            _solve_by_eigenvalues(lambda values: values < 1e-9 * values.max()),
+            "Where nothing is known yet, all of omega is 0, the largest eigenvalue as well, and none is less than a part of it: <= finds them.",
         ),
         Mistake(
             "only those without a constraint",
@@ -700,6 +804,11 @@ def _schur(**changed: Any) -> Callable[..., Pair]:
     return function
 
 
+def _each_inverted(omega: Any, xi: Any, keep: Any) -> Pair:
+    with np.errstate(all="ignore"):
+        return _schur(inverse=lambda inside: 1 / inside)(omega, xi, keep)
+
+
 def _schur_untransposed(omega: Any, xi: Any, keep: Any) -> Pair:
     gone = [number for number in range(len(xi)) if number not in keep]
     between, inverse = omega[np.ix_(keep, gone)], np.linalg.inv(omega[np.ix_(gone, gone)])
@@ -718,6 +827,12 @@ def _by_covariance(omega: Any, xi: Any, keep: Any) -> Pair:
     return left, left @ (covariance @ xi)[keep]
 
 
+def _by_pseudo_inverse(omega: Any, xi: Any, keep: Any) -> Pair:
+    covariance, keep = np.linalg.pinv(omega), list(keep)
+    left = np.linalg.pinv(covariance[np.ix_(keep, keep)])
+    return left, left @ (covariance @ xi)[keep]
+
+
 def _one_by_one(omega: Any, xi: Any, keep: Any) -> Any:
     omega, xi = (np.array(each, dtype=float) for each in (omega, xi))
     for gone in sorted(set(range(len(xi))) - {int(each) for each in keep}):
@@ -729,14 +844,26 @@ def _one_by_one(omega: Any, xi: Any, keep: Any) -> Any:
     return [omega[keep][:, keep], xi[keep]]
 
 
+def _by_solving(omega: Any, xi: Any, keep: Any) -> Pair:
+    omega, xi = np.asarray(omega), np.asarray(xi)
+    gone = np.setdiff1d(np.arange(len(xi)), keep)
+    rows = np.column_stack([omega[gone][:, keep], xi[gone]])
+    rest = np.column_stack([omega[keep][:, keep], xi[keep]]) - omega[keep][:, gone] @ np.linalg.solve(
+        omega[gone][:, gone], rows
+    )
+    return rest[:, :-1], rest[:, -1]
+
+
 def _by_a_factor(omega: Any, xi: Any, keep: Any) -> Pair:
-    keep = [int(each) for each in keep]
-    gone = [number for number in range(len(xi)) if number not in keep]
-    order = gone + keep
-    factor = np.linalg.cholesky(np.asarray(omega)[np.ix_(order, order)])
-    right = np.linalg.solve(factor, np.asarray(xi)[order])
-    corner = factor[len(gone) :, len(gone) :]
-    return corner @ corner.T, corner @ right[len(gone) :]
+    """Half of the block, by Cholesky, on either side."""
+    gone = [number for number in range(len(xi)) if number not in set(keep)]
+    keep = list(keep)
+    if not gone:
+        return omega[np.ix_(keep, keep)], xi[keep]
+    half = np.linalg.cholesky(omega[np.ix_(gone, gone)])
+    across = np.linalg.solve(half, omega[np.ix_(gone, keep)])
+    right = np.linalg.solve(half, xi[gone])
+    return omega[np.ix_(keep, keep)] - across.T @ across, xi[keep] - across.T @ right
 
 
 def _marginal_in_place(omega: Any, xi: Any, keep: Any) -> Pair:
@@ -756,6 +883,13 @@ def _marginal_public() -> list[Case]:
         Case((*a_solved_drive(rng, 4, 3), [4, 5, 6]), "only the landmarks"),
         Case((*a_solved_drive(rng, 5, 2), [6, 0, 4]), "in another order"),
         Case((*a_solved_drive(rng, 3, 1), [0, 1, 2, 3]), "all of them"),
+        Case(
+            (
+                *linked(4, [(0, 1, 5.0, 1.0), (0, 2, 9.0, 1.0), (1, 2, 3.0, 1.0), (2, 3, 1.0, 1.0)], {}),
+                [0, 3],
+            ),
+            "no start yet: differences only",
+        ),
     ]
 
 
@@ -765,7 +899,11 @@ def _marginal_hidden(rng: np.random.Generator) -> list[Case]:
         Case((*a_solved_drive(rng, poses, marks), _in_order(rng, poses + marks, kept)))
         for poses, marks, kept in sizes
     ]
-    return [*cases, Case((*a_solved_drive(rng, 3, 2), _in_order(rng, 5, 5)))]
+    loose = [
+        Case((*linked(poses + 3, a_drive(rng, poses, 3), {}), _in_order(rng, poses + 3, 3)))
+        for poses in (3, 8)
+    ]
+    return [*cases, *loose, Case((*a_solved_drive(rng, 3, 2), _in_order(rng, 5, 5)))]
 
 
 MARGINALIZE = Exercise(
@@ -808,8 +946,35 @@ MARGINALIZE = Exercise(
         ),
         Mistake(
             "the answer for xi",
-            lambda omega, xi, keep: (_by_covariance(omega, xi, keep)[0], np.linalg.solve(omega, xi)[keep]),
+            lambda omega, xi, keep: (_schur()(omega, xi, keep)[0], np.linalg.solve(omega, xi)[keep]),
             "Omega is right. What you return for xi is the answer x of the variables that stay; xi is the right side of their system.",
+        ),
+        Mistake(
+            "by way of the covariance",
+            _by_covariance,
+            "You invert all of omega. That works where something holds every variable. Without a start omega has no inverse, and the differences "
+            "can be handed on all the same: only the block of those that go is inverted.",
+        ),
+        Mistake(
+            "by way of a pseudo-inverse",
+            _by_pseudo_inverse,
+            "Where something holds every variable yours is right. pinv of all of omega brings in a start that nobody gave: only the block of those "
+            "that go is inverted.",
+        ),
+        Mistake(
+            "the first ones",
+            lambda omega, xi, keep: _schur()(omega, xi, list(range(len(keep)))),
+            "You keep the first variables. `keep` may name any, in any order: np.ix_(keep, gone).",
+        ),
+        Mistake(
+            "each entry inverted",
+            _each_inverted,
+            "1 / block divides by each entry, and most are 0. The inverse of a matrix is np.linalg.inv, or better np.linalg.solve.",
+        ),
+        Mistake(
+            "plus in omega",
+            _schur(signs=(1.0, -1.0)),
+            "xi is right. In omega what you compute must be subtracted, too: whoever goes leaves less behind.",
         ),
         Mistake(
             "plus",
@@ -852,7 +1017,7 @@ MARGINALIZE = Exercise(
         ),
     ],
     alternatives={
-        "the covariance, cut and inverted": _by_covariance,
+        "both sides solved at once": _by_solving,
         "one variable after the other": _one_by_one,
         "a Cholesky factor": _by_a_factor,
     },
@@ -888,6 +1053,14 @@ def _network(
     return omega, xi
 
 
+def _walk(rng: np.random.Generator, poses: int) -> tuple[Any, Array]:
+    """Motions only, of which nothing is held."""
+    weight = 1 / rng.uniform(0.25, 4.0, poses - 1)
+    own = np.append(weight, 0.0) + np.append(0.0, weight)
+    omega = scipy.sparse.diags_array([own, -weight, -weight], offsets=[0, 1, -1], format="csr")
+    return omega, np.append(-weight, 0.0) + np.append(0.0, weight)
+
+
 def _sparse(pair: Pair, form: str) -> tuple[Any, Array]:
     return scipy.sparse.csr_array(pair[0]).asformat(form), pair[1]
 
@@ -903,6 +1076,7 @@ def _sparse_public() -> list[Case]:
             "two parts, and a landmark that nobody has seen",
         ),
         Case(_network(rng, 1500, 5, "csr", 20), "1800 variables in any order"),
+        Case(_walk(rng, 1100), "a walk of 1100 poses without a start"),
     ]
 
 
@@ -912,6 +1086,9 @@ def _sparse_hidden(rng: np.random.Generator) -> list[Case]:
         Case(_network(rng, 16_000, 2, "csc", 160, shuffled=False)),  # as numbered, its factor is nearly full
         Case(_network(rng, 2_000, 4, "csc", 20)),
         Case(_network(rng, 300, 3, "coo")),
+        Case(_walk(rng, 1500)),
+        Case(_sparse(linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: float(rng.normal(0, 100))}), "csc")),
+        Case(_sparse(linked(8, a_drive(rng, 6, 2, (1e-8, 1e-7)), {}), "csr")),
         Case(_sparse(a_solved_drive(rng, 12, 5), "csc")),
         *(Case(_sparse(_in_parts(rng, size), "csr")) for size in (3, 6)),
         Case(_sparse(linked(12, a_drive(rng, 6, 4), {0: float(rng.normal())}), "csc")),
@@ -963,6 +1140,28 @@ def _early(omega: Any, xi: Any) -> Any:
 def _with_info(omega: Any, xi: Any) -> Any:
     _refuse(unheld(omega))
     return scipy.sparse.linalg.cg(omega, xi, rtol=1e-10)
+
+
+def _sparse_where_a_sum_is_0(omega: Any, xi: Any) -> Any:
+    _refuse(_summing_to_0(omega))
+    return _spsolve(omega, xi)
+
+
+def _named_by_an_array(omega: Any, xi: Any) -> Any:
+    if loose := unheld(omega):
+        raise ValueError(f"nothing holds {np.array(loose)}")
+    return _spsolve(omega, xi)
+
+
+def _factored(omega: Any, xi: Any) -> Any:
+    return scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi)
+
+
+def _banded_unsorted(omega: Any, xi: Any) -> Any:
+    _refuse(unheld(omega))
+    omega = omega.tocsc()
+    order = scipy.sparse.csgraph.reverse_cuthill_mckee(omega, symmetric_mode=True)
+    return scipy.sparse.linalg.spsolve(omega[order][:, order], xi[order], permc_spec="NATURAL")
 
 
 def _sparse_named_by(choose: Callable[[Any], Sequence[int]]) -> Callable[..., Any]:
@@ -1032,7 +1231,28 @@ SOLVE_SPARSE = Exercise(
         Mistake(
             "all but one part",
             _sparse_named_by(lambda omega: _not_with_the_first(omega)),
-            "You name what does not hang together with variable 0. The start need not be there, and a part with variable 0 may be loose.",
+            "You take one part for held, that of variable 0 or the largest. Held is what hangs together with a start, and there may be none.",
+        ),
+        Mistake(
+            "a sum that is exactly 0",
+            _sparse_where_a_sum_is_0,
+            "You ask whether a sum of decimals == 0. Weights leave some 1e-16: compare with a small part of the weights.",
+        ),
+        Mistake(
+            "numbers left out",
+            _named_by_an_array,
+            "NumPy writes a long array with ... in its middle, so your message lacks most of the numbers. Write a list: array.tolist().",
+        ),
+        Mistake(
+            "what splu raises",
+            _factored,
+            "What can be solved is right. Where nothing holds a part, splu raises a RuntimeError that names nothing: find that out before, and "
+            "raise a ValueError with the numbers.",
+        ),
+        Mistake(
+            "not sorted back",
+            _banded_unsorted,
+            "You sort rows and columns for solving, and xi with them. x comes out in that order, too: x[order] = ... sorts it back.",
         ),
         Mistake(
             "stopped early",

@@ -14,12 +14,20 @@ import scipy.sparse.linalg
 from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
 from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph, matrices
-from nao_course.lessons.pose_graphs.comparing import SolvedStates
-from nao_course.lessons.pose_graphs.worlds import building, disturbed, field_drive, loop, with_false_closures
+from nao_course.lessons.pose_graphs.judging.comparing import SolvedStates
+from nao_course.lessons.pose_graphs.worlds import (
+    building,
+    disturbed,
+    drifting_loop,
+    field_drive,
+    loop,
+    with_false_closures,
+)
 
 Array = npt.NDArray[np.float64]
 Pair = tuple[Array, Array]
-DRIVER = "nao_course.lessons.pose_graphs.drivers:blocks_of_inverse"
+DRIVERS = "nao_course.lessons.pose_graphs.judging.drivers"
+BLOCKS, AS_ARRAY = f"{DRIVERS}:blocks_of_inverse", f"{DRIVERS}:as_array"
 FINE = Close(rtol=1e-6, atol=1e-7)
 
 
@@ -28,7 +36,7 @@ FINE = Close(rtol=1e-6, atol=1e-7)
 
 def _parts(values: Any) -> Array:
     """The columns of (3,) or (E, 3): numbers, or arrays (E,)."""
-    return np.moveaxis(np.asarray(values, dtype=float), -1, 0)
+    return np.asarray(values, dtype=float).T
 
 
 def _seen(pose: Any, place: Any, sign: float = 1.0) -> Pair:
@@ -46,6 +54,8 @@ def _landmark(change: str = "") -> Callable[..., Any]:
         zx, zy = _parts(z)
         if change == "one":
             x, y, theta = pose
+        if change == "three" and len(pose) == 3 and np.ndim(pose) == 2:
+            lx, ly = landmark
         if change == "degrees":
             theta = np.radians(theta)
         here = np.stack([x, y, theta], axis=-1)
@@ -67,9 +77,21 @@ def _landmark(change: str = "") -> Callable[..., Any]:
         if change == "polar":
             gone = np.hypot(ahead, left) - np.hypot(zx, zy)
             e = [wrap_angle(np.arctan2(left, ahead) - np.arctan2(zy, zx)), gone]
-        return np.array(e) if change == "columns" else np.stack(np.broadcast_arrays(*e), axis=-1)
+        return _shaped(change, e)
 
     return function
+
+
+def _shaped(change: str, e: Sequence[Any]) -> Any:
+    """The numbers of a residual as (E, d); or with one edge, or none, in another shape."""
+    rows = np.stack(np.broadcast_arrays(*e), axis=-1)
+    if change == "columns":
+        return np.array(e)
+    if change == "list":
+        return list(e)
+    if change == "squeezed":
+        return np.squeeze(rows)
+    return np.array(list(rows)) if change == "loop" else rows
 
 
 def _landmark_complex(pose: Any, landmark: Any, z: Any) -> Any:
@@ -134,7 +156,11 @@ def _each(function: Callable[..., Any]) -> Callable[..., Any]:
     def for_all(first: Any, second: Any, z: Any) -> Any:
         if np.ndim(first) == 1:
             return function(first, second, z)
-        return tuple(np.stack(each) for each in zip(*map(function, first, second, z), strict=True))
+        rows = z.shape[1]
+        found = [np.empty((len(z), rows, 3)), np.empty((len(z), rows, rows))]
+        for k, pair in enumerate(zip(first, second, z, strict=True)):
+            found[0][k], found[1][k] = function(*pair)
+        return tuple(found)
 
     return for_all
 
@@ -175,6 +201,9 @@ def _pose(change: str = "") -> Callable[..., Any]:
         theta = _parts(second)[2] - _parts(first)[2]
         if change == "one":
             _, _, _ = first
+        if change == "three" and len(first) == 3 and np.ndim(first) == 2:
+            first, second, z = (np.asarray(each).T for each in (first, second, z))
+            return _pose()(first, second, z).T
         ahead, left = _seen(first, second, -1.0 if change == "turn" else 1.0)
         ahead, left = ahead - zx, left - zy
         c, s = np.cos(turn), np.sin(turn)
@@ -202,7 +231,13 @@ def _pose(change: str = "") -> Callable[..., Any]:
             e = [*(_parts(second) - _parts(first) - _parts(z))[:2], wrapped]
         if change == "wrapped all":
             e = [wrap_angle(each) for each in e]
-        return np.array(e) if change == "columns" else np.stack(np.broadcast_arrays(*e), axis=-1)
+        if change == "z last":
+            goal = _pose()(np.zeros(3), np.stack([-zx, -zy, -turn], axis=-1), np.zeros(3))
+            back = _seen(np.stack([0 * zx, 0 * zx, turn], axis=-1), goal)
+            apart, ahead, left = theta, *_seen(first, second)
+            c, s = np.cos(apart), np.sin(apart)
+            e = [ahead + c * back[0] - s * back[1], left + s * back[0] + c * back[1], e[2]]
+        return _shaped(change, e)
 
     return function
 
@@ -253,6 +288,9 @@ def _pose_slopes(change: str = "") -> Callable[..., Any]:
             zx, zy = _parts(z)[:2]
             cz, sz = np.cos(turn), np.sin(turn)
             column = [column[0] - (-sz * zx + cz * zy), column[1] - (-cz * zx - sz * zy), -1.0]
+        if change == "less z as it stands":
+            zx, zy = _parts(z)[:2]
+            column = [column[0] - zy, column[1] + zx, -1.0]
         last = {"plus 1": 1.0, "no -1": 0.0}.get(change, -1.0)
         first_rows = [[-c, -s, column[0]], [s, -c, column[1]], [0, 0, last]]
         second_rows = [[c, s, 0], [-s, c, 0], [0, 0, 1]]
@@ -314,12 +352,15 @@ def _landmark_public() -> list[Case]:
         Case((np.array([1.0, 0.0, 0.0]), np.array([3.0, 1.0]), np.array([2.0, 1.0])), "measured exactly"),
         Case((_any(rng, 1)[0], _any(rng, 1, 2)[0], _any(rng, 1, 2)[0]), "a crooked heading"),
         Case((_any(rng, 4), _any(rng, 4, 2), _any(rng, 4, 2)), "four edges at once"),
+        Case((_any(rng, 3), _any(rng, 3, 2), _any(rng, 3, 2)), "three edges, as many as a pose has numbers"),
+        Case((_any(rng, 1), _any(rng, 1, 2), _any(rng, 1, 2)), "an array of one edge"),
+        Case((_any(rng, 0), _any(rng, 0, 2), _any(rng, 0, 2)), "an array of no edge"),
     ]
 
 
 def _landmark_hidden(rng: np.random.Generator) -> list[Case]:
     one = [Case((_any(rng, 1)[0], _any(rng, 1, 2)[0], _any(rng, 1, 2)[0])) for _ in range(3)]
-    return [*one, *(Case((_any(rng, n), _any(rng, n, 2), _any(rng, n, 2))) for n in (1, 3, 2, 50))]
+    return [*one, *(Case((_any(rng, n), _any(rng, n, 2), _any(rng, n, 2))) for n in (1, 3, 2, 50, 0))]
 
 
 def _pose_public() -> list[Case]:
@@ -335,6 +376,9 @@ def _pose_public() -> list[Case]:
         ),
         Case((_any(rng, 1)[0], _any(rng, 1)[0], _any(rng, 1)[0]), "crooked headings"),
         Case((_any(rng, 5), _any(rng, 5), _any(rng, 5)), "five edges at once"),
+        Case((_any(rng, 3), _any(rng, 3), _any(rng, 3)), "three edges, as many as a pose has numbers"),
+        Case((_any(rng, 1), _any(rng, 1), _any(rng, 1)), "an array of one edge"),
+        Case((_any(rng, 0), _any(rng, 0), _any(rng, 0)), "an array of no edge"),
     ]
 
 
@@ -342,13 +386,25 @@ def _pose_hidden(rng: np.random.Generator) -> list[Case]:
     near = np.array([0.0, 0.0, np.pi - 1e-3])
     cases = [Case((_any(rng, 1)[0], _any(rng, 1)[0], _any(rng, 1)[0])) for _ in range(3)]
     cases += [Case((near, _any(rng, 1)[0] * [1, 1, 0] - near, _any(rng, 1)[0] * [1, 1, 0.1]))]
-    return [*cases, *(Case((_any(rng, n), _any(rng, n), _any(rng, n))) for n in (1, 3, 60))]
+    return [*cases, *(Case((_any(rng, n), _any(rng, n), _any(rng, n))) for n in (1, 3, 60, 0))]
 
 
 ONE_ONLY = (
     "Right for one edge, and not for many at once: with arrays (E, 3) your unpacking takes rows for columns. Unpack the transpose, as in "
     "the worked example: x, y, theta = pose.T"
 )
+THREE_EDGES = (
+    "Right but for three edges at once: len(pose) == 3 does not tell three edges from one pose. No question is needed: pose.T unpacks both, "
+    "as in the worked example."
+)
+SQUEEZED = (
+    "Right but for an array of one edge: (1, 3) stays an array of one row. A squeeze takes that row away."
+)
+NO_EDGE = (
+    "Right but for an array of no edge: what comes back has no columns. A graph without landmarks has no edge to one. Calculate with whole "
+    "arrays, without a loop, and it comes out by itself."
+)
+A_LIST = "Return one array, np.array([...]).T: linearize calculates with it, and a list cannot be indexed by columns."
 BY_COLUMNS = "Your answer has one column an edge; wanted is one row an edge. End with .T, which changes nothing for a single edge."
 
 
@@ -359,6 +415,8 @@ LANDMARK_RESIDUAL = Exercise(
     public=_landmark_public,
     hidden=_landmark_hidden,
     comparison=FINE,
+    driver=AS_ARRAY,
+    in_place=True,
     hints=(
         "First the way from the pose to the landmark, then turn it into the robot's frame, then take away what was measured.",
         "With dx, dy from pose to landmark, c and s of the heading: ahead is c dx + s dy, left is -s dx + c dy. End as the worked example does.",
@@ -407,6 +465,10 @@ LANDMARK_RESIDUAL = Exercise(
         ),
         Mistake("degrees", _landmark("degrees"), "The heading is in radians already. Do not convert it."),
         Mistake("one edge only", _landmark("one"), ONE_ONLY),
+        Mistake("three edges for one", _landmark("three"), THREE_EDGES),
+        Mistake("squeezed", _landmark("squeezed"), SQUEEZED),
+        Mistake("a list of no rows", _landmark("loop"), NO_EDGE),
+        Mistake("a list", _landmark("list"), A_LIST),
         Mistake("columns", _landmark("columns"), BY_COLUMNS),
     ],
     alternatives={
@@ -514,6 +576,8 @@ POSE_RESIDUAL = Exercise(
     public=_pose_public,
     hidden=_pose_hidden,
     comparison=FINE,
+    driver=AS_ARRAY,
+    in_place=True,
     hints=(
         "Two changes of frame, one after the other, each like that of exercise 9.1: the second pose in the frame of the first, and that in the frame of z.",
         "After the first change subtract z's x and y and turn by z's own angle. The headings simply subtract: second - first - z, and then "
@@ -545,7 +609,12 @@ POSE_RESIDUAL = Exercise(
             "not in z's frame",
             _pose("frame"),
             "Nearly: x and y are in the first pose's frame, second minus z. inv(Z) also turns them by minus z's angle. Both forms exist in books, "
-            "with other Jacobians and other weights; ours is equation 9.4.",
+            "with other Jacobians, and with the information in another frame; ours is equation 9.4.",
+        ),
+        Mistake(
+            "Z at the end",
+            _pose("z last"),
+            "You multiply inv(X_first) X_second inv(Z). Equation 9.3 has inv(Z) in front: what is, seen from where z leads.",
         ),
         Mistake(
             "turned by plus z",
@@ -589,6 +658,10 @@ POSE_RESIDUAL = Exercise(
             "You wrap all three numbers. Only the third is an angle; x and y are metres.",
         ),
         Mistake("one edge only", _pose("one"), ONE_ONLY),
+        Mistake("three edges for one", _pose("three"), THREE_EDGES),
+        Mistake("squeezed", _pose("squeezed"), SQUEEZED),
+        Mistake("a list of no rows", _pose("loop"), NO_EDGE),
+        Mistake("a list", _pose("list"), A_LIST),
         Mistake("columns", _pose("columns"), BY_COLUMNS),
     ],
     alternatives={
@@ -646,6 +719,11 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
             "theta from the residual",
             _pose_slopes("less z"),
             "In the column by theta you use the residual's x and y. z does not turn with the first pose: only the way to the second pose does.",
+        ),
+        Mistake(
+            "theta less z as it stands",
+            _pose_slopes("less z as it stands"),
+            "In the column by theta you take z's x and y away. They do not turn with the first pose: the column has only the way to the second.",
         ),
         Mistake(
             "plus 1",
@@ -708,6 +786,7 @@ def _assembled(change: str = "") -> Callable[..., Any]:
         if change == "poses only":
             groups = groups[:1]
         for edges, ends, residual, slopes in groups:
+            b = np.zeros(graph.size) if change == "b of the last kind" else b
             for k, places in enumerate(edges.places):
                 pair = poses[edges.first[k]], ends[edges.second[k]], edges.z[k]
                 e, J, omega = residual(*pair), np.hstack(slopes(*pair)), edges.information[k]
@@ -715,6 +794,8 @@ def _assembled(change: str = "") -> Callable[..., Any]:
                     omega = np.linalg.inv(omega)
                 if change == "no weights":
                     omega = np.eye(len(e))
+                if change == "diagonal":
+                    omega = np.diag(np.diag(omega))
                 if change == "root":
                     omega = np.linalg.cholesky(omega)
                 if change == "swapped":
@@ -857,16 +938,16 @@ LINEARIZE = Exercise(
     comparison=Close(rtol=1e-6, atol=1e-6, names=("your H", "your b")),
     uses=[*RESIDUALS, *SLOPES],
     hints=(
-        "For each kind of edges: residuals e, the Jacobians side by side as J, then J' Omega J and J' Omega e for all edges at once with @. What is left is to "
+        "For each kind of edges: residuals e, the Jacobians side by side as J, then Jᵀ Omega J and Jᵀ Omega e for all edges at once with @. What is left is to "
         "add them up at their places.",
-        "J.mT @ edges.information is J' Omega of all edges; times J it is their blocks, and graph.add_blocks puts those together. For b: residuals as columns, "
+        "J.mT @ edges.information is Jᵀ Omega of all edges; times J it is their blocks, and graph.add_blocks puts those together. For b: residuals as columns, "
         "[:, :, None], and np.bincount over edges.places.",
     ),
     mistakes=[
         Mistake(
             "sign of b",
             _assembled("sign"),
-            "H is right, and b has the opposite sign: b = J' Omega e. The minus stands in the equation H delta = -b.",
+            "H is right, and b has the opposite sign: b = Jᵀ Omega e. The minus stands in the equation H delta = -b.",
         ),
         Mistake(
             "covariance for information",
@@ -881,12 +962,12 @@ LINEARIZE = Exercise(
         Mistake(
             "b without weights",
             _assembled("b unweighted"),
-            "H is right. In b the information is missing: b = J' Omega e.",
+            "H is right. In b the information is missing: b = Jᵀ Omega e.",
         ),
         Mistake(
             "a root of the information",
             _assembled("root"),
-            "You use a root of the information where the matrix itself belongs: J' Omega J has it once, whole.",
+            "You use a root of the information where the matrix itself belongs: Jᵀ Omega J has it once, whole.",
         ),
         Mistake(
             "Jacobians exchanged",
@@ -906,7 +987,7 @@ LINEARIZE = Exercise(
         Mistake(
             "sign off the diagonal",
             _assembled("mixed sign"),
-            "The blocks between two ends have the wrong sign. The Jacobians bring their own signs: add J' Omega J as it comes.",
+            "The blocks between two ends have the wrong sign. The Jacobians bring their own signs: add Jᵀ Omega J as it comes.",
         ),
         Mistake(
             "assigned",
@@ -917,6 +998,16 @@ LINEARIZE = Exercise(
             "b assigned",
             _assembled("last of b"),
             "H is right. In b you assign where you should add: of each pose only the last edge is left.",
+        ),
+        Mistake(
+            "b of the last kind",
+            _assembled("b of the last kind"),
+            "H is right. b has the edges to landmarks only: in the loop over both kinds it begins anew. Add each kind's share, b += ...",
+        ),
+        Mistake(
+            "diagonal of the information",
+            _assembled("diagonal"),
+            "You use only the diagonal of the information. Where a residual's numbers are wrong together, the rest of it counts, too.",
         ),
         Mistake(
             "+= with repeated places",
@@ -961,18 +1052,37 @@ def _squares(graph: Graph, states: Any) -> float:
     return float(graph.squared_errors(states, _pose(), _landmark()).sum())
 
 
+def _system(graph: Graph, states: Any) -> tuple[scipy.sparse.csc_array, Array]:
+    """H and b, all edges of a kind at once."""
+    poses, landmarks = graph.split(states)
+    H, b = scipy.sparse.csc_array((graph.size, graph.size)), np.zeros(graph.size)
+    for edges, ends, residual, slopes in (
+        (graph.pose_edges, poses, _pose(), _pose_slopes()),
+        (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
+    ):
+        pair = poses[edges.first], ends[edges.second], edges.z
+        J, wide = np.concatenate(slopes(*pair), axis=-1), edges.places.shape[1]
+        at = np.repeat(edges.places, wide, axis=1).ravel(), np.tile(edges.places, wide).ravel()
+        entries = (J.mT @ edges.information @ J).ravel()
+        H = H + scipy.sparse.coo_array((entries, at), H.shape).tocsc()
+        shares = np.einsum("kji,kjl,kl->ki", J, edges.information, residual(*pair))
+        b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size)
+    return H, b
+
+
 def _newton(change: str = "") -> Callable[..., Any]:
     def function(graph: Graph, states: Any, iterations: int) -> Any:
         states = np.array(states, dtype=float)
         history = [_squares(graph, states)]
-        H, b = _assembled()(graph, states)
+        H, b = _system(graph, states)
+        order = graph.elimination_order
         if change == "one step":
             iterations = min(iterations, 1)
         if change == "one more":
             iterations += 1
         for _ in range(iterations):
             if change != "once":
-                H, b = _assembled()(graph, states)
+                H, b = _system(graph, states) if change != "H once" else (H, _system(graph, states)[1])
             A = H.toarray()
             if change == "none":
                 step = -np.linalg.lstsq(A, b, rcond=None)[0]
@@ -986,9 +1096,16 @@ def _newton(change: str = "") -> Callable[..., Any]:
             elif change == "damped":
                 step = np.zeros(len(b))
                 step[3:] = -np.linalg.solve(A[3:, 3:] + 1e-3 * np.diag(np.diag(A)[3:]), b[3:])
+            elif change == "order":
+                step = np.zeros(len(b))
+                step[3:] = -np.linalg.solve(A[np.ix_(order, order)], b[order])
             else:
                 step = np.zeros(len(b))
                 step[3:] = -np.linalg.solve(A[3:, 3:], b[3:])
+            if change == "early" and np.abs(step).max() < 1e-9:
+                break
+            if change == "never up" and _squares(graph, states + step) > history[-1]:
+                step = 0 * step
             if change == "uphill":
                 step = -step
             if change == "half":
@@ -1006,6 +1123,7 @@ def _newton(change: str = "") -> Callable[..., Any]:
             "no first": history[1:],
             "no last": history[:-1],
             "last only": history[-1],
+            "late": [*history[:1], *history[:-1]],
             "half chi2": [each / 2 for each in history],
             "root": np.sqrt(history),
         }.get(change, history)
@@ -1036,7 +1154,7 @@ def _newton_anchored(graph: Graph, states: Any, iterations: int) -> Any:
     anchor = scipy.sparse.diags_array(np.where(np.arange(len(states)) < 3, 1.0, 0.0))
     for _ in range(iterations):
         history.append(_squares(graph, states))
-        H, b = _assembled()(graph, states)
+        H, b = _system(graph, states)
         states = states - scipy.sparse.linalg.spsolve((H + anchor).tocsc(), b)
     return states, np.array([*history, _squares(graph, states)])
 
@@ -1047,7 +1165,7 @@ def _newton_dense(graph: Graph, states: Any, iterations: int) -> Any:
     for step in range(iterations + 1):
         history.append(_squares(graph, states))
         if step < iterations:
-            H, b = _assembled()(graph, states)
+            H, b = _system(graph, states)
             L = np.linalg.cholesky(H.toarray()[3:, 3:])
             states[3:] -= np.linalg.solve(L.T, np.linalg.solve(L, b[3:]))
     return [states, history]
@@ -1059,7 +1177,7 @@ def _newton_wrapped(graph: Graph, states: Any, iterations: int) -> Any:
     headings = np.arange(2, 3 * graph.poses, 3)
     history.append(_squares(graph, states))
     for _ in range(iterations):
-        H, b = _assembled()(graph, states)
+        H, b = _system(graph, states)
         states[3:] = states[3:] + scipy.sparse.linalg.splu(H.tocsc()[3:, 3:]).solve(-b[3:])
         states[headings[1:]] = wrap_angle(states[headings[1:]])
         history.append(_squares(graph, states))
@@ -1082,7 +1200,20 @@ def _newton_public() -> list[Case]:
         Case((*_turned(square.graph, square.odometry), 2), "the same loop, begun elsewhere, two steps"),
         Case((square.graph, square.odometry, 0), "no step"),
         Case((_held_landmarks(drive), drive.odometry, 4), "landmarks, four steps"),
+        Case((*_weak_drift(np.pi / 2), 3), "weak measurements, and a step that climbs"),
+        Case((*_two_apart(), 3), "two poses that fit after one step"),
     ]
+
+
+def _weak_drift(drift: float) -> tuple[Graph, Array]:
+    """A loop whose first step makes chi2 larger; information so small that nothing can be added to H unseen."""
+    world = drifting_loop(drift, 6)
+    return dataclasses.replace(world.graph, information=1e-4 * world.graph.information), world.odometry
+
+
+def _two_apart() -> tuple[Graph, Array]:
+    graph = Graph([[0, 1]], [[1.0, 0.0, 0.0]], [np.eye(3)], [POSE, POSE])
+    return graph, np.array([0.0, 0.0, 0.0, 5.0, 0.0, 0.0])
 
 
 def _held_landmarks(drive: Any) -> Graph:
@@ -1109,6 +1240,8 @@ def _newton_hidden(rng: np.random.Generator) -> list[Case]:
         Case((*_turned(square.graph, square.odometry), 3)),
         Case((_held_landmarks(drive), drive.odometry, 3)),
         Case((walk.graph, walk.odometry, 1)),
+        Case((*_weak_drift(float(rng.uniform(1.4, 1.7))), 4)),
+        Case((*_two_apart(), 4)),
     ]
 
 
@@ -1136,6 +1269,31 @@ GAUSS_NEWTON = Exercise(
             "linearised once",
             _newton("once"),
             "You linearise once and solve the same system again and again. Each step needs H and b where it stands.",
+        ),
+        Mistake(
+            "H once",
+            _newton("H once"),
+            "You compute H once, before the loop, and b anew. Both change with the states: linearize belongs into the loop.",
+        ),
+        Mistake(
+            "order forgotten",
+            _newton("order"),
+            "The solution stands in the order in which you solved, and you add it in the order of the states. What was solved with b[free] belongs to states[free].",
+        ),
+        Mistake(
+            "never uphill",
+            _newton("never up"),
+            "You refuse a step that makes chi2 larger. That is careful, and good in practice; here the plain step is wanted, also where it climbs: you will look at one that does.",
+        ),
+        Mistake(
+            "stops early",
+            _newton("early"),
+            "You stop when nothing moves any more. Good in practice; here `iterations` steps are wanted, and so many numbers in the history.",
+        ),
+        Mistake(
+            "chi2 too early",
+            _newton("late"),
+            "You note chi2 before each step moves anything: the first number stands there twice, and the last is missing. Append it after the step.",
         ),
         Mistake(
             "nothing held",
@@ -1229,55 +1387,38 @@ GAUSS_NEWTON = Exercise(
 
 
 def _information(graph: Graph, states: Array) -> scipy.sparse.csc_array:
-    """H without the first pose, vectorised."""
-    poses, landmarks = graph.split(states)
-    rows, columns, entries = [], [], []
-    for edges, ends, slopes in (
-        (graph.pose_edges, poses, _pose_slopes()),
-        (graph.landmark_edges, landmarks, _landmark_slopes()),
-    ):
-        J = np.concatenate(slopes(poses[edges.first], ends[edges.second], edges.z), axis=-1)
-        wide = edges.places.shape[1]
-        rows.append(np.repeat(edges.places, wide, axis=1).ravel())
-        columns.append(np.tile(edges.places, wide).ravel())
-        entries.append((J.mT @ edges.information @ J).ravel())
-    places = np.concatenate(rows), np.concatenate(columns)
-    H = scipy.sparse.coo_array((np.concatenate(entries), places), (graph.size,) * 2).tocsc()
-    return H[3:, 3:]
+    """H without the first pose."""
+    return scipy.sparse.csc_array(_system(graph, states)[0][3:, 3:])
 
 
 def _blocks(change: str = "") -> Callable[..., Any]:
     def function(H: Any, indices: Any) -> Any:
-        if change == "dense" or (change and H.shape[0] <= 1000):
+        if change == "dense":
             P = np.linalg.inv(H.toarray())
-        else:
-            return _blocks_solved(H, indices)
-        A = H.toarray()
-        if change == "conditional":
-            return [np.linalg.inv(A[np.ix_(each, each)]) for each in indices]
-        if change == "information":
-            return [A[np.ix_(each, each)] for each in indices]
+            return [P[np.ix_(each, each)] for each in indices]
+        if change in ("conditional", "information"):
+            own = [H.tocsr()[each][:, each].toarray() for each in indices]
+            return [np.linalg.inv(each) for each in own] if change == "conditional" else own
+        if change == "first rows":
+            return _blocks_solved(H, [np.arange(len(each)) for each in indices])
+        if change == "whole columns":
+            units = [np.eye(1, H.shape[0], row)[0] for each in indices for row in each]
+            columns = scipy.sparse.linalg.splu(H.tocsc()).solve(np.array(units).T)
+            return np.split(columns, np.cumsum([len(each) for each in indices])[:-1], axis=1)
+        if change == "sorted":
+            return _blocks_solved(H, [np.sort(each) for each in indices])
+        if change == "stacked":
+            return _blocks_solved(H, [np.concatenate(indices)])[0]
+        blocks = _blocks_solved(H, indices)
         if change == "marginal information":
-            return [np.linalg.inv(P[np.ix_(each, each)]) for each in indices]
-        blocks = [P[np.ix_(each, each)] for each in indices]
+            return [np.linalg.inv(each) for each in blocks]
         if change == "diagonal":
             return [np.diag(each) for each in blocks]
         if change == "diagonal matrix":
             return [np.diag(np.diag(each)) for each in blocks]
         if change == "deviations":
             return [np.sqrt(np.abs(each)) for each in blocks]
-        if change == "first rows":
-            return [P[: len(each), : len(each)] for each in indices]
-        if change == "whole columns":
-            return [P[:, each] for each in indices]
-        if change == "sorted":
-            return [P[np.ix_(np.sort(each), np.sort(each))] for each in indices]
-        if change == "stacked":
-            every = np.concatenate(indices)
-            return P[np.ix_(every, every)]
-        if change == "first":
-            return blocks[0]
-        return blocks
+        return blocks[0] if change == "first" else blocks
 
     return function
 
@@ -1357,8 +1498,8 @@ MARGINAL_COVARIANCES = Exercise(
     stars=3,
     public=_blocks_public,
     hidden=_blocks_hidden,
-    comparison=Close(rtol=1e-4, atol=1e-10),
-    driver=DRIVER,
+    comparison=Close(rtol=1e-7, atol=1e-11),
+    driver=BLOCKS,
     hints=(
         "Column k of the inverse is the x that solves H x = unit vector k. Which columns does a block need?",
         "Factor H once (splu). For the rows of a block, a tall array of unit vectors is solved at once; of the columns that come back take the block's rows.",
@@ -1420,7 +1561,7 @@ MARGINAL_COVARIANCES = Exercise(
         Mistake(
             "dense inverse",
             _blocks("dense"),
-            "You make H dense and invert it. Of a map with 3,000 poses that is 650 MB and minutes. Keep H sparse: a few columns of the inverse are enough.",
+            "You make H dense. Of a map with 3,000 poses that is 650 MB. Keep H sparse: a few columns of its inverse are enough.",
         ),
     ],
     alternatives={
@@ -1446,6 +1587,8 @@ def _reweighted(change: str = "") -> Callable[..., Any]:
             "cut": np.where(squares > width**2, 0.0, 1.0),
             "huber": np.minimum(1, width / np.sqrt(np.maximum(squares, 1e-12))),
             "length": 1 / (1 + np.sqrt(squares) / width),
+            "kernel": width**2 * np.log1p(squares / width**2),
+            "kernel over q": np.log1p(squares / width**2) / np.maximum(squares / width**2, 1e-300),
         }.get(change, 1 / (1 + squares / width**2))
         if change == "closures":
             weights = np.where(graph.edges[:, 1] == graph.edges[:, 0] + 1, 1.0, weights)
@@ -1455,6 +1598,11 @@ def _reweighted(change: str = "") -> Callable[..., Any]:
             return weights
         if change == "measurements":
             return dataclasses.replace(graph, measurements=graph.measurements * weights[:, None])
+        if change == "assigned":
+            graph.information = graph.information * weights[:, None, None]  # type: ignore[misc]
+        if change == "in place":
+            graph.information[:] *= weights[:, None, None]
+            return graph
         if change == "replaced":
             return dataclasses.replace(
                 graph,
@@ -1526,6 +1674,7 @@ REWEIGHT = Exercise(
     hidden=_reweight_hidden,
     comparison=Close(rtol=1e-5, atol=1e-9),
     uses=RESIDUALS,
+    in_place=True,
     hints=(
         "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with another information.",
@@ -1535,6 +1684,27 @@ REWEIGHT = Exercise(
             "width not squared",
             _reweighted("squared width"),
             "chi2 is a square, so the width has to be squared, too.",
+        ),
+        Mistake(
+            "the kernel itself",
+            _reweighted("kernel"),
+            "You multiply by the kernel, c^2 ln(1 + q / c^2). The weight is its slope rho'(q), equation 9.6.",
+        ),
+        Mistake(
+            "the kernel over q",
+            _reweighted("kernel over q"),
+            "You divide the kernel by q: then chi2 itself is right, and not its slope. The weight is rho'(q), equation 9.6.",
+        ),
+        Mistake(
+            "in place",
+            _reweighted("in place"),
+            "You write into the graph that you were given: the next step would weigh what is weighed already. graph.information * weights is a new array, "
+            "and replace(graph, information=...) a new graph.",
+        ),
+        Mistake(
+            "assigned",
+            _reweighted("assigned"),
+            "A graph cannot be changed by assigning to it. replace(graph, information=...) is a copy of it with another information.",
         ),
         Mistake("width left out", _reweighted("no width"), "The width is missing: chi2 / width^2."),
         Mistake(

@@ -50,13 +50,13 @@ def draw_leaning_lines(pixel_to_ground: Callable[..., Any]) -> Drawing:
             ends = scene.segments.reshape(-1, 2)
             ground = rows_of_two("pixel_to_ground", pixel_to_ground(ends, view), len(ends)).reshape(-1, 2, 2)
             for (x1, y1), (x2, y2) in ground:
-                ax.plot([-y1, -y2], [x1, x2], color=LINES, lw=2.4)
+                ax.plot([y1, y2], [x1, x2], color=LINES, lw=2.4)
             off = _off_right_angles(ground)
-            ax.set(aspect="equal", xlabel="to the right (m)", xlim=(-1.7, 2.0), ylim=(1.2, 4.7))
+            ax.set(aspect="equal", xlabel="y, to the left (m)", xlim=(1.7, -2.0), ylim=(1.2, 4.7))
             ax.grid(color="#e3e5e8")
             ax.set_title(f"{title}: {off:.1f}° off", fontsize=11)
             said.append(f"{title}: {off:.1f} degrees off right angles")
-        second.set_ylabel("ahead (m)")
+        second.set_ylabel("x, ahead (m)")
     lean = np.degrees(scene.true_view.pitch - scene.view.pitch)
     return Drawing(
         figure,

@@ -123,9 +123,9 @@ def draw_arrows(
             ends = np.column_stack([away * np.cos(bearing), away * np.sin(bearing)])
             shift = ends - points
             ax.quiver(
-                -points[:, 1],
+                points[:, 1],
                 points[:, 0],
-                -shift[:, 1],
+                shift[:, 1],
                 shift[:, 0],
                 angles="xy",
                 scale_units="xy",
@@ -134,14 +134,14 @@ def draw_arrows(
                 width=0.006,
                 zorder=3,
             )
-            ax.plot(-points[:, 1], points[:, 0], "o", color=TRUTH, ms=3.5, zorder=4)
+            ax.plot(points[:, 1], points[:, 0], "o", color=TRUTH, ms=3.5, zorder=4)
             ax.plot(0, 0, "^", color=TRUTH, ms=9)
-            ax.set(aspect="equal", xlim=(-2.3, 2.3), ylim=(-0.2, 5.4), xlabel="to the right (m)")
+            ax.set(aspect="equal", xlim=(2.3, -2.3), ylim=(-0.2, 5.4), xlabel="y, to the left (m)")
             ax.grid(color="#e3e5e8")
             ax.set_title(title, fontsize=11)
             size = np.hypot(*shift.T)
             said.append(f"{title}: {np.median(size):.2f} m in the median, {size.max():.2f} m at most")
-        figure.axes[0].set_ylabel("ahead (m)")
+        figure.axes[0].set_ylabel("x, ahead (m)")
         keys = [
             Line2D([], [], color=TRUTH, marker="o", ls="", ms=4, label="true place"),
             Line2D([], [], color=PAPER, lw=2, label=f"to where it is computed, {longer:g} times as long"),

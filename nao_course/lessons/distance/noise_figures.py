@@ -263,12 +263,13 @@ def draw_shared_tilt(
         left, right = figure.subplots(1, 2, width_ratios=[1.25, 1])
         for picture, tilt in zip(points, tilts, strict=True):
             left.plot(
-                -picture[:, 1], picture[:, 0], "-", color=PAPER if tilt > 0 else EXACT, lw=0.7, alpha=0.6
+                picture[:, 1], picture[:, 0], "-", color=PAPER if tilt > 0 else EXACT, lw=0.7, alpha=0.6
             )
-        left.plot(-points[..., 1].ravel(), points[..., 0].ravel(), ".", color=TRUTH, ms=4)
-        left.plot(-places[:, 1], places[:, 0], "o", color=TRUTH, mfc="none", ms=11, mew=2)
+        left.plot(points[..., 1].ravel(), points[..., 0].ravel(), ".", color=TRUTH, ms=4)
+        left.plot(places[:, 1], places[:, 0], "o", color=TRUTH, mfc="none", ms=11, mew=2)
         left.plot(0, 0, "^", color=TRUTH, ms=9)
-        left.set(aspect="equal", xlabel="to the right (m)", ylabel="ahead (m)", ylim=(-0.2, None))
+        left.set(aspect="equal", xlabel="y, to the left (m)", ylabel="x, ahead (m)", ylim=(-0.2, None))
+        left.invert_xaxis()
         left.grid(color="#e3e5e8")
         names = [f"{kind} {number}" for number in (1, 2, 3) for kind in ("bearing", "range")]
         _plot_correlation(right, correlation, names)

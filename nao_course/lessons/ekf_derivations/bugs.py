@@ -24,8 +24,8 @@ BUG_STEP, BUG_STEPS = np.array([0.3, 0.0]), 12  # of the drive in steps
 HEADINGS = np.radians(np.arange(0, 181, 3))
 STEP_ERRORS = np.diag([0.03, 0.02, np.radians(2)]) ** 2  # of each
 BUGS = {  # colour and line of each
-    "F' P F": ("#c84b00", "--"),
-    "G' Q G": ("#a14566", (0, (1.2, 1.2))),
+    "FᵀPF": ("#c84b00", "--"),
+    "GᵀQG": ("#a14566", (0, (1.2, 1.2))),
     "noise not turned": ("#6b7280", (0, (6, 1.5, 1.5, 1.5))),
 }
 
@@ -33,7 +33,7 @@ BUGS = {  # colour and line of each
 class Predictions:
     """The student's prediction of a covariance, and the same with one of `BUGS` in it.
 
-    The bugs are made of the student's own functions: G' is G at -theta, and noise of the field's frame is not turned.
+    The bugs are made of the student's own functions: Gᵀ is G at -theta, and noise of the field's frame is not turned.
 
     Parameters
     ----------
@@ -56,10 +56,10 @@ class Predictions:
     ) -> FloatArray:
         """Return the same with a bug."""
         nothing = np.zeros((3, 3))
-        if bug == "F' P F":
+        if bug == "FᵀPF":
             by_pose = np.asarray(self._jacobians(np.array([0.0, 0.0, theta]), control.copy())[0], dtype=float)
             return carried(by_pose.T, covariance) + self.right(nothing, theta, control, noise)
-        turned = -theta if bug == "G' Q G" else 0.0
+        turned = -theta if bug == "GᵀQG" else 0.0
         return self.right(covariance, theta, control, nothing) + self.right(nothing, turned, control, noise)
 
     def off(self, bug: str, headings: FloatArray) -> FloatArray:
@@ -86,9 +86,9 @@ def wrong_by(right: FloatArray, wrong: FloatArray) -> float:
 
 
 def worst_heading(motion_jacobians: Function, predict_covariance: Function) -> float:
-    """Heading from 0 to 90 degrees at which G' Q G is most wrong, in degrees."""
+    """Heading from 0 to 90 degrees at which GᵀQG is most wrong, in degrees."""
     headings = np.arange(0, 91)
-    off = Predictions(motion_jacobians, predict_covariance).off("G' Q G", np.radians(headings))
+    off = Predictions(motion_jacobians, predict_covariance).off("GᵀQG", np.radians(headings))
     return float(headings[np.argmax(off)])
 
 
@@ -137,6 +137,6 @@ def draw_bug_hunt(
     return Drawing(
         figure,
         f"Your ellipse holds {cloud.inside():.0%} of the samples, and says {own[-1]:.0f} cm across after {way[-1]:.1f} "
-        f"m. {'; '.join(said)}. G' Q G is right at 0, 90 and 180 degrees and worst at 45 and 135; noise that is not "
-        "turned is right at 0 and 180; F' P F is as wrong at every heading.",
+        f"m. {'; '.join(said)}. GᵀQG is right at 0, 90 and 180 degrees and worst at 45 and 135; noise that is not "
+        "turned is right at 0 and 180; FᵀPF is as wrong at every heading.",
     )

@@ -70,7 +70,7 @@ def measure_limits(predict_pose: Function, predict_covariance: Function) -> dict
         for title, runs in zip(TITLES, values, strict=True):
             low, high = np.quantile(runs, [0.025, 0.975])
             found[title].append(100 * np.array([low, np.mean(runs), high]))
-    return {title: np.array(rows) for title, rows in found.items()}
+    return dict(zip(found, map(np.array, found.values()), strict=True))
 
 
 def limit_at(measured: FloatArray, percent: float) -> float:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nao_course.datasets import HomeworkLog
 from nao_course.geometry import FloatArray
@@ -125,7 +126,7 @@ def ablation_table(ablations: Sequence[Ablation]) -> Table:
                 f"{100 * each.updated_position:.3g}",
                 f"{np.degrees(each.heading):.2g}",
                 f"{100 * each.landmark:.3g}",
-                f"{each.nis:.2g}",
+                f"{each.nis:.0f}",
             )
             for each in ablations
         ],
@@ -143,24 +144,36 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
     Returns
     -------
     Drawing
-        Two rows of five maps, with the robot's ellipses before each update and the landmarks' at the end.
+        The map with all as they are, then two rows of five, with the robot's ellipses before each update and the
+        landmarks' at the end.
     """
     changed = [each for each in ablations if each.name]
+    base = next(each for each in ablations if not each.name)
     rows = [[each for each in changed if (each.factor > 1) is larger] for larger in (True, False)]
     with course_style():
-        figure = Figure(figsize=(13.0, 6.6))
-        grid = figure.subplots(2, len(rows[0]), sharex=True, sharey=True, squeeze=False)
-        for axes, row in zip(grid, rows, strict=True):
-            for ax, each in zip(axes, row, strict=True):
-                _plot_run(ax, each.run)
-                _frame(ax, ablations[0].run)
-                ax.set_title(each.title)
+        figure = Figure(figsize=(14.4, 6.4))
+        grid = figure.subplots(2, 1 + len(rows[0]), squeeze=False)
+        grid[1, 0].set_axis_off()
+        shown = [(grid[0, 0], base), *zip(grid[:, 1:].flat, [*rows[0], *rows[1]], strict=True)]
+        for ax, each in shown:
+            _plot_run(ax, each.run)
+            _frame(ax, base.run)
+            ax.set_title(each.title)
+        grid[0, 0].set_xlabel("x (m)")
+        grid[0, 0].tick_params(labelbottom=True)
+        grid[1, 1].set_ylabel("y (m)")
+        grid[1, 1].tick_params(labelleft=True)
         handles = [
-            PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
-            for colour, label in ((ROBOT, "robot, predicted"), (LANDMARK, "landmark, at the end"))
+            Line2D([], [], color=STYLES["truth"].colour, lw=0.8, label="believed path"),
+            *(
+                PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
+                for colour, label in (
+                    (ROBOT, "robot, predicted, 95 %"),
+                    (LANDMARK, "landmark, at the end, 95 %"),
+                )
+            ),
         ]
         legend_below(figure, handles)
-    base = next(each for each in ablations if not each.name)
     told = "; ".join(
         f"{each.title}: {each.position / base.position:.2g} and {each.landmark / base.landmark:.2g} times"
         for each in changed

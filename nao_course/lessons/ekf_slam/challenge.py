@@ -8,23 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
-from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
-from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
-from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
+from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
+from nao_course.challenges.beliefs import DEEPEST, draw_worst_ends, odometry_covariance, say_bits, score_end
+from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, OWN_START, Sigmas
-from nao_course.metrics import band
 from nao_course.plotting import (
-    Drawing,
-    course_style,
     plot_ellipse,
     plot_field,
     plot_landmarks,
     plot_path,
     plot_pose,
 )
-from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import metric_axes
 from nao_course.plotting.style import GREY
 from nao_course.sim import Field
@@ -39,7 +35,6 @@ FIELD = Field(2012)
 _MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
 LANDMARKS: FloatArray = np.array([(mark.x, mark.y) for mark in _MARKS])
 KINDS = ["post" if mark.kind == "post" else "corner" for mark in _MARKS]
-SHOWN = 3
 
 Step = tuple[FloatArray, FloatArray, list[int], FloatArray, FloatArray]
 
@@ -78,7 +73,7 @@ def make_drive(seed: int) -> Drive:
         log.append(_step(np.array([distance, turn]), Q, truth, landmarks, rng))
         told.append(told[-1] @ Pose(distance, 0.0, turn))
     true, believed = (np.array([each.as_array() for each in poses]) for poses in (path, told))
-    return Drive(log, true, believed[-1], _spread(believed, Q))
+    return Drive(log, true, believed[-1], odometry_covariance(believed, np.tile(Q, (STEPS, 1, 1))))
 
 
 def _step(
@@ -92,53 +87,27 @@ def _step(
     return control, Q.copy(), numbers.tolist(), noisy.reshape(-1), SIGMAS.measurement_covariance
 
 
-def _spread(told: FloatArray, Q: FloatArray) -> FloatArray:
-    """Covariance (3, 3) of the last of the poses (N, 3) that odometry tells.
-
-    A step's slip along and across carries it along; a turn that was wrong swings it about the end of that step.
-    """
-    away = told[-1, :2] - told[1:, :2]
-    slips = np.tile(np.eye(3), (len(away), 1, 1))
-    slips[:, :2, :2] = [rotation_2d(theta) for theta in told[:-1, 2]]
-    slips[:, 0, 2], slips[:, 1, 2] = -away[:, 1], away[:, 0]
-    return np.asarray(np.einsum("kij,jl,kml->im", slips, Q, slips))
-
-
 def judge(answer: Any, drive: Drive) -> CaseScore:
     """Score a belief at the end: by how many bits it is denser at the true pose than odometry's."""
-    pose, covariance = as_belief(answer, with_map=True)
-    alone = drive.odometry, drive.odometry_covariance
-    return score_belief(pose, covariance, drive.path[-1], alone, (drive, pose, covariance))
+    return score_end(answer, drive.path[-1], (drive.odometry, drive.odometry_covariance), drive)
 
 
-def draw_worst_drives(run: Run) -> Drawing:
-    """Draw the drives with the fewest bits: the true path, and what is believed at its end."""
-    judged = sorted((each for each in run.results if each.kept), key=lambda each: each.score)[:SHOWN]
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.7))
-        for number, each in enumerate(judged, start=1):
-            drive, pose, covariance = each.kept
-            ax = figure.add_subplot(1, SHOWN, number)
-            plot_field(FIELD, ax)
-            plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
-            path = [OWN_START @ Pose.from_array(one) for one in drive.path]
-            plot_path(path, ax)
-            end = OWN_START @ Pose.from_array(pose)
-            plot_ellipse((end.x, end.y), covariance[:2, :2], ax, "ekf")  # the frames are parallel
-            plot_pose(end, ax, "ekf")
-            ax.set_title(f"{each.name}: {each.score:.1f} bits", fontsize=11)
-            reach = 2.5 * np.sqrt(np.diag(covariance)[:2]).max()
-            ends = np.array([(end.x, end.y)]) + reach * np.array([(-1, -1), (1, 1)])
-            x0, y0, x1, y1 = FIELD.carpet
-            metric_axes(ax, np.vstack([[(x0, y0), (x1, y1)], [(one.x, one.y) for one in path], ends]))
-        legend_below(
-            figure, [source_key("truth", "where it drove"), source_key("ekf", "believed at the end, 95 %")]
-        )
-    said = ", ".join(f"{each.name} with {each.score:.1f} bits" for each in judged)
-    return Drawing(figure, f"Score of {len(run.results)} drives: {run.score:.2f} bits. The worst are {said}.")
+def _plot_drive(ax: Axes, kept: Any) -> None:
+    """A true path and a belief at its end, on as much of the ground as both need."""
+    drive, pose, covariance = kept
+    plot_field(FIELD, ax)
+    plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+    path = [OWN_START @ Pose.from_array(one) for one in drive.path]
+    plot_path(path, ax)
+    end = OWN_START @ Pose.from_array(pose)
+    plot_ellipse((end.x, end.y), covariance[:2, :2], ax, "ekf")  # the frames are parallel
+    plot_pose(end, ax, "ekf")
+    reach = 2.5 * np.sqrt(np.diag(covariance)[:2]).max()
+    ends = np.array([(end.x, end.y)]) + reach * np.array([(-1, -1), (1, 1)])
+    x0, y0, x1, y1 = FIELD.carpet
+    metric_axes(ax, np.vstack([[(x0, y0), (x1, y1)], [(one.x, one.y) for one in path], ends]))
 
 
-_LOW, _HIGH = band(3, DRIVES)
 CHALLENGE = Challenge(
     lesson="07_ekf_slam",
     title="Challenge 07: two laps at three times the noise",
@@ -146,14 +115,12 @@ CHALLENGE = Challenge(
     "Write a function of the log, a list of (control, control_covariance, numbers, measurements, "
     "measurement_covariance) for each step. It returns state and covariance at the end, pose first, in the frame of "
     "the start.",
-    scoring="bits: how much denser your belief is at the robot's true pose than that of odometry alone, as a logarithm "
-    "to the base 2, the mean over all drives. A small error counts only where your covariance is honest about it: "
-    f"NEES between {_LOW:.1f} and {_HIGH:.1f} is.",
+    scoring=say_bits(DRIVES),
     seeds=range(DRIVES),
     make=make_drive,
     given=lambda drive: (drive.log,),
     judge=judge,
-    figure=draw_worst_drives,
+    figure=partial(draw_worst_ends, plot_drive=_plot_drive),
     columns=(Column("off", " cm", 1), Column("stated", " cm", 1), Column("NEES", "", 1)),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
     nothing=DEEPEST,

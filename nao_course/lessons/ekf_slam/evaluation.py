@@ -113,7 +113,7 @@ def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> D
         figure = Figure(figsize=(8.4, 4.2))
         ax = figure.add_subplot()
         ax.axhspan(low, high, color=BAND, zorder=0, label="95 % band of one step")
-        ax.axhline(degrees, color=GREY, lw=1, ls="--")
+        ax.axhline(degrees, color=GREY, lw=1, ls="--", label="ideal")
         for run, (source, label) in zip(runs.values(), looks, strict=True):
             style = STYLES[source]
             steps = np.arange(1, len(run.nis) + 1)

@@ -40,7 +40,19 @@ KEYS = {
     INITIAL: "landmark, initial",
     IMPROVED: "landmark, updated",
 }
-CORRELATION = LinearSegmentedColormap.from_list("correlation", ["#c84b00", "#ffffff", "#0b5fa5"], N=21)
+_HARDLY = 0.005  # correlations below are white; all others have a colour that can be told from it
+CORRELATION = LinearSegmentedColormap.from_list(
+    "correlation",
+    [
+        (0.0, "#c84b00"),
+        (0.5 - _HARDLY / 2, "#fae3d5"),
+        (0.5 - _HARDLY / 2, "#ffffff"),
+        (0.5 + _HARDLY / 2, "#ffffff"),
+        (0.5 + _HARDLY / 2, "#d6e5f3"),
+        (1.0, "#0b5fa5"),
+    ],
+    N=801,
+)
 HEADING = 0.05  # part of the map's width, length of the line that shows where the robot looks
 SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends as it is
 Pixels = npt.NDArray[np.uint8]
@@ -130,6 +142,8 @@ class MapArtists:
         metric_axes(ax, around, margin=0.3)
         self._length = HEADING * float(np.ptp(ax.get_xlim()))
         ax.plot(*film.truth.T, "o", color=STYLES["truth"].colour, ms=4, zorder=2)
+        for number, place in enumerate(film.truth, start=1):  # as the rows of the matrix
+            ax.annotate(str(number), place, (6, 6), textcoords="offset points", fontsize=10, zorder=6)
         ax.add_collection(_outlines(INITIAL, self._landmarks[0]))
         self._ellipses = {colour: _outlines(colour) for colour in (PREDICTED, UPDATED, IMPROVED)}
         self._path = Line2D([], [], color=GREY, lw=1.0)

@@ -58,4 +58,4 @@ def in_one_turn(args: Any, kwargs: Any, answer: Any) -> str:
     angles = np.asarray(answer, dtype=float)
     if np.all(np.abs(angles) <= np.pi + SLACK):
         return ""
-    return "Some of your angles are not from -pi to pi."
+    return "some of your angles are not from -pi to pi"

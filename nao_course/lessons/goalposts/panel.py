@@ -14,6 +14,7 @@ from nao_course.lessons.goalposts.figures import CANDIDATE
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.plotting import painted
 from nao_course.plotting.drawing import say_count
+from nao_course.plotting.marks import TRUE, rgb, with_crosses
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
@@ -31,22 +32,11 @@ def mark_feet(
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).repeat(SIZE, axis=0).repeat(SIZE, axis=1)
     scale = max(1, round(len(shown) / 240))
     for u, v in _shown_at(candidates, "candidates (u, v)"):
-        cv2.circle(shown, (round(u), round(v)), scale, _rgb(CANDIDATE), -1)
+        cv2.circle(shown, (round(u), round(v)), scale, rgb(CANDIDATE), -1)
     for u, v in _shown_at(feet, "feet (u, v)"):
-        for colour, thickness in (((255, 255, 255), 3 * scale), (_rgb(FOUND), 2 * scale)):
+        for colour, thickness in (((255, 255, 255), 3 * scale), (rgb(FOUND), 2 * scale)):
             cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
-    for u, v in _shown_at(true, "true feet (u, v)"):
-        for colour, thickness in ((255, 255, 255), 3 * scale), ((0, 0, 0), scale):
-            cv2.drawMarker(
-                shown,
-                (round(u), round(v)),
-                colour,
-                cv2.MARKER_TILTED_CROSS,
-                8 * scale,
-                thickness,
-                cv2.LINE_AA,
-            )
-    return shown
+    return with_crosses(shown, _shown_at(true, "true feet (u, v)"), scale)
 
 
 def _shown_at(points: npt.ArrayLike, name: str) -> FloatArray:
@@ -89,7 +79,7 @@ class PostPanel(FunctionPanel):
             "Posts panel",
             self._search,
             [
-                Choice("scene", "Scene", list(scenes), tooltip="Which picture is searched"),
+                Choice("scene", "Scene", list(scenes), tooltip="Which picture is searched", stays=True),
                 Slider(
                     "min_green",
                     "Least green",
@@ -142,7 +132,7 @@ class PostPanel(FunctionPanel):
         """Show the scene, its labels, the candidates, and at last the feet."""
         scene = self._scenes[values.scene]
         yield {"What you find": mark_feet(scene.pixels, ())}
-        yield Legend({"candidate": CANDIDATE, "foot found": FOUND, "true foot (cross)": "#000000"})
+        yield Legend({"candidate": CANDIDATE, "foot found": FOUND, "true foot (cross)": TRUE})
         labels = student.label(scene.pixels)
         yield {"Your labels": mark_feet(painted(labels), ())}
         candidates = student.post_candidates(labels, values.min_green, values.look_down, values.min_height)
@@ -153,8 +143,3 @@ class PostPanel(FunctionPanel):
         asks_too_much = values.min_green > values.look_down
         more = f" Of {values.look_down} pixels never {values.min_green} are green." if asks_too_much else ""
         yield f"{counts}: {scene.match(feet)}.{more}"
-
-
-def _rgb(colour: str) -> tuple[int, int, int]:
-    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return red, green, blue

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.geometry import as_points
 from nao_course.plotting import painted
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
-
-# Limits of the hue in degrees, as in the lesson: wider than those that lesson 01 calibrates in one scene, for the
-# light differs from place to place. With the narrow ones half of the posts are ragged.
-GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)
 
 
 def _mark_feet(student: StudentCode, nao: SimulatedNao) -> Look:
@@ -20,8 +17,7 @@ def _mark_feet(student: StudentCode, nao: SimulatedNao) -> Look:
 
     def look(sight: Sight) -> Overlay:
         picture = sight.picture.pixels
-        lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-        threshold = student.white_threshold(lightness.mean())
+        threshold = student.white_threshold(mean_lightness(picture))
         labels = np.asarray(student.color_labels(picture, GREEN, YELLOW, threshold))
         feet = as_points(student.find_goalposts(labels.copy()), name="feet (u, v)")
         return Overlay(feet, painted(labels), labels > 0, pixels=feet, text=f"{len(feet)} found")

@@ -1,21 +1,84 @@
-"""What solving costs by size, as ``python -m benchmarks linear_graphs`` measured it."""
+"""What solving costs by size, as ``python -m benchmarks linear_graphs`` measured it, and what it costs here."""
 
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import scipy.sparse
 from matplotlib.figure import Figure
 
+from nao_course.exercises.checking import strict
+from nao_course.geometry import FloatArray
+from nao_course.lessons.graph_slam.systems import not_a_solution
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
+
+System = tuple[scipy.sparse.csc_array, FloatArray]
 
 RECORDED = Path(__file__).with_suffix(".json")
 _LOOKS = {"dense": "odometry", "sparse, as numbered": "ekf", "sparse, a good order": "graph"}
 
 
-def draw_costs() -> Drawing:
-    """Draw the recorded seconds and megabytes by the number of variables, in three ways of solving."""
+OWN_SIZES = (300, 1000, 3000)
+
+
+def corridor_system(variables: int, rng: np.random.Generator) -> System:
+    """A straight walk: three poses to a landmark pair, each landmark seen from the nearest eight or nine poses."""
+    poses = 3 * variables // 5
+    landmarks = variables - poses
+    i, j = ([np.arange(k, poses - 1 + k)] for k in (0, 1))
+    for number in range(landmarks):
+        at = 3 * (number // 2)
+        near = np.arange(max(at - 4, 0), min(at + 5, poses))
+        i.append(near)
+        j.append(np.full(len(near), poses + number))
+    first, second = np.concatenate(i), np.concatenate(j)
+    weight = 1 / rng.uniform(0.5, 2.0, len(first))
+    value = rng.normal(size=len(first))
+    entries = np.concatenate([weight, weight, -weight, -weight, [1.0]])
+    rows = np.concatenate([first, second, first, second, [0]])
+    columns = np.concatenate([first, second, second, first, [0]])
+    omega = scipy.sparse.coo_array((entries, (rows, columns)), shape=(variables, variables)).tocsc()
+    ends = [np.bincount(each, weight * value, variables) for each in (first, second)]
+    return omega, np.subtract(ends[1], ends[0], dtype=np.float64)
+
+
+def seconds_of(solve_sparse: Callable[..., Any]) -> list[float]:
+    """How long the student's solver takes here for each of `OWN_SIZES`, seconds; no times for a blank one."""
+    rng, found = np.random.default_rng(8), list[float]()
+    for size in OWN_SIZES:
+        omega, xi = corridor_system(size, rng)
+        start = time.process_time()
+        try:
+            answer = solve_sparse(omega, xi)
+        except NotImplementedError:
+            return []
+        found.append(max(time.process_time() - start, 1e-5))
+        if wrong := not_a_solution(answer, size):
+            raise ValueError(wrong.replace("solve must", "solve_sparse must").replace("8.4", "8.6"))
+    return found
+
+
+def draw_costs(solve_sparse: Callable[..., Any] | None = None) -> Drawing:
+    """Draw the recorded seconds and megabytes by the number of variables, in three ways of solving.
+
+    Parameters
+    ----------
+    solve_sparse : callable, optional
+        The student's: its times on this machine are drawn beside them. Where the course is built they are left out,
+        for each build would draw others.
+
+    Returns
+    -------
+    Drawing
+        Two panels with logarithmic axes.
+    """
+    own = seconds_of(solve_sparse) if solve_sparse and not strict() else []
     recorded = json.loads(RECORDED.read_text(encoding="utf-8"))
     words = []
     with course_style():
@@ -32,6 +95,9 @@ def draw_costs() -> Drawing:
             words.append(
                 f"{name}: {last['seconds']:.2g} s and {last['megabytes']:.2g} MB for {last['variables']} variables"
             )
+        if own:
+            times.plot(OWN_SIZES, own, "k*", ms=12, mec="white", zorder=6, label="yours, on this computer")
+            words.append(f"yours, on this computer: {own[-1]:.2g} s for {OWN_SIZES[-1]} variables")
         times.set(ylabel="seconds for one axis")
         sizes.set(ylabel="megabytes of the factor")
         for ax in (times, sizes):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from nao_course.exercises import Close, Comparison, register, register_driver
+from nao_course.exercises import Case, Close, Comparison, register, register_driver
 from nao_course.exercises.comparisons.comparison import RIGHT, Verdict
 from nao_course.exercises.comparisons.large_sparse import without_dense
 
@@ -16,8 +16,12 @@ _NUMBER = re.compile(
 )  # whole numbers of their own: not that of "int64" or "1e-9"
 
 
+LONGEST_MESSAGE = 10_000  # characters that are read
+_LONGEST_SAID = 200  # of them, told
+
+
 @register_driver
-def solution_or_unheld(function: Callable[..., Any], omega: Any, xi: Any) -> Any:
+def solution_or_unheld(function: Callable[..., Any], omega: Any, xi: Any) -> tuple[str, Any]:
     """Call a solver.
 
     Parameters
@@ -31,13 +35,13 @@ def solution_or_unheld(function: Callable[..., Any], omega: Any, xi: Any) -> Any
 
     Returns
     -------
-    object
-        What it returned; where it raised a ValueError, a dict of the whole numbers in its message and the message.
+    (str, object)
+        "returned" and what it returned, or "raised" and the message of a ValueError.
     """
     try:
-        return function(without_dense(omega), xi)
+        return "returned", function(without_dense(omega), xi)
     except ValueError as error:
-        return {"named": sorted(set(numbers_in(str(error)))), "said": str(error)[:200]}
+        return "raised", str(error)[:LONGEST_MESSAGE]
 
 
 def numbers_in(message: str) -> list[int]:
@@ -50,8 +54,18 @@ def numbers_in(message: str) -> list[int]:
 class SolvedOrNamed(Comparison):
     """Answers that are close; or, where nothing holds some variables, an error that names just these."""
 
+    def gather(self, case: Case, answers: Iterable[Any]) -> Any:
+        """Return what the function returned; of an error a dict of the whole numbers in its message and the message."""
+        match next(iter(answers)):
+            case ("raised", str(message)):
+                named = sorted(set(numbers_in(message[:LONGEST_MESSAGE])))
+                return {"named": named, "said": message[:_LONGEST_SAID]}
+            case ("returned", answer) if not isinstance(answer, dict):
+                return answer
+        return {}  # no dict is an answer, whatever stands in it
+
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare what `solution_or_unheld` brought back."""
+        """Compare what `gather` made of an answer."""
         if _is_error(expected) and _is_error(got):
             wanted, named = expected["named"], got["named"]
             if wanted == named:

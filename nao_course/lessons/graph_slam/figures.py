@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -83,6 +84,7 @@ def map_keys() -> list[Line2D]:
     """Legend keys of a map with graph, odometry and truth."""
     truth, graph = STYLES["truth"], STYLES["graph"]
     return [
+        Line2D([], [], color=truth.colour, lw=0.9, alpha=0.6, label="true path"),
         source_key("odometry"),
         source_key("graph", "path by the graph"),
         Line2D(
@@ -94,10 +96,20 @@ def map_keys() -> list[Line2D]:
 
 def plot_graph_map(drive: Drive, used: Sequence[Constraint], positions: FloatArray, ax: Axes) -> None:
     """Draw a map: what some constraints say by odometry and by the graph, (N, 2), beside the truth."""
-    truth, graph = STYLES["truth"], STYLES["graph"]
+    _plot_truth(drive, ax)
+    _plot_graph(drive, used, positions, ax)
+
+
+def _plot_truth(drive: Drive, ax: Axes) -> None:
+    truth = STYLES["truth"]
     plot_field(_FIELD, ax)
-    poses, marks = positions[: len(drive.path)], positions[len(drive.path) :]
     ax.plot(*drive.landmarks.T, "o", mfc="none", mec=truth.colour, ms=9, zorder=5)
+    ax.plot(*drive.path.T, color=truth.colour, lw=0.9, alpha=0.6, zorder=3)
+
+
+def _plot_graph(drive: Drive, used: Sequence[Constraint], positions: FloatArray, ax: Axes) -> None:
+    graph = STYLES["graph"]
+    poses, marks = positions[: len(drive.path)], positions[len(drive.path) :]
     sights = [(each.first, each.second) for each in used if each.kind == "measurement"]
     rays = np.full((len(sights), 3, 2), np.nan)  # pose, landmark, gap
     rays[:, :2] = positions[np.array(sights, dtype=int).reshape(-1, 2)]
@@ -105,6 +117,43 @@ def plot_graph_map(drive: Drive, used: Sequence[Constraint], positions: FloatArr
     plot_path(odometry(used), ax, "odometry", robot=False)
     plot_path(poses[np.isfinite(poses).all(axis=1)], ax, "graph", robot=False)
     ax.plot(*marks.T, "P", color=graph.colour, ms=8, mec="white", zorder=6)
+
+
+class GraphMap:
+    """The same map for a graph that grows: what stands still is drawn once, so that a step takes no time.
+
+    Parameters
+    ----------
+    drive : Drive
+        Its truth is shown.
+    """
+
+    def __init__(self, drive: Drive) -> None:
+        """Draw the field, the truth and the legend."""
+        self._drive = drive
+        with course_style():
+            figure = Figure(figsize=(4.3, 4.9), dpi=80)
+            canvas: Any = FigureCanvasAgg  # matplotlib gives its methods no types
+            self._canvas = canvas(figure)
+            self._ax = figure.add_subplot()
+            _plot_truth(drive, self._ax)
+            legend_below(figure, map_keys(), columns=2)
+            self._canvas.draw()
+        figure.set_layout_engine("none")
+        self._ax.set_autoscale_on(False)
+        self._still = self._canvas.copy_from_bbox(figure.bbox)
+        self._lines = len(self._ax.lines)
+
+    def draw(self, used: Sequence[Constraint], positions: FloatArray) -> npt.NDArray[np.uint8]:
+        """Return the map of some constraints, with variables at `positions`, (N, 2), as an RGB picture."""
+        self._canvas.restore_region(self._still)
+        with course_style():
+            _plot_graph(self._drive, used, positions, self._ax)
+        moving = list(self._ax.lines)[self._lines :]
+        for line in sorted(moving, key=lambda each: each.zorder):
+            self._ax.draw_artist(line)
+            line.remove()
+        return np.array(self._canvas.buffer_rgba())[:, :, :3]
 
 
 # --- the valley ---

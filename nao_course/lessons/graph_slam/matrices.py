@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.drives import Drive
-from nao_course.lessons.graph_slam.systems import Builders, assemble
+from nao_course.lessons.graph_slam.systems import Builders, assemble, inverse_of
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, STYLES
@@ -200,7 +200,7 @@ def held_tightly(omega: npt.ArrayLike, weight: float = 1e6) -> FloatArray:
 
 def correlations(omega: npt.ArrayLike) -> FloatArray:
     """Correlation matrix of an information matrix, its start held tightly."""
-    covariance = np.linalg.inv(held_tightly(omega))
+    covariance = inverse_of(held_tightly(omega))
     sigma = np.sqrt(np.diag(covariance))
     return np.asarray(covariance / np.outer(sigma, sigma), dtype=float)
 

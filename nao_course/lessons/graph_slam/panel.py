@@ -9,15 +9,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.drives import Constraint, field_drive, odometry_first
-from nao_course.lessons.graph_slam.figures import map_keys, plot_graph_map, say_error
+from nao_course.lessons.graph_slam.figures import GraphMap, say_error
 from nao_course.lessons.graph_slam.matrices import NEGATIVE, POSITIVE
-from nao_course.lessons.graph_slam.systems import Builders, Function, assemble, map_error, variables_in
-from nao_course.plotting import Drawing, course_style
-from nao_course.plotting.legends import legend_below
+from nao_course.lessons.graph_slam.systems import (
+    Builders,
+    Function,
+    assemble,
+    map_error,
+    not_a_solution,
+    variables_in,
+)
+from nao_course.plotting.drawing import say_count
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider, Toggle
 
@@ -44,7 +49,7 @@ def paint_matrix(omega: FloatArray, poses: int, newest: tuple[int, ...] = ()) ->
         RGB.
     """
     colours = np.array([_rgb(NEGATIVE), (255, 255, 255), _rgb(POSITIVE)], dtype=np.uint8)
-    painted = colours[np.sign(omega).astype(int) + 1].repeat(CELL, axis=0).repeat(CELL, axis=1)
+    painted = colours[np.nan_to_num(np.sign(omega)).astype(int) + 1].repeat(CELL, axis=0).repeat(CELL, axis=1)
     painted[::CELL], painted[:, ::CELL] = 225, 225
     painted[poses * CELL], painted[:, poses * CELL] = 110, 110
     for row in newest:
@@ -74,6 +79,7 @@ class GraphPanel(FunctionPanel):
     ) -> None:
         """Add the first constraint and build the widgets."""
         self._drive = field_drive()
+        self._map = GraphMap(self._drive)
         every = len(self._drive.constraints)
         super().__init__(
             "Graph panel",
@@ -130,27 +136,26 @@ class GraphPanel(FunctionPanel):
         systems = [assemble(used, drive.size, builders, axis) for axis in (0, 1)]
         omega, newest = systems[0][0], used[-1]
         yield {"Your Omega": paint_matrix(omega, len(drive.path), (newest.first, newest.second))}
-        yield f"{len(used)} constraints; the newest is a {drive.say(newest)}."
+        yield f"{say_count(len(used), 'constraint')}; the newest is a {drive.say(newest)}."
+        if not all(np.isfinite(part).all() for system in systems for part in system):
+            yield "Your Omega or xi has entries that are no numbers: check exercises 8.1 to 8.3."
+            return
         yield f"{np.count_nonzero(omega)} of {omega.size} entries of Omega are not zero."
         known = variables_in(used)
-        positions = np.full((drive.size, 2), np.nan)
+        answers = []
         try:
-            for axis, (matrix, right) in enumerate(systems):
-                positions[known, axis] = student.solve(matrix[np.ix_(known, known)], right[known])
+            for matrix, right in systems:
+                answers.append(student.solve(matrix[np.ix_(known, known)], right[known]))
         except ValueError as error:
             yield f"There is no map. Your solve says: {error}"
             return
-        yield {"Your map": self._map(used, positions)}
+        if wrong := next(filter(None, (not_a_solution(each, len(known)) for each in answers)), ""):
+            yield f"There is no map. Your {wrong}."
+            return
+        positions = np.full((drive.size, 2), np.nan)
+        positions[known] = np.column_stack(answers)
+        yield {"Your map": self._map.draw(used, positions)}
         yield f"{say_error(map_error(drive, positions)).capitalize()}."
-
-    def _map(self, used: list[Constraint], positions: FloatArray) -> Drawing:
-        with course_style():
-            figure = Figure(figsize=(5.2, 5.9))
-            plot_graph_map(self._drive, used, positions, figure.add_subplot())
-            legend_below(figure, map_keys(), columns=2)
-        return Drawing(
-            figure, f"Map after {len(used)} constraints: {say_error(map_error(self._drive, positions))}."
-        )
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:

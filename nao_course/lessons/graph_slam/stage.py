@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting.drawing import say_count
-from nao_course.sim import SimulatedNao
-from nao_course.slam import Measurement, measured_points
+from nao_course.sim import SimulatedNao, Truth
+from nao_course.slam import Estimate, LandmarkKind, Measurement, measured_points, place_estimate
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
 
@@ -29,6 +29,9 @@ class _Graph:
     kinds: list[str] = field(default_factory=list)  # "pose", or the landmark's kind
     systems: list[Any] = field(default_factory=lambda: [(np.zeros((0, 0)), np.zeros(0)) for _ in range(2)])
     positions: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    variances: FloatArray = field(
+        default_factory=lambda: np.zeros(0)
+    )  # of each variable, m^2, in either axis
     odometry: list[Pose] = field(default_factory=list)  # of the poses
     measured: int = 0
 
@@ -53,14 +56,30 @@ class _Graph:
         ]
 
     def solved(self) -> None:
-        """Solve both systems."""
+        """Solve both systems; what is not known of the start itself counts for no variable."""
         columns = [np.asarray(self.student.solve(*system), dtype=float) for system in self.systems]
         self.positions = np.column_stack(columns).reshape(len(self.kinds), 2)
+        if not np.isfinite(self.positions).all():
+            raise ValueError("solve must return finite numbers")
+        omega = self.systems[0][0]  # both axes have the same
+        self.variances = np.append(0.0, np.diag(np.linalg.inv(omega[1:, 1:])))
 
     @property
-    def landmarks(self) -> FloatArray:
-        """The landmarks, (N, 2) in metres, in the frame of the start."""
-        return self.positions[[number for number, kind in enumerate(self.kinds) if kind != "pose"]]
+    def last_pose(self) -> int:
+        """The newest pose."""
+        return max(number for number, kind in enumerate(self.kinds) if kind == "pose")
+
+    def estimate(self, pose: Pose) -> Estimate:
+        """The landmarks, and the robot at `pose`, in the frame of the start."""
+        marks = [number for number, kind in enumerate(self.kinds) if kind != "pose"]
+        spread = self.variances[self.last_pose]
+        return Estimate(
+            pose,
+            np.diag([spread, spread, 0.0]),
+            self.positions[marks],
+            self.variances[marks, None, None] * np.eye(2),
+            cast("tuple[LandmarkKind, ...]", tuple(self.kinds[number] for number in marks)),
+        )
 
 
 def _start_or_move(graph: _Graph, odometry: Pose) -> int:
@@ -70,7 +89,7 @@ def _start_or_move(graph: _Graph, odometry: Pose) -> int:
         number = graph.new_variable("pose", at)
         graph.add("add_initial_position", number, at, None)
     else:
-        before = max(number for number, kind in enumerate(graph.kinds) if kind == "pose")
+        before = graph.last_pose
         moved = at - graph.odometry[-1].as_array()[:2]
         number = graph.new_variable("pose", graph.positions[before] + moved)
         epsilon = MOTION_EPSILON * (0.1 + float(np.hypot(*moved)))
@@ -108,7 +127,7 @@ def _is_new(graph: _Graph, odometry: Pose) -> bool:
 
 def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> Look:
     """Fill two systems with what the robot does and sees, and solve them."""
-    graph = _Graph(student)
+    graph, truth = _Graph(student), Truth(nao)
 
     def look(sight: Sight) -> Overlay:
         odometry = nao.odometry
@@ -117,15 +136,18 @@ def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> Look:
             pose = _start_or_move(graph, odometry)
             _measure(graph, pose, odometry.theta, seen)
             graph.solved()
-        last = max(number for number, kind in enumerate(graph.kinds) if kind == "pose")
         since = odometry.as_array()[:2] - graph.odometry[-1].as_array()[:2]
-        x, y = graph.positions[last] + since
-        points = Pose(float(x), float(y), odometry.theta).to_local(graph.landmarks)
-        poses = say_count(len(graph.odometry), "pose")
-        text = (
-            f"{say_count(len(points), 'landmark')} from {poses}, {say_count(graph.measured, 'measurement')}"
+        x, y = graph.positions[graph.last_pose] + since
+        estimate = graph.estimate(Pose(float(x), float(y), odometry.theta))
+        landmarks, poses = (
+            say_count(len(each), noun)
+            for each, noun in ((estimate.landmarks, "landmark"), (graph.odometry, "pose"))
         )
-        return Overlay(graph.landmarks, points=points, text=text)
+        return Overlay(
+            result=estimate.landmarks,
+            text=f"{landmarks} from {poses}, {say_count(graph.measured, 'measurement')}",
+            estimate=place_estimate(estimate, truth.odometry_start),
+        )
 
     return look
 
@@ -135,4 +157,5 @@ STAGE = Stage(
     lesson="08_graph_slam",
     uses=("add_initial_position", "add_relative_motion", "add_relative_measurement", "solve"),
     wire=_map_the_drive,
+    estimates=True,
 )

@@ -83,6 +83,37 @@ def variables_in(constraints: Sequence[Constraint]) -> list[int]:
     return sorted({variable for each in constraints for variable in (each.first, each.second)})
 
 
+def not_a_solution(answer: Any, size: int) -> str:
+    """Say what is wrong with a solver's answer that should be `size` finite numbers; "" where nothing is."""
+    try:
+        values = np.asarray(answer, dtype=float)
+    except (TypeError, ValueError):
+        values = np.zeros(())
+    if values.shape != (size,):
+        came = f"shape {values.shape}" if values.shape else type(answer).__name__
+    elif not np.isfinite(values).all():
+        came = "NaN or infinity among them"
+    else:
+        return ""
+    return f"solve must return {size} numbers, and returned {came}: check exercise 8.4"
+
+
+def solved(solve: Function, omega: FloatArray, xi: FloatArray) -> FloatArray:
+    """Call the student's solver; ValueError where what it returns is no solution."""
+    answer = solve(omega, xi)
+    if wrong := not_a_solution(answer, len(xi)):
+        raise ValueError(wrong)
+    return np.asarray(answer, dtype=float)
+
+
+def inverse_of(omega: FloatArray) -> FloatArray:
+    """Invert what the student's functions have filled; ValueError where it has no inverse."""
+    try:
+        return np.asarray(np.linalg.inv(omega))
+    except np.linalg.LinAlgError as error:
+        raise ValueError("your Omega has no inverse here: check exercises 8.1 to 8.3") from error
+
+
 def solve_axes(
     constraints: Sequence[Constraint], size: int, builders: Builders, solve: Function
 ) -> tuple[FloatArray, FloatArray]:
@@ -112,7 +143,7 @@ def solve_axes(
     for axis in (1, 0):
         omega, xi = assemble(constraints, size, builders, axis)
         if known:
-            positions[known, axis] = solve(omega[np.ix_(known, known)], xi[known])
+            positions[known, axis] = solved(solve, omega[np.ix_(known, known)], xi[known])
     return positions, omega
 
 

@@ -1,7 +1,6 @@
 """What lesson 03, Hough corners, alone uses."""
 
-from importlib import import_module
-from typing import Any
+from nao_course.lazy_names import import_when_asked
 
 _NAMES = {
     "figures": ("draw_close_up", "draw_places", "draw_segments"),
@@ -21,12 +20,7 @@ _NAMES = {
 __all__ = sorted(name for names in _NAMES.values() for name in names)
 
 
-def __getattr__(name: str) -> Any:
-    """Import what is asked for, and no more: a check compares segments, and needs no panel."""
-    for module, names in _NAMES.items():
-        if name in names:
-            return getattr(import_module(f"{__name__}.{module}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = import_when_asked(__name__, _NAMES)  # a check compares segments, and needs no panel
 
 
 def __dir__() -> list[str]:

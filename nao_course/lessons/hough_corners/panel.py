@@ -15,11 +15,11 @@ from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import corner_cost
 from nao_course.plotting import painted
 from nao_course.plotting.drawing import say_count
+from nao_course.plotting.marks import TRUE, rgb, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
 Pixels = npt.NDArray[np.uint8]
-TRUE = "#00c8ff"  # a square at a true corner, in the panel's small pictures
 
 
 class CornerPanel(FunctionPanel):
@@ -60,7 +60,7 @@ class CornerPanel(FunctionPanel):
             "Corners panel",
             self._search,
             [
-                Choice("picture", "Picture", list(pictures), tooltip="Which picture is searched"),
+                Choice("picture", "Picture", list(pictures), tooltip="Which picture is searched", stays=True),
                 _whole("beta", "Beta", 60, 200, 120, "Of the white threshold, a lightness", unit=""),
                 _whole("run", "Run of green", 1, 15, 7, "How many green pixels end the background"),
                 _whole("gap", "Largest gap", 0, 20, 5, "How many pixels may be missing in a segment"),
@@ -84,9 +84,9 @@ class CornerPanel(FunctionPanel):
     def _search(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the picture, its labels, the segments, and at last the corners."""
         picture = self._searched[values.picture]
-        shown = mark_truth(picture)
-        yield {"What you find": shown}
-        yield Legend({"true corner": TRUE, "corner found": FOUND})
+        true = picture.truth.corners
+        yield {"What you find": with_crosses(picture.pixels, true)}
+        yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
         labels = student.label(picture.pixels, values.beta)
         left = student.erase_background(labels, values.run)
         yield {"What is left": painted(left)}
@@ -95,9 +95,9 @@ class CornerPanel(FunctionPanel):
             4,
             "segments (u1, v1, u2, v2)",
         )
-        yield {"What you find": mark_found(shown, segments, ())}
+        yield {"What you find": with_crosses(mark_found(picture.pixels, segments, ()), true)}
         corners = student.find_corners(labels, values.run, values.gap, values.length, float(values.reach))
-        yield {"What you find": mark_found(shown, segments, corners)}
+        yield {"What you find": with_crosses(mark_found(picture.pixels, segments, corners), true)}
         match = picture.match(corners)
         yield (
             f"{say_count(len(segments), 'segment')}, {say_count(len(corners), 'corner')}: {match.hits} of "
@@ -105,30 +105,14 @@ class CornerPanel(FunctionPanel):
         )
 
 
-def mark_truth(picture: CornerPicture) -> Pixels:
-    """Return a picture's pixels with a small square around each true corner."""
-    shown = np.ascontiguousarray(picture.pixels).copy()
-    for u, v in picture.truth.corners.round().astype(int).tolist():
-        cv2.rectangle(shown, (u - 3, v - 3), (u + 3, v + 3), _rgb(TRUE), 1)
-    return shown
-
-
 def mark_found(pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.ArrayLike) -> Pixels:
-    """Return a copy of a picture (H, W, 3) with segments (N, 4) as lines and corners (K, 2) as circles."""
+    """Return a copy of a picture (H, W, 3) with segments (N, 4) as lines and corners (K, 2) as rings."""
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
     for i, (u1, v1, u2, v2) in enumerate(as_points(segments, 4).round().astype(int).tolist()):
-        cv2.line(shown, (u1, v1), (u2, v2), _rgb(SEGMENTS[i % len(SEGMENTS)]), 1, cv2.LINE_AA)
-    for u, v in as_points(corners, name="corners (u, v)").round().astype(int).tolist():
-        for colour, thickness in (((255, 255, 255), 3), (_rgb(FOUND), 2)):
-            cv2.circle(shown, (u, v), 7, colour, thickness, cv2.LINE_AA)
-    return shown
+        cv2.line(shown, (u1, v1), (u2, v2), rgb(SEGMENTS[i % len(SEGMENTS)]), 1, cv2.LINE_AA)
+    return with_rings(shown, corners, "corners (u, v)")
 
 
 def _whole(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:
     """A slider of whole numbers."""
     return Slider(name, label, low, high, 1, start, unit=unit, tooltip=tooltip)
-
-
-def _rgb(colour: str) -> tuple[int, int, int]:
-    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return red, green, blue

@@ -20,7 +20,7 @@ Pixels = npt.NDArray[np.uint8]
 
 # By the paper's method: all corners and one of them twice; all and no more; none. The third is lesson 01's scene.
 PLACES = {
-    "near the middle line": Pose(1.77, 0.57, -0.91),
+    "near the halfway line": Pose(1.77, 0.57, -0.91),
     "from the left": Pose(1.2, -0.38, -0.62),
     "the scene of lesson 01": Pose(0.6, 0.5, -0.25),
 }

@@ -22,6 +22,11 @@ def of_bytes(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
     return "" if dtype == np.uint8 else f"your picture has the dtype {dtype}; uint8 is wanted"
 
 
+# An answer is looked at up to so many times the wanted length, and some pixels.
+MOST_LENGTH, MORE_LENGTH = 4, 500.0
+MOST_SEGMENTS = 2000
+
+
 @register
 @dataclass(frozen=True)
 class Segments(Comparison):
@@ -51,6 +56,12 @@ class Segments(Comparison):
         if not np.isfinite(have).all():
             return Verdict("nan", "your answer has NaN or infinity in it")
         have = have.astype(float)
+        with np.errstate(over="ignore"):
+            length, most = _length(have), MOST_LENGTH * (_length(wanted) + MORE_LENGTH)
+        if length > most or len(have) > MOST_SEGMENTS:  # before points are made along them
+            return Verdict(
+                "value", f"your {_segments(have)} have {length:.3g} pixels in all, far more than there are"
+            )
         extra, lacking = (
             1 - coverage(have, wanted, self.tolerance),
             1 - coverage(wanted, have, self.tolerance),
@@ -68,6 +79,12 @@ class Segments(Comparison):
         if np.shape(answer)[1:] != (4,) or np.shape(got)[1:] != (4,):
             return bool(Close().compare(answer, got))
         return bool(self.compare(answer, got))
+
+
+def _length(segments: FloatArray) -> float:
+    """Length of all segments (N, 4) together, pixels."""
+    ways = segments.reshape(-1, 4)
+    return float(np.hypot(*(ways[:, 2:] - ways[:, :2]).T).sum())
 
 
 def _segments(found: FloatArray) -> str:

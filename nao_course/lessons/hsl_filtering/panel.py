@@ -137,7 +137,9 @@ class FilterPanel(FunctionPanel):
         self._seconds = 0.0
         self._examples = _examples(examples or {}, next(iter(self._scenes.values()))[0])
         self._added: list[tuple[str, float, float]] = []  # colour, hue and saturation of each pixel
-        scenes = [Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled")]
+        scenes = [
+            Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled", stays=True)
+        ]
         given = {FILTER: label, THRESHOLD: threshold, CALIBRATE: calibrate}
         super().__init__(
             "Filter panel",

@@ -8,21 +8,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
 from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
+from nao_course.challenges.worst_cases import draw_worst
 from nao_course.exercises.codec import register
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, look_at
-from nao_course.plotting import Drawing, course_style, plot_ellipse, plot_field, plot_landmarks, plot_pose
-from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting import Drawing, plot_ellipse, plot_field, plot_landmarks, plot_pose
+from nao_course.plotting.legends import source_key
 from nao_course.plotting.style import GREY
 from nao_course.sim import SensorNoise
 
 ROBOTS = 40
 LOOKS = 3
-SHOWN = 3
 
 
 @register
@@ -118,28 +118,24 @@ def judge(answer: Any, robot: LostRobot) -> CaseScore:
 
 def draw_worst_robots(run: Run) -> Drawing:
     """Draw the robots with the fewest bits: before, after, and where they are."""
-    judged = sorted((each for each in run.results if each.kept), key=lambda each: each.score)[:SHOWN]
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.7))
-        for number, each in enumerate(judged, start=1):
-            robot, pose, covariance = each.kept
-            ax = figure.add_subplot(1, SHOWN, number)
-            plot_field(FIELD, ax)
-            plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
-            plot_ellipse(robot.pose[:2], robot.covariance[:2, :2], ax, "odometry")
-            plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
-            plot_pose(Pose.from_array(robot.pose), ax, "odometry")
-            plot_pose(Pose.from_array(pose), ax, "ekf")
-            plot_pose(Pose.from_array(robot.truth), ax)
-            ax.set_title(f"{each.name}: {each.score:.1f} bits", fontsize=11)
-        keys = [
-            source_key("truth", "where it is"),
-            source_key("odometry", "believed before, 95 %"),
-            source_key("ekf", "believed after, 95 %"),
-        ]
-        legend_below(figure, keys)
-    said = ", ".join(f"{each.name} with {each.score:.1f} bits" for each in judged)
-    return Drawing(figure, f"Score of {len(run.results)} robots: {run.score:.2f} bits. The worst are {said}.")
+    keys = [
+        source_key("truth", "where it is"),
+        source_key("odometry", "believed before, 95 %"),
+        source_key("ekf", "believed after, 95 %"),
+    ]
+    return draw_worst(run, _plot_robot, keys, digits=1)
+
+
+def _plot_robot(ax: Axes, kept: Any) -> None:
+    """A true pose, and the beliefs before and after."""
+    robot, pose, covariance = kept
+    plot_field(FIELD, ax)
+    plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+    plot_ellipse(robot.pose[:2], robot.covariance[:2, :2], ax, "odometry")
+    plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
+    plot_pose(Pose.from_array(robot.pose), ax, "odometry")
+    plot_pose(Pose.from_array(pose), ax, "ekf")
+    plot_pose(Pose.from_array(robot.truth), ax)
 
 
 CHALLENGE = Challenge(

@@ -262,7 +262,9 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
     plot_pose(robot, ax, "ekf", length=0.05)
     _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
     _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.4 * unit, _FIELD_FRAME, r" heading $\theta$")
-    _angle(ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 0.85 * unit, _SIGHT, r" bearing $\varphi$")
+    _angle(
+        ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 1.2 * unit, _SIGHT, r" bearing $\beta$"
+    )
     middle = robot.to_parent(0.62 * local)[0]
     _name(ax, middle + (-0.1, 0.05), "range $r$", _SIGHT, ha="right")
     _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _SIGHT, ha="center")

@@ -10,6 +10,7 @@ from nao_course.lessons.pose_graphs.figures import (
     relaxed,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
+from nao_course.lessons.pose_graphs.information import draw_information_frames
 from nao_course.lessons.pose_graphs.matrices import (
     count_of_free_moves,
     draw_free_moves,
@@ -18,6 +19,7 @@ from nao_course.lessons.pose_graphs.matrices import (
 from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, draw_solver_costs
 from nao_course.lessons.pose_graphs.panel import RelaxPanel
 from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
+from nao_course.lessons.pose_graphs.sheet import landmark_sheet
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty
 from nao_course.lessons.pose_graphs.worlds import (
     World,
@@ -43,6 +45,7 @@ __all__ = [
     "draw_false_closure",
     "draw_false_closures",
     "draw_free_moves",
+    "draw_information_frames",
     "draw_patterns",
     "draw_real_building",
     "draw_relaxing",
@@ -54,6 +57,7 @@ __all__ = [
     "false_world",
     "field_drive",
     "half_of_them",
+    "landmark_sheet",
     "loop",
     "position_error",
     "relaxed",

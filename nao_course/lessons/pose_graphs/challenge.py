@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
-from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.challenge_figure import draw_entries
 from nao_course.lessons.pose_graphs.worlds import (
@@ -21,6 +21,7 @@ from nao_course.lessons.pose_graphs.worlds import (
     between,
     building,
     chained,
+    moved,
     position_error,
 )
 
@@ -92,7 +93,7 @@ def make_graph(seed: int) -> Aliased:
 
 def _rough_steps(graph: Graph, follows: Any, truth: FloatArray, rng: np.random.Generator) -> FloatArray:
     sigma = ROUGH / np.sqrt(np.diagonal(graph.information[follows], axis1=1, axis2=2))
-    return between(truth[:-1], truth[1:]) + sigma * rng.standard_normal(sigma.shape)
+    return moved(between(truth[:-1], truth[1:]), sigma * rng.standard_normal(sigma.shape))
 
 
 def _false_closures(truth: FloatArray, rng: np.random.Generator) -> tuple[Any, FloatArray]:
@@ -121,10 +122,8 @@ def closure_squares(world: World, states: Any) -> FloatArray:
 
 
 def _missed(first: FloatArray, second: FloatArray, z: FloatArray) -> FloatArray:
-    """How far poses are from where z puts them, in the frame of the first: good enough to see what fits."""
-    away = between(first, second) - z
-    away[:, 2] = wrap_angle(away[:, 2])
-    return away
+    """How far poses are from where z puts them, in the frame there."""
+    return between(moved(first, z), second)
 
 
 def judge(answer: Any, case: Aliased) -> CaseScore:

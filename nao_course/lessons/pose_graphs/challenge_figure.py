@@ -8,10 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 
 from nao_course.challenges import Run
 from nao_course.geometry import FloatArray
-from nao_course.lessons.pose_graphs.figures import CLOSURE
+from nao_course.lessons.pose_graphs.figures import same_scale
+from nao_course.lessons.pose_graphs.robust import CLOSURE
 from nao_course.lessons.pose_graphs.worlds import World, position_error
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
@@ -47,6 +49,9 @@ def draw_entries(run: Run) -> Drawing:
         )
         errors.set(xlabel="drive", ylabel="error of the poses (m)", yscale="log")
         errors.set_xticks(range(2, len(run.results) + 1, 2))
+        errors.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        errors.yaxis.set_major_formatter("{x:g}")
+        errors.minorticks_off()
         errors.grid(axis="y", alpha=0.3)
         errors.legend()
         ranked = sorted(kept, key=lambda each: each[1])
@@ -56,6 +61,7 @@ def draw_entries(run: Run) -> Drawing:
                 ax.set_title(
                     f"{'best' if ax is best else 'worst'}: drive {number}, {score:.2f} m", fontsize=11
                 )
+        same_scale((best, worst))
         legend_below(figure, _keys(), columns=4)
     median = float(np.median([score for _, score, _ in kept])) if kept else float("nan")
     return Drawing(
@@ -75,14 +81,16 @@ def _plot_believed(world: World, states: FloatArray, false: Flags, believed: Fla
         ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=2.0, zorder=3))
         ax.plot(*ends.reshape(-1, 2).T, ".", color=colour, ms=6, zorder=4)
     ax.set(xlabel="x (m)", ylabel="y (m)")
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_aspect("equal")
 
 
 def _keys() -> list[Line2D]:
     looks = {
-        "true path": STYLES["truth"].colour,
-        "yours": STYLES["graph"].colour,
-        "true closure, believed": CLOSURE,
-        "false closure, believed": FOUND,
+        "true path": (STYLES["truth"].colour, 0.45),
+        "yours": (STYLES["graph"].colour, 1.0),
+        "true closure, believed": (CLOSURE, 1.0),
+        "false closure, believed": (FOUND, 1.0),
     }
-    return [Line2D([], [], color=colour, lw=2, label=name) for name, colour in looks.items()]
+    return [
+        Line2D([], [], color=colour, alpha=alpha, lw=2, label=name) for name, (colour, alpha) in looks.items()
+    ]

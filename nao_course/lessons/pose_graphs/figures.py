@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from matplotlib.lines import Line2D
 from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
-from nao_course.lessons.pose_graphs.robust import robust_gauss_newton
+from nao_course.lessons.pose_graphs.robust import CLOSURE, robust_gauss_newton
 from nao_course.lessons.pose_graphs.worlds import (
     World,
     building,
@@ -31,7 +32,6 @@ from nao_course.plotting.style import FOUND, GREY
 Function = Callable[..., Any]
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 
-CLOSURE = "#2a8a82"  # edges to poses that were recognised
 INTEL = "slam/g2o/openslam_intel.g2o"  # under the recordings
 _TRUTH = Line2D([], [], color=STYLES["truth"].colour, lw=1.2, alpha=0.45, label="true path")
 _CLOSURES = Line2D([], [], color=CLOSURE, lw=1.4, label="closure")
@@ -59,9 +59,9 @@ def plot_graph(
         ax.plot(*true_marks.T, "o", mfc="none", mec=STYLES["truth"].colour, ms=9, zorder=2)
     closing = world.closures()
     wrong = np.arange(len(closing)) >= len(closing) - false
-    for chosen, colour, width in ((closing & ~wrong, CLOSURE, 1.0), (wrong, FOUND, 2.2)):
+    for chosen, colour, width in ((closing & ~wrong, CLOSURE, 1.4), (wrong, FOUND, 2.2)):
         ends = poses[graph.edges[chosen]][:, :, :2]
-        ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=3))
+        ax.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=4.5))
     ax.plot(*poses[:, :2].T, "-", color=style.colour, lw=1.5, marker=".", ms=3, zorder=4)
     to_mark = graph.landmark_edges
     rays = np.stack([poses[to_mark.first, :2], marks[to_mark.second]], axis=1)
@@ -73,9 +73,12 @@ def plot_graph(
     ax.autoscale_view()
 
 
-def map_keys(world: World, *, false: bool = False) -> list[Any]:
+def map_keys(
+    world: World, *, false: bool = False, sources: Sequence[str] = ("odometry", "graph")
+) -> list[Any]:
     """Legend keys of such maps."""
-    keys: list[Any] = [source_key("odometry"), source_key("graph", "poses by the graph"), _TRUTH]
+    names = {"odometry": "odometry", "graph": "poses by the graph"}
+    keys: list[Any] = [*(source_key(each, names[each]) for each in sources), _TRUTH]
     keys += [_CLOSURES] if world.closures().any() else []
     keys += [Line2D([], [], color=FOUND, lw=2.2, label="false closure")] if false else []
     return keys + (_LANDMARKS if world.graph.landmarks else [])
@@ -127,7 +130,7 @@ def draw_relaxing(
             off = position_error(world, every[step])
             ax.set_title(f"{title}\nχ² = {say_chi2(chi2[step])}, off by {off:.2f} m", fontsize=11)
             said.append(f"{title}, chi2 {say_chi2(chi2[step])} and off by {off:.2f} m")
-        _same_limits(axes)
+        same_limits(axes)
         legend_below(figure, map_keys(world), columns=5)
     return Drawing(
         figure,
@@ -172,14 +175,21 @@ def _side_by_side(panels: Sequence[tuple[str, World, FloatArray, int]], what: st
             off = position_error(world, states)
             ax.set_title(f"{title}: off by {off:.2f} m", fontsize=11)
             said.append(f"{title}, off by {off:.2f} m")
-        _same_limits(axes)
-        keys = map_keys(panels[0][1], false=True)
-        legend_below(figure, [key for key in keys if key.get_label() != "odometry"], columns=5)
+        same_limits(axes)
+        legend_below(figure, map_keys(panels[0][1], false=True, sources=("graph",)), columns=5)
     return Drawing(figure, f"{what}, {len(panels)} times: {'; '.join(said)}.")
 
 
-def _same_limits(axes: Sequence[Axes]) -> None:
-    """Give maps side by side one scale, and the left one the only words along y."""
+def same_scale(axes: Sequence[Axes]) -> None:
+    """Give maps side by side one scale, each about its own middle."""
+    half = [max(np.ptp(limits(ax)) for ax in axes) / 2 for limits in (Axes.get_xlim, Axes.get_ylim)]
+    for ax in axes:
+        x, y = (float(np.mean(each)) for each in (ax.get_xlim(), ax.get_ylim()))
+        ax.set(xlim=(x - half[0], x + half[0]), ylim=(y - half[1], y + half[1]))
+
+
+def same_limits(axes: Sequence[Axes]) -> None:
+    """Give maps side by side one part of the plane, and the left one the only words along y."""
     xs, ys = (np.array([limits(ax) for ax in axes]) for limits in (Axes.get_xlim, Axes.get_ylim))
     for number, ax in enumerate(axes):
         ax.set(xlim=(xs[:, 0].min(), xs[:, 1].max()), ylim=(ys[:, 0].min(), ys[:, 1].max()))
@@ -232,16 +242,26 @@ def draw_step(
             ax.plot(parts, promised / true[0], "--", color=GREY, lw=1.8, label="promised by H and b")
             ax.plot(parts, true / true[0], color=STYLES["graph"].colour, lw=2.2, label="what is")
             ax.axvline(1.0, color=GREY, lw=0.8)
-            ax.set(xlabel="part of the step", ylabel="χ² / χ² at the start", ylim=(0, None), xlim=(0, 1.25))
+            best = int(np.argmin(true))
+            ax.plot(parts[best], true[best] / true[0], "o", color=STYLES["graph"].colour, mec="white", ms=9)
+            ax.annotate(
+                f"lowest at {parts[best]:.2f}",
+                (parts[best], true[best] / true[0]),
+                xytext=(0, 44),
+                textcoords="offset points",
+                ha="center",
+            )
+            ax.set(xlabel="part of the step", ylim=(0, 2.9), xlim=(0, 1.25))
             ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
-            ax.legend(loc="upper left" if true[40] > true[0] else "upper right")
             ends = true[40] / true[0], promised[40] / true[0]
             said.append(
                 f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
                 f"{ends[1]:.3f} was promised, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
             )
+        curves[0].set_ylabel("χ² / χ² at the start")
+        curves[0].legend(loc="upper left")
         world = drifting_loop(np.radians(drifts[-1]))
-        every = relaxed(world, gauss_newton, 2)
+        every = relaxed(world, gauss_newton, 3)
         _plot_steps(world, every, map_ax)
     return Drawing(
         figure, f"Chi2 along the first Gauss-Newton step round a closed square: {'; '.join(said)}."
@@ -251,8 +271,9 @@ def draw_step(
 def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
     looks = [
         ("odometry", STYLES["odometry"].colour),
-        ("after 1 step", "#d4879c"),
-        ("after 2", STYLES["graph"].colour),
+        ("after 1 step", "#e0b0be"),
+        ("after 2", "#c8718b"),
+        ("after 3", STYLES["graph"].colour),
     ]
     for (label, colour), states in zip(looks, every, strict=True):
         ax.plot(*world.graph.split(states)[0][:, :2].T, color=colour, lw=1.8, label=label)
@@ -288,8 +309,13 @@ def drift_that_climbs(gauss_newton: GaussNewton) -> float:
 # --- a real building: the Intel Research Lab in Seattle, read where the recordings are ---
 
 
-def intel_graph() -> tuple[Graph, FloatArray]:
+def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
     """The graph of 943 poses in the Intel Research Lab, and the states that its odometry alone gives.
+
+    Parameters
+    ----------
+    file : path, optional
+        The graph in g2o's format; without it, the one among the recordings.
 
     Returns
     -------
@@ -300,19 +326,23 @@ def intel_graph() -> tuple[Graph, FloatArray]:
     ------
     FileNotFoundError
         If there are no recordings; the message says what to do.
+    ValueError
+        If the file is not there, or holds no graph.
     """
-    graph, states = read_g2o(data_folder() / INTEL)
+    graph, states = read_g2o(file or data_folder() / INTEL)
     follows = np.flatnonzero(graph.edges[:, 1] == graph.edges[:, 0] + 1)
     order = follows[np.argsort(graph.edges[follows, 0], kind="stable")]
     first = order[np.unique(graph.edges[order, 0], return_index=True)[1]]
     return graph, chained(states[:3], graph.measurements[first]).ravel()
 
 
-def draw_real_building(gauss_newton: GaussNewton, steps: tuple[int, ...] = (0, 1, 3)) -> Drawing | str:
+def draw_real_building(
+    gauss_newton: GaussNewton, file: Path | str | None = None, steps: tuple[int, ...] = (0, 1, 3)
+) -> Drawing | str:
     """Draw how the graph of a real building relaxes from its odometry; where it is not there, say so."""
     try:
-        graph, states = intel_graph()
-    except FileNotFoundError as error:
+        graph, states = intel_graph(file)
+    except (FileNotFoundError, ValueError) as error:
         return f"The picture above was made by the solution. {error}"
     said = []
     with course_style():
@@ -323,6 +353,7 @@ def draw_real_building(gauss_newton: GaussNewton, steps: tuple[int, ...] = (0, 1
             _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
             ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
             said.append(f"{title} {say_chi2(float(chi2[-1]))}")
+        legend_below(figure, [source_key("odometry"), source_key("graph", "poses by the graph"), _CLOSURES])
     return Drawing(
         figure,
         f"The graph of the Intel Research Lab, {graph.poses} poses, on its way from odometry; chi2: {', '.join(said)}.",
@@ -333,7 +364,7 @@ def _plot_poses(graph: Graph, states: FloatArray, ax: Axes, source: str) -> None
     poses = graph.split(states)[0]
     closing = graph.edges[:, 1] != graph.edges[:, 0] + 1
     ends = poses[graph.edges[closing]][:, :, :2]
-    ax.add_collection(LineCollection(list(ends), colors=CLOSURE, linewidths=0.5, alpha=0.7))
+    ax.add_collection(LineCollection(list(ends), colors=CLOSURE, linewidths=0.9, alpha=0.8))
     ax.plot(*poses[:, :2].T, "-", color=STYLES[source].colour, lw=0.8, marker=".", ms=1.8)
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")

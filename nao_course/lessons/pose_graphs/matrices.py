@@ -73,7 +73,7 @@ def _plot_pattern(matrix: Any, ax: Axes) -> None:
 
 
 def block_picture(H: Any, poses: int, side: int = 400) -> npt.NDArray[np.uint8]:
-    """Paint which blocks of H are not zero, one cell for each pair of unknowns: RGB, about `side` pixels wide.
+    """Paint which blocks of H are not zero, one cell for each pair of unknowns: RGB, `side` pixels wide and a frame.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def block_picture(H: Any, poses: int, side: int = 400) -> npt.NDArray[np.uint8]:
     poses : int
         How many of the unknowns are poses.
     side : int
-        Wanted width, px.
+        Width, px, at least one for each unknown.
 
     Returns
     -------
@@ -93,14 +93,14 @@ def block_picture(H: Any, poses: int, side: int = 400) -> npt.NDArray[np.uint8]:
     count = poses + (H.shape[0] - 3 * poses) // 2
     filled = np.zeros((count, count), dtype=bool)
     filled[rows, columns] = np.abs(entries.data) > 0
-    cell = max(1, side // count)
     painted = np.full((count, count, 3), 255, dtype=np.uint8)
     near = np.abs(np.subtract.outer(np.arange(count), np.arange(count))) <= 1
     pair = np.arange(count) < poses
     painted[filled & near] = (60, 60, 66)
     painted[filled & ~near & (pair & pair[:, None])] = (42, 138, 130)
     painted[filled & ~near & ~(pair & pair[:, None])] = (161, 69, 102)
-    painted = painted.repeat(cell, axis=0).repeat(cell, axis=1)
+    cells = np.arange(max(side, count)) * count // max(side, count)
+    painted = painted[cells][:, cells]
     return np.pad(painted, ((1, 1), (1, 1), (0, 0)), constant_values=150)
 
 

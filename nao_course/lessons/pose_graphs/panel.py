@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-import ipywidgets
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -24,14 +23,16 @@ from nao_course.lessons.pose_graphs.worlds import (
 )
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
-from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
+from nao_course.widgets import Choice, Legend, PlayerPanel, Slider
 
 STEPS = 10
-PACE = 700  # ms a step, while it plays
+PACE = 1.4  # steps in a second, while it plays
+ROOM = 0.2  # of a map's size, around it
+LOOP, ROOM_OF_LOOP = "a loop that drifted by 90°", 1.3  # its first step throws it far out
 _WORLDS = {
     "a building": lambda: building(5, 240),
     "a building, one false closure": lambda: with_false_closures(building(5, 240), 1, 2),
-    "a loop that drifted by 90°": lambda: drifting_loop(np.pi / 2),
+    LOOP: lambda: drifting_loop(np.pi / 2),
     "the half field": lambda: field_drive(1),
 }
 _GUESSES = {
@@ -56,7 +57,7 @@ def first_guess(world: World, name: str) -> FloatArray:
     return disturbed(world, position, np.radians(heading), np.random.default_rng(0))
 
 
-class RelaxPanel(FunctionPanel):
+class RelaxPanel(PlayerPanel):
     """A graph that relaxes under your functions, step by step, and the blocks of H.
 
     Parameters
@@ -70,42 +71,32 @@ class RelaxPanel(FunctionPanel):
         super().__init__(
             "Relaxing panel",
             self._relax,
+            Slider("step", "Step", 0, STEPS, 1, 0, tooltip="Gauss-Newton steps: arrow keys go on and back"),
             [
-                Slider(
-                    "step", "Step", 0, STEPS, 1, 0, tooltip="Gauss-Newton steps: arrow keys go on and back"
-                ),
-                Choice("world", "Graph", tuple(_WORLDS), tooltip="Which drive"),
+                Choice("world", "Graph", tuple(_WORLDS), tooltip="Which drive", stays=True),
                 Choice("guess", "First guess", tuple(_GUESSES), tooltip="Where the first step begins"),
             ],
+            speeds={"one after the other": PACE},
+            backwards=False,
             student={"linearize": linearize, "gauss_newton": gauss_newton},
             unfinished={
                 "linearize": "Finish exercise 9.5 to see the blocks of H.",
                 "gauss_newton": "Finish exercise 9.6 to see the graph relax.",
             },
         )
-        self._add_player()
-
-    def _add_player(self) -> None:
-        """A player beside the slider, linked to it in the browser."""
-        player = ipywidgets.Play(min=0, max=STEPS, step=1, interval=PACE, show_repeat=False)
-        player.description = player.tooltip = "Play the steps"
-        ipywidgets.jslink((player, "value"), (self._widgets["step"], "value"))
-        row = self.widget.children[2]
-        row.children = (player, *row.children)
-        self.player = player
 
     def _relax(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the states after so many steps, and H there."""
         world = world_named(values.world)
         states = first_guess(world, values.guess)
-        yield Legend({"neighbours": "#3c3c42", "closure": "#2a8a82", "sight of a landmark": "#a14566"})
+        yield Legend(_block_colours(world))
         if values.step == 0:
-            yield {"Graph": _map(world, states, values)}
+            yield {"Graph": draw_map(world, states, values)}
             yield f"First guess: {values.guess}. Off by {_say_error(world, states)}."
         else:
             states, chi2 = student.gauss_newton(world.graph, states, values.step)
             states, chi2 = np.asarray(states, dtype=float), np.asarray(chi2, dtype=float)
-            yield {"Graph": _map(world, states, values)}
+            yield {"Graph": draw_map(world, states, values)}
             before, after = (say_chi2(float(each)) for each in chi2[-2:])
             yield f"Step {values.step}: chi2 {before} -> {after}. Off by {_say_error(world, states)}."
         H = student.linearize(world.graph, states)[0]
@@ -114,13 +105,34 @@ class RelaxPanel(FunctionPanel):
         yield f"H has {H.shape[0]} rows; {part:.1f} % of it is stored."
 
 
-def _map(world: World, states: FloatArray, values: Any) -> Drawing:
+def _block_colours(world: World) -> dict[str, str]:
+    """What the colours of H's blocks mean, of those that there are."""
+    colours = {"own block, next pose": "#3c3c42"}
+    colours |= {"closure": "#2a8a82"} if world.closures().any() else {}
+    return colours | ({"sight of a landmark": "#a14566"} if world.graph.landmarks else {})
+
+
+def _limits(world: World, name: str) -> tuple[FloatArray, FloatArray]:
+    """The part of the plane that all steps are shown in, (2,) along x and y: truth and odometry, and room around."""
+    poses, marks = world.graph.split(world.truth)
+    driven = world.graph.split(world.odometry)[0]
+    places = np.concatenate([poses[:, :2], driven[:, :2], marks])
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = (ROOM_OF_LOOP if name == LOOP else ROOM) * (high - low).max()
+    return np.array([low[0] - room, high[0] + room]), np.array([low[1] - room, high[1] + room])
+
+
+def draw_map(world: World, states: FloatArray, values: Any) -> Drawing:
+    """Draw a graph at some states, always in the same part of the plane."""
     false = int("false" in values.world)
     with course_style():
         figure = Figure(figsize=(6.2, 5.2))
         ax = figure.add_subplot()
-        plot_graph(world, states, ax, source="graph" if values.step else "odometry", false=false)
-        legend_below(figure, map_keys(world, false=bool(false)), columns=3)
+        source = "graph" if values.step else "odometry"
+        plot_graph(world, states, ax, source=source, false=false)
+        x, y = _limits(world, values.world)
+        ax.set(xlim=x, ylim=y)
+        legend_below(figure, map_keys(world, false=bool(false), sources=(source,)), columns=3)
     return Drawing(figure, f"The graph after {values.step} steps, off by {_say_error(world, states)}.")
 
 

@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.worlds import World, building, position_error, with_false_closures
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
-from nao_course.plotting.style import FOUND, GREY
+from nao_course.plotting.style import FOUND
 
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 Reweight = Callable[[Graph, FloatArray, float], Graph]
@@ -25,8 +26,9 @@ COUNTS = (0, 1, 2, 5, 10, 20)
 SEEDS = (1, 2, 3, 4, 5)
 WIDTH = 3.0  # standard deviations: an error beyond it counts less and less
 PLAIN_ITERATIONS, ROBUST_ITERATIONS = 8, 15
+CLOSURE = "#2a8a82"  # edges to poses that were recognised
 FAR = 3.0  # m between two poses that no true closure connects
-TRUE_COLOUR, FALSE_COLOUR = GREY, FOUND
+TRUE_COLOUR, FALSE_COLOUR = CLOSURE, FOUND
 
 
 def robust_gauss_newton(
@@ -169,35 +171,44 @@ def _plot_map(world: World, states: FloatArray, weights: FloatArray, ax: Axes) -
     """The poses, the truth below them, and the closures, the thinner the less they weigh."""
     graph = world.graph
     truth, poses = (graph.split(each)[0] for each in (world.truth, states))
-    ax.plot(*truth[:, :2].T, color=STYLES["truth"].colour, lw=0.8, alpha=0.6)
+    ax.plot(*truth[:, :2].T, color=STYLES["truth"].colour, lw=1.2, alpha=0.45)
     ax.plot(*poses[:, :2].T, color=STYLES["graph"].colour, lw=1.6)
     chosen = world.closures() & (weights > 0.05)
     lines = poses[graph.edges[chosen]][:, :, :2]
     false = np.hypot(*np.diff(truth[graph.edges[chosen]][:, :, :2], axis=1)[:, 0].T) > FAR
     for which, colour in ((~false, TRUE_COLOUR), (false, FALSE_COLOUR)):
         ax.add_collection(LineCollection(lines[which], colors=colour, lw=1.3, zorder=3))
-    ax.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    low, high = truth[:, :2].min(axis=0) - FAR, truth[:, :2].max(axis=0) + FAR
+    ax.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
 def _map_keys() -> list[Line2D]:
-    looks = {"truth": (STYLES["truth"].colour, 0.8), "true closure": (TRUE_COLOUR, 1.3)}
-    looks["false closure that counts"] = (FALSE_COLOUR, 1.3)
-    return [Line2D([], [], color=colour, lw=width, label=name) for name, (colour, width) in looks.items()]
+    looks = {"true path": (STYLES["truth"].colour, 1.2, 0.45), "true closure": (TRUE_COLOUR, 1.3, 1.0)}
+    looks["false closure that counts"] = (FALSE_COLOUR, 1.3, 1.0)
+    return [
+        Line2D([], [], color=colour, lw=width, alpha=alpha, label=name)
+        for name, (colour, width, alpha) in looks.items()
+    ]
 
 
 def _plot_errors(found: FalseClosures, ax: Axes) -> None:
     """Medians, and what lies between the best building and the worst."""
     at = np.arange(len(found.counts))
-    rows = {"odometry alone": ("odometry", found.odometry), "all edges trusted": ("ekf", found.plain)}
-    rows |= {
-        "with the kernel": ("graph", found.robust),
-        "kernel, begun on the bent map": ("truth", found.late),
+    odometry, graph = STYLES["odometry"], STYLES["graph"]
+    rows = {
+        "odometry alone": (odometry.colour, odometry.marker, "-", found.odometry),
+        "all edges trusted": ("#7d8b1e", "v", "-", found.plain),
+        "with the kernel": (graph.colour, graph.marker, "-", found.robust),
+        "kernel, begun on the bent map": ("#5b4a9c", "s", "--", found.late),
     }
-    for name, (source, errors) in rows.items():
-        look = STYLES[source]
-        ax.fill_between(at, errors.min(axis=1), errors.max(axis=1), color=look.colour, alpha=0.15, lw=0)
-        ax.plot(at, np.median(errors, axis=1), color=look.colour, marker=look.marker, lw=2, label=name)
+    for name, (colour, marker, line, errors) in rows.items():
+        ax.fill_between(at, errors.min(axis=1), errors.max(axis=1), color=colour, alpha=0.13, lw=0)
+        ax.plot(at, np.median(errors, axis=1), color=colour, marker=marker, ls=line, lw=2, label=name)
+    ax.set_title(f"medians; bands: all {found.plain.shape[1]} buildings", fontsize=11)
     ax.set(yscale="log", xlabel="false loop closures", ylabel="error of the poses (m)")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.minorticks_off()
     ax.set_xticks(at, [str(count) for count in found.counts])
     ax.grid(axis="y", color="#e3e5e8")
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
-from nao_course.lessons.pose_graphs.figures import GaussNewton
+from nao_course.lessons.pose_graphs.figures import GaussNewton, same_limits
 from nao_course.lessons.pose_graphs.worlds import World, building
 from nao_course.plotting import STYLES, Drawing, course_style, ellipse_outlines
 from nao_course.plotting.ellipses import filled_outlines
@@ -65,8 +65,9 @@ def draw_uncertainty(
     said = []
     with course_style():
         figure = Figure(figsize=(11.0, 4.9))
+        axes = figure.subplots(1, 2)
         for ax, (title, graph, states, source) in zip(
-            figure.subplots(1, 2),
+            axes,
             (
                 ("odometry alone", alone, world.odometry, "odometry"),
                 ("with closures", world.graph, solved, "graph"),
@@ -80,6 +81,7 @@ def draw_uncertainty(
             said.append(
                 f"{title}, the standard deviation along the longest axis is {min(sigma):.2f} to {max(sigma):.2f} m"
             )
+        same_limits(axes)
         keys = [
             source_key("odometry"),
             source_key("graph", "poses by the graph"),
@@ -99,5 +101,5 @@ def _plot_ellipses(
     ax.add_collection(filled_outlines(outlines, style.colour))
     ax.plot(*truth[numbers, :2].T, "o", color=STYLES["truth"].colour, ms=3.5, zorder=5)
     ax.set(xlabel="x (m)", ylabel="y (m)")
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_aspect("equal")
     ax.autoscale_view()

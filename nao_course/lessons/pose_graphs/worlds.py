@@ -12,7 +12,7 @@ from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.sim import Field
 
-ODOMETRY_SIGMA = (0.05, 0.03, np.radians(1.0))  # m along and across the robot, rad; one step of a metre
+ODOMETRY_SIGMA = (0.05, 0.03, np.radians(1.0))  # m along and across the metre that was driven, rad
 CLOSURE_SIGMA = (0.05, 0.05, np.radians(1.0))  # of a pose that is recognised
 SIGHT_SIGMA = 0.05  # m, of a landmark
 CORRIDOR = 6  # m between two junctions
@@ -49,6 +49,13 @@ def between(first: FloatArray, second: FloatArray) -> FloatArray:
     c, s = np.cos(first[:, 2]), np.sin(first[:, 2])
     dx, dy = (second - first)[:, :2].T
     return np.stack([c * dx + s * dy, -s * dx + c * dy, wrap_angle(second[:, 2] - first[:, 2])], axis=1)
+
+
+def moved(poses: FloatArray, motions: FloatArray) -> FloatArray:
+    """Poses (E, 3) after motions (E, 3) in their own frames: (E, 3); the inverse of `between`."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    turned = np.einsum("ijk,kj->ki", np.array([[c, -s], [s, c]]), motions[:, :2])
+    return np.column_stack([poses[:, :2] + turned, wrap_angle(poses[:, 2] + motions[:, 2])])
 
 
 def chained(start: FloatArray, steps: FloatArray) -> FloatArray:
@@ -246,15 +253,21 @@ def _measured(
     noise: float,
     rng: np.random.Generator,
 ) -> World:
-    """Measure steps, closures (pairs of poses) and sights (pose, landmark), with noise."""
+    """Measure steps, closures (pairs of poses) and sights (pose, landmark), with noise.
+
+    Noise moves the end of z in the frame at that end, in which the residual and its information are: what it does
+    along and across is along and across the way even where the robot turns before it drives.
+    """
     steps = np.column_stack([np.arange(len(truth) - 1), np.arange(1, len(truth))])
     old = np.array(closures, dtype=int).reshape(-1, 2)
     seen = np.array(sights, dtype=int).reshape(-1, 2)
     z = [between(truth[pairs[:, 0]], truth[pairs[:, 1]]) for pairs in (steps, old)]
     sigmas = [np.tile(ODOMETRY_SIGMA, (len(steps), 1)), np.tile(CLOSURE_SIGMA, (len(old), 1))]
     information = [np.eye(3) / each[:, None, :] ** 2 for each in sigmas]
-    for measured, sigma in zip(z, sigmas, strict=True):
-        measured += noise * sigma * rng.standard_normal(sigma.shape)
+    z = [
+        moved(exact, noise * sigma * rng.standard_normal(sigma.shape))
+        for exact, sigma in zip(z, sigmas, strict=True)
+    ]
     headed = np.column_stack([marks, np.zeros(len(marks))])
     sight = between(truth[seen[:, 0]], headed[seen[:, 1]])
     sight[:, :2] += noise * SIGHT_SIGMA * rng.standard_normal((len(sight), 2))

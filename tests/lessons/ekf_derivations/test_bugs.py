@@ -26,8 +26,8 @@ def test_each_bug_is_the_formula_of_its_name(solution, predictions, rng):
     covariance, noise = root @ root.T, np.diag([3.0, 1.0, 0.2])
     F, G = solution["motion_jacobians"]((0, 0, theta), BUG_DRIVE)
     formulas = {
-        "F' P F": F.T @ covariance @ F + G @ noise @ G.T,
-        "G' Q G": F @ covariance @ F.T + G.T @ noise @ G,
+        "FᵀPF": F.T @ covariance @ F + G @ noise @ G.T,
+        "GᵀQG": F @ covariance @ F.T + G.T @ noise @ G,
         "noise not turned": F @ covariance @ F.T + noise,
     }
     assert formulas.keys() == BUGS.keys()
@@ -52,7 +52,7 @@ def test_the_worst_heading_is_found_and_not_known(solution):
 def test_bugs_hide_and_show_at_the_headings_that_the_lesson_names(predictions):
     headings = np.radians([0, 45, 90, 135, 180])
     swapped, unturned, wrong = (
-        predictions.off(bug, headings) for bug in ("G' Q G", "noise not turned", "F' P F")
+        predictions.off(bug, headings) for bug in ("GᵀQG", "noise not turned", "FᵀPF")
     )
     assert np.allclose(swapped[[0, 2, 4]], 0, atol=1e-6) and swapped[1] == pytest.approx(3.5, abs=0.05)
     assert np.allclose(unturned[[0, 4]], 0, atol=1e-6) and unturned[2] == pytest.approx(3.5, abs=0.05)
@@ -60,7 +60,7 @@ def test_bugs_hide_and_show_at_the_headings_that_the_lesson_names(predictions):
 
 
 def test_in_many_steps_the_forgotten_heading_shows(predictions):
-    right, wrong = (predictions.across(bug, np.radians(30))[-1] for bug in ("", "F' P F"))
+    right, wrong = (predictions.across(bug, np.radians(30))[-1] for bug in ("", "FᵀPF"))
     assert (round(100 * right), round(100 * wrong)) == (28, 8)
 
 
@@ -73,5 +73,5 @@ def test_a_covariance_is_wrong_by_its_worst_direction():
 def test_the_figure_says_what_it_shows(solution):
     names = ("predict_pose", "motion_jacobians", "predict_covariance")
     drawing = draw_bug_hunt(*(solution[name] for name in names))
-    assert "28 cm across after 3.6 m. F' P F" in drawing.alt and "8 cm across" in drawing.alt
+    assert "28 cm across after 3.6 m. FᵀPF" in drawing.alt and "8 cm across" in drawing.alt
     assert len(drawing.figure.axes) == 3 and BUG_NOISE[0, 0] == pytest.approx(0.09)

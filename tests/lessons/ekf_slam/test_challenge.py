@@ -8,7 +8,6 @@ from nao_course.challenges import CaseResult, Run
 from nao_course.lessons.ekf_slam.challenge import (
     CHALLENGE,
     DEEPEST,
-    draw_worst_drives,
     judge,
     make_drive,
 )
@@ -56,6 +55,20 @@ def test_the_recorded_rows_say_what_the_lesson_says():
     assert min(rows["the reference"].cases) == pytest.approx(-19.3, abs=0.1)
 
 
+@pytest.mark.slow
+def test_more_doubt_makes_the_reference_honest_and_does_not_reach_the_better_entry():
+    scored = []
+    for seed in CHALLENGE.seeds:
+        drive = make_drive(seed)
+        state, covariance = EKF_ENTRIES["the reference"](drive.log)
+        scored.append(judge((state, 2.1 * covariance), drive))
+    rows = {row.name: row.score for row in CHALLENGE.rows}
+    bits = np.mean([each.score for each in scored])
+    assert np.mean([each.columns["NEES"] for each in scored]) == pytest.approx(3.0, abs=0.05)
+    assert bits - rows["the reference"] == pytest.approx(0.8, abs=0.05)
+    assert rows["a better one"] - bits > 1.2
+
+
 def test_the_lessons_own_entry_scores_as_the_reference(own):
     def my_slam(log):
         state, covariance, known = np.zeros(3), np.zeros((3, 3)), []
@@ -83,7 +96,7 @@ def test_the_lessons_own_entry_scores_as_the_reference(own):
 def test_the_figure_draws_the_worst_drives():
     scored = {seed: judge(odometry(make_drive(seed).log), make_drive(seed)) for seed in range(4)}
     results = [CaseResult(seed, f"drive {seed}", s.score, s.columns, s.kept) for seed, s in scored.items()]
-    assert draw_worst_drives(Run(CHALLENGE, tuple(results))).alt.startswith("Score of 4 drives: ")
+    assert CHALLENGE.figure(Run(CHALLENGE, tuple(results))).alt.startswith("Score of 4 drives: ")
 
 
 def test_density_is_a_gaussians_across_the_half_turn_too():

@@ -100,7 +100,7 @@ def test_no_other_gain_leaves_less_doubt_of_anything(own, rng):
         assert (np.diag(other) >= np.diag(updated) - 1e-9).all()
 
 
-@pytest.mark.asserts("eq-7-5", "eq-7-6")
+@pytest.mark.asserts("eq-7-5", "eq-7-6", "eq-7-7")
 @pytest.mark.parametrize(("k", "indices"), [(1, [0]), (3, [2, 0]), (5, [4, 1, 3])])
 def test_a_joint_update_is_that_of_the_information_form(own, rng, k, indices):
     state, P = random_map(rng, k)
@@ -119,7 +119,7 @@ def test_a_joint_update_is_that_of_the_information_form(own, rng, k, indices):
     assert covariance == pytest.approx(left, abs=1e-8)
 
 
-@pytest.mark.asserts("eq-7-7")
+@pytest.mark.asserts("eq-7-8")
 def test_the_mahalanobis_distance_of_an_honest_map_is_1_25_on_average_and_its_square_2(own, rng):
     covariance = np.array([[0.09, 0.05], [0.05, 0.04]])
     errors = rng.multivariate_normal(np.zeros(2), covariance, 20_000)

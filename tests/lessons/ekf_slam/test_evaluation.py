@@ -13,6 +13,7 @@ from nao_course.lessons.ekf_slam.evaluation import (
     traces_by_gain,
 )
 from nao_course.lessons.ekf_slam.film import record_film
+from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, homework_start, record_pentagon, run_log
 
 
 @pytest.fixture(scope="module")
@@ -44,3 +45,17 @@ def test_the_kalman_gain_is_at_the_bottom_for_robot_and_landmarks_and_the_studen
     assert robot.min() == pytest.approx(after[:2].sum(), rel=1e-6)
     assert landmarks.min() == pytest.approx(after[3:].sum(), rel=1e-6)
     assert f"yours is {1e4 * robot.min():.1f}." in draw_gain(film).alt
+
+
+def test_the_average_distance_of_one_drive_says_little(film, film_functions, own):
+    def average(run, truth):
+        return own["evaluate_landmarks"](run.landmarks, run.landmark_covariances, truth)[1].mean()
+
+    init_landmarks, predict, update = film_functions
+    assert average(film.run, film.truth) == pytest.approx(1.6, abs=0.05)
+    others = []
+    for seed in range(9, 14):
+        made = record_pentagon(seed)
+        start = homework_start(made.log, init_landmarks, OWN_SIGMAS)
+        others.append(average(run_log(made.log, start, predict, update, OWN_SIGMAS), made.landmarks))
+    assert (min(others), max(others)) == pytest.approx((0.51, 1.01), abs=0.01)

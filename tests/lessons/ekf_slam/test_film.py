@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.ekf_slam.film import (
+    CORRELATION,
     FilmStrip,
     between_landmarks,
     correlations,
@@ -79,3 +80,17 @@ def test_what_is_no_belief_is_said_by_its_functions_name(film_functions):
     init_landmarks, predict, _ = film_functions
     with pytest.raises(ValueError, match="update must return"):
         record_film(init_landmarks, predict, lambda *given: None)
+
+
+def test_landmarks_on_the_map_have_the_numbers_of_the_matrixs_rows(film):
+    above, below, *_ = draw_frames(film, [2]).figure.axes
+    rows = [label.get_text() for label in below.get_yticklabels()]
+    assert [each.get_text() for each in above.texts] == rows[1:] == ["1", "2", "3", "4", "5", "6"]
+    assert [each.xy for each in above.texts] == pytest.approx(film.truth)
+
+
+def test_a_small_correlation_is_no_white_and_none_is():
+    white = (1, 1, 1, 1)
+    colours = [CORRELATION((1 + value) / 2) for value in (0.0, 0.02, -0.02)]
+    assert colours[0] == pytest.approx(white)
+    assert all(max(abs(a - b) for a, b in zip(each, white, strict=True)) > 0.1 for each in colours[1:])

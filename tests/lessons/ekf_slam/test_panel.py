@@ -1,10 +1,7 @@
 """The player: run once, then step by step, forwards and backwards, at speed."""
 
-import asyncio
-
 import pytest
 
-from nao_course.lessons.ekf_slam import panel as player
 from nao_course.lessons.ekf_slam.panel import FilmPanel
 
 
@@ -45,45 +42,12 @@ def test_buttons_go_on_and_back_and_stop_at_both_ends(panel):
     assert panel.values.frame == 50
 
 
-def test_it_plays_to_the_end_and_back_to_the_start_and_stops_when_pressed_again(panel, monkeypatch):
-    monkeypatch.setattr(player, "SPEEDS", dict.fromkeys(player.SPEEDS, 1e4))
-
-    async def drive():
-        panel.set(frame=46)
-        press(panel, "forwards")
-        assert panel.playing
-        await panel._playing
-        assert panel.values.frame == 50 and not panel.playing
-        panel.set(frame=3)
-        press(panel, "backwards")
-        await panel._playing
-        assert panel.values.frame == 0
-        press(panel, "forwards")
-        await asyncio.sleep(0)
-        press(panel, "forwards")
-        assert not panel.playing
-        stopped = panel.values.frame
-        await asyncio.sleep(0.01)
-        assert panel.values.frame == stopped < 50
-        press(panel, "forwards")
-        press(panel, "backwards")  # it turns round
-        assert panel.playing
-        await panel._playing
-        assert panel.values.frame == 0
-        panel.set(frame=50)
-        press(panel, "forwards")  # from the end it begins anew
-        await asyncio.sleep(0)
-        assert panel.values.frame < 50
-        panel.stop()
-
-    asyncio.run(drive())
-
-
-def test_without_a_kernel_to_play_is_to_see_the_end(panel):
-    press(panel, "forwards")
-    assert panel.values.frame == 50
-    press(panel, "backwards")
-    assert panel.values.frame == 0
+def test_what_the_code_took_is_said_of_the_whole_log_and_not_as_if_the_panel_followed_it(panel, monkeypatch):
+    monkeypatch.setattr("nao_course.widgets.function_panel.SLOW", -1.0)
+    panel._update()
+    assert "follows slowly" not in panel._status.value
+    fresh = FilmPanel(*panel._functions.values())
+    assert "ms for the whole log." in fresh._status.value and "follows slowly" not in fresh._status.value
 
 
 def test_an_unfinished_exercise_is_named(film_functions):

@@ -25,4 +25,6 @@ def test_the_lessons_numbers(own):
     drawing = draw_starts(*functions)
     assert "63 for maps begun as the homework does, 5.5 with add_landmark" in drawing.alt
     assert "21 and 23 cm off" in drawing.alt
+    assert "In 3 and 29 drives all true landmarks lie inside" in drawing.alt
+    assert "0 of 6 true landmarks lie inside those of the first, and 6 inside" in drawing.alt
     assert final_nees(own["init_landmarks"], own["predict"], own["update"]) == pytest.approx(63, abs=0.5)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
 from nao_course.lessons.goalposts.measuring import Feet, match_feet
@@ -13,12 +14,12 @@ from tests.paths import PROJECT
 
 COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
 OWN = load_definitions(PROJECT / "solutions" / "02_goalposts.ipynb")
-GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)  # as in the lesson
 
 
 def find(picture):
-    lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-    labels = COLOURS["color_labels"](picture, GREEN, YELLOW, COLOURS["white_threshold"](lightness.mean()))
+    labels = COLOURS["color_labels"](
+        picture, GREEN, YELLOW, COLOURS["white_threshold"](mean_lightness(picture))
+    )
     return OWN["find_goalposts"](labels)
 
 

@@ -18,7 +18,7 @@ OWN = {
 }
 
 
-def looked(functions, pose=Pose(0.6, 0.5, -0.25)):  # noqa: B008 - a pose does not change
+def looked(functions, pose=Pose(0.6, 0.5, -0.25)):
     nao = SimulatedNao(pose=pose, rng=41)
     return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).look(
         nao.take_picture("bottom")

@@ -1,6 +1,7 @@
 """The graph panel: constraints arrive, the matrix fills in, and what is missing is named."""
 
 import numpy as np
+import pytest
 
 from nao_course.lessons.graph_slam.matrices import NEGATIVE, POSITIVE
 from nao_course.lessons.graph_slam.panel import CELL, GraphPanel, paint_matrix
@@ -44,7 +45,7 @@ def test_each_constraint_fills_the_matrix_and_moves_the_map():
     shown.set(count=25, order="odometry first")
     assert "Map off by 53 cm." in shown.summary()
     shown.set(count=60)
-    assert "Map off by 4 cm." in shown.summary() and set(shown.shown.drawings) == {"Your map"}
+    assert "Map off by 4 cm." in shown.summary() and set(shown.shown.pictures) == {"Your Omega", "Your map"}
 
 
 def test_sights_that_are_hardly_trusted_leave_the_path_to_odometry():
@@ -64,6 +65,41 @@ def test_what_solve_says_of_a_map_without_a_start_is_said():
     assert "Your Omega" in shown.shown.pictures
     shown.set(held=False, count=1)
     assert "No constraint has arrived." in shown.summary()
+
+
+@pytest.mark.parametrize(
+    ("answer", "came"),
+    [
+        (None, "NoneType"),
+        (lambda xi: xi[:, None], "shape (11, 1)"),
+        (lambda xi: xi[1:], "shape (10,)"),
+        (lambda xi: xi * np.nan, "NaN or infinity among them"),
+        ("words", "str"),
+    ],
+)
+def test_an_answer_that_is_no_solution_is_called_so_and_not_laid_into_the_mouth_of_solve(answer, came):
+    shown = panel(solve=lambda omega, xi: answer(xi) if callable(answer) else answer)
+    assert f"There is no map. Your solve must return 11 numbers, and returned {came}" in shown.summary()
+    assert "solve says" not in shown.summary() and "No landmark" not in shown.summary()
+
+
+def test_an_omega_that_is_not_a_number_is_named():
+    def spoilt(omega, xi, *given):
+        return omega * np.nan, xi
+
+    assert (
+        "entries that are no numbers: check exercises 8.1 to 8.3"
+        in panel(add_relative_motion=spoilt).summary()
+    )
+
+
+def test_a_map_that_is_drawn_again_and_again_keeps_nothing_of_the_last_one():
+    shown = panel()
+    first = shown.shown.pictures["Your map"].copy()
+    shown.set(count=60)
+    full = shown.shown.pictures["Your map"].copy()
+    shown.set(count=22)
+    assert (shown.shown.pictures["Your map"] == first).all() and (full != first).any()
 
 
 def test_what_is_not_written_is_named_and_the_rest_is_shown():

@@ -33,7 +33,7 @@ def drive(functions=OWN, steps=6, **robot):
 def test_without_errors_the_map_has_each_landmark_in_its_place_once():
     nao, seen = drive(**PERFECT)
     found = seen.overlays[STAGE.name]
-    placed = Truth(nao).pose.to_parent(found.points)
+    placed = found.estimate.landmarks
     true = np.array([(each.x, each.y) for each in nao.field.landmarks if each.kind != "cross"])
     nearest = np.linalg.norm(placed[:, None] - true, axis=2)
     assert nearest.min(axis=1).max() < 1e-6
@@ -57,13 +57,31 @@ def test_to_look_does_not_change_how_the_robot_slips():
     assert Truth(drive()[0]).pose == Truth(blind).pose
 
 
-def test_turning_on_the_spot_breeds_a_second_map_as_the_lesson_says():
+def test_a_metre_ahead_makes_a_map_and_two_turns_on_the_spot_a_second_one_as_the_lesson_says():
     nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41)
+    true = np.array([(each.x, each.y) for each in nao.field.landmarks if each.kind != "cross"])
     pipeline, picture = Pipeline([STAGE], OWN, nao, time_limit=60.0), nao.take_picture("bottom")
-    for _ in range(48):
-        nao.turn(np.radians(15))
+    pipeline.look(picture)
+    for _ in range(5):
+        nao.walk(0.2)
+        found = pipeline.look(picture).estimate.landmarks
+    away = np.linalg.norm(found[:, None] - true, axis=2).min(axis=1)
+    assert len(found) in (5, 6) and away.max() < 0.2
+    for _ in range(16):
+        nao.turn(np.radians(-45))
         seen = pipeline.look(picture)
-    assert len(seen.overlays[STAGE.name].points) > 12, "the half field has ten landmarks"
+    assert len(seen.estimate.landmarks) >= 15, "the half field has ten landmarks"
+
+
+def test_the_map_stands_in_the_frame_of_the_start_and_a_landmark_is_within_its_ellipse():
+    nao, seen = drive()
+    true = np.array([(each.x, each.y) for each in nao.field.landmarks if each.kind != "cross"])
+    found = seen.estimate
+    away = np.linalg.norm(found.landmarks[:, None] - true, axis=2).min(axis=1)
+    spread = np.sqrt(found.landmark_covariances[:, 0, 0])
+    assert away.max() < 0.3 and (away < 4 * spread + 0.05).mean() > 0.7
+    assert (spread < 0.3).all(), "what nobody knows of the start is not the map's"
+    assert not seen.overlays[STAGE.name].points.size, "stars are of other lessons"
 
 
 def test_nonsense_is_said_in_words():

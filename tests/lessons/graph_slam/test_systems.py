@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.graph_slam.drives import field_drive
-from nao_course.lessons.graph_slam.systems import Builders, assemble, map_error, solve_axes, variables_in
+from nao_course.lessons.graph_slam.systems import (
+    Builders,
+    assemble,
+    inverse_of,
+    map_error,
+    solve_axes,
+    variables_in,
+)
 
 DRIVE = field_drive()
 
@@ -51,3 +58,13 @@ def test_the_error_of_a_map_is_that_of_its_landmarks():
 def test_a_function_that_returns_something_else_is_told(wrong, said):
     with pytest.raises(ValueError, match=said):
         assemble(DRIVE.constraints, DRIVE.size, Builders(wrong, link, link), 0)
+
+
+def test_a_solver_that_returns_no_solution_is_named_with_its_exercise():
+    for wrong in (None, np.zeros(2), np.full(4, np.nan), "words"):
+        with pytest.raises(
+            ValueError, match=r"solve must return \d+ numbers, and returned .*: check exercise 8.4"
+        ):
+            solve_axes(DRIVE.constraints[:6], DRIVE.size, BUILDERS, lambda omega, xi, wrong=wrong: wrong)
+    with pytest.raises(ValueError, match="has no inverse here: check exercises 8.1 to 8.3"):
+        inverse_of(np.zeros((3, 3)))

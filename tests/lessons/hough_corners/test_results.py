@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.exercises import load_definitions
 from nao_course.lessons.hough_corners import results
 from nao_course.lessons.hough_corners.measuring import STEPS, count_corners
@@ -15,12 +16,12 @@ from tests.paths import PROJECT
 COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
 OWN = load_definitions(PROJECT / "solutions" / "03_hough_corners.ipynb")
 TEXT = (PROJECT / "solutions" / "03_hough_corners.md").read_text(encoding="utf-8")
-GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)  # as in the lesson
 
 
 def label(picture):
-    lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-    return COLOURS["color_labels"](picture, GREEN, YELLOW, COLOURS["white_threshold"](lightness.mean()))
+    return COLOURS["color_labels"](
+        picture, GREEN, YELLOW, COLOURS["white_threshold"](mean_lightness(picture))
+    )
 
 
 def matched(hits, false, missed):

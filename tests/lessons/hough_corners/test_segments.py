@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -29,6 +30,17 @@ def test_a_segment_that_lacks_or_is_too_much_is_wrong():
     assert (lacking.kind, extra.kind) == ("value", "value")
     assert lacking.text == "50% of what is to be found is not in your 1 segment"
     assert extra.text == "50% of the length of your 2 segments is where none belongs"
+
+
+@pytest.mark.parametrize(
+    "hostile", [[[0, 0, 1e12, 0]], [[-1e308, 0, 1e308, 0]], [[0.0, 0, 1, 0]] * 5000, [[0, 0, 1000, 0]] * 500]
+)
+def test_what_is_far_too_long_is_wrong_before_points_are_made_along_it(hostile):
+    tracemalloc.start()
+    verdict = Segments().compare(TWO, np.array(hostile))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert verdict.kind == "value" and "far more than there are" in verdict.text and peak < 2**22
 
 
 def test_the_tolerance_and_the_share_are_where_right_ends():

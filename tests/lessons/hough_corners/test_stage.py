@@ -17,7 +17,7 @@ OWN = {
 }
 
 
-def looked(functions, pose=Pose(1.3, -0.4, -0.6)):  # noqa: B008 - a pose does not change
+def looked(functions, pose=Pose(1.3, -0.4, -0.6)):
     nao = SimulatedNao(Field(2012), pose, rng=41)
     return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).look(
         nao.take_picture("bottom")

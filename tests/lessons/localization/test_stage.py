@@ -15,7 +15,7 @@ def functions(filter_of):
     return dict(zip(("localize", "predict_pose", "predict_covariance"), filter_of, strict=True))
 
 
-def robot(pose=Pose(0.6, 0.5, -0.25)):  # noqa: B008 - a pose does not change
+def robot(pose=Pose(0.6, 0.5, -0.25)):
     return SimulatedNao(pose=pose, rng=41)
 
 

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from nao_course.datasets import write_g2o
 from nao_course.lessons.pose_graphs import (
     arrivals,
+    building,
     count_of_free_moves,
     draw_arrivals,
     draw_false_closure,
     draw_free_moves,
+    draw_information_frames,
     draw_patterns,
     draw_real_building,
     draw_relaxing,
@@ -18,6 +21,7 @@ from nao_course.lessons.pose_graphs import (
     half_of_them,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, POSITIONS
+from nao_course.lessons.pose_graphs.information import FRAMES, missed_steps, scaled
 from nao_course.lessons.pose_graphs.matrices import block_picture
 from tests.lessons.pose_graphs.own import OWN
 
@@ -27,10 +31,10 @@ SOLVE, LINEARIZE = OWN["gauss_newton"], OWN["linearize"]
 def test_the_payoff_says_how_the_building_relaxes():
     said = draw_relaxing(SOLVE).alt
     for words in (
-        "off by 6.51 m",
-        "chi2 9,310 and off by 1.23 m",
-        "off by 0.42 m",
-        "chi2 413.3 and off by 0.48 m",
+        "off by 6.67 m",
+        "chi2 8,766 and off by 1.32 m",
+        "off by 0.59 m",
+        "chi2 408.7 and off by 0.65 m",
     ):
         assert words in said
 
@@ -42,6 +46,15 @@ def test_a_step_promises_more_than_it_keeps_and_climbs_from_63_degrees_on():
         and "at 0.35 of it" in said
     )
     assert drift_that_climbs(SOLVE) == pytest.approx(63, abs=0.5)
+
+
+def test_the_data_say_in_which_frame_the_information_is():
+    residuals, measured = missed_steps(OWN["pose_residual"], range(1, 11))
+    corners = np.abs(np.sin(measured[:, 2])) > 0.5
+    right, wrong = (scaled(residuals, measured, frame)[corners].std(axis=0) for frame in FRAMES)
+    assert right == pytest.approx([1, 1], abs=0.1) and wrong == pytest.approx([0.6, 1.67], abs=0.1)
+    said = draw_information_frames(OWN["pose_residual"]).alt
+    assert "corners by 1.00 and 1.02" in said and "corners by 0.61 and 1.66" in said
 
 
 def test_positions_do_no_harm_and_headings_do():
@@ -71,7 +84,7 @@ def test_closures_shrink_the_ellipses_ninefold():
 
 
 def test_one_false_closure_bends_the_map():
-    assert draw_false_closure(SOLVE).alt.endswith("off by 0.48 m; one more, and false, off by 3.37 m.")
+    assert draw_false_closure(SOLVE).alt.endswith("off by 0.65 m; one more, and false, off by 3.41 m.")
 
 
 def test_blocks_are_painted_by_what_they_link():
@@ -86,3 +99,17 @@ def test_blocks_are_painted_by_what_they_link():
 def test_where_the_recordings_are_not_the_real_building_says_so(monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", "none")
     assert "recordings are not here" in draw_real_building(SOLVE)
+
+
+def test_maps_that_are_compared_have_one_scale():
+    maps = draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"]).figure.axes
+    assert len({(*ax.get_xlim(), *ax.get_ylim()) for ax in maps}) == 1
+    curves = draw_step(LINEARIZE, SOLVE, OWN["pose_residual"], OWN["landmark_residual"]).figure.axes[:2]
+    assert len({ax.get_ylim() for ax in curves}) == 1
+
+
+def test_a_real_building_is_drawn_from_a_file_of_ones_own(tmp_path):
+    world = building(3, 60)
+    drawn = draw_real_building(SOLVE, write_g2o(world.graph, world.odometry, tmp_path / "own.g2o"))
+    assert "60 poses, on its way from odometry" in drawn.alt
+    assert "own.g2o" in draw_real_building(SOLVE, tmp_path / "not" / "own.g2o")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
+from nao_course.lessons.pose_graphs.challenge import make_graph
 from nao_course.lessons.pose_graphs.worlds import (
     ODOMETRY_SIGMA,
     between,
@@ -12,6 +13,7 @@ from nao_course.lessons.pose_graphs.worlds import (
     drifting_loop,
     field_drive,
     loop,
+    moved,
     position_error,
     with_false_closures,
 )
@@ -32,12 +34,36 @@ def test_steps_add_up_to_the_poses_that_they_lie_between(rng):
     assert np.cos(again[:, 2] - path[:, 2]) == pytest.approx(1.0)
 
 
-def test_odometry_misses_by_what_its_information_says():
+def test_odometry_misses_by_what_its_information_says_along_and_across_the_way_at_corners_too():
     world = building(1, 2000)
     poses = world.graph.split(world.truth)[0]
-    missed = world.graph.pose_edges.z[:1999] - between(poses[:-1], poses[1:])
-    assert missed.std(axis=0) == pytest.approx(np.array(ODOMETRY_SIGMA), rel=0.06)
+    missed = OWN["pose_residual"](poses[:-1], poses[1:], world.graph.pose_edges.z[:1999])
+    corners = np.abs(np.diff(poses[:, 2])) > 0.1
+    assert 100 < corners.sum() < 400
+    for steps in (corners, ~corners):
+        assert missed[steps].std(axis=0) == pytest.approx(np.array(ODOMETRY_SIGMA), rel=0.12)
     assert 1 / np.sqrt(np.diag(world.graph.information[0])) == pytest.approx(np.array(ODOMETRY_SIGMA))
+
+
+@pytest.mark.parametrize(
+    "make", [building, loop, field_drive, lambda seed: make_graph(seed).world], ids=range(4)
+)
+def test_chi2_at_the_truth_is_one_for_each_number_that_was_measured(make):
+    """Within three standard deviations of its mean over all seeds; false closures left out."""
+    total, numbers = 0.0, 0
+    for seed in range(1, 16):
+        world = make(seed)
+        squares = world.graph.squared_errors(world.truth, OWN["pose_residual"], OWN["landmark_residual"])
+        true = squares < 100
+        to_pose = world.graph.edges[:, 1] < world.graph.poses
+        total, numbers = total + squares[true].sum(), numbers + int((2 + to_pose)[true].sum())
+    assert abs(total - numbers) < 3 * np.sqrt(2 * numbers)
+
+
+def test_a_pose_that_moved_between_two_others_is_the_second(rng):
+    first, second = rng.uniform(-3, 3, (2, 20, 3))
+    again = moved(first, between(first, second))
+    assert again == pytest.approx(second, abs=1e-12)
 
 
 def test_closures_join_poses_that_are_near_and_far_apart_in_time():

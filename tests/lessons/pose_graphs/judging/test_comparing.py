@@ -5,7 +5,7 @@ import pytest
 
 from nao_course.exercises import Case
 from nao_course.lessons.pose_graphs import loop
-from nao_course.lessons.pose_graphs.comparing import SolvedStates
+from nao_course.lessons.pose_graphs.judging.comparing import SolvedStates
 
 WORLD = loop(1, side=2)
 EXPECTED = (WORLD.truth, np.array([2.0, 1.0]))

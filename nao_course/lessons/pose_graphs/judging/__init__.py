@@ -1,0 +1,3 @@
+"""How answers to lesson 09's exercises are called for, and compared."""
+
+__all__: list[str] = ["comparing", "drivers"]

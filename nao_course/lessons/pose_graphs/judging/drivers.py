@@ -1,0 +1,87 @@
+"""How students' functions are called: residuals are arrays, and a large matrix is neither made dense nor inverted."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from typing import Any
+
+from nao_course.exercises import register_driver
+from nao_course.exercises.comparisons.large_sparse import MOST_DENSE, without_dense
+
+MOST_HELD = 0.5  # of n x n numbers: a few columns are a hundredth, the whole inverse is 1
+
+
+class WholeMatrixError(MemoryError):
+    """Raised where as many numbers are held at a time as the whole matrix has as a dense array."""
+
+
+@register_driver
+def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: list[Any]) -> Any:
+    """Call ``function(H, indices)`` with an H that, where it is large, refuses to be made dense.
+
+    Parameters
+    ----------
+    function : callable
+        Returns a list of blocks, one for each of the indices.
+    information : sparse matrix, shape (N, N)
+        H, positive definite.
+    indices : list of ndarray of int
+        Rows and columns of each block.
+
+    Returns
+    -------
+    object
+        What it returned.
+
+    Raises
+    ------
+    WholeMatrixError
+        If H is large, and N x N numbers were held at a time: so does who inverts it whole.
+    """
+    size = information.shape[0]
+    if size <= MOST_DENSE:
+        return function(information, indices)
+    tracemalloc.start()
+    try:
+        tracemalloc.reset_peak()
+        before = tracemalloc.get_traced_memory()[0]
+        blocks = function(without_dense(information), indices)
+        held = tracemalloc.get_traced_memory()[1] - before
+    finally:
+        tracemalloc.stop()
+    if held > MOST_HELD * 8 * size**2:
+        raise WholeMatrixError(
+            f"your function held {held / 8e6:.1f} million numbers at a time: the whole inverse has {size} x {size}; "
+            "the blocks need a few columns of it"
+        )
+    return blocks
+
+
+@register_driver
+def as_array(function: Callable[..., Any], *pair: Any) -> Any:
+    """Call a residual with its three arguments, and refuse a list: `linearize` calculates with what comes.
+
+    Parameters
+    ----------
+    function : callable
+        A residual.
+    *pair : ndarray
+        Pose, pose or landmark, and measurement; or E of each.
+
+    Returns
+    -------
+    object
+        What it returned.
+
+    Raises
+    ------
+    TypeError
+        If that is a list or a tuple.
+    """
+    answer = function(*pair)
+    if isinstance(answer, list | tuple):
+        raise TypeError(
+            f"the answer is a {type(answer).__name__}: make it one array, as np.array([...]).T does"
+        )
+    return answer

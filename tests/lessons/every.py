@@ -1,0 +1,66 @@
+"""What the rules look at: the lessons of a course, each file read once; and what earlier lessons' functions are."""
+
+from functools import cache
+
+import nbformat
+import pytest
+
+from nao_course.exercises.checking import grade_public, read_public
+from nao_course.exercises.earlier import resolved_by
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from tests.paths import PROJECT
+
+COURSE = load_course(PROJECT)
+NAMES = COURSE.names()
+
+each_lesson = pytest.mark.parametrize("name", NAMES)
+
+
+@cache
+def solved(name):
+    return lesson_text.read_lesson(COURSE.text(name))
+
+
+@cache
+def student_copy(name):
+    """The notebook that a student gets; a copy of it for who changes it."""
+    return nbformat.read(PROJECT / "notebooks" / f"{name}.ipynb", as_version=4)
+
+
+@cache
+def executed(name):
+    """The solution with its outputs; a copy of it for who changes it."""
+    return nbformat.read(PROJECT / "solutions" / f"{name}.ipynb", as_version=4)
+
+
+@cache
+def reference(name):
+    return load_solution(PROJECT / "solutions" / f"{name}.ipynb")
+
+
+@cache
+def public(name):
+    return read_public(name)
+
+
+def public_exercise(name, exercise):
+    return next(each for each in public(name).exercises if each.name == exercise)
+
+
+@cache
+def graded(name, exercise):
+    """What the public checks say of the solution."""
+    return grade_public(public_exercise(name, exercise), reference(name)[exercise])
+
+
+@pytest.fixture(autouse=True)
+def earlier_functions_are_the_references(request):
+    """In declarations, too, as while the course is built."""
+    name = request.node.callspec.params.get("name") if hasattr(request.node, "callspec") else None
+    if name is None:
+        yield
+        return
+    with resolved_by(solutions_beside(PROJECT / "solutions" / f"{name}.ipynb")):
+        yield

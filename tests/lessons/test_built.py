@@ -1,0 +1,169 @@
+"""What is built is what is written: students' copies, executed solutions and the data of checks."""
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from copy import deepcopy
+from dataclasses import replace
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from nao_course.exercises.cells import is_solution
+from nao_course.exercises.checking import grade_public, unpack
+from nao_course.exercises.definitions import load_definitions
+from nao_course.instructor.authoring import build, execute, lesson_text, release, stamps
+from tests.lessons.every import (
+    COURSE,
+    PROJECT,
+    each_lesson,
+    earlier_functions_are_the_references,  # noqa: F401 - for every test here
+    executed,
+    public,
+    solved,
+    student_copy,
+)
+
+
+def words_of_checks(data):
+    """What a lesson's check data says, without its numbers: their last digits are those of one machine."""
+    public = unpack(data)
+    exercises = [
+        replace(
+            each,
+            cases=[case.name for case in each.cases],
+            mistakes=[mistake.message for mistake in each.mistakes],
+            earlier=[call.use for call in each.earlier],
+        )
+        for each in public.exercises
+    ]
+    return replace(public, exercises=exercises)
+
+
+def is_drawn(cell):
+    """Whether a cell shows a picture, whose pixels differ between versions of OpenCV and matplotlib."""
+    shown = [output.get("data", {}) for output in cell.get("outputs", ())]
+    return any("image/png" in data or "data:image" in str(data.get("text/html", "")) for data in shown)
+
+
+def run(notebook, folder, *, strict):
+    """Execute a notebook as a student (not strict) or a test (strict) does."""
+    environment = execute.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(folder)}
+    if not strict:
+        del environment["NAO_COURSE_STRICT"]
+    client = NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(folder)}})
+    execute.run_all_cells(client, environment)
+
+
+@pytest.mark.slow
+@each_lesson
+def test_rubric_8_what_is_committed_is_what_the_texts_say_and_mistakes_have_their_own_message(name):
+    """Building proves each declaration: mistakes lose points with their own message, alternatives get all."""
+    for path, content in build.build(COURSE, [name], solutions=False, prove=True).files.items():
+        as_it_says = words_of_checks if path.suffix == ".bin" else bytes
+        assert as_it_says((PROJECT / path).read_bytes()) == as_it_says(content), f"{path}: run `make build`"
+
+
+@pytest.mark.slow
+def test_this_course_is_released_and_nothing_in_it_is_a_secret(tmp_path):
+    """It stands behind the proofs, which it finds."""
+    path = release.make_release(COURSE, tmp_path)
+    inside = {name.removeprefix("nao-course/") for name in zipfile.ZipFile(path).namelist()}
+    assert {f"release/notebooks/{name}.ipynb" for name in COURSE.names()} <= inside
+
+
+@each_lesson
+def test_the_student_copy_is_that_of_the_text(name):
+    given, written = (
+        [(cell.id, cell.source) for cell in notebook.cells if not is_solution(cell)]
+        for notebook in (student_copy(name), solved(name))
+    )
+    assert given == written, "run `make build`"
+
+
+@each_lesson
+def test_the_executed_solution_is_that_of_the_text(name):
+    stamps.refuse_what_is_not_built(COURSE, [name], executed=True)
+    kept = json.dumps(executed(name).cells)
+    assert "widget-view" not in kept and '"execution":' not in kept
+    assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < execute.LARGEST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", COURSE.names()[1::6])  # to run all of them twice would take a quarter of an hour
+def test_building_twice_makes_the_same_bytes(name):
+    assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
+
+
+@each_lesson
+def test_a_text_is_what_its_own_notebook_would_be_written_as(name):
+    assert lesson_text.write_lesson(deepcopy(executed(name))) == COURSE.text(name).read_text(encoding="utf-8")
+
+
+@each_lesson
+def test_rubric_16_the_student_copy_is_blank(name):
+    notebook = student_copy(name)
+    nbformat.validate(notebook)
+    text = nbformat.writes(notebook)
+    assert lesson_text.BEGIN not in text and lesson_text.END not in text
+    assert not [cell for cell in notebook.cells if cell.get("outputs") or cell.get("execution_count")]
+    ids = [cell.id for cell in notebook.cells]
+    assert len(set(ids)) == len(ids)
+    for _, cell in lesson_text.code_cells(notebook, "exercise"):
+        assert "raise NotImplementedError" in cell.source
+    assert notebook.metadata.nao_course.lesson == name
+    assert notebook.metadata.nao_course.version == COURSE.version
+
+
+@pytest.mark.slow
+@each_lesson
+def test_rubric_16_the_blank_student_copy_runs_to_its_end_and_scores_nothing(name, tmp_path):
+    notebook = deepcopy(student_copy(name))
+    run(notebook, tmp_path, strict=False)
+    outputs = [output for _, cell in lesson_text.code_cells(notebook) for output in cell.outputs]
+    assert not [output for output in outputs if output.get("name") == "stderr" or "ename" in output]
+    for _, cell in lesson_text.code_cells(notebook, "check"):
+        assert "not written yet" in str(cell.outputs), lesson_text.exercise_name(cell)
+    blank = load_definitions(PROJECT / "notebooks" / f"{name}.ipynb")
+    for exercise in public(name).exercises:
+        assert not grade_public(exercise, blank[exercise.name])
+
+
+def test_rubric_16_built_notebooks_are_clean():
+    folders = [str(PROJECT / "notebooks"), str(PROJECT / "solutions")]
+    command = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--no-cache",
+        "--config",
+        str(PROJECT / "pyproject.toml"),
+    ]
+    checked = subprocess.run([*command, *folders], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout
+
+
+@pytest.mark.slow
+@each_lesson
+def test_nbval_finds_the_stored_outputs_again(name, tmp_path):
+    """Texts are compared, pictures only drawn; a check that does not pass raises."""
+    notebook = tmp_path / f"{name}.ipynb"
+    kept = deepcopy(executed(name))
+    for _, cell in lesson_text.code_cells(kept):
+        if is_drawn(cell):
+            cell.metadata["tags"] = ["nbval-ignore-output"]
+    nbformat.write(kept, notebook)
+    command = [sys.executable, "-m", "pytest", "--nbval", "-q", "-p", "no:cacheprovider", "-c", os.devnull]
+    environment = execute.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(PROJECT / "solutions")}
+    ran = subprocess.run(
+        [*command, "--rootdir", str(tmp_path), str(notebook)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert ran.returncode == 0, ran.stdout[-3000:]

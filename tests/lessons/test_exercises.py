@@ -1,0 +1,106 @@
+"""Every exercise of every lesson keeps the rules of docs/write_a_lesson.md, by their numbers there."""
+
+import time
+
+import pytest
+
+from nao_course.exercises.checking import grade_public
+from nao_course.exercises.codec import encode
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.mutation import mutate
+from nao_course.instructor.authoring.plans import SEEDS, hidden_cases, made_cases
+from tests.lessons.every import (
+    COURSE,
+    NAMES,
+    each_lesson,
+    earlier_functions_are_the_references,  # noqa: F401 - for every test here
+    executed,
+    graded,
+    public_exercise,
+    reference,
+)
+
+FEWEST_MUTANTS = 15  # of an exercise: fewer say nothing about its cases
+EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
+
+each_exercise = pytest.mark.parametrize(
+    ("name", "exercise"), EXERCISES, ids=[exercise.name for _, exercise in EXERCISES]
+)
+
+
+@each_exercise
+def test_rubric_7_a_check_answers_within_two_seconds_and_tells_outcomes_apart(name, exercise):
+    public = public_exercise(name, exercise.name)
+    reference(name)
+    start = time.process_time()  # the processor's time: no test fails on a machine that is busy
+    report = graded(name, exercise.name)
+    assert time.process_time() - start < 2
+    assert report.state == "right"
+    assert "grader has other" in repr(report)
+
+    def blank(*args, **kwargs):
+        raise NotImplementedError
+
+    def raises(*args, **kwargs):
+        raise ZeroDivisionError
+
+    assert grade_public(public, blank).state == "not attempted"
+    assert grade_public(public, raises).state == "raised"
+    assert grade_public(public, Silent if exercise.driver == "methods" else nothing).state == "wrong"
+
+
+def nothing(*args, **kwargs):
+    """Answer nothing."""
+
+
+class Silent:
+    """A class whose methods answer nothing."""
+
+    def __init__(self, *args, **kwargs):
+        """Take whatever it is begun with."""
+
+    def __getattr__(self, name):
+        return nothing
+
+
+@each_exercise
+def test_rubric_8_no_two_mistakes_say_the_same_and_hidden_cases_differ_by_seed(name, exercise):
+    messages = [mistake.message for mistake in exercise.mistakes]
+    assert len(set(messages)) == len(messages)
+    assert len(exercise.mistakes) >= 3 and len(exercise.alternatives) >= 3
+    answered = hidden_cases(exercise, reference(name)[exercise.name], SEEDS[0])
+    first, second = (
+        encode([(each.args, each.kwargs) for each in cases])
+        for cases in (answered, made_cases(exercise, SEEDS[1]))
+    )
+    assert first != second
+
+
+@each_exercise
+def test_rubric_9_two_hints(name, exercise):
+    assert len(exercise.hints) == 2 and all(exercise.hints)
+
+
+@each_lesson
+def test_rubric_16_the_solution_scores_everything(name):
+    for exercise in COURSE.plan(name).exercises:
+        assert graded(name, exercise.name)
+        assert public_exercise(name, exercise.name).points == exercise.points
+    for _, cell in lesson_text.code_cells(executed(name), "check"):
+        assert "✔" in str(cell.outputs), lesson_text.exercise_name(cell)
+
+
+@pytest.mark.slow
+@each_lesson
+def test_hidden_cases_catch_mutants_of_the_solutions(name):
+    """Mutants that are right are declared with the reason, and pass many more hidden cases."""
+    if name[:2] == "00":
+        pytest.skip("lesson 00 is not graded")
+    report = mutate(name, jobs=2)
+    hidden, public, total = report.caught()
+    assert total >= FEWEST_MUTANTS * len(COURSE.plan(name).exercises)
+    assert hidden / total >= 0.97, [mutant.diff for mutant in report.survivors]
+    assert public / total >= 0.85
+    known = {line for trial in report.equivalents for line in trial.mutant.lines}
+    for exercise in COURSE.plan(name).exercises:
+        assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
