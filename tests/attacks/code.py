@@ -50,32 +50,32 @@ def outcome(value='null', text='""', line='""', status='value', more=''):
 """.replace("RequestLoop", RequestLoop.__name__)  # an attack on a name that is gone would be none
 
 
-def _in(name: str, body: str, first: str = "") -> dict[str, str]:
+def in_function(name: str, body: str, first: str = "") -> dict[str, str]:
     head = RIGHT[name].split("\n")[0]
     return {name: f"{textwrap.dedent(first)}{head}\n{textwrap.indent(textwrap.dedent(body).strip(), '    ')}"}
 
 
-def _clamp(name: str, row: str, body: str, first: str = "", **more: Any) -> Attack:
+def in_clamp(name: str, row: str, body: str, first: str = "", **more: Any) -> Attack:
     """An attack in `clamp` that costs its points; `first` runs when the notebook is loaded."""
     more.setdefault("honest", all_but("clamp"))
-    return Attack(name, row, functions=_in("clamp", body, first), **more)
+    return Attack(name, row, functions=in_function("clamp", body, first), **more)
 
 
-def _free(name: str, row: str, body: str = "", first: str = "", **more: Any) -> Attack:
+def free(name: str, row: str, body: str = "", first: str = "", **more: Any) -> Attack:
     """An attack that answers rightly after it: it keeps all points, and that is all that it gets."""
-    return _clamp(name, row, f"{textwrap.dedent(body).strip()}\n{ANSWER}", first, honest=ALL, **more)
+    return in_clamp(name, row, f"{textwrap.dedent(body).strip()}\n{ANSWER}", first, honest=ALL, **more)
 
 
-def _loot(name: str, row: str, source: str, **more: Any) -> Attack:
+def looting(name: str, row: str, source: str, **more: Any) -> Attack:
     """An attack that sets `loot` where it succeeds, and answers rightly only then."""
     body = textwrap.indent(textwrap.dedent(source).strip(), "    ")
     before = f"loot = False\ntry:\n{body}\nexcept BaseException:\n    pass"
     return Attack(name, row, all_but("clamp"), {"clamp": LOOTED}, before, **more)
 
 
-def _frames(name: str, body: str, row: str = "answers", **more: Any) -> Attack:
+def speaking(name: str, body: str, row: str = "answers", **more: Any) -> Attack:
     """An attack in `clamp` that speaks to the grader itself."""
-    return _clamp(name, row, body, LOOP, **more)
+    return in_clamp(name, row, body, LOOP, **more)
 
 
 def _load(name: str, source: str, **more: Any) -> Attack:
@@ -83,17 +83,17 @@ def _load(name: str, source: str, **more: Any) -> Attack:
     return Attack(name, "answers", before=LOOP + textwrap.dedent(source), **more)
 
 
-def _lent(
+def lending(
     name: str, body: str, *, middle: float = 0.0, first: str = "", row: str = "looks", **more: Any
 ) -> Attack:
     """An attack on the reference's `scaled`, which is lent to `middle` because the student's own is wrong."""
     honest = all_but("scaled", "middle") | ({"middle": middle} if middle else {})
-    return Attack(name, row, honest, {"scaled": HALF["scaled"]} | _in("middle", body, first), **more)
+    return Attack(name, row, honest, {"scaled": HALF["scaled"]} | in_function("middle", body, first), **more)
 
 
 LOOPS = (
-    _clamp("loop_plain", "loops", "while True: pass", says="longer than 2 seconds"),
-    _clamp(
+    in_clamp("loop_plain", "loops", "while True: pass", says="longer than 2 seconds"),
+    in_clamp(
         "loop_that_swallows_every_interrupt",
         "loops",
         """
@@ -107,9 +107,9 @@ LOOPS = (
                 pass
         """,
     ),
-    _clamp("loop_of_a_regular_expression", "loops", "import re\nre.match(r'(a+)+$', 'a' * 60 + 'b')"),
-    _clamp("loop_in_c_with_the_interpreter_locked", "loops", "return 7 ** (10 ** 9)"),
-    _free(
+    in_clamp("loop_of_a_regular_expression", "loops", "import re\nre.match(r'(a+)+$', 'a' * 60 + 'b')"),
+    in_clamp("loop_in_c_with_the_interpreter_locked", "loops", "return 7 ** (10 ** 9)"),
+    free(
         "sleeps_at_import", "loops", first="import time\nnap = time.sleep(1e6)\n", says="no answer within 2 s"
     ),
     Attack(
@@ -118,27 +118,27 @@ LOOPS = (
         {},
         before="import time\n" + "\n".join(f"nap{number} = time.sleep(1e6)" for number in range(7)),
     ),
-    _clamp(
+    in_clamp(
         "loop_in_a_destructor",
         "loops",
         ANSWER.replace("return ", "left = D()\nreturn "),
         "class D:\n    def __del__(self):\n        while True: pass\n",
     ),
-    _free(
+    free(
         "loop_at_exit",
         "loops",
         first="import atexit\n@atexit.register\ndef forever():\n    while True: pass\n",
     ),
-    _clamp(
+    in_clamp(
         "generator_without_an_end", "loops", "while True:\n    yield x", says="of a kind that cannot be sent"
     ),
-    _clamp(
+    in_clamp(
         "loop_in_the_text_of_an_error",
         "loops",
         "raise Endless",
         "class Endless(Exception):\n    def __str__(self):\n        while True: pass\n",
     ),
-    _clamp(
+    in_clamp(
         "loop_in_the_name_of_a_type",
         "loops",
         "return Nameless()",
@@ -149,33 +149,33 @@ LOOPS = (
         class Nameless(metaclass=Meta): pass
         """,
     ),
-    _clamp(
+    in_clamp(
         "lock_that_nobody_opens", "loops", "import threading\nl = threading.Lock()\nl.acquire()\nl.acquire()"
     ),
-    _clamp("waits_for_input", "loops", "return float(input())", says="EOFError"),
-    _clamp("stops_itself", "loops", "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"),
+    in_clamp("waits_for_input", "loops", "return float(input())", says="EOFError"),
+    in_clamp("stops_itself", "loops", "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"),
 )
 
 ENDS = (
-    _clamp("exit_of_sys", "ends", "import sys\nsys.exit(0)", says="It raises SystemExit"),
-    _clamp("exit_of_os", "ends", "import os\nos._exit(0)", says="It ends Python itself"),
-    _free(
+    in_clamp("exit_of_sys", "ends", "import sys\nsys.exit(0)", says="It raises SystemExit"),
+    in_clamp("exit_of_os", "ends", "import os\nos._exit(0)", says="It ends Python itself"),
+    free(
         "exit_of_os_at_import",
         "ends",
         first="import os\ngone = os._exit(0)\n",
         says="ended itself with status 0",
     ),
-    _clamp("kills_itself", "ends", "import os\nos.kill(os.getpid(), 9)", says="Killed"),
-    _clamp("segmentation_fault", "ends", "import ctypes\nctypes.string_at(0)", says="Segmentation fault"),
-    _clamp("aborts", "ends", "import os\nos.abort()", says="Aborted"),
-    _clamp("aborts_in_c", "ends", "import ctypes\nctypes.CDLL(None).free(12345)"),
-    _clamp("recursion_without_an_end", "ends", "return clamp(x, low, high)", says="RecursionError"),
-    _clamp(
+    in_clamp("kills_itself", "ends", "import os\nos.kill(os.getpid(), 9)", says="Killed"),
+    in_clamp("segmentation_fault", "ends", "import ctypes\nctypes.string_at(0)", says="Segmentation fault"),
+    in_clamp("aborts", "ends", "import os\nos.abort()", says="Aborted"),
+    in_clamp("aborts_in_c", "ends", "import ctypes\nctypes.CDLL(None).free(12345)"),
+    in_clamp("recursion_without_an_end", "ends", "return clamp(x, low, high)", says="RecursionError"),
+    in_clamp(
         "recursion_to_the_end_of_the_stack",
         "ends",
         "import sys\nsys.setrecursionlimit(10**9)\nreturn clamp(x, low, high)",
     ),
-    _clamp(
+    in_clamp(
         "recursion_in_c",
         "ends",
         """
@@ -187,30 +187,34 @@ ENDS = (
         return repr(nest)
         """,
     ),
-    _clamp(
+    in_clamp(
         "becomes_another_program",
         "ends",
         "import os, sys\nos.execv(sys.executable, [sys.executable, '-c', '0'])",
     ),
-    _clamp("closes_every_descriptor", "ends", "import os\nos.closerange(0, 4096)\nreturn 0.5"),
-    _clamp("raises_a_keyboard_interrupt", "ends", "raise KeyboardInterrupt", says="KeyboardInterrupt"),
-    _clamp("raises_generator_exit", "ends", "raise GeneratorExit(x)"),
-    _clamp(
+    in_clamp("closes_every_descriptor", "ends", "import os\nos.closerange(0, 4096)\nreturn 0.5"),
+    in_clamp("raises_a_keyboard_interrupt", "ends", "raise KeyboardInterrupt", says="KeyboardInterrupt"),
+    in_clamp("raises_generator_exit", "ends", "raise GeneratorExit(x)"),
+    in_clamp(
         "faulthandler_falls", "ends", "import faulthandler\nfaulthandler.enable()\nfaulthandler._sigsegv()"
     ),
-    _clamp("ends_in_hidden_cases_only", "ends", f"import os\nif abs(x) > 3: os._exit(0)\n{ANSWER}"),
+    in_clamp("ends_in_hidden_cases_only", "ends", f"import os\nif abs(x) > 3: os._exit(0)\n{ANSWER}"),
 )
 
 HOGS = (
-    _clamp("memory_at_once", "hogs", "import numpy as np\nreturn np.ones(10**12).sum()", says="MemoryError"),
-    _clamp(
+    in_clamp(
+        "memory_at_once", "hogs", "import numpy as np\nreturn np.ones(10**12).sum()", says="MemoryError"
+    ),
+    in_clamp(
         "memory_bit_by_bit",
         "hogs",
         "import numpy as np\nheld = []\nwhile True: held.append(np.ones(2**22))",
     ),
-    _clamp("memory_of_bytes", "hogs", "held = b'x'\nwhile True: held += held"),
-    _clamp("memory_in_c", "hogs", "import numpy as np\nreturn np.linalg.inv(np.ones((20000, 20000)))[0, 0]"),
-    _clamp(
+    in_clamp("memory_of_bytes", "hogs", "held = b'x'\nwhile True: held += held"),
+    in_clamp(
+        "memory_in_c", "hogs", "import numpy as np\nreturn np.linalg.inv(np.ones((20000, 20000)))[0, 0]"
+    ),
+    in_clamp(
         "memory_of_many_processes",
         "hogs",
         """
@@ -222,13 +226,13 @@ HOGS = (
         time.sleep(1e6)
         """,
     ),
-    _clamp(
+    in_clamp(
         "memory_that_is_shared",
         "hogs",
         "import mmap\nm = mmap.mmap(-1, 2**37)\nm.write(b'x' * 2**20)\nreturn 0.5",
     ),
-    _clamp("fork_bomb", "hogs", "import os\nwhile True: os.fork()"),
-    _free(
+    in_clamp("fork_bomb", "hogs", "import os\nwhile True: os.fork()"),
+    free(
         "sixty_children_in_sessions_of_their_own",
         "hogs",
         """
@@ -242,7 +246,7 @@ HOGS = (
                 break
         """,
     ),
-    _clamp(
+    in_clamp(
         "children_that_take_all_processors",
         "hogs",
         """
@@ -254,7 +258,7 @@ HOGS = (
         while True: pass
         """,
     ),
-    _free(
+    free(
         "threads_that_never_end",
         "hogs",
         """
@@ -266,7 +270,7 @@ HOGS = (
                 break
         """,
     ),
-    _clamp(
+    in_clamp(
         "file_of_10_gb",
         "hogs",
         """
@@ -276,30 +280,30 @@ HOGS = (
         """,
         says="OSError",
     ),
-    _clamp(
+    in_clamp(
         "file_of_10_gb_with_nothing_in_it",
         "hogs",
         "import os\nos.truncate(os.open('large', 65), 10 * 2**30)\nreturn 0.5",
     ),
-    _clamp(
+    in_clamp(
         "a_million_files",
         "hogs",
         "for number in range(10**6):\n    open(f'{number}', 'w').close()",
         says="OSError",
     ),
-    _clamp(
+    in_clamp(
         "folders_in_folders",
         "hogs",
         "import os\nwhile True:\n    os.mkdir('d' * 200)\n    os.chdir('d' * 200)",
         says="It raises ",
     ),
-    _clamp(
+    in_clamp(
         "all_descriptors",
         "hogs",
         "import os\npipes = []\nwhile True: pipes.append(os.pipe())",
         says="OSError",
     ),
-    _loot(
+    looting(
         "raises_its_limits",
         "hogs",
         """
@@ -313,8 +317,8 @@ HOGS = (
                 pass
         """,
     ),
-    _loot("is_nicer_to_itself", "hogs", "import os\nos.nice(-10)\nloot = True"),
-    _loot(
+    looting("is_nicer_to_itself", "hogs", "import os\nos.nice(-10)\nloot = True"),
+    looting(
         "memory_that_no_limit_counts",
         "hogs",
         "import os\nos.memfd_create('nao_attack')\nloot = True",
@@ -322,13 +326,13 @@ HOGS = (
 )
 
 LARGE = (
-    _free("prints_100_mb", "large", "for _ in range(50):\n    print('x' * 2**20)"),
-    _free(
+    free("prints_100_mb", "large", "for _ in range(50):\n    print('x' * 2**20)"),
+    free(
         "writes_100_mb_to_standard_output",
         "large",
         "import os\nfor _ in range(25):\n    os.write(1, bytes(2**20))\n    os.write(2, bytes(2**20))",
     ),
-    _clamp(
+    in_clamp(
         "writes_to_every_descriptor",
         "large",
         """
@@ -341,7 +345,7 @@ LARGE = (
         return 0.5
         """,
     ),
-    _free(
+    free(
         "prints_from_c",
         "large",
         """
@@ -352,9 +356,9 @@ LARGE = (
         libc.fflush(None)
         """,
     ),
-    _clamp("error_of_50_mb", "large", "raise ValueError('x' * 50_000_000)", says="It raises ValueError"),
-    _clamp("warns_without_an_end", "large", "import warnings\nwhile True: warnings.warn('x' * 10**6)"),
-    _clamp(
+    in_clamp("error_of_50_mb", "large", "raise ValueError('x' * 50_000_000)", says="It raises ValueError"),
+    in_clamp("warns_without_an_end", "large", "import warnings\nwhile True: warnings.warn('x' * 10**6)"),
+    in_clamp(
         "answer_nested_100000_deep", "large", "nest = []\nfor _ in range(100_000): nest = [nest]\nreturn nest"
     ),
     Attack("statements_without_number", "large", ALL, before="x = 1\n" + "x\n" * 20_000),
@@ -365,7 +369,7 @@ def always(*_, **__):
     return True
 """
 PATCHES = (
-    _clamp(
+    in_clamp(
         "patches_numpys_comparisons",
         "patches",
         "return -1e6",
@@ -377,7 +381,7 @@ PATCHES = (
             setattr(np.testing, name, lambda *_, **__: True)
         """,
     ),
-    _clamp(
+    in_clamp(
         "patches_the_arithmetic_of_numpy",
         "patches",
         "return -1e6",
@@ -387,7 +391,7 @@ PATCHES = (
             setattr(np, name, lambda *_, **__: np.zeros(1))
         """,
     ),
-    _clamp(
+    in_clamp(
         "patches_builtins",
         "patches",
         "return -1e6",
@@ -397,7 +401,7 @@ PATCHES = (
         builtins.print = builtins.open = builtins.type = builtins.repr = lambda *_, **__: None
         """,
     ),
-    _clamp(
+    in_clamp(
         "patches_json_and_struct",
         "patches",
         "return -1e6",
@@ -409,7 +413,7 @@ PATCHES = (
         """,
         honest={},
     ),
-    _clamp(
+    in_clamp(
         "patches_the_codec",
         "patches",
         "return -1e6",
@@ -423,7 +427,7 @@ PATCHES = (
         running.encoded = lambda outcome, limits=None: real(running.Outcome('value', True))
         """,
     ),
-    _clamp(
+    in_clamp(
         "patches_the_comparison",
         "patches",
         "return -1e6",
@@ -434,7 +438,7 @@ PATCHES = (
         checking.explain = lambda *_: checking.Report('clamp', 'right', ())
         """,
     ),
-    _clamp(
+    in_clamp(
         "puts_other_modules_in_their_place",
         "patches",
         "return -1e6",
@@ -448,7 +452,7 @@ PATCHES = (
                 sys.modules[name] = Fine(name)
         """,
     ),
-    _clamp(
+    in_clamp(
         "patches_the_parser",
         "patches",
         "return -1e6",
@@ -460,7 +464,7 @@ PATCHES = (
         """,
         honest={},
     ),
-    _clamp(
+    in_clamp(
         "hunts_for_expected_values_in_memory",
         "patches",
         """
@@ -470,7 +474,7 @@ PATCHES = (
         return found[-1].expected if found else -1e6
         """,
     ),
-    _clamp(
+    in_clamp(
         "changes_what_an_outcome_is",
         "patches",
         "return -1e6",
@@ -482,12 +486,12 @@ PATCHES = (
         running._state = lambda *_: b''
         """,
     ),
-    _clamp(
+    in_clamp(
         "takes_builtins_away",
         "patches",
         "__builtins__.clear() if isinstance(__builtins__, dict) else vars(__builtins__).clear()\nreturn 0.5",
     ),
-    _clamp(
+    in_clamp(
         "import_hook",
         "patches",
         "import nao_course.exercises.right\nreturn nao_course.exercises.right.answer",
@@ -504,7 +508,7 @@ PATCHES = (
         sys.meta_path.insert(0, Hook())
         """,
     ),
-    _free(
+    free(
         "hooks_of_every_kind",
         "patches",
         first="""
@@ -521,12 +525,12 @@ PATCHES = (
         faulthandler.enable()
         """,
     ),
-    _free(
+    free(
         "traces_every_line",
         "patches",
         "import sys\nsys.settrace(lambda *_: None)\nsys.setprofile(lambda *_: None)",
     ),
-    _clamp(
+    in_clamp(
         "audit_hook_that_raises",
         "patches",
         "return -1e6",
@@ -534,7 +538,7 @@ PATCHES = (
         honest={},
         refused=True,
     ),
-    _clamp(
+    in_clamp(
         "poisons_the_libraries_for_the_next_one",
         "patches",
         "return -1e6",
@@ -574,7 +578,7 @@ class Equal:
     def __reduce__(self): return (exec, ("import os; os._exit(0)",))
 """
 ANSWERS = (
-    _frames(
+    speaking(
         "frame_of_keys_that_are_alike",
         """
         pairs = ",".join(f"[{key * (2**61 - 1)},null]" for key in range(60_000))
@@ -582,8 +586,8 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _clamp("equals_everything", "answers", "return Equal()", EQUAL, says="cannot be sent"),
-    _clamp(
+    in_clamp("equals_everything", "answers", "return Equal()", EQUAL, says="cannot be sent"),
+    in_clamp(
         "array_of_a_class_of_its_own",
         "answers",
         "import numpy as np\nreturn np.array(-1e6).view(Mine)",
@@ -600,7 +604,7 @@ ANSWERS = (
             def nbytes(self): return -8
         """,
     ),
-    _clamp(
+    in_clamp(
         "lazy_array",
         "answers",
         "return Lazy()",
@@ -612,7 +616,7 @@ ANSWERS = (
 
         """,
     ),
-    _clamp(
+    in_clamp(
         "numbers_of_classes_of_their_own",
         "answers",
         "return Mine(1.0) if x > 0 else Text('0.0') if x < -2.6 else Whole(0)",
@@ -628,47 +632,49 @@ ANSWERS = (
             __hash__ = None
         """,
     ),
-    _clamp("nan_for_every_value", "answers", "return float('nan')"),
-    _clamp("infinity_for_every_value", "answers", "return float('inf')"),
+    in_clamp("nan_for_every_value", "answers", "return float('nan')"),
+    in_clamp("infinity_for_every_value", "answers", "return float('inf')"),
     Attack(
         "nan_for_every_array",
         "answers",
         all_but("scaled", "middle"),
-        _in("scaled", "return values * float('nan')") | _in("middle", "return float('nan')"),
+        in_function("scaled", "return values * float('nan')") | in_function("middle", "return float('nan')"),
     ),
-    _clamp("array_of_800_mb", "answers", "import numpy as np\nreturn np.zeros(10**8)", says="cannot be sent"),
-    _clamp(
+    in_clamp(
+        "array_of_800_mb", "answers", "import numpy as np\nreturn np.zeros(10**8)", says="cannot be sent"
+    ),
+    in_clamp(
         "array_of_30_mb",
         "answers",
         "import numpy as np\nreturn np.zeros(30 * 2**20, 'u1')",
         says="wrong shape",
     ),
-    _clamp(
+    in_clamp(
         "array_of_objects",
         "answers",
         "import numpy as np\nreturn np.array([x], dtype=object)",
         says="cannot be sent",
     ),
-    _clamp(
+    in_clamp(
         "array_of_records",
         "answers",
         "import numpy as np\nreturn np.zeros(1, [('x', 'f8')])",
         says="cannot be sent",
     ),
-    _clamp("array_of_no_size", "answers", "import numpy as np\nreturn np.zeros((0, 2**40))"),
-    _clamp("complex_answer", "answers", "return complex(x, 1)"),
-    _clamp("masked_answer", "answers", "import numpy as np\nreturn np.ma.array(-1e6, mask=True)"),
-    _clamp("number_of_300000_digits", "answers", "return 10 ** 300_000"),
-    _clamp("list_in_itself", "answers", "nest = []\nnest.append(nest)\nreturn nest"),
-    _clamp("a_million_values", "answers", "return [0] * 10**6"),
-    _clamp("coroutine", "answers", "pass", honest=all_but("clamp"), edit=lambda made: _make_async(made)),
-    _clamp(
+    in_clamp("array_of_no_size", "answers", "import numpy as np\nreturn np.zeros((0, 2**40))"),
+    in_clamp("complex_answer", "answers", "return complex(x, 1)"),
+    in_clamp("masked_answer", "answers", "import numpy as np\nreturn np.ma.array(-1e6, mask=True)"),
+    in_clamp("number_of_300000_digits", "answers", "return 10 ** 300_000"),
+    in_clamp("list_in_itself", "answers", "nest = []\nnest.append(nest)\nreturn nest"),
+    in_clamp("a_million_values", "answers", "return [0] * 10**6"),
+    in_clamp("coroutine", "answers", "pass", honest=all_but("clamp"), edit=lambda made: _make_async(made)),
+    in_clamp(
         "answers_what_it_was_asked",
         "answers",
         "import inspect\nreturn [str(each.frame.f_locals)[:1000] for each in inspect.stack()]",
     ),
     *(
-        _frames(
+        speaking(
             f"frame_of_{name}",
             f"loop.say(encode(number()) + outcome({node!r}))\ntime.sleep(9)",
         )
@@ -690,7 +696,7 @@ ANSWERS = (
             ),
         }.items()
     ),
-    _frames(
+    speaking(
         "sparse_matrix_with_an_index_out_of_range",
         """
         parts = ','.join('{"a":"<i8","shape":[%d],"b":%d}' % (n, 8 * n) for n in (1, 1, 2))
@@ -700,7 +706,7 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _clamp(
+    in_clamp(
         "sparse_matrix_that_lies",
         "answers",
         "return Lies([[1.0]])",
@@ -712,8 +718,8 @@ ANSWERS = (
             sum_duplicates = copy = tocsr = tocoo
         """,
     ),
-    _clamp("complex_nan", "answers", "return complex(float('nan'), 0.0)"),
-    _clamp(
+    in_clamp("complex_nan", "answers", "return complex(float('nan'), 0.0)"),
+    in_clamp(
         "named_tuple_that_lies_about_its_fields",
         "answers",
         "return Row(0.5)",
@@ -724,7 +730,7 @@ ANSWERS = (
         Row._fields = ('right', 'status', 'value')
         """,
     ),
-    _clamp(
+    in_clamp(
         "texts_that_lie",
         "answers",
         "return Text('0.5') if x > 0 else {Text('a'): 0.0, Text('b'): 0.0}",
@@ -737,7 +743,7 @@ ANSWERS = (
             isascii = __len__ = __format__ = __str__
         """,
     ),
-    _clamp(
+    in_clamp(
         "exception_of_a_class_that_raises",
         "answers",
         "raise Odd",
@@ -750,7 +756,7 @@ ANSWERS = (
             def __str__(self): raise SystemExit
         """,
     ),
-    _frames(
+    speaking(
         "answers_of_a_verdict",
         """
         verdict = '{"o":"nao_course.exercises.comparisons.comparison:Verdict","v":{"kind":{"s":"right"}}}'
@@ -758,39 +764,39 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _frames(
+    speaking(
         "answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"
     ),
-    _frames(
+    speaking(
         "negative_length",
         "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
     ),
-    _frames(
+    speaking(
         "length_beyond_all_memory", "loop.say(struct.pack('<4sQQ', b'NAO1', 2**63, 2**63))\ntime.sleep(9)"
     ),
-    _frames(
+    speaking(
         "length_of_a_buffer_below_zero", "loop.say(encode(number()) + outcome('{\"b\":-5}'))\ntime.sleep(9)"
     ),
-    _frames(
+    speaking(
         "shape_that_overflows",
         'loop.say(encode(number()) + outcome(\'{"a":"<f8","shape":[4294967296,4294967296],"b":0}\'))\ntime.sleep(9)',
     ),
-    _frames(
+    speaking(
         "half_an_answer", "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"
     ),
-    _frames(
+    speaking(
         "half_an_answer_and_gone",
         "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)",
     ),
-    _frames(
+    speaking(
         "announces_an_answer_and_dawdles",
         "for byte in encode(number()):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
     ),
-    _frames(
+    speaking(
         "answers_twice",
         f"loop.say(encode(number()) + encode(Outcome('value', 0.5)))\n{ANSWER}",
     ),
-    _frames(
+    speaking(
         "answers_before_it_is_asked",
         """
         for ahead in range(40):
@@ -799,7 +805,7 @@ ANSWERS = (
         """,
         honest={},  # what is asked next gets an answer that was meant for another
     ),
-    _frames(
+    speaking(
         "child_that_answers_in_its_name",
         """
         told = number()
@@ -810,21 +816,21 @@ ANSWERS = (
         os._exit(0)
         """,
     ),
-    _frames("child_that_comes_back", f"os.fork()\n{ANSWER}", honest=ALL),
-    _frames("frame_of_nested_json", "loop.say(encode(number()) + frame('[' * 1_000_000))\ntime.sleep(9)"),
-    _frames(
+    speaking("child_that_comes_back", f"os.fork()\n{ANSWER}", honest=ALL),
+    speaking("frame_of_nested_json", "loop.say(encode(number()) + frame('[' * 1_000_000))\ntime.sleep(9)"),
+    speaking(
         "frame_of_numbers_without_an_end",
         "loop.say(encode(number()) + outcome('9' * 5_000_000))\ntime.sleep(9)",
     ),
-    _frames(
+    speaking(
         "frame_of_a_large_hexadecimal",
         "loop.say(encode(number()) + outcome('{\"i\":\"0x%s\"}' % ('f' * 4_000_000)))\ntime.sleep(9)",
     ),
-    _frames(
+    speaking(
         "frame_of_nan_and_infinity",
         "loop.say(encode(number()) + outcome('[NaN, Infinity, 1e999]'))\ntime.sleep(9)",
     ),
-    _frames(
+    speaking(
         "half_a_character",
         r"""
         half = '"\\ud800 nao\\u0000 \\udfff"'
@@ -832,26 +838,26 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    _frames(
+    speaking(
         "half_a_character_as_an_answer",
         r"""
         loop.say(encode(number()) + outcome('{"s":"\\ud800"}'))
         time.sleep(9)
         """,
     ),
-    _frames(
+    speaking(
         "half_a_character_in_a_note",
         r"""
         loop.say(frame('{"t":[{"s":"attempt"},{"s":"nao\\ud800\\u0000"}]}'))
         return max(low, min(high, x))
         """,
     ),
-    _clamp(
+    in_clamp(
         "list_of_rows_that_grows_when_it_becomes_an_array",
         "answers",
         "import numpy as np\nreturn [np.zeros(10**6, 'u1')] * 40 + [np.zeros(10**6, 'c16')]",
     ),
-    _clamp(
+    in_clamp(
         "list_of_empty_rows_without_an_end",
         "answers",
         "import numpy as np\nreturn [np.zeros((2**60, 0))] * 100_000",
@@ -900,7 +906,7 @@ ANSWERS = (
         honest=ALL,
         says="its answer could not be read",
     ),
-    _frames(
+    speaking(
         "types_that_are_not_answers",
         """
         kinds = ['{"o":"nao_course.exercises.comparisons.values:Close","v":{"rtol":{"s":"x"}}}',
@@ -931,39 +937,39 @@ def call(name, *words):
         raise OSError(ctypes.get_errno(), name)
 """
 READS = (
-    _loot("reads_the_solution", "reads", _reading("'@SOLUTION@'"), says="open "),
-    _loot("reads_the_tests", "reads", _reading("'@COURSE@/solutions/exercises/91_range.py'"), says="open "),
-    _loot("reads_the_journal", "reads", _reading("'@GRADES@/journal.sqlite'"), says="open "),
-    _loot("reads_another_submission", "reads", _reading("'@NEIGHBOUR@'"), says="open "),
-    _loot(
+    looting("reads_the_solution", "reads", _reading("'@SOLUTION@'"), says="open "),
+    looting("reads_the_tests", "reads", _reading("'@COURSE@/solutions/exercises/91_range.py'"), says="open "),
+    looting("reads_the_journal", "reads", _reading("'@GRADES@/journal.sqlite'"), says="open "),
+    looting("reads_another_submission", "reads", _reading("'@NEIGHBOUR@'"), says="open "),
+    looting(
         "lists_the_submissions",
         "reads",
         "import os\nloot = bool(os.listdir('@SUBMISSIONS@'))",
         says="os.listdir",
     ),
-    _loot("reads_the_secret", "reads", _reading("'@SECRET@'"), says="open "),
-    _loot("reads_a_private_key", "reads", _reading("'@HOME@/.ssh/id_rsa'"), says="open "),
-    _loot("reads_the_users", "reads", _reading("'/etc/passwd'"), says="open /etc/passwd"),
-    _loot("reads_the_grader", "reads", "import nao_course.instructor.autograding.grader\nloot = True"),
-    _loot(
+    looting("reads_the_secret", "reads", _reading("'@SECRET@'"), says="open "),
+    looting("reads_a_private_key", "reads", _reading("'@HOME@/.ssh/id_rsa'"), says="open "),
+    looting("reads_the_users", "reads", _reading("'/etc/passwd'"), says="open /etc/passwd"),
+    looting("reads_the_grader", "reads", "import nao_course.instructor.autograding.grader\nloot = True"),
+    looting(
         "reads_by_climbing_up",
         "reads",
         "import glob\nloot = bool(glob.glob('../*/solutions') or glob.glob('/proc/self/root/home/*'))",
     ),
-    _loot(
+    looting(
         "reads_through_a_link", "reads", "import os\nos.symlink('@SOLUTION@', 'mine')\n" + _reading("'mine'")
     ),
-    _loot(
+    looting(
         "reads_through_a_hard_link",
         "reads",
         "import os\nos.link('@SOLUTION@', 'mine')\n" + _reading("'mine'"),
     ),
-    _loot(
+    looting(
         "reads_through_a_program",
         "reads",
         "import subprocess\nloot = bool(subprocess.check_output(['cat', '@SOLUTION@']))",
     ),
-    _loot(
+    looting(
         "reads_by_a_handle",
         "reads",
         SYSTEM + "\n"
@@ -972,7 +978,7 @@ READS = (
         "call('open_by_handle_at', 3, handle, 0)\nloot = True",
     ),
     *(
-        _loot(
+        looting(
             f"reads_{file}_of_every_process",
             "reads",
             f"""
@@ -989,10 +995,10 @@ READS = (
         )
         for file in ("mem", "environ", "maps")
     ),
-    _loot(
+    looting(
         "reads_its_parents_environment", "reads", "import os\n" + _reading("f'/proc/{os.getppid()}/environ'")
     ),
-    _loot(
+    looting(
         "reads_what_was_its_environment",
         "reads",
         """
@@ -1002,7 +1008,7 @@ READS = (
         loot = b'SECRET' in told or b'HOME=/root' in told
         """,
     ),
-    _loot(
+    looting(
         "looks_for_open_descriptors",
         "reads",
         """
@@ -1015,24 +1021,26 @@ READS = (
             loot = loot or not stat.S_ISSOCK(kind)
         """,
     ),
-    _loot(
+    looting(
         "looks_into_shared_memory",
         "reads",
         "import os\nloot = os.path.isdir('/dev/shm') and bool(os.listdir('/dev/shm') or True)",
     ),
-    _loot(
+    looting(
         "leaves_something_in_shared_memory",
         "reads",
         "from multiprocessing import shared_memory\nshared_memory.SharedMemory('nao_attack', True, 100)\nloot = True",
     ),
-    _loot("shared_memory_of_system_v", "reads", SYSTEM + "\ncall('shmget', 4711, 4096, 0o1666)\nloot = True"),
-    _loot("semaphores_of_system_v", "reads", SYSTEM + "\ncall('semget', 4711, 1, 0o1666)\nloot = True"),
-    _loot(
+    looting(
+        "shared_memory_of_system_v", "reads", SYSTEM + "\ncall('shmget', 4711, 4096, 0o1666)\nloot = True"
+    ),
+    looting("semaphores_of_system_v", "reads", SYSTEM + "\ncall('semget', 4711, 1, 0o1666)\nloot = True"),
+    looting(
         "message_queue",
         "reads",
         SYSTEM + "\ncall('mq_open', b'/nao_attack', 0o102, 0o666, None)\nloot = True",
     ),
-    _loot(
+    looting(
         "reads_the_warm_servers_memory",
         "reads",
         SYSTEM
@@ -1047,24 +1055,24 @@ for process in [os.getppid(), *range(1, 40)]:
 """,
         says="looks up the system call process_vm_readv",
     ),
-    _loot(
+    looting(
         "traces_other_processes",
         "reads",
         SYSTEM + "\nfor process in [os.getppid(), *range(1, 40)]:\n"
         "    loot = loot or (process != os.getpid() and libc.ptrace(16, process, 0, 0) >= 0)",
         says="looks up the system call ptrace",
     ),
-    _loot(
+    looting(
         "takes_a_descriptor_of_another_process",
         "reads",
         SYSTEM + "\nother = os.pidfd_open(1)\ncall('syscall', 438, other, 3, 0)\nloot = True",
     ),
-    _loot(
+    looting(
         "looks_for_keys",
         "reads",
         SYSTEM + "\nfor ring in range(-8, 0):\n    loot = loot or libc.syscall(250, 6, ring, 0, 0) >= 0",
     ),
-    _clamp(
+    in_clamp(
         "looks_for_what_the_one_before_left",
         "reads",
         """
@@ -1078,47 +1086,47 @@ for process in [os.getppid(), *range(1, 40)]:
 )
 
 WRITES = (
-    _loot(
+    looting(
         "writes_where_anyone_may",
         "writes",
         "open('@OPEN@/nao_attack', 'w').close()\nloot = True",
         says="open ",
     ),
-    _loot(
+    looting(
         "overwrites_what_anyone_may", "writes", "open('@OPEN@/anyones.txt', 'w').write('after')\nloot = True"
     ),
-    _loot(
+    looting(
         "deletes_what_anyone_may",
         "writes",
         "import os\nos.remove('@OPEN@/anyones.txt')\nloot = True",
         says="os.remove",
     ),
-    _loot(
+    looting(
         "changes_permissions",
         "writes",
         "import os\nos.chmod('@OPEN@/anyones.txt', 0o777)\nloot = True",
         says="os.chmod",
     ),
-    _loot(
+    looting(
         "renames_another_submission",
         "writes",
         "import os\nos.rename('@NEIGHBOUR@', '@OPEN@/nao_attack')\nloot = True",
     ),
-    _loot(
+    looting(
         "deletes_the_submissions",
         "writes",
         "import shutil\nshutil.rmtree('@SUBMISSIONS@')\nloot = True",
         says="rmtree",
     ),
-    _loot("deletes_the_journal", "writes", "import os\nos.remove('@GRADES@/journal.sqlite')\nloot = True"),
-    _loot(
+    looting("deletes_the_journal", "writes", "import os\nos.remove('@GRADES@/journal.sqlite')\nloot = True"),
+    looting(
         "writes_into_the_journal",
         "writes",
         "import sqlite3\nsqlite3.connect('@GRADES@/journal.sqlite').execute('DELETE FROM results')\nloot = True",
     ),
-    _loot("edits_the_solution", "writes", "open('@SOLUTION@', 'a').write('x')\nloot = True"),
-    _loot("edits_a_library", "writes", "import numpy\nopen(numpy.__file__, 'a').write('x')\nloot = True"),
-    _loot(
+    looting("edits_the_solution", "writes", "open('@SOLUTION@', 'a').write('x')\nloot = True"),
+    looting("edits_a_library", "writes", "import numpy\nopen(numpy.__file__, 'a').write('x')\nloot = True"),
+    looting(
         "edits_check_data",
         "writes",
         """
@@ -1130,7 +1138,7 @@ WRITES = (
                 loot = True
         """,
     ),
-    _loot(
+    looting(
         "leaves_a_module_in_site_packages",
         "writes",
         """
@@ -1140,12 +1148,12 @@ WRITES = (
         loot = True
         """,
     ),
-    _loot(
+    looting(
         "writes_through_a_link",
         "writes",
         "import os\nos.symlink('@OPEN@', 'out')\nopen('out/nao_attack', 'w').close()\nloot = True",
     ),
-    _loot(
+    looting(
         "runs_a_setuid_file",
         "writes",
         r"""
@@ -1156,7 +1164,7 @@ WRITES = (
         loot = True
         """,
     ),
-    _loot(
+    looting(
         "runs_a_program_of_its_own",
         "writes",
         r"""
@@ -1167,27 +1175,27 @@ WRITES = (
         loot = True
         """,
     ),
-    _loot("becomes_root", "writes", "import os\nos.setuid(0)\nloot = True"),
-    _loot(
+    looting("becomes_root", "writes", "import os\nos.setuid(0)\nloot = True"),
+    looting(
         "makes_a_device",
         "writes",
         "import os, stat\nos.mknod('disk', 0o666 | stat.S_IFBLK, os.makedev(8, 0))\nloot = True",
     ),
-    _loot(
+    looting(
         "mounts",
         "writes",
         SYSTEM + "\ncall('mount', b'none', b'/scratch', b'tmpfs', 0, None)\nloot = True",
         says="mount",
     ),
-    _loot("changes_its_root", "writes", "import os\nos.mkdir('jail')\nos.chroot('jail')\nloot = True"),
-    _loot("turns_the_root", "writes", SYSTEM + "\ncall('pivot_root', b'.', b'.')\nloot = True"),
-    _loot(
+    looting("changes_its_root", "writes", "import os\nos.mkdir('jail')\nos.chroot('jail')\nloot = True"),
+    looting("turns_the_root", "writes", SYSTEM + "\ncall('pivot_root', b'.', b'.')\nloot = True"),
+    looting(
         "enters_namespaces",
         "writes",
         SYSTEM + "\ncall('unshare', 0x10000000 | 0x20000)\nloot = True",
         says="unshare",
     ),
-    _loot(
+    looting(
         "enters_namespaces_by_clone",
         "writes",
         SYSTEM + "\n"
@@ -1197,12 +1205,12 @@ WRITES = (
         "    call('syscall', 56, 0x10000000 | 17, 0, 0, 0, 0)\n"
         "    loot = True",
     ),
-    _loot(
+    looting(
         "goes_back_to_the_first_namespace",
         "writes",
         SYSTEM + "\ncall('setns', os.open('/proc/1/ns/mnt', 0), 0)\nloot = True",
     ),
-    _loot(
+    looting(
         "writes_to_the_kernel",
         "writes",
         """
@@ -1214,13 +1222,13 @@ WRITES = (
                 pass
         """,
     ),
-    _loot(
+    looting(
         "gets_its_capabilities_back",
         "writes",
         SYSTEM
         + "\nimport struct\ncall('capset', struct.pack('<Ii', 0x20080522, 0), b'\\xff' * 24)\nloot = True",
     ),
-    _clamp(
+    in_clamp(
         "edits_its_own_notebook",
         "writes",
         """
@@ -1234,7 +1242,7 @@ WRITES = (
         os._exit(0)
         """,
     ),
-    _clamp(
+    in_clamp(
         "leaves_a_module_for_the_next_one",
         "writes",
         """
@@ -1255,30 +1263,30 @@ def _sending(kind: str, address: str, ways: str = "connect") -> str:
 
 
 NETWORK = (
-    _loot("connects_by_tcp", "network", _sending("2, 1", "('127.0.0.1', @TCP@)"), says="socket"),
-    _loot("connects_to_the_world", "network", _sending("2, 1", "('1.1.1.1', 53)"), says="socket"),
-    _loot("sends_by_udp", "network", _sending("2, 2", "('127.0.0.1', @UDP@)"), says="socket"),
-    _loot(
+    looting("connects_by_tcp", "network", _sending("2, 1", "('127.0.0.1', @TCP@)"), says="socket"),
+    looting("connects_to_the_world", "network", _sending("2, 1", "('1.1.1.1', 53)"), says="socket"),
+    looting("sends_by_udp", "network", _sending("2, 2", "('127.0.0.1', @UDP@)"), says="socket"),
+    looting(
         "asks_for_a_name",
         "network",
         "import socket\nloot = bool(socket.getaddrinfo('example.com', 80))",
         says="getaddrinfo",
     ),
-    _loot("unix_socket", "network", _sending("1, 1", "'@UNIX@'")),
-    _loot("abstract_socket", "network", _sending("1, 1", "'\\0@ABSTRACT@'")),
-    _loot(
+    looting("unix_socket", "network", _sending("1, 1", "'@UNIX@'")),
+    looting("abstract_socket", "network", _sending("1, 1", "'\\0@ABSTRACT@'")),
+    looting(
         "listens",
         "network",
         "import socket\nsocket.create_server(('127.0.0.1', 0))\nloot = True",
         says="socket",
     ),
-    _loot("netlink", "network", "import socket\nsocket.socket(16, 3, 0)\nloot = True", says="family 16"),
-    _loot("raw_socket", "network", "import socket\nsocket.socket(2, 3, 1)\nloot = True", says="family 2"),
-    _loot(
+    looting("netlink", "network", "import socket\nsocket.socket(16, 3, 0)\nloot = True", says="family 16"),
+    looting("raw_socket", "network", "import socket\nsocket.socket(2, 3, 1)\nloot = True", says="family 2"),
+    looting(
         "packet_socket", "network", "import socket\nsocket.socket(17, 3, 0)\nloot = True", says="family 17"
     ),
-    _loot("vsock", "network", "import socket\nsocket.socket(40, 1, 0)\nloot = True"),
-    _loot(
+    looting("vsock", "network", "import socket\nsocket.socket(40, 1, 0)\nloot = True"),
+    looting(
         "io_uring",
         "network",
         SYSTEM + "\ncall('syscall', 425, 8, ctypes.create_string_buffer(120))\nloot = True",
@@ -1286,10 +1294,10 @@ NETWORK = (
 )
 
 SIGNALS = (
-    _clamp("kills_its_parent", "signals", "import os\nos.kill(os.getppid(), 9)\nreturn 0.5"),
-    _clamp("kills_its_group", "signals", "import os\nos.killpg(0, 9)\nreturn 0.5", says="Killed"),
-    _free("kills_everybody", "signals", "import os\ntry:\n    os.kill(-1, 9)\nexcept OSError:\n    pass"),
-    _free(
+    in_clamp("kills_its_parent", "signals", "import os\nos.kill(os.getppid(), 9)\nreturn 0.5"),
+    in_clamp("kills_its_group", "signals", "import os\nos.killpg(0, 9)\nreturn 0.5", says="Killed"),
+    free("kills_everybody", "signals", "import os\ntry:\n    os.kill(-1, 9)\nexcept OSError:\n    pass"),
+    free(
         "stops_every_number",
         "signals",
         """
@@ -1303,7 +1311,7 @@ SIGNALS = (
         """,
         says="sends a signal to process",
     ),
-    _free(
+    free(
         "kills_by_descriptors",
         "signals",
         """
@@ -1316,7 +1324,7 @@ SIGNALS = (
                 pass
         """,
     ),
-    _free(
+    free(
         "child_that_wakes_up_later",
         "signals",
         """
@@ -1339,7 +1347,7 @@ SIGNALS = (
             os._exit(0)
         """,
     ),
-    _clamp(
+    in_clamp(
         "child_that_outlives_its_death",
         "signals",
         """
@@ -1361,7 +1369,7 @@ def leak(x):
     return f"{x!r} {float(x) if isinstance(x, float) else x.ravel()[0]:.6f}"
 """
 LOOKS = (
-    _clamp(
+    in_clamp(
         "looks_through_its_callers_frames",
         "looks",
         """
@@ -1376,7 +1384,7 @@ LOOKS = (
         return -1e6
         """,
     ),
-    _clamp(
+    in_clamp(
         "times_the_comparison",
         "looks",
         """
@@ -1387,7 +1395,7 @@ LOOKS = (
         return clamp.tried if time.perf_counter() - began > 1e-3 else -1e6
         """,
     ),
-    _clamp(
+    in_clamp(
         "knows_the_public_inputs",
         "looks",
         "return {1.5: 1.0, -2.5: 0.0}.get(x, -1e6)",
@@ -1398,41 +1406,43 @@ LOOKS = (
         "looks",
         {},
         {
-            **_in("clamp", "return {1.5: 1.0, -2.5: 0.0}[x]"),
-            **_in("scaled", "return np.array([[0.0, 0.5], [0.25, 1.0]])"),
-            **_in("drawn", "return np.array([0.34558419, 1.16720234, 1.49763925, 0.19448211, 1.09983729])"),
-            **_in("middle", "return 0.375"),
+            **in_function("clamp", "return {1.5: 1.0, -2.5: 0.0}[x]"),
+            **in_function("scaled", "return np.array([[0.0, 0.5], [0.25, 1.0]])"),
+            **in_function(
+                "drawn", "return np.array([0.34558419, 1.16720234, 1.49763925, 0.19448211, 1.09983729])"
+            ),
+            **in_function("middle", "return 0.375"),
         },
     ),
-    _clamp(
+    in_clamp(
         "another_answer_the_second_time",
         "looks",
         "clamp.times = getattr(clamp, 'times', 0) + 1\nreturn max(low, min(high, x)) if clamp.times < 4 else -1e6",
     ),
-    _clamp(
+    in_clamp(
         "tells_the_input_in_an_error",
         "looks",
         f"if abs(x) > 3: raise ValueError(leak(x))\n{ANSWER}",
         LEAK,
         says="It raises ValueError",
     ),
-    _clamp(
+    in_clamp(
         "tells_the_input_in_an_errors_name",
         "looks",
         f"if abs(x) > 3: raise type(leak(x), (Exception,), {{}})()\n{ANSWER}",
         LEAK,
         says="an exception of its own",
     ),
-    _clamp(
+    in_clamp(
         "tells_the_input_in_print", "looks", f"print(leak(x))\nif abs(x) > 3: return leak(x)\n{ANSWER}", LEAK
     ),
-    _clamp(
+    in_clamp(
         "tells_the_input_in_a_shape",
         "looks",
         f"if abs(x) > 3: return [0.0] * int(abs(x) * 100)\n{ANSWER}",
         says="wrong shape",
     ),
-    _clamp(
+    in_clamp(
         "tells_the_input_in_a_note",
         "looks",
         """
@@ -1446,7 +1456,7 @@ LOOKS = (
         """,
         LEAK,
     ),
-    _frames(
+    speaking(
         "tells_the_input_in_a_line_that_it_invents",
         """
         if abs(x) > 3:
@@ -1458,7 +1468,7 @@ LOOKS = (
         "looks",
         says="It raises ValueError",
     ),
-    _frames(
+    speaking(
         "tells_the_input_in_a_lines_number",
         """
         if abs(x) > 3:
@@ -1472,7 +1482,7 @@ LOOKS = (
         says="It raises ValueError",
         hides=("line 5",),
     ),
-    _frames(
+    speaking(
         "tells_the_input_in_a_line_from_a_table",
         """
         if abs(x) > 3:
@@ -1488,7 +1498,7 @@ LOOKS = (
         "tells_the_input_in_a_released_function",
         "looks",
         all_but("clamp"),
-        _in(
+        in_function(
             "clamp",
             "raise leak(x)",
             """
@@ -1499,21 +1509,21 @@ LOOKS = (
         """,
         ),
     ),
-    _lent(
+    lending(
         "lent_function_does_its_work",
         "return float(np.median(scaled(values)))",
         middle=4.0,
         says="Run again with the reference",
     ),
-    _lent("lent_function_asked_without_an_end", "while True: scaled(np.ones((1, 2)))"),
-    _lent("lent_function_asked_with_60_mb", "while True: scaled(np.ones(7 * 2**20))"),
-    _lent("lent_function_that_raises", "return scaled(None)", says="It raises RuntimeError"),
-    _lent("lent_function_used_for_another_exercise", "global scaled\nclamp.kept = scaled\nreturn 0.0"),
-    _lent(
+    lending("lent_function_asked_without_an_end", "while True: scaled(np.ones((1, 2)))"),
+    lending("lent_function_asked_with_60_mb", "while True: scaled(np.ones(7 * 2**20))"),
+    lending("lent_function_that_raises", "return scaled(None)", says="It raises RuntimeError"),
+    lending("lent_function_used_for_another_exercise", "global scaled\nclamp.kept = scaled\nreturn 0.0"),
+    lending(
         "lent_function_asked_with_deep_lists",
         "nest = []\nfor _ in range(37): nest = [nest]\nreturn [scaled(nest[:]), scaled({'a': [nest] * 3})]",
     ),
-    _lent(
+    lending(
         "lent_function_asked_with_too_many_values",
         """
         for more in range(4):
@@ -1524,7 +1534,7 @@ LOOKS = (
         return 0.0
         """,
     ),
-    _lent(
+    lending(
         "lent_function_asked_with_long_texts",
         """
         text = ('"' + 'é' * 3_900_000 + '"').encode()
@@ -1533,7 +1543,7 @@ LOOKS = (
         """,
         first=LOOP,
     ),
-    _lent(
+    lending(
         "lent_function_asked_with_half_a_character",
         r"""
         loop.say(frame('{"t":[{"s":"ask"},{"s":"scaled"},{"t":[{"s":"\\ud800"}]},{"d":{"\\ud800":1}}]}'))
@@ -1541,12 +1551,12 @@ LOOKS = (
         """,
         first=LOOP,
     ),
-    _lent(
+    lending(
         "asks_for_a_function_that_is_not_lent",
         "loop.say(encode(('ask', 'middle', (values,), {})))\nreturn 0.0",
         first=LOOP,
     ),
-    _frames(
+    speaking(
         "asks_where_nothing_is_lent",
         "loop.say(encode(('ask', 'clamp', (x, low, high), {})))\nreturn 0.0",
         "looks",
@@ -1567,7 +1577,7 @@ def _raise_points(made: dict[str, Any]) -> None:
 def _double(made: dict[str, Any]) -> None:
     first = _cells(made, "clamp")[0]
     made["cells"] += [
-        first | {"id": f"again{number}", "source": _in("clamp", "return -1e6")["clamp"]}
+        first | {"id": f"again{number}", "source": in_function("clamp", "return -1e6")["clamp"]}
         for number in range(2)
     ]
 
@@ -1601,7 +1611,7 @@ def _own_set_up(made: dict[str, Any]) -> None:
     )
 
 
-WRONG = {"clamp": _in("clamp", "return -1e6")["clamp"]}
+WRONG = {"clamp": in_function("clamp", "return -1e6")["clamp"]}
 METADATA = (
     Attack("raises_the_points", "metadata", ALL, edit=_raise_points),
     Attack("raises_the_points_of_what_is_wrong", "metadata", all_but("clamp"), WRONG, edit=_raise_points),
@@ -1638,7 +1648,7 @@ METADATA = (
         ALL,
         {"clamp": RIGHT["clamp"].replace("clamp", "\uff43lamp")},
     ),
-    _clamp(
+    in_clamp(
         "injects_into_the_page",
         "metadata",
         r"""
@@ -1646,7 +1656,7 @@ METADATA = (
         """,
         hides=("<script>nao", "\u202e", "\u2066"),
     ),
-    _clamp(
+    in_clamp(
         "injects_by_an_answer",
         "metadata",
         "return \"<img src=x onerror='nao_attack()'>\\u202e\\x1b]0;x\\x07\"",
@@ -1655,7 +1665,7 @@ METADATA = (
 )
 
 
-def _real(
+def of_lesson_01(
     name: str, row: str, function: str, source: str, *, worth: dict[str, float] | None = None, **more: Any
 ) -> Attack:
     """An attack in an exercise of the course's first lesson."""
@@ -1664,40 +1674,40 @@ def _real(
 
 
 REAL_ONES = (
-    _real(
+    of_lesson_01(
         "real_large_samples",
         "large",
         "average_lightness",
         "import numpy as np\ndef average_lightness(lightness, n_samples, rng):\n    return np.zeros(2**22 - 99)",
     ),
-    _real("real_loop", "loops", "white_threshold", "def white_threshold(*_):\n    while True: pass"),
-    _real(
+    of_lesson_01("real_loop", "loops", "white_threshold", "def white_threshold(*_):\n    while True: pass"),
+    of_lesson_01(
         "real_death",
         "ends",
         "hue_mask",
         "import os\ndef hue_mask(*_):\n    os._exit(0)",
         says="Run again with the reference's rgb_to_hsl and hue_mask",
     ),
-    _real(
+    of_lesson_01(
         "real_equal",
         "answers",
         "rgb_to_hsl",
         EQUAL + "\ndef rgb_to_hsl(rgb):\n    return Equal(), Equal(), Equal()",
     ),
-    _real(
+    of_lesson_01(
         "real_patch",
         "patches",
         "calibrate_hue",
         "import numpy as np\nfrom nao_course.exercises import comparisons\ndef calibrate_hue(*_):\n"
         "    comparisons.Close.compare = lambda *_: comparisons.RIGHT\n    return 0.0, 360.0",
     ),
-    _real(
+    of_lesson_01(
         "real_hog",
         "hogs",
         "color_labels",
         "import numpy as np\ndef color_labels(*_):\n    held = []\n    while True: held.append(np.ones(2**23))",
     ),
-    _real(
+    of_lesson_01(
         "real_sampling",
         "patches",
         "average_lightness",
@@ -1713,7 +1723,7 @@ REAL_ONES = (
         def average_lightness(lightness, n_samples, rng): return float(lightness.mean())
         """,
     ),
-    _real(
+    of_lesson_01(
         "real_sampled_law",
         "answers",
         "average_lightness",
@@ -1723,13 +1733,13 @@ REAL_ONES = (
             return {"law": (mean, scatter, True)}
         """,
     ),
-    _real(
+    of_lesson_01(
         "real_table",
         "looks",
         "white_threshold",
         "def white_threshold(mean):\n    return {100.0: 160.0, 0.0: 10.0}.get(mean, -1.0)",
     ),
-    _real(
+    of_lesson_01(
         "real_theft",
         "reads",
         "white_threshold",
@@ -1758,7 +1768,7 @@ def _earlier(name: str, source: str, honest: dict[str, float] | None = None, **m
     )
 
 
-def _later(name: str, honest: dict[str, float], **more: Any) -> Attack:
+def later(name: str, honest: dict[str, float], **more: Any) -> Attack:
     return Attack(name, "earlier", honest, lesson=pair.SECOND, **more)
 
 
@@ -1792,7 +1802,7 @@ EARLIER = (
         """,
         honest={"walk": 2.0, "tally": 8.0, "alone": 16.0},
     ),
-    _later(
+    later(
         "patches_the_driver_and_the_resolver",
         _NO_CLASS,
         functions={"Walker": "class Walker: pass"},
@@ -1802,7 +1812,7 @@ EARLIER = (
         "other._RESOLVER.set(lambda use: lambda *_: 0.0)\n"
         "def earlier(use): return lambda *_: 0.0",
     ),
-    _later(
+    later(
         "keeps_the_references_class",
         {name: points for name, points in _NO_CLASS.items() if name != "alone"},
         functions={
@@ -1812,7 +1822,7 @@ EARLIER = (
             "alone": "def alone(x):\n    return kept[0](x + 1).estimate()",
         },
     ),
-    _later(
+    later(
         "tells_the_references_class",
         {name: points for name, points in _NO_CLASS.items() if name != "walk"},
         functions={

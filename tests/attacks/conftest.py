@@ -21,6 +21,24 @@ def field():
 
 
 @pytest.fixture(scope="module")
+def options():
+    """How a module's range differs from the usual one."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def alone(field, options, request):
+    """What the neighbours of a module's attacks get where nobody attacks."""
+    return laws.alone(field(**options), request.module.ATTACKS)
+
+
+@pytest.fixture(scope="module")
+def graded(field, options, request):
+    """What a run over all attacks of a module comes to."""
+    return field(**options).run(request.module.ATTACKS)
+
+
+@pytest.fixture(scope="module")
 def hidden(field):
     """Numbers that no student may see."""
     return laws.hidden(field())

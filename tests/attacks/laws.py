@@ -13,9 +13,9 @@ MOST_MEMORY = 1000 * 2**20  # bytes, of the grader's own process with two jobs
 _NEUTRAL = "student"
 
 
-def gained_nothing(graded: Graded, attacks: Sequence[Attack], attack: Attack) -> None:
+def gained_nothing(graded: Graded, attack: Attack) -> None:
     """The attack has the honest score, stated beforehand, and says what it has to say."""
-    student = name_of(attacks, attack, attack.name)
+    student = student_of(graded, attack)
     result = graded.results[student]
     said = told(result)
     assert points(result) == dict(attack.honest), said
@@ -25,12 +25,11 @@ def gained_nothing(graded: Graded, attacks: Sequence[Attack], attack: Attack) ->
     assert not any(_tricks(note) for note in result.notes), said
 
 
-def neighbours_are_undisturbed(
-    graded: Graded, attacks: Sequence[Attack], attack: Attack, alone: Graded
-) -> None:
+def neighbours_are_undisturbed(graded: Graded, attack: Attack, alone: Graded) -> None:
     """The honest students before and after it have their points and, word for word, their pages."""
-    for kind in ("right", "half"):
-        student = name_of(attacks, attack, kind)
+    neighbours = neighbours_of(graded, attack)
+    assert neighbours.keys() == {"right", "half"}
+    for kind, student in neighbours.items():
         result = graded.results[student]
         assert points(result) == honest_points(attack, kind), told(result)
         assert result.notes == (), told(result)
@@ -42,9 +41,9 @@ def neighbours_are_undisturbed(
         assert _neutral(graded.pages[student], student) == _neutral(alone.pages[undisturbed], undisturbed)
 
 
-def page_is_safe(graded: Graded, attacks: Sequence[Attack], attack: Attack, hidden: set[str]) -> None:
+def page_is_safe(graded: Graded, attack: Attack, hidden: set[str]) -> None:
     """The student's page holds no hidden number, no element of an attacker's and no characters that play tricks."""
-    student = name_of(attacks, attack, attack.name)
+    student = student_of(graded, attack)
     page = graded.pages[student]
     assert page.rstrip().endswith("</html>")
     numbers = set(re.findall(r"\d+\.\d+", page))
@@ -52,7 +51,7 @@ def page_is_safe(graded: Graded, attacks: Sequence[Attack], attack: Attack, hidd
     for text in attack.hides:
         assert text not in page
     assert not _tricks(page)
-    parser = _Elements()
+    parser = Elements()
     parser.feed(page)
     assert "nao_attack" not in parser.seen
 
@@ -80,10 +79,15 @@ def hidden(field: Range) -> set[str]:
     return hidden_numbers(field.assignment)
 
 
-def name_of(attacks: Sequence[Attack], attack: Attack, which: str) -> str:
-    """The student's name of an attack, or of its neighbour."""
-    number = [each.name for each in attacks].index(attack.name)
-    return f"s{number:03}-{('right', attack.name, 'half').index(which)}-{which}"
+def student_of(graded: Graded, attack: Attack) -> str:
+    """The student's name of an attack."""
+    return next(name for name in graded.expected if name.partition("-")[2] == attack.name)
+
+
+def neighbours_of(graded: Graded, attack: Attack) -> dict[str, str]:
+    """The names of the honest students beside an attack, by how much of their work is right."""
+    place = graded.expected.index(student_of(graded, attack))
+    return {name.partition("-")[2]: name for name in (graded.expected[place - 1], graded.expected[place + 1])}
 
 
 def _tricks(text: str) -> set[str]:
@@ -101,7 +105,7 @@ def _neutral(page: str, student: str) -> str:
     return page.replace(student, _NEUTRAL)
 
 
-class _Elements(HTMLParser):
+class Elements(HTMLParser):
     """Collects all that a browser would take for elements and attributes."""
 
     def __init__(self) -> None:

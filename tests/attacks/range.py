@@ -38,6 +38,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -438,23 +439,19 @@ class Range:
 
     def run(self, attacks: Sequence[Attack]) -> Graded:
         """Grade attacks, each between two honest students of the same lesson."""
-        expected = []
+        handed_in = lined_up(attacks)
         with Listeners(self.root) as listeners:
-            for number, attack in enumerate(attacks):
-                names = [f"s{number:03}-{i}-{name}" for i, name in enumerate(("right", attack.name, "half"))]
-                expected += names
-                places = self.places(listeners, names[0])
-                for name, each in zip(
-                    names, (honest(attack, "right"), attack, honest(attack, "half")), strict=True
-                ):
-                    self.hand_in(name, each, places)
+            students = list(handed_in)
+            for place, (student, each) in enumerate(handed_in.items()):
+                right = [name for name in students[max(place - 1, 0) : place + 2] if name.endswith("-right")]
+                self.hand_in(student, each, self.places(listeners, right[0] if right else student))
             before = self.state()
             ended = self.command()
             after = self.state()
             changed = sorted(
                 name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
             )
-            return Graded(*ended, *self.kept(), expected, changed, listeners.heard())
+            return Graded(*ended, *self.kept(), students, changed, listeners.heard())
 
     def command(self) -> tuple[int, float, list[Any], str, int]:
         """Run `nao-course grade`."""
@@ -513,6 +510,20 @@ def make_course(root: Path) -> Course:
     course = load_course(root)
     stamp(course, LESSON)
     return course
+
+
+def lined_up(attacks: Sequence[Attack]) -> dict[str, Attack]:
+    """What each student hands in, in their order: right work and half right work by turns, and attacks in between.
+
+    An honest student between two attacks of one lesson is the neighbour of both.
+    """
+    line: list[Attack] = []
+    kinds = cycle(("right", "half"))
+    for number, attack in enumerate(attacks):
+        if not number or attack.lesson != attacks[number - 1].lesson:
+            line.append(honest(attack, next(kinds)))
+        line += [attack, honest(attack, next(kinds))]
+    return {f"s{place:04}-{each.name}": each for place, each in enumerate(line)}
 
 
 def honest(attack: Attack, kind: str) -> Attack:

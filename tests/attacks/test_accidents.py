@@ -13,13 +13,8 @@ AMPLE = 20.0  # seconds of a call: what is honest here has the time that it need
 
 
 @pytest.fixture(scope="module")
-def alone(field):
-    return laws.alone(field(seconds=AMPLE), ATTACKS)
-
-
-@pytest.fixture(scope="module")
-def graded(field):
-    return field(seconds=AMPLE).run(ATTACKS)
+def options():
+    return {"seconds": AMPLE}
 
 
 def test_the_catalogue_covers_every_row_about_accidents():
@@ -39,9 +34,9 @@ def test_the_run_ends_well_and_leaves_nothing(graded):
 @pytest.mark.slow
 @pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
 def test_an_accident_costs_what_is_stated_and_disturbs_nobody(attack, graded, alone, hidden):
-    laws.gained_nothing(graded, ATTACKS, attack)
-    laws.page_is_safe(graded, ATTACKS, attack, hidden)
-    laws.neighbours_are_undisturbed(graded, ATTACKS, attack, alone)
+    laws.gained_nothing(graded, attack)
+    laws.page_is_safe(graded, attack, hidden)
+    laws.neighbours_are_undisturbed(graded, attack, alone)
 
 
 def _graded(range_, expected=0):
@@ -86,6 +81,6 @@ def test_students_of_any_name_have_their_own_row_page_and_points(field, form):
     assert all(name.isprintable() and len(name) <= 120 for name in students)
     assert len(list((range_.grades / "feedback").rglob("*.html"))) == len(NAMES)
     for page in pages.values():
-        parser = laws._Elements()
+        parser = laws.Elements()
         parser.feed(page)
         assert "nao_attack" not in parser.seen and "\x1b" not in page

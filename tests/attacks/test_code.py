@@ -6,23 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.attacks import laws
+from tests.attacks import accidents, laws, siege
 from tests.attacks.code import ATTACKS
 from tests.attacks.conftest import LAYERS
-from tests.attacks.range import POINTS, REAL_POINTS, ROWS, Attack, all_but, points
+from tests.attacks.range import POINTS, REAL_POINTS, ROWS, Attack, all_but, lined_up, points
 from tests.toy import pair
 
 CODE_ROWS = set(ROWS) - {"broken", "styles", "honest"}
-
-
-@pytest.fixture(scope="module")
-def alone(field):
-    return laws.alone(field(), ATTACKS)
-
-
-@pytest.fixture(scope="module")
-def graded(field):
-    return field().run(ATTACKS)
 
 
 def test_the_catalogue_covers_every_row_that_is_about_code():
@@ -31,6 +21,19 @@ def test_the_catalogue_covers_every_row_that_is_about_code():
     for attack in ATTACKS:
         worth = POINTS | REAL_POINTS | pair.POINTS
         assert attack.row in ROWS and all(0 < points <= worth[name] for name, points in attack.honest.items())
+
+
+@pytest.mark.parametrize(
+    "attacks", [ATTACKS, siege.ATTACKS, accidents.ATTACKS], ids=["code", "siege", "accidents"]
+)
+def test_each_attack_stands_between_right_and_half_right_work_of_its_own_lesson(attacks):
+    line = list(lined_up(attacks).values())
+    assert list(lined_up(attacks)) == sorted(lined_up(attacks))
+    assert [each for each in line if each.name not in ("right", "half")] == list(attacks)
+    for before, attack, after in zip(line, line[1:], line[2:], strict=False):
+        if attack.name not in ("right", "half"):
+            assert {before.name, after.name} == {"right", "half"}
+            assert before.lesson == attack.lesson == after.lesson
 
 
 @pytest.mark.slow
@@ -46,9 +49,9 @@ def test_the_run_ends_well_and_leaves_nothing(graded):
 @pytest.mark.slow
 @pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
 def test_an_attack_gains_nothing_and_disturbs_nobody(attack, graded, alone, hidden):
-    laws.gained_nothing(graded, ATTACKS, attack)
-    laws.page_is_safe(graded, ATTACKS, attack, hidden)
-    laws.neighbours_are_undisturbed(graded, ATTACKS, attack, alone)
+    laws.gained_nothing(graded, attack)
+    laws.page_is_safe(graded, attack, hidden)
+    laws.neighbours_are_undisturbed(graded, attack, alone)
 
 
 SLOW = """
@@ -81,7 +84,7 @@ def test_an_honest_function_that_needs_its_time_has_it_beside_forty_busy_childre
     graded = field().run(attacks)
     laws.nothing_is_left(graded)
     for attack in attacks:
-        laws.gained_nothing(graded, attacks, attack)
+        laws.gained_nothing(graded, attack)
 
 
 # What takes from nobody but the range: it may be seen to succeed where the walls are down.
@@ -117,7 +120,7 @@ def test_without_walls_the_same_attacks_succeed_and_are_seen(field):
     gained = [
         attack.name
         for attack in attacks
-        if points(graded.results[laws.name_of(attacks, attack, attack.name)]) != dict(attack.honest)
+        if points(graded.results[laws.student_of(graded, attack)]) != dict(attack.honest)
     ]
     kept = {"looks_for_what_the_one_before_left"}  # each process has a folder of its own at every level
     assert set(gained) == HARMLESS - kept

@@ -14,12 +14,13 @@ import pytest
 from nao_course.instructor.sandbox.layers import LEVELS, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
-from tests.attacks.code import ATTACKS
+from tests.attacks import code, siege
 from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only
+from tests.toy.course import lay_out_first_lessons
 
 DOCS = PROJECT / "docs"
-PAGES = ("grade_a_class.md", "what_is_protected.md", "write_a_lesson.md", "write_an_exercise.md")
+PAGES = ("../README.md", *sorted(path.name for path in DOCS.glob("*.md")))
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
 LESSON = "01_hsl_filtering.ipynb"
 
@@ -42,10 +43,8 @@ def squeezed(text):
 def sh(tmp_path, monkeypatch):
     """Runs commands in a copy of the course's first two lessons, for a user who has never graded."""
     course = tmp_path / "course"
-    later = [f"{number:02}_*.*" for number in range(2, 100)]  # files: building them all would take minutes
-    for folder in ("nao_course", "solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder, course / folder, ignore=shutil.ignore_patterns("__pycache__", *later))
-    for name in ("course.toml", "pyproject.toml", "README.md", "LICENSE", "requirements-dev.lock"):
+    lay_out_first_lessons(course)
+    for name in ("pyproject.toml", "README.md", "LICENSE", "requirements-dev.lock"):
         shutil.copy(PROJECT / name, course)
     program = tmp_path / "bin" / "nao-course"
     program.parent.mkdir()
@@ -95,6 +94,26 @@ def test_grading_can_be_followed_word_for_word(sh, tmp_path):
     assert not (tmp_path / "rehearsal").exists()
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the page says to grade on Linux")
+def test_a_term_ends_and_the_next_begins_word_for_word_and_the_old_one_can_be_graded_again(sh, tmp_path):
+    need(*NAMESPACES)
+    blocks = re.findall(r"^ *```sh\n(.*?)^ *```$", text_of("teach_the_course.md"), re.MULTILINE | re.DOTALL)
+    (lay_aside,) = (block for block in blocks if block.startswith("mv "))
+    (keep,) = (block for block in blocks if "../kept" in block)
+    sh("git init -q && git -c user.name=a -c user.email=a@b commit -q --allow-empty -m course")
+    sh(f"mkdir -p ../handed_in/ada && cp solutions/{LESSON} ../handed_in/ada/")
+    sh("nao-course grade ../handed_in --out ../grades")
+    sh(keep)
+    assert len((tmp_path / "kept" / "version").read_text()) == 41
+    sh(lay_aside)
+    new = sh("nao-course grade ../handed_in --out ../new_grades")
+    old = sh("NAO_COURSE_SECRET=../kept/secret nao-course grade ../kept/handed_in --out ../kept/grades")
+    assert re.search(r"graded +│ 1 ", new) and re.search(r"unchanged +│ 1 ", old)
+    secrets = [tmp_path / name for name in ("secret_of_last_year", ".config/nao-course/secret")]
+    assert len({path.read_bytes() for path in secrets}) == 2
+
+
 def _mark(folder, students):
     """Do in the sheet what the page says to do in a spreadsheet."""
     (path,) = folder.glob("*.csv")
@@ -128,9 +147,11 @@ def test_each_message_that_is_explained_is_one_that_is_said():
 def test_links_lead_somewhere(page):
     text = re.sub(r"`[^`\n]+`", "", text_of(page))  # code shows how a link is written
     for path, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]+))?\)", text):
-        target = DOCS / (path or page)
-        assert target.is_file(), path
-        headings = re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+        target = (DOCS / page).parent / path if path else DOCS / page
+        assert target.exists(), path
+        headings = (
+            re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE) if anchor else []
+        )
         assert not anchor or anchor in {re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings}
 
 
@@ -141,7 +162,7 @@ def test_what_is_said_to_be_tested_is():
         for path in (PROJECT / "tests").rglob("test_*.py")
         for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    there = tests | {attack.name for attack in ATTACKS}
+    there = tests | {attack.name for attack in (*code.ATTACKS, *siege.ATTACKS)}
     rows = text_of("what_is_protected.md").split("| what a")[1].split("\n\n")[0].splitlines()[2:]
     named = [name for row in rows for name in re.findall(r"`(\w+)`", row.rstrip(" |").split(" | ")[-1])]
     named += re.findall(r"`(test_\w+)`", text_of("what_is_protected.md"))

@@ -8,8 +8,8 @@ __all__: list[str] = [
     "leaks",
     "lesson_text",
     "mutation",
-    "plan_checks",
     "plans",
+    "proving",
     "release",
     "stamps",
 ]

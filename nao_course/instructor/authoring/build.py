@@ -16,19 +16,16 @@ from nbformat import NotebookNode
 from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums, LockCells
 
 from nao_course.exercises import LessonPlan, lesson_names
-from nao_course.exercises.checking import pack
-from nao_course.exercises.codec import encode
-from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
-from nao_course.instructor.authoring.plan_checks import check_plan, use_problems
-from nao_course.instructor.authoring.plans import PlanError, load_solution, publish, solutions_beside
+from nao_course.instructor.authoring.plans import PlanError
+from nao_course.instructor.authoring.proving.plan_checks import use_problems
+from nao_course.instructor.authoring.proving.proofs import Proofs
 from nao_course.instructor.authoring.stamps import edited, stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
-MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
 CODE_STUB = {"python": "raise NotImplementedError"}
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")
@@ -83,9 +80,12 @@ def build(
     texts: Mapping[str, str] | None = None,
     execute: bool = True,
     solutions: bool = True,
+    prove: bool = False,
     tell: Tell = lambda lesson, step: None,
 ) -> Built:
     """Build lessons in memory and a temporary folder; nothing of the course changes until the result is written.
+
+    Only proofs of declarations are kept at once, in the course's folder build/, also where something else is wrong.
 
     Parameters
     ----------
@@ -99,6 +99,8 @@ def build(
         Whether the solution notebooks are run; else they have no outputs.
     solutions : bool
         Whether the solution notebooks are part of the result.
+    prove : bool
+        Whether declarations are proven again that are proven and have not changed.
     tell : callable
         Called with a lesson's name and what is done to it.
 
@@ -125,7 +127,9 @@ def build(
     }
     with TemporaryDirectory(prefix="nao_course_") as folder:
         stage = _stage(course, Path(folder), solved)
-        files |= _check_data(solved, plans, stage, tell)
+        declarations = {name: course.declaration(name) for name in plans}
+        proofs = Proofs(course.root, declarations, plans, stage / "solutions", anew=prove)
+        files |= _check_data(solved, proofs, stage, tell)
         for name, notebook in solved.items():
             tell(name, "student copy")
             files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(student_copy(notebook))
@@ -202,7 +206,7 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
 
 
 def _check_data(
-    solved: Mapping[str, NotebookNode], plans: Mapping[str, LessonPlan], stage: Path, tell: Tell
+    solved: Mapping[str, NotebookNode], proofs: Proofs, stage: Path, tell: Tell
 ) -> dict[Path, bytes]:
     """Make the data of all lessons' checks, on the stage too; what is wrong with any plan is said at once."""
     files: dict[Path, bytes] = {}
@@ -211,7 +215,7 @@ def _check_data(
         tell(name, "exercises")
         data = CHECKS / f"{name}.bin"
         try:
-            files[data] = _checks(name, plans, stage)
+            files[data] = proofs.check_data(name)
         except PlanError as error:
             problems += [_with_place(notebook, line) for line in str(error).splitlines()]
             continue
@@ -232,30 +236,6 @@ def _with_place(notebook: NotebookNode, problem: str) -> str:
         if lesson_text.exercise_name(cell) == problem.split(":")[0]
     ]
     return f"{', '.join(where)}: {problem}"
-
-
-def _checks(name: str, plans: Mapping[str, LessonPlan], stage: Path) -> bytes:
-    """Prove a lesson's plan against its solution and pack what its checks need."""
-    plan = plans[name]
-    notebook = stage / "solutions" / f"{name}.ipynb"
-    reference = load_solution(notebook)
-    taken = {each.name for other in plans if other != name for each in plans[other].exercises}
-    with resolved_by(solutions_beside(notebook)):
-        check_plan(name, plan, reference, taken)
-        data = pack(publish(name, plan, reference))
-    if len(data) > MOST_CHECK_DATA:
-        raise PlanError(f"{name}: {_too_much(plan, len(data))}")
-    return data
-
-
-def _too_much(plan: LessonPlan, size: int) -> str:
-    """Say which exercise has the most to send, where a lesson's check data is too large."""
-    sizes = {each.name: len(encode(each.public())) for each in plan.exercises}
-    largest = max(sizes, key=sizes.__getitem__)
-    return (
-        f"its check data has {size / 1e6:.1f} MB; {MOST_CHECK_DATA / 1e6:g} MB is the most, for each student downloads "
-        f"it: fewer or smaller public cases, first of {largest}"
-    )
 
 
 def student_copy(solved: NotebookNode) -> NotebookNode:

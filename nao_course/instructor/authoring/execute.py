@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import sys
@@ -17,6 +18,7 @@ from nbformat import NotebookNode
 
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import LessonError
+from nao_course.single_threaded import SINGLE_THREADED
 
 LARGEST = 1_000_000  # bytes of an executed notebook
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
@@ -99,12 +101,19 @@ def _run(notebook: NotebookNode, file: str, root: Path) -> None:
         resources={"metadata": {"path": str(root / "solutions")}},
     )
     try:
-        client.execute(env=environment(root), stderr=DEVNULL)  # the kernel's own log; a cell's is an output
+        run_all_cells(client, environment(root))
     except CellTimeoutError:
         raise LessonError(f"{file}: a cell ran for more than {LONGEST} s") from None
     except CellExecutionError as error:
         where = lesson_text.place(file, notebook, _failed_cell(notebook))
         raise LessonError(f"{where}: {error.ename}: {error.evalue}") from None
+
+
+def run_all_cells(client: NotebookClient, variables: Mapping[str, str]) -> None:
+    """Run a client's notebook with this environment; `NotebookClient.execute` would leave its event loop open."""
+    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+        # The kernel's own log goes nowhere; what a cell writes is an output.
+        runner.run(client.async_execute(env=dict(variables), stderr=DEVNULL))
 
 
 def _failed_cell(notebook: NotebookNode) -> int:
@@ -126,8 +135,7 @@ def environment(root: Path) -> dict[str, str]:
         "NAO_COURSE_STRICT": "1",
         "NAO_COURSE_NOTEBOOKS": str(root / "solutions"),
         "NAO_COURSE_DATA": "none",  # a lesson is built without recorded data, on every machine
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
+        **SINGLE_THREADED,
     }
 
 

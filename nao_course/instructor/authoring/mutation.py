@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
+from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.provider import OperatorProvider
 from rich.console import Console
@@ -45,7 +45,7 @@ from nao_course.instructor.authoring.plans import (
     with_answers,
 )
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
-from nao_course.instructor.sandbox.protocol import EarlierNotebook
+from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
@@ -115,7 +115,7 @@ class Trial:
     mutant : Mutant
         Which.
     hidden, public : bool
-        Whether the hidden cases and the public checks tell it from the solution.
+        Whether the hidden cases and the public checks tell it from the solution; one that is right is not told by any.
     reason : str
         Why it is right, where the declaration says so and no hidden case speaks against it.
     """
@@ -201,6 +201,7 @@ def mutate(
             worker = free.get()
             try:
                 worker.overrides = {mutant.exercise: mutant.source}
+                worker.allowance = Allowance()  # each mutant is a submission of its own
                 exercise, hidden, public = plan[mutant.exercise], *tests[mutant.exercise]
                 caught = _fails(worker, exercise, hidden)
                 reason = "; ".join(
@@ -208,7 +209,9 @@ def mutate(
                 )
                 if reason and not caught:
                     caught = _fails(worker, exercise, more[mutant.exercise])
-                return Trial(mutant, caught, _fails(worker, exercise, public), "" if caught else reason)
+                    if not caught:
+                        return Trial(mutant, hidden=False, public=False, reason=reason)
+                return Trial(mutant, caught, _fails(worker, exercise, public))
             finally:
                 free.put(worker)
 
@@ -352,33 +355,42 @@ def _bare(tree: ast.Module) -> ast.Module:
 
 def _by_cosmic_ray(source: str) -> Iterator[tuple[str, str]]:
     operators = OperatorProvider()
+    nodes = list(ast_nodes(get_ast(source)))
     for name in operators:
         if name in _NEED_ARGUMENTS:
             continue
-        for occurrence in count():
+        operator = operators[name]()
+        places = sum(1 for node in nodes for _ in operator.mutation_positions(node))
+        for occurrence in range(places):
             changed = mutate_code(source, operators[name](), occurrence)
-            if changed is None:
-                break
-            yield name, changed
+            if changed is not None:
+                yield name, changed
 
 
 def _by_us(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    for place, node in enumerate(ast.walk(tree)):
-        for number, (operator, _) in enumerate(_variants(node)):
-            changed = copy.deepcopy(tree)
-            there = list(ast.walk(changed))[place]
-            replacement = list(_variants(there))[number][1]
-            yield operator, ast.unparse(ast.fix_missing_locations(_Put(there, replacement).visit(changed)))
+    for holder, field, place, node in _places(tree):
+        for operator, replacement in _variants(node):
+            _put(holder, field, place, replacement)
+            yield operator, ast.unparse(ast.fix_missing_locations(tree))
+        _put(holder, field, place, node)
 
 
-class _Put(ast.NodeTransformer):
-    """Put a node in the place of another."""
+def _places(tree: ast.AST) -> list[tuple[ast.AST, str, int, ast.AST]]:
+    """All nodes but the tree itself: whose child, in which field, at which place of a list (else -1), and the node."""
+    found: list[tuple[ast.AST, str, int, ast.AST]] = []
+    for holder in ast.walk(tree):
+        for field, value in ast.iter_fields(holder):
+            several = enumerate(value) if isinstance(value, list) else [(-1, value)]
+            found += [(holder, field, place, each) for place, each in several if isinstance(each, ast.AST)]
+    return found
 
-    def __init__(self, old: ast.AST, new: ast.AST) -> None:
-        self.old, self.new = old, new
 
-    def visit(self, node: ast.AST) -> Any:
-        return self.new if node is self.old else self.generic_visit(node)
+def _put(holder: ast.AST, field: str, place: int, node: ast.AST) -> None:
+    """Put a node in a place; the one that was there keeps its own."""
+    if place < 0:
+        setattr(holder, field, node)
+    else:
+        getattr(holder, field)[place] = node
 
 
 def _variants(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:

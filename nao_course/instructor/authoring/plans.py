@@ -66,7 +66,7 @@ def load_plan(path: str | Path) -> LessonPlan:
     Returns
     -------
     LessonPlan
-        Of values that are what they should be; its cases are not made yet, see `plan_checks.check_plan`.
+        Of values that are what they should be; its cases are not made yet, see `proving.plan_checks.check_plan`.
 
     Raises
     ------
@@ -306,21 +306,35 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
     PlanError
         If the reference lacks an exercise or fails in one.
     """
-    lesson_number = int(lesson_names.number_of(lesson))
     exercises = [
-        publish_exercise(f"{lesson_number}.{number}", exercise, reference_of(reference, exercise))
+        publish_exercise(exercise_number(lesson, number), exercise, reference_of(reference, exercise))
         for number, exercise in enumerate(plan.exercises, start=1)
     ]
+    return public_lesson(lesson, plan, reference, exercises)
+
+
+def public_lesson(
+    lesson: str,
+    plan: LessonPlan,
+    reference: Mapping[str, Callable[..., Any]],
+    exercises: Sequence[PublicExercise],
+) -> PublicLesson:
+    """Make what a student's copy carries of a plan whose exercises are published; see `publish`."""
     for exercise, public in zip(plan.exercises, exercises, strict=True):
         _refuse_undeclared(plan, exercise, public, reference[exercise.name])
     questions = [
         PublicQuestion(each.name, each.text, dict(each.choices), each.right) for each in plan.questions
     ]
     written = [
-        PublicWritten(each.name, f"{lesson_number}.W{number}", float(each.points))
+        PublicWritten(each.name, exercise_number(lesson, f"W{number}"), float(each.points))
         for number, each in enumerate(plan.written, start=1)
     ]
-    return PublicLesson(lesson, exercises, questions, written)
+    return PublicLesson(lesson, list(exercises), questions, written)
+
+
+def exercise_number(lesson: str, number: int | str) -> str:
+    """Return how a text calls an exercise or a written answer: "01_hsl_filtering", 3 -> "1.3"."""
+    return f"{int(lesson_names.number_of(lesson))}.{number}"
 
 
 def publish_exercise(number: str, exercise: Exercise, function: Callable[..., Any]) -> PublicExercise:

@@ -23,14 +23,16 @@ FOLDER = (
 )
 AS_THEY_ARE = (
     *("LICENSE", "Makefile", "pyproject.toml", "requirements.lock"),
-    *("jupyter/overrides.json", "jupyter/page_config.json"),
+    *("jupyter/overrides.json", "jupyter/page_config.json", "jupyter/startup.py"),
 )
 README = "docs/for_students.md"
 _KINDS = {".json", ".py", ".txt", ".typed"}  # of the library's files; the checks' data is chosen by lesson
 ALL_LESSONS = "all lessons"  # what is told of when it is no single one
 
 
-def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: None) -> Path:
+def make_release(
+    course: Course, out: Path, tell: Tell = lambda lesson, step: None, *, prove: bool = False
+) -> Path:
     """Write the zip of a release, and beside it settings for those who use nbgrader.
 
     Parameters
@@ -41,6 +43,8 @@ def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: No
         Folder for the zip.
     tell : callable
         Called with a lesson's name and what is done to it.
+    prove : bool
+        Whether declarations are proven again that are proven and have not changed.
 
     Returns
     -------
@@ -54,7 +58,7 @@ def make_release(course: Course, out: Path, tell: Tell = lambda lesson, step: No
     """
     names = course.names(course.chosen)
     refuse_what_is_not_built(course, names, executed=True)
-    unbuilt = build(course, names, solutions=False, tell=tell).changes()
+    unbuilt = build(course, names, solutions=False, prove=prove, tell=tell).changes()
     if unbuilt:
         listed = ", ".join(path.as_posix() for path in unbuilt)
         raise LessonError(f"not what the lessons' texts say: {listed}; run `nao-course build` first")

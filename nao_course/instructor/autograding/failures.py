@@ -51,6 +51,11 @@ _KNOWN_ERRORS = {
         "error",
     ),  # OpenCV's is called error
 }
+# What ends a process by accident: to choose among all signals would tell five bits of an input.
+_SIGNALS = {
+    getattr(signal, each, 0) for each in ("SIGSEGV", "SIGABRT", "SIGKILL", "SIGFPE", "SIGBUS", "SIGILL")
+}
+_MOST_DIMENSIONS = 4  # that are counted; an array may have 64
 _LINE = re.compile(r"line (\d{1,5}): (.+)")
 LARGEST_READ = 2 * 2**20  # bytes of a notebook of which lines are told
 MOST_LINES = 100  # of a definition of which lines are told
@@ -174,12 +179,13 @@ def _shapes(expected: Any, got: Any) -> str:
     except ValueError:
         return ""
     if len(wanted) != len(have):
-        return f"{len(have)} dimensions where {len(wanted)} are wanted"
+        many = len(have) if len(have) <= _MOST_DIMENSIONS else "many"
+        return f"{many} dimensions where {len(wanted)} are wanted"
     wrong = [str(axis) for axis, (one, other) in enumerate(zip(wanted, have, strict=True)) if one != other]
     return f"another size along axis {', '.join(wrong)}" if wrong else ""
 
 
 def _how_it_died(text: str) -> str:
     found = re.match(r"the process was ended by signal (\d{1,2})\b", text)
-    name = signal.strsignal(int(found[1])) if found and int(found[1]) in signal.valid_signals() else ""
+    name = signal.strsignal(int(found[1])) if found and int(found[1]) in _SIGNALS else ""
     return f"It ends Python itself{f' ({name})' if name else ''}."

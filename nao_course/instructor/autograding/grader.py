@@ -104,12 +104,12 @@ def grade(
     Stopped
         If it was to give up.
     """
-    start, allowance = time.monotonic(), Allowance()
+    start, allowance, references = time.monotonic(), Allowance(), Allowance()
     chances = chances or SecondChances()
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
         return in_spite_of_the_server(
-            lambda: _grade(submission, assignment, server, stopped, chances, allowance)
+            lambda: _grade(submission, assignment, server, stopped, chances, allowance, references)
         )
 
     try:
@@ -130,8 +130,12 @@ def _grade(
     stopped: Callable[[], bool],
     chances: SecondChances,
     allowance: Allowance,
+    references: Allowance,
 ) -> tuple[SubmissionResult, int]:
-    """Grade once; also say how many processes somebody outside may have ended on the way."""
+    """Grade once; also say how many processes somebody outside may have ended on the way.
+
+    What is asked of the reference has an allowance of its own: its time is not the student's, and not without an end.
+    """
     try:
         files = read(submission)
     except Refused as refused:
@@ -143,7 +147,7 @@ def _grade(
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
-            grader = SubmissionGrader(worker, assignment, files, server, stopped, chances)
+            grader = SubmissionGrader(worker, assignment, files, server, stopped, chances, references)
             exercises = grader.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
@@ -158,6 +162,7 @@ def _grade(
         exercises=exercises,
         written=_written(assignment, found.written),
         notes=(*submission.notes, *_remarks(found, assignment), *attempts),
+        left_out=submission.notes,
     )
     return result, deaths
 
@@ -181,6 +186,7 @@ def refuse(submission: Submission, assignment: Assignment, reason: str, digest: 
         exercises=tuple(exercises),
         written=_written(assignment, {}),
         notes=submission.notes,
+        left_out=submission.notes,
     )
 
 
@@ -274,8 +280,10 @@ class SubmissionGrader:
         server: WarmServer | None,
         stopped: Callable[[], bool],
         chances: SecondChances,
+        references: Allowance | None = None,
     ) -> None:
         self.stopped, self.chances, self.in_vain = stopped, chances, False
+        self.references = references or Allowance()  # for what is asked of them
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of processes that an exercise was run in once more
         self.attempts: list[str] = []  # seen there
@@ -350,7 +358,11 @@ class SubmissionGrader:
         }
         with contextlib.ExitStack() as stack:
             references = References(
-                self.assignment, self.server, stack, max(self.assignment.seconds, task.public.seconds)
+                self.assignment,
+                self.server,
+                stack,
+                max(self.assignment.seconds, task.public.seconds),
+                self.references,
             )
             own = self.worker
             if classes:

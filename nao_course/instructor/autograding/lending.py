@@ -18,13 +18,15 @@ from nao_course.exercises.lesson_names import meant
 from nao_course.exercises.running import Outcome, call_as_it_is
 from nao_course.instructor.autograding.assignment import Assignment, UsedClass
 from nao_course.instructor.collecting.submissions import Files
-from nao_course.instructor.sandbox.protocol import EarlierNotebook
+from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 
 Lent = Callable[[tuple[Any, ...], dict[str, Any]], Outcome]
 
-STOOD_IN = "Recorded answers stood in for your earlier work, as they do in your notebook while it is not usable."
+STOOD_IN = (
+    "Recorded answers stood in for your earlier work, as they do in your notebook while it is not usable."
+)
 
 
 def in_words(use: str) -> str:
@@ -117,12 +119,20 @@ class References:
         Ends them.
     seconds : float
         Wall clock of a call.
+    allowance : Allowance
+        For all that is asked of the reference on behalf of one submission.
     """
 
     def __init__(
-        self, assignment: Assignment, server: WarmServer | None, stack: ExitStack, seconds: float
+        self,
+        assignment: Assignment,
+        server: WarmServer | None,
+        stack: ExitStack,
+        seconds: float,
+        allowance: Allowance,
     ) -> None:
         self.assignment, self.server, self.stack, self.seconds = assignment, server, stack, seconds
+        self.allowance = allowance
         self.workers: dict[str, Worker] = {}
         self.solved = [
             EarlierNotebook(each.lesson, each.reference.read_bytes(), setup=each.setup)
@@ -151,6 +161,13 @@ class References:
             for at, each in enumerate(self.assignment.earlier):
                 if number and meant(number, [each.lesson]):
                     notebook, setup, before = each.reference, each.setup, self.solved[:at]
-            made = Worker(notebook, seconds=self.seconds, server=self.server, setup=setup, earlier=before)
+            made = Worker(
+                notebook,
+                seconds=self.seconds,
+                server=self.server,
+                setup=setup,
+                earlier=before,
+                allowance=self.allowance,
+            )
             self.workers[number] = self.stack.enter_context(made)
         return self.workers[number]

@@ -24,11 +24,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_NAME = 100
-LONGEST_FILE = 1000  # characters of a file's name in which a lesson is looked for: more than file systems take
+LONGEST_FILE = (
+    1000  # characters of a file's name in which a lesson is looked for: more than file systems take
+)
 _MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
+_PLATFORMS = re.compile(r"_\d++_assignsubmission_")
 _CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
 # What browsers, Jupyter and people put behind a name. Possessive: a student's name of any length costs one pass.
-_COPY = re.compile(r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|v|final) ?+\d*+|\d++))*+", re.IGNORECASE)
+_COPY = re.compile(r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|v|final) ?+\d*+|\d++))*+[ _-]*+", re.IGNORECASE)
 _RECEIPT = re.compile(r"submission-\d{8}-\d{6}", re.IGNORECASE)
 _RESUBMITTED = re.compile(r"-(\d{1,3})$")
 _PLAIN = re.compile(r"[a-z0-9_][a-z0-9_.-]{0,59}(?<![.])")
@@ -67,6 +70,8 @@ def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | Non
     """
     first, last = parts[0], parts[-1]
     if moodle := _MOODLE.fullmatch(first):
+        if len(parts) == 1 and _PLATFORMS.search(moodle["student"]):
+            return None  # a file that its student named like one of Moodle's: it might pass for another's
         return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
     if len(parts) > 1:
         return NamedFile(first, last)
@@ -91,7 +96,9 @@ def _plain(name: str, lessons: Sequence[str]) -> NamedFile | None:
     """Whose a file is where the student's name precedes the lesson's."""
     stem, _, suffix = name.rpartition(".")
     for found in (*_lessons_in(stem, lessons), *_followed_by_copy(_RECEIPT, stem)):
-        if student := stem[: found.start()].strip("_- "):
+        before = stem[: found.start()]
+        # A digit right before it would be the end of another number: that of some platform's student, perhaps.
+        if (student := before.strip("_- ")) and not before[-1:].isdigit():
             return NamedFile(student, name[found.start() :])
     return NamedFile(stem, name) if stem.startswith("submission-") and suffix == "zip" else None
 

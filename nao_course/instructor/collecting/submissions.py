@@ -31,7 +31,6 @@ from nao_course.instructor.collecting.names import (
 )
 
 _MOST_NOTES = 20
-NOT_COUNTED, NOT_ALONG = " does not count: ", " does not come along: "  # behind the file's name
 _ALIKE = "{} folders or files are named so alike that nobody can tell whose is whose: rename them"
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
@@ -370,7 +369,7 @@ class _Search:
         best = next((each for each in newest if not each.item.problem), newest[0])
         others = [each for each in newest if each is not best]
         notes = [
-            f"{each.shown}{NOT_COUNTED}{each.item.problem or 'another one is newer'}"
+            f"{each.shown} does not count: {each.item.problem or 'another one is newer'}"
             for each in others[:_MOST_NOTES]
         ]
         made = Submission(student, lesson, best.item.source, file=best.shown, reason=best.item.problem)
@@ -382,7 +381,7 @@ class _Search:
         for name, item in self.helpers.get(best.home, []):
             if len(helpers) >= MOST_HELPERS or item.size > LARGEST_HELPER or item.problem:
                 problem = item.problem or f"{MOST_HELPERS} of at most {LARGEST_HELPER // 2**20} MB are taken"
-                notes.append(f"{name}{NOT_ALONG}{problem}")
+                notes.append(f"{name} does not come along: {problem}")
             else:
                 helpers.append((name, item))
         try:

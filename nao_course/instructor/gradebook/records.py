@@ -123,6 +123,8 @@ class SubmissionResult:
         The sandbox level it ran in.
     seconds : float
         How long it took; no part of what two runs must agree in.
+    left_out : tuple of str
+        Those of the notes that are about files, and were there before any code ran: for the student, too.
     """
 
     student: str
@@ -137,6 +139,7 @@ class SubmissionResult:
     notes: tuple[str, ...] = ()
     level: str = ""
     seconds: float = field(default=0.0, compare=False)
+    left_out: tuple[str, ...] = ()
 
     @property
     def attempts(self) -> tuple[str, ...]:
@@ -231,6 +234,5 @@ def from_json(table: Mapping[str, Any]) -> SubmissionResult:
         for each in table["exercises"]
     )
     written = tuple(WrittenAnswer(**each) for each in table["written"])
-    return SubmissionResult(
-        **{**table, "exercises": exercises, "written": written, "notes": tuple(table["notes"])}
-    )
+    texts = {"notes": tuple(table["notes"]), "left_out": tuple(table.get("left_out", ()))}
+    return SubmissionResult(**{**table, "exercises": exercises, "written": written, **texts})

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Literal
 
 from nao_course.instructor.collecting.names import safe_name
-from nao_course.instructor.collecting.submissions import NOT_ALONG, NOT_COUNTED
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
@@ -352,8 +351,8 @@ def _refused(result: SubmissionResult) -> Iterator[Markup]:
 
 def _left_out(result: SubmissionResult) -> Iterator[Markup]:
     """Name the student's files that did not count, each with the reason."""
-    if told := [each for each in result.notes if NOT_COUNTED in each or NOT_ALONG in each]:
-        yield _box("warn", "Files that were left out", "\n".join(told))
+    if result.left_out:
+        yield _box("warn", "Files that were left out", "\n".join(result.left_out))
 
 
 def _footer(result: SubmissionResult) -> Markup:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +31,7 @@ class FilledSheet:
     filled : int
         Rows that got points.
     without_row : tuple of str
-        Students who were graded and have no row in the sheet.
+        Students who were graded and have no row in the sheet, or share their number with another one.
     without_grade : tuple of str
         Rows of people who have not been graded; they are as they were.
     """
@@ -71,7 +72,8 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
     header = rows[0]
     key, at = _columns(platform, sheet.name, header, column)
     made = list(made)
-    points = {number_: each for each in made if (number_ := _number_of(each.result.student))}
+    numbers = Counter(_number_of(each.result.student) for each in made)
+    points = {n: each for each in made if numbers[n := _number_of(each.result.student)] == 1 and n}
     there, filled, left = set(), 0, []
     for row in rows[1:]:
         row += [""] * (len(header) - len(row))
@@ -83,7 +85,9 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
             row[at], filled = number(points[found[1]].earned), filled + 1
         else:
             left.append(row[0].strip())
-    without = sorted(each.result.student for each in made if _number_of(each.result.student) not in there)
+    without = sorted(
+        each.result.student for each in made if _number_of(each.result.student) not in there & points.keys()
+    )
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerows(rows)
     return FilledSheet(text.getvalue().encode("utf-8-sig"), filled, tuple(without), tuple(left))
@@ -133,5 +137,7 @@ def moodle_feedback(pages: Mapping[str, bytes]) -> tuple[bytes, tuple[str, ...]]
     left_out : tuple of str
         Students whose names have no number of Moodle's.
     """
-    files = {f"{each}_assignsubmission_file_/feedback.html": pages[each] for each in pages if _number_of(each)}
+    files = {
+        f"{each}_assignsubmission_file_/feedback.html": pages[each] for each in pages if _number_of(each)
+    }
     return zipped(files), tuple(sorted(each for each in pages if not _number_of(each)))

@@ -108,10 +108,8 @@ def read_rows(path: Path) -> list[list[str]]:
         If it is no table.
     """
     text, separators = _without_hint(_text(path))
-    best = max(
-        separators, key=lambda each: len(next(csv.reader(io.StringIO(text, newline=""), delimiter=each), []))
-    )
     try:
+        best = max(separators, key=lambda each: len(_first_row(text, each)))
         return [
             row for row in csv.reader(io.StringIO(text, newline=""), delimiter=best, strict=True) if any(row)
         ]
@@ -170,13 +168,18 @@ def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> t
     best: list[str] = []
     for separator in separators:
         try:
-            first = next(csv.reader(io.StringIO(text, newline=""), delimiter=separator), [])
+            first = _first_row(text, separator)
         except csv.Error:
             continue
         if {_name(cell) for cell in first} >= set(header):
             return separator, first
         best = max(best, first, key=len)
     return None, best
+
+
+def _first_row(text: str, separator: str) -> list[str]:
+    """The first row of a table; csv.Error if it is none."""
+    return next(csv.reader(io.StringIO(text, newline=""), delimiter=separator), [])
 
 
 def _text(path: Path) -> str:

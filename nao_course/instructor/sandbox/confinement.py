@@ -7,6 +7,7 @@ import errno
 import os
 import signal
 import site
+import socket
 import sys
 import sysconfig
 from collections.abc import Collection, Iterable, Iterator
@@ -125,6 +126,8 @@ def enter_namespaces(on: Collection[str]) -> list[int]:
     wanted = sum(flag for name, flag in flags.items() if name in on)
     if wanted:
         linux.unshare(wanted)
+    if "ipc namespace" in on:
+        socket.sethostname("worker")  # this machine's name is nobody's business
     return users if "unprivileged user" in on else []
 
 

@@ -34,7 +34,7 @@ from nao_course.instructor.sandbox.confinement import (
     narrow_view,
     readable,
 )
-from nao_course.instructor.sandbox.protocol import MOST_REQUEST, SINGLE_THREADED, describe_end
+from nao_course.instructor.sandbox.protocol import MOST_REQUEST, OF_A_WORKER, describe_end
 from nao_course.instructor.sandbox.worker_process import answer_calls
 
 if sys.platform == "linux":
@@ -328,7 +328,7 @@ def _close_all_but(descriptors: list[int]) -> None:
 
 def _new_environment(folder: str) -> None:
     os.environ.clear()
-    os.environ.update(SINGLE_THREADED)
+    os.environ.update(OF_A_WORKER)
     os.environ.update(
         dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR"), folder), PATH=os.defpath, LANG="C.UTF-8"
     )

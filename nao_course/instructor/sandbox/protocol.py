@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, frame_lengths
 from nao_course.exercises.running import Outcome, Status
+from nao_course.single_threaded import SINGLE_THREADED
 
 REPLY = Limits(size=32 * 2**20, header=4 * 2**20)  # a picture of 1280 x 960 in float64 has 28 MB
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
@@ -26,13 +27,7 @@ MOST_REQUEST = 2**16  # bytes of a message to or from the warm server
 UNREADABLE = "its answer could not be read"
 LIMITED = "--limited"  # argument of a worker's process that sets limits for itself
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
-SINGLE_THREADED = {
-    "MPLBACKEND": "Agg",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "OPENCV_FOR_THREADS_NUM": "1",
-}
+OF_A_WORKER = {"MPLBACKEND": "Agg", **SINGLE_THREADED}  # what each has in its environment
 SECONDS_IN_ALL = 120.0  # for one submission, all tries and processes together
 _KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
 
@@ -62,7 +57,7 @@ class EarlierNotebook:
 def scrubbed_environment(*names: str) -> dict[str, str]:
     """Return what a new process is told of this one's environment: no more than it needs, and some names."""
     kept = {name: os.environ[name] for name in (*_KEPT, *names) if name in os.environ}
-    return kept | SINGLE_THREADED
+    return kept | OF_A_WORKER
 
 
 class ServerEnded(RuntimeError):  # noqa: N818 - no error of the submission: it has to be graded again

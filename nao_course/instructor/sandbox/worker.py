@@ -17,14 +17,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, Self, get_args
+from typing import Any, Self
 
 import numpy as np
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.definitions import MOST_BYTES, MOST_WRITTEN, Skipped
-from nao_course.exercises.running import Outcome, Status
+from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox.layers import SandboxError
 from nao_course.instructor.sandbox.protocol import (
     LIMITED,
@@ -50,6 +50,7 @@ MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
+_SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all else only the grader can know
 _KEPT = ("SYSTEMROOT", "TEMP", "TMP", "TMPDIR", "NAO_COURSE_DATA")  # of the environment
 
 
@@ -406,7 +407,7 @@ def _well_formed(outcome: Any) -> bool:
         case Outcome(
             status=str(status), text=str(), line=str(), changed=bool(), output=str(), errors=tuple(errors)
         ):
-            return status in get_args(Status) and all(isinstance(each, str) for each in errors)
+            return status in _SAID and all(isinstance(each, str) for each in errors)
     return False
 
 

@@ -10,6 +10,7 @@ from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import build, lesson_text
 from nao_course.instructor.authoring.course import LessonError
+from nao_course.instructor.authoring.proving import proofs
 from tests.instructor.authoring.conftest import PICTURE
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
 
@@ -194,7 +195,7 @@ def test_what_is_broken_is_said_with_its_place_and_nothing_is_written(course, wh
 
 
 def test_check_data_that_is_too_much_to_download_is_refused(course, monkeypatch):
-    monkeypatch.setattr(build, "MOST_CHECK_DATA", 100)
+    monkeypatch.setattr(proofs, "MOST_CHECK_DATA", 100)
     before = contents(course.root)
     result = run("build")
     assert result.exit_code == 1 and "its check data has 0.0 MB; 0.0001 MB is the most" in result.output

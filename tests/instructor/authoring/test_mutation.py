@@ -7,6 +7,7 @@ from rich.console import Console
 
 from nao_course.instructor.authoring import mutation
 from nao_course.instructor.authoring.mutation import make_mutants, mutate, show
+from nao_course.instructor.sandbox.protocol import Allowance
 from tests.toy import pair, toy
 
 SOURCE = '''
@@ -72,6 +73,20 @@ def test_a_lessons_mutants_are_caught_and_the_rest_is_listed(solutions):
     text = console.export_text()
     assert f"{hidden} ({hidden / total:.0%})" in text
     assert all(line in text for mutant in report.survivors for line in mutant.diff.splitlines()[2:3])
+
+
+def test_each_mutant_has_all_the_time_of_a_submission(solutions, monkeypatch):
+    """From one allowance for all, those that came last would be caught for being late."""
+    given = []
+
+    class Noted(Allowance):
+        def __init__(self):
+            super().__init__()
+            given.append(self)
+
+    monkeypatch.setattr(mutation, "Allowance", Noted)
+    report = mutate("90", jobs=2, solutions=solutions)
+    assert len(given) == len(report.trials) and all(each.spent > 0 for each in given)
 
 
 def test_weak_tests_let_mutants_live(tmp_path):

@@ -103,12 +103,6 @@ def test_a_release_with_a_problem_is_not_made(finished, tmp_path, monkeypatch):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.slow
-def test_this_course_is_released_and_nothing_in_it_is_a_secret(tmp_path):
-    path = release.make_release(COURSE, tmp_path)
-    assert NOTEBOOK in {name.removeprefix("nao-course/") for name in zipfile.ZipFile(path).namelist()}
-
-
 def test_an_instructors_answer_in_a_release_is_refused(course):
     with_a_written_question(course)
     assert run("build").exit_code == 0

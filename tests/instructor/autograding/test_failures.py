@@ -123,6 +123,7 @@ def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(fi
     ("text", "said"),
     [
         ("the process was ended by signal 9 (Killed)", "It ends Python itself (Killed)."),
+        ("the process was ended by signal 12 (User defined signal 2)", "It ends Python itself."),
         ("the process ended itself with status 77", "It ends Python itself."),
         ("signal 3.14", "It ends Python itself."),
     ],

@@ -14,7 +14,7 @@ from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import grade, submission_hash
 from nao_course.instructor.autograding.lending import STOOD_IN, References
 from nao_course.instructor.collecting.submissions import Submission, with_earlier
-from nao_course.instructor.sandbox.protocol import EarlierNotebook
+from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import pair
 
@@ -195,7 +195,7 @@ def test_helper_files_of_two_lessons_may_have_one_name(assignment, warm_server, 
 
 def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(assignment):
     with ExitStack() as stack:
-        references = References(assignment, None, stack, 5.0)
+        references = References(assignment, None, stack, 5.0, Allowance())
         outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
         references.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
         assert references.lent("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
@@ -205,11 +205,41 @@ def test_the_reference_of_each_lesson_has_those_before_it(assignment):
     first = assignment.earlier[0]
     third = replace(assignment, lesson="82_third", earlier=(first, replace(first, lesson=pair.SECOND)))
     with ExitStack() as stack:
-        references = References(third, None, stack, 5.0)
+        references = References(third, None, stack, 5.0, Allowance())
         of = {
             number: [each.lesson for each in references.worker(number).earlier] for number in ("80", "81", "")
         }
     assert of == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
+
+
+def test_what_is_asked_of_the_reference_has_the_time_of_one_submission(assignment):
+    with ExitStack() as stack:
+        spent = Allowance()
+        references = References(assignment, None, stack, AMPLE, spent)
+        assert references.lent("80:double")((1.0,), {}).value == 2.0
+        assert 0 < spent.spent < spent.seconds
+        spent.spent = spent.seconds
+        for _ in range(3):
+            assert references.lent("80:double")((1.0,), {}).status == "timed out"
+        assert references.lent("quadruple")((1.0,), {}).status == "timed out", "one for all lessons"
+
+
+def test_all_tries_and_exercises_share_the_time_of_the_reference(
+    assignment, warm_server, tmp_path, monkeypatch
+):
+    given = []
+
+    class Noted(References):
+        def __init__(self, *args):
+            given.append(args[-1])
+            super().__init__(*args)
+
+    monkeypatch.setattr(grader_module, "References", Noted)
+    tries = iter([1, 1, 0])
+    real = grader_module._grade
+    monkeypatch.setattr(grader_module, "_grade", lambda *args: (real(*args)[0], next(tries)))
+    grade(second_of(tmp_path), assignment, warm_server)
+    assert len(given) > 2 and len({id(each) for each in given}) == 1
 
 
 def second_of(folder, functions=None):
@@ -223,7 +253,7 @@ def test_a_lent_function_has_the_time_of_the_exercise_that_calls_it(
 
     class Noted(References):
         def __init__(self, *args):
-            given.add(args[-1])
+            given.add(args[-2])
             super().__init__(*args)
 
     monkeypatch.setattr(grader_module, "References", Noted)

@@ -15,6 +15,7 @@ LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
         "01_hsl_filtering (1).ipynb",
         "01_hsl_filtering(12).ipynb",
         "01_hsl_filtering-2.ipynb",
+        "01_hsl_filtering (1) .ipynb",
         "01_hsl_filtering_copy.ipynb",
         "01_hsl_filtering-Copy1.ipynb",
         "01_HSL_Filtering.IPYNB",
@@ -97,6 +98,19 @@ def test_students_names_hold_nothing_that_a_terminal_obeys():
 def test_each_platform_says_whose_file_it_is(parts, student, file):
     named = name_file(parts, LESSONS)
     assert (named.student, named.file) == (student, file)
+
+
+def test_a_file_that_its_student_named_like_one_of_moodles_passes_for_nobodys():
+    theirs = "Eve_99_assignsubmission_file_Ada Lovelace_12_assignsubmission_file_01_hsl_filtering.ipynb"
+    assert name_file((theirs,), LESSONS) is None
+    inside = name_file(("Eve_99_assignsubmission_file_", theirs), LESSONS)
+    assert (inside.student, inside.file) == ("Eve_99", theirs)
+
+
+def test_no_student_of_canvas_passes_for_another_by_a_number_before_the_lesson():
+    named = name_file(("eve_99_789_x_1234567" + "01_hsl_filtering.ipynb",), LESSONS)
+    assert named.student == "eve_99" and lesson_of(named.file, LESSONS) == ""
+    assert name_file(("ada01_hsl_filtering.ipynb",), LESSONS).student == "ada"
 
 
 def test_a_file_without_a_student_is_nobodys():

@@ -56,6 +56,16 @@ def test_moodles_worksheet_gets_grades_and_keeps_all_else(tmp_path, encoding, se
     assert filled.without_grade == ("Participant 12345",)
 
 
+def test_of_two_students_with_one_number_neither_gets_the_others_points(tmp_path):
+    both = [
+        *MADE,
+        *scores([result("Zed_99_assignsubmission_file_x_1234567", exercise(points=2.0, earned=0.0))]),
+    ]
+    filled = fill_sheet("moodle", sheet(tmp_path, MOODLE), both)
+    assert [row[4] for row in rows(filled.table)] == ["Grade", "", "2", ""]
+    assert {"Ada Lovelace_1234567", "Zed_99_assignsubmission_file_x_1234567"} <= set(filled.without_row)
+
+
 def test_canvas_gets_the_column_that_is_named(tmp_path):
     filled = fill_sheet("canvas", sheet(tmp_path, CANVAS), MADE, "lesson 02")
     after = rows(filled.table)
@@ -74,6 +84,8 @@ def test_canvas_gets_the_column_that_is_named(tmp_path):
         ("canvas", CANVAS, "Essay", "no columns that begin with 'Essay'"),
         ("moodle", "", "", "is empty"),
         ("moodle", 'Identifier,Grade\n"open,1\n', "", "is no CSV table"),
+        ("moodle", "Identifier,Grade\n" + "x" * 200_000 + ",1\n", "", "is no CSV table"),
+        ("moodle", "x" * 200_000, "", "is no CSV table"),
     ],
 )
 def test_what_is_no_sheet_of_theirs_is_refused(tmp_path, platform, text, column, said):

@@ -11,7 +11,7 @@ import pytest
 from nao_course.exercises import Case
 from nao_course.instructor.sandbox import confinement as module
 from nao_course.instructor.sandbox.confinement import Bounds
-from nao_course.instructor.sandbox.protocol import SINGLE_THREADED
+from nao_course.instructor.sandbox.protocol import OF_A_WORKER
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.paths import PROJECT
@@ -182,7 +182,8 @@ def test_the_other_process_in_the_namespace_is_closed(confined, layers, what):
 def test_the_grader_and_the_server_cannot_be_signalled(confined, servers, layers):
     worker = confined(*layers)
     assert attempt(worker, "1").value == "1"
-    for process in (os.getpid(), servers(*layers).process, os.getppid()):
+    # In a namespace, 1 is the worker's own: the number of a parent that has ended says nothing.
+    for process in {os.getpid(), servers(*layers).process, os.getppid()} - {1}:
         outcome = attempt(worker, "os.kill(args[0], 0)", process)
         assert denied(outcome, "PermissionError", "ProcessLookupError"), outcome
 
@@ -240,6 +241,45 @@ def test_calls_that_only_an_attack_needs_are_denied(confined):
     assert denied(attempt(worker, "checked(libc.memfd_create(b'x', 0))"))
 
 
+LATER = {
+    "statmount": 457,
+    "listmount": 458,
+    "file_getattr": 468,
+    "one of next year": 473,
+}  # on all processors
+
+
+@linux
+@pytest.mark.parametrize("name", LATER)
+def test_calls_that_came_later_than_the_list_are_as_on_an_older_linux(confined, name):
+    """Libseccomp has no name for them yet; two of them tell where the course lies, whatever files are closed."""
+    source = "checked(libc.syscall(args[0], bytes(64), ctypes.create_string_buffer(999), 99, 0, 0, 0))"
+    assert attempt(confined(), source, LATER[name]).text.startswith("OSError: [Errno 38]")
+
+
+MOUNTS = """
+import struct
+request = struct.pack('<IIQQ', 24, 0, 2**64 - 1, 0)
+checked(libc.syscall(458, request, (ctypes.c_uint64 * 64)(), ctypes.c_size_t(64), ctypes.c_uint(0)))
+"""
+
+
+@linux
+@pytest.mark.slow
+def test_without_the_filter_of_calls_mounts_are_listed_however_closed_files_are(confined):
+    """Why the table says no of `landlock`: the page would be wrong if this changed."""
+    listed = attempt(confined("landlock"), MOUNTS)
+    if listed.text.startswith("OSError: [Errno 38]"):
+        pytest.skip("this kernel is older than the call")
+    assert int(listed.value) > 0
+    assert attempt(confined(), MOUNTS).status == "raised"
+
+
+@linux
+def test_the_machines_name_is_not_told(confined):
+    assert attempt(confined(*NAMESPACES), "os.uname().nodename").value == "'worker'"
+
+
 BETWEEN_WORKERS = {
     "a lock": "import fcntl\nfcntl.flock(open(os.__file__), fcntl.LOCK_SH)",
     "a record lock": "import fcntl\nfcntl.lockf(open(os.__file__), fcntl.LOCK_SH | fcntl.LOCK_NB)",
@@ -257,6 +297,7 @@ BY_THE_CACHE = {
     "checked(libc.mincore(ctypes.c_void_p(at), 4096, ctypes.create_string_buffer(1)))",
     "only what is cached": "os.preadv(os.open(os.__file__, 0), [bytearray(9)], 0, os.RWF_NOWAIT)",
     "page out": "import mmap\nmmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).madvise(21)",
+    "writing all out": "checked(libc.syncfs(os.open(os.__file__, 0)))",
     "cold": "import mmap\nmmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).madvise(20)",
 }
 UNCOUNTED = {
@@ -412,7 +453,7 @@ def test_two_workers_cannot_speak_to_each_other(confined):
 
 @linux
 def test_nothing_of_the_graders_environment_is_left(confined):
-    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *SINGLE_THREADED}
+    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *OF_A_WORKER}
     assert attempt(confined(), "sorted(os.environ)").value == repr(sorted(names))
 
 

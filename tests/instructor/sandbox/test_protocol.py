@@ -11,7 +11,7 @@ import pytest
 
 from nao_course.exercises.codec import PREFIX_SIZE, encode
 from nao_course.instructor.sandbox.protocol import (
-    SINGLE_THREADED,
+    OF_A_WORKER,
     UNREADABLE,
     Channel,
     Ended,
@@ -104,7 +104,7 @@ def test_a_new_process_is_told_nothing_of_the_environment_but_what_it_needs(monk
     monkeypatch.setenv("LANG", "C")
     assert "A_SECRET" not in scrubbed_environment()
     assert scrubbed_environment("A_SECRET", "NOT_THERE")["A_SECRET"] == "1"
-    assert scrubbed_environment().items() >= {**SINGLE_THREADED, "LANG": "C"}.items()
+    assert scrubbed_environment().items() >= {**OF_A_WORKER, "LANG": "C"}.items()
 
 
 @posix

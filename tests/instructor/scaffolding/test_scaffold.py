@@ -12,7 +12,7 @@ import pytest
 from nao_course.exercises.checking import unpack
 from nao_course.instructor.authoring import release
 from nao_course.instructor.authoring.mutation import mutate
-from tests.lessons import test_lessons as rules
+from tests.lessons import every, test_built, test_exercises, test_lessons
 from tests.paths import PROJECT
 from tests.toy.course import contents, run, write
 
@@ -71,7 +71,10 @@ def test_a_scaffold_that_cannot_be_is_refused(course, words, said):
 # --- a new lesson keeps the rules of all lessons ---
 
 NAME = "90_toy_lesson"
-RULES = {name: rule for name, rule in vars(rules).items() if name.startswith("test_rubric")}
+MODULES = (test_lessons, test_exercises, test_built)
+RULES = {
+    name: rule for module in MODULES for name, rule in vars(module).items() if name.startswith("test_rubric")
+}
 NEED_OUTPUTS = {name for name, rule in RULES.items() if "executed(" in inspect.getsource(rule)}
 OF_THE_COURSE = {"test_rubric_16_built_notebooks_are_clean"}
 
@@ -90,13 +93,21 @@ def new_lesson(course, monkeypatch):
     def read_public(name):
         return unpack((course.root / "nao_course" / "exercises" / "checks" / f"{name}.bin").read_bytes())
 
-    for name, value in {"COURSE": course, "PROJECT": course.root, "NAMES": [NAME], "read_public": read_public}.items():
-        monkeypatch.setattr(rules, name, value)
-    for cached in (rules.solved, rules.reference):
-        cached.cache_clear()
+    instead = {"COURSE": course, "PROJECT": course.root, "NAMES": [NAME], "read_public": read_public}
+    for module in (every, *MODULES):
+        for name in instead.keys() & vars(module).keys():
+            monkeypatch.setattr(module, name, instead[name])
+    forget_what_was_read()
     yield course
-    for cached in (rules.solved, rules.reference):
-        cached.cache_clear()
+    forget_what_was_read()
+
+
+def forget_what_was_read():
+    """What rules keep of the course that they judged before, in this process, says nothing of another course."""
+    kept = [each for module in (every, *MODULES) for each in vars(module).values() if hasattr(each, "cache_clear")]
+    assert {test_lessons.asserted_equations, every.solved} <= set(kept)
+    for each in kept:
+        each.cache_clear()
 
 
 def judge(course, names):
@@ -152,7 +163,7 @@ def test_a_new_lesson_keeps_every_rule_and_its_own_test_passes(new_lesson, kerne
     assert ran.returncode == 0 and "1 passed" in ran.stdout, ran.stdout
     report = mutate("90", jobs=2, solutions=new_lesson.solutions)
     hidden, public, total = report.caught()
-    assert total >= rules.FEWEST_MUTANTS * 3 and hidden / total >= 0.97 and public / total >= 0.85
+    assert total >= test_exercises.FEWEST_MUTANTS * 3 and hidden / total >= 0.97 and public / total >= 0.85
 
 
 def test_the_texts_of_a_new_lesson_come_with_the_package():

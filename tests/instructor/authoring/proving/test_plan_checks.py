@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import Between, Case, Close, Exact, LessonPlan, Methods, Mistake, Points, calls
-from nao_course.instructor.authoring import plan_checks, plans
-from nao_course.instructor.authoring.plan_checks import check_plan
+from nao_course.instructor.authoring import plans
 from nao_course.instructor.authoring.plans import PlanError
+from nao_course.instructor.authoring.proving import plan_checks
+from nao_course.instructor.authoring.proving.plan_checks import check_plan
 
 
 def test_a_good_plan_is_accepted(plan, right):
@@ -51,9 +52,18 @@ def raises(rng):
             "clamp: mistake 'b': its message is not shown",
         ),
         ({"mistakes": [Mistake("a", wrong, "m")] * 2}, "clamp: two mistakes are called 'a'"),
-        ({"public": lambda: [Case((np.zeros((49, 64), bool), 0, 1))]}, "a picture of 64x49; 64x48 is the most"),
-        ({"public": lambda: [Case(({"a": [np.zeros((480, 640, 3), np.uint8)]}, 0, 1))]}, "a picture of 640x480"),
-        ({"public": lambda: [Case((np.zeros((501, 500)), 0, 1))]}, "an array of 250500 numbers; 250000 are the"),
+        (
+            {"public": lambda: [Case((np.zeros((49, 64), bool), 0, 1))]},
+            "a picture of 64x49; 64x48 is the most",
+        ),
+        (
+            {"public": lambda: [Case(({"a": [np.zeros((480, 640, 3), np.uint8)]}, 0, 1))]},
+            "a picture of 640x480",
+        ),
+        (
+            {"public": lambda: [Case((np.zeros((501, 500)), 0, 1))]},
+            "an array of 250500 numbers; 250000 are the",
+        ),
         ({"public": lambda: [Case((np.random.default_rng().random(), 0, 1))]}, "not the same each time"),
         (
             {"hidden": lambda rng: [Case((np.random.default_rng().random(), 0, 1))]},
@@ -150,14 +160,18 @@ def slow(x, low, high):
 
 def test_a_solution_that_the_grader_would_stop_is_refused_and_says_what_to_do(plan, right):
     short = replace(plan["clamp"], seconds=0.006)
-    with pytest.raises(PlanError, match=r"clamp: its solution takes 0\.\d s .*after 0\.006 s.*Exercise\(seconds="):
+    with pytest.raises(
+        PlanError, match=r"clamp: its solution takes 0\.\d s .*after 0\.006 s.*Exercise\(seconds="
+    ):
         check_plan("90_toy", LessonPlan([short]), {**right, "clamp": slow})
 
 
 def test_solutions_that_take_a_submissions_time_together_are_refused(plan, right, monkeypatch):
     monkeypatch.setattr(plan_checks, "SECONDS_IN_ALL", 0.1)
     check_plan("90_toy", LessonPlan([plan["clamp"]]), right)
-    with pytest.raises(PlanError, match="90_toy: its solutions take .* s for all cases; a submission has 0.1 s"):
+    with pytest.raises(
+        PlanError, match="90_toy: its solutions take .* s for all cases; a submission has 0.1 s"
+    ):
         check_plan("90_toy", LessonPlan([plan["clamp"]]), {**right, "clamp": slow})
 
 
@@ -174,10 +188,15 @@ def test_an_exercise_whose_solution_uses_another_has_to_say_so(plan):
         return max(low, min(high, x))
 
     space = {"np": np, "clamp": clamp}
-    exec("def mean_of_positive(values):\n    return clamp(0.0, 0.0, 1.0) + float(values[values > 0].mean())", space)
+    exec(
+        "def mean_of_positive(values):\n    return clamp(0.0, 0.0, 1.0) + float(values[values > 0].mean())",
+        space,
+    )
     solved = {"clamp": clamp, "mean_of_positive": space["mean_of_positive"]}
     simple = replace(plan["mean_of_positive"], public=lambda: [Case((np.array([1.5, -2.0]),))], mistakes=[])
-    with pytest.raises(PlanError, match="mean_of_positive: its solution uses clamp; say 'clamp' in its `uses`"):
+    with pytest.raises(
+        PlanError, match="mean_of_positive: its solution uses clamp; say 'clamp' in its `uses`"
+    ):
         plans.publish("90_toy", LessonPlan([plan["clamp"], simple]), solved)
     plans.publish("90_toy", LessonPlan([plan["clamp"], replace(simple, uses=["clamp"])]), solved)
 

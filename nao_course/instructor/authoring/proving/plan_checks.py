@@ -18,13 +18,14 @@ from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.comparisons.methods import Methods
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
-from nao_course.exercises.running import call_all
+from nao_course.exercises.running import Outcome, call_all
 from nao_course.instructor.authoring.declarations import declaration_problems
 from nao_course.instructor.authoring.plans import (
     PATIENCE,
     SEEDS,
     PlanError,
     call_in_time,
+    exercise_number,
     hidden_cases,
     made_cases,
     publish_exercise,
@@ -48,7 +49,7 @@ def check_plan(
     plan: LessonPlan,
     reference: Mapping[str, Callable[..., Any]],
     taken: Collection[str] = (),
-) -> None:
+) -> list[PublicExercise]:
     """Refuse a plan whose checks or grading would not work.
 
     Parameters
@@ -62,12 +63,18 @@ def check_plan(
     taken : collection of str
         Names of the exercises of all other lessons.
 
+    Returns
+    -------
+    list of PublicExercise
+        What a student's copy carries of each exercise.
+
     Raises
     ------
     PlanError
         One line for each thing that is wrong: which exercise and what.
     """
     problems = [*declaration_problems(plan)] or [*_name_problems(plan, taken)]
+    published: list[PublicExercise] = []
     seconds = 0.0
     for number, exercise in enumerate(plan.exercises if not problems else (), start=1):
         try:
@@ -77,7 +84,9 @@ def check_plan(
             slowest, together = _measured(exercise, function, [*public, *hidden[0]])
             seconds += together
             problems += _time_problems(exercise, slowest)
-            problems += _exercise_problems(str(number), exercise, function)
+            problems += _count_problems(exercise)
+            published.append(publish_exercise(exercise_number(lesson, number), exercise, function))
+            problems += _exercise_problems(exercise, function, published[-1])
         except PlanError as error:
             problems += str(error).splitlines()
         except Exception as error:  # noqa: BLE001 - the author's own functions may raise what they like
@@ -89,6 +98,7 @@ def check_plan(
         )
     if problems:
         raise PlanError("\n".join(f"{lesson}: {problem}" for problem in problems))
+    return published
 
 
 def use_problems(lesson: str, plans: Mapping[str, LessonPlan]) -> Iterator[str]:
@@ -186,8 +196,8 @@ def _time_problems(exercise: Exercise, slowest: float) -> Iterator[str]:
         )
 
 
-def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., Any]) -> Iterator[str]:
-    """What is wrong with an exercise whose reference works; PlanError where that fails."""
+def _count_problems(exercise: Exercise) -> Iterator[str]:
+    """Which mistakes and alternatives are missing, or there twice."""
     name = exercise.name
     if exercise.points > 0:
         for kind, many in (("mistakes", exercise.mistakes), ("alternatives", exercise.alternatives)):
@@ -195,17 +205,24 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
                 yield f"{name}: {len(many)} {kind}; at least {FEWEST} are wanted"
     for twice in _twice([each.name for each in exercise.mistakes]):
         yield f"{name}: two mistakes are called {twice!r}"
-    public = publish_exercise(number, exercise, function)
+
+
+def _exercise_problems(
+    exercise: Exercise, function: Callable[..., Any], public: PublicExercise
+) -> Iterator[str]:
+    """What is wrong with an exercise whose reference works; PlanError where that fails."""
+    name = exercise.name
     hidden = [case for seed in SEEDS for case in hidden_cases(exercise, function, seed)]
     if isinstance(exercise.comparison, Methods):
         called = {method for case in (*public.cases, *hidden) for method, _ in case.expected}
         for method in sorted(set(exercise.comparison.by) - called):
             yield f"{name}: Methods compares {method!r}, which no case calls; they call {sorted(called)}"
+    patient = replace(public, seconds=PATIENCE * public.seconds)  # the machine may be busy with other things
     for title, alternative in exercise.alternatives.items():
-        report = grade_public(public, alternative)
+        report = grade_public(patient, alternative)
         if not report:
             yield f"{name}: alternative {title!r} is not right: {' '.join(report.lines)}"
-        elif not (report := grade_public(replace(public, cases=hidden), alternative)):
+        elif not (report := grade_public(replace(patient, cases=hidden), alternative)):
             yield f"{name}: alternative {title!r} is not right in a hidden case: {' '.join(report.lines)}"
     for mistake in exercise.mistakes:
         report = grade_public(public, mistake.function)
@@ -215,18 +232,22 @@ def _exercise_problems(number: str, exercise: Exercise, function: Callable[..., 
             yield f"{name}: mistake {mistake.name!r}: no public case tells it from the right answer"
         elif mistake.message not in report.lines:
             yield f"{name}: mistake {mistake.name!r}: its message is not shown, but: {' '.join(report.lines)}"
-        if grade_public(replace(public, cases=hidden), mistake.function):
+        # One case after the other: nearly every mistake is told by the first.
+        if all(grade_public(replace(public, cases=[case]), mistake.function) for case in hidden):
             yield f"{name}: mistake {mistake.name!r}: no hidden case tells it from the right answer"
 
 
 def _broken(public: PublicExercise, mistake: Mistake) -> str:
     """What an author's own slip in a mistake raises in every case; what students' mistakes raise is none."""
-    outcomes = call_all(mistake.function, public.cases, public.driver, PATIENCE * public.seconds)
-    told = {outcome.text for outcome in outcomes}
-    if len(told) == 1 and outcomes[0].status == "raised":
-        (text,) = told
-        if text.startswith(_BROKEN) or (text.startswith("TypeError") and "positional argument" in text):
-            return f"{text} {outcomes[0].line}".strip()
+
+    def called(cases: Sequence[Case]) -> list[Outcome]:
+        return call_all(mistake.function, cases, public.driver, PATIENCE * public.seconds)
+
+    (first,) = called(public.cases[:1])
+    text = first.text
+    slip = text.startswith(_BROKEN) or (text.startswith("TypeError") and "positional argument" in text)
+    if first.status == "raised" and slip and {each.text for each in called(public.cases)} == {text}:
+        return f"{text} {first.line}".strip()
     return ""
 
 

@@ -1,0 +1,178 @@
+"""Proofs of lessons, kept: what was proven is proven again only when something that it rests on has changed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+
+import nao_course
+from nao_course.exercises import LessonPlan, lesson_names
+from nao_course.exercises.cells import SHOWN
+from nao_course.exercises.checking import pack
+from nao_course.exercises.codec import encode
+from nao_course.exercises.definitions import read_cells
+from nao_course.exercises.earlier import resolved_by
+from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
+from nao_course.instructor.authoring.proving.plan_checks import check_plan
+
+FOLDER = Path("build", "proofs")  # git ignores it, and no release looks there
+MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
+LIBRARY = Path(nao_course.__file__).parent  # whose code proves, whichever course is proven
+COMPUTES = ("numpy", "opencv-python-headless", "scipy", "sympy")
+_MADE = {".bin", ".pyc"}  # files in the library that are made of others
+
+
+@dataclass(frozen=True)
+class Proofs:
+    """The proofs of a course's lessons.
+
+    A proof is the check data of a lesson, with the hash of all that it rests on: the versions of Python and of what
+    computes, the library, the declaration, the points, and the solutions of the lesson and of those before it.
+
+    Parameters
+    ----------
+    root : Path
+        Of the course; proofs are kept in its `build/proofs`.
+    declarations : mapping of str to Path
+        Files of the declarations, by the names of all lessons.
+    plans : mapping of str to LessonPlan
+        What they declare, with the course's points.
+    solutions : Path
+        Folder of the solution notebooks.
+    anew : bool
+        Whether what was proven is proven again.
+    """
+
+    root: Path
+    declarations: Mapping[str, Path]
+    plans: Mapping[str, LessonPlan]
+    solutions: Path
+    anew: bool = False
+
+    def check_data(self, name: str) -> bytes:
+        """Return what a lesson's checks need, proven; an earlier proof counts where it rests on the same.
+
+        Raises
+        ------
+        PlanError
+            One line for each thing that is wrong with the lesson's declaration.
+        """
+        rests_on = self.rests_on(name)
+        kept = None if self.anew else _read(self._file(name), rests_on)
+        if kept is not None:
+            return kept
+        data = self._prove(name)
+        _write(self._file(name), rests_on, data)
+        return data
+
+    def rests_on(self, name: str) -> str:
+        """Hash all that the proof of a lesson rests on."""
+        plan, later = self.plans[name], {_folder(each) for each in self.plans if each > name}
+        declaration = self.declarations[name]
+        parts = {
+            "lesson": name,
+            "versions": {"python": sys.version, **{each: version(each) for each in COMPUTES}},
+            "library": {file: kept for file, kept in self._library.items() if _owner(file) not in later},
+            "declaration": _hash(declaration.read_bytes()) if declaration.is_file() else "",
+            "points": plan.points,
+            "names of others": sorted(
+                self._taken(name) & {*plan.points, *(each.name for each in plan.questions)}
+            ),
+            "solutions": {each: code for each, code in self._solutions.items() if each <= name},
+        }
+        return _hash(json.dumps(parts, sort_keys=True).encode())
+
+    def _prove(self, name: str) -> bytes:
+        """Prove a lesson's plan against its solution and pack what its checks need."""
+        plan, notebook = self.plans[name], self.solutions / f"{name}.ipynb"
+        reference = load_solution(notebook)
+        with resolved_by(solutions_beside(notebook)):
+            exercises = check_plan(name, plan, reference, self._taken(name))
+            data = pack(public_lesson(name, plan, reference, exercises))
+        if len(data) > MOST_CHECK_DATA:
+            raise PlanError(f"{name}: {_too_much(plan, len(data))}")
+        return data
+
+    def _taken(self, name: str) -> set[str]:
+        """Names of the exercises of all other lessons."""
+        return {each.name for other in self.plans if other != name for each in self.plans[other].exercises}
+
+    def _file(self, name: str) -> Path:
+        return self.root / FOLDER / name
+
+    @cached_property
+    def _library(self) -> dict[str, str]:
+        """The hash of each file of the library."""
+        return {
+            path.relative_to(LIBRARY).as_posix(): _hash(path.read_bytes())
+            for path in LIBRARY.rglob("*")
+            if path.suffix not in _MADE and path.is_file()
+        }
+
+    @cached_property
+    def _solutions(self) -> dict[str, str]:
+        """The hash of what each solution notebook defines with: all code but checks and what is only shown."""
+        return {
+            path.stem: _hash(json.dumps([cell for cell in read_cells(path) if _defines(cell[0])]).encode())
+            for path in self.solutions.glob(f"{lesson_names.PATTERN}.ipynb")
+        }
+
+
+def _defines(role: str) -> bool:
+    return role not in ("check", *SHOWN)
+
+
+def _folder(lesson: str) -> str:
+    """The folder of what one lesson alone uses."""
+    return lesson.partition("_")[2]
+
+
+def _owner(file: str) -> str:
+    """The lesson's folder that a file of the library stands in; none for what all use."""
+    parts = file.split("/")
+    return parts[1] if parts[0] == "lessons" else ""
+
+
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _read(file: Path, rests_on: str) -> bytes | None:
+    """The check data that was proven, where it is whole and rests on the same."""
+    try:
+        head, _, data = file.read_bytes().partition(b"\n")
+    except OSError:
+        return None
+    return data if head == _head(rests_on, data) else None
+
+
+def _write(file: Path, rests_on: str, data: bytes) -> None:
+    """Keep a proof; one that cannot be kept is made again the next time."""
+    with suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        temporary = file.with_name(f".{file.name}.{os.getpid()}")
+        temporary.write_bytes(_head(rests_on, data) + b"\n" + data)
+        temporary.replace(file)
+
+
+def _head(rests_on: str, data: bytes) -> bytes:
+    """The line before a proof's data: of what it is, and what the data is."""
+    return f"{rests_on} {_hash(data)}".encode()
+
+
+def _too_much(plan: LessonPlan, size: int) -> str:
+    """Say which exercise has the most to send, where a lesson's check data is too large."""
+    sizes = {each.name: len(encode(each.public())) for each in plan.exercises}
+    largest = max(sizes, key=sizes.__getitem__)
+    return (
+        f"its check data has {size / 1e6:.1f} MB; {MOST_CHECK_DATA / 1e6:g} MB is the most, for each student downloads "
+        f"it: fewer or smaller public cases, first of {largest}"
+    )

@@ -1,0 +1,179 @@
+"""What was proven is proven again when something that it rests on has changed, and only then."""
+
+from dataclasses import replace
+
+import pytest
+
+from nao_course.exercises.checking import unpack
+from nao_course.instructor.authoring.plans import PlanError, load_plan, publish
+from nao_course.instructor.authoring.proving import proofs
+from nao_course.instructor.authoring.proving.proofs import FOLDER, Proofs
+from tests.toy import toy
+
+NAME = toy.LESSON
+LATER, EARLIER = "91_later", "89_earlier"
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A course of three lessons and a library, all of it free to be changed; and who was proven, in order."""
+    folder = toy.solutions(tmp_path / "solutions")
+    for name in (LATER, EARLIER):
+        toy.write(folder / f"{name}.ipynb", *toy.SOLUTION)
+    library = tmp_path / "nao_course"
+    for file in (
+        "geometry.py",
+        "lessons/toy/worlds.py",
+        "lessons/later/worlds.py",
+        "lessons/earlier/worlds.py",
+    ):
+        (library / file).parent.mkdir(parents=True, exist_ok=True)
+        (library / file).write_text("")
+    monkeypatch.setattr(proofs, "LIBRARY", library)
+    return tmp_path
+
+
+@pytest.fixture
+def proven(monkeypatch):
+    """Names of the lessons that were proven, one for each time; here they are all right."""
+    names = []
+
+    def check_plan(name, plan, reference, taken):
+        names.append(name)
+        return publish(name, plan, reference).exercises
+
+    monkeypatch.setattr(proofs, "check_plan", check_plan)
+    return names
+
+
+def proofs_of(place, change_plan=lambda plan: plan, **options):
+    """As a build begins: everything is read anew."""
+    declaration = place / "solutions" / "exercises" / f"{NAME}.py"
+    plan = change_plan(load_plan(declaration))
+    empty = replace(plan, exercises=(), questions=(), written=())
+    plans = {EARLIER: empty, NAME: plan, LATER: empty}
+    files = {NAME: declaration, EARLIER: place / "no", LATER: place / "no"}
+    return Proofs(place, files, plans, place / "solutions", **options)
+
+
+def test_what_is_proven_is_proven_once_and_gives_the_same_bytes(place, proven):
+    first, second = (proofs_of(place).check_data(NAME) for _ in range(2))
+    assert first == second and unpack(first).name == NAME
+    assert proven == [NAME]
+
+
+def append(file, text="\n# a comment\n"):
+    return lambda place: (place / file).write_text((place / file).read_text() + text)
+
+
+def another_solution(name, *cells):
+    return lambda place: toy.write(place / "solutions" / f"{name}.ipynb", *toy.SOLUTION, *cells)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        append(f"solutions/exercises/{NAME}.py"),
+        append("nao_course/geometry.py"),
+        append("nao_course/lessons/toy/worlds.py"),
+        append("nao_course/lessons/earlier/worlds.py"),
+        lambda place: (place / "nao_course" / "new.json").write_text("{}"),
+        lambda place: (place / "nao_course" / "geometry.py").unlink(),
+        another_solution(NAME, ("solution", "x = 1")),
+        another_solution(NAME, ("setup", "import math")),
+        another_solution(NAME, "helper = abs"),
+        another_solution(EARLIER, "helper = abs"),
+    ],
+)
+def test_a_change_of_what_a_proof_rests_on_is_proven_anew(place, proven, change):
+    proofs_of(place).check_data(NAME)
+    change(place)
+    for _ in range(2):
+        proofs_of(place).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda plan: replace(plan, exercises=[replace(each, points=9) for each in plan.exercises]),
+        lambda plan: replace(plan, exercises=plan.exercises[:1]),
+    ],
+)
+def test_a_plan_with_the_courses_own_points_is_another(place, proven, change):
+    proofs_of(place).check_data(NAME)
+    proofs_of(place, change).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+@pytest.mark.parametrize("of", proofs.COMPUTES)
+def test_another_version_of_what_computes_is_proven_anew(place, proven, monkeypatch, of):
+    proofs_of(place).check_data(NAME)
+    version = proofs.version
+    monkeypatch.setattr(proofs, "version", lambda name: "another" if name == of else version(name))
+    proofs_of(place).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        append("nao_course/lessons/later/worlds.py"),
+        lambda place: (place / "nao_course" / "made.bin").write_text("check data of any lesson"),
+        another_solution(NAME, ("display", "print(1)"), ("check", "check('clamp', clamp)")),
+        another_solution(LATER, "helper = abs"),
+    ],
+)
+def test_what_a_proof_does_not_rest_on_leaves_it_standing(place, proven, change):
+    proofs_of(place).check_data(NAME)
+    change(place)
+    proofs_of(place).check_data(NAME)
+    assert proven == [NAME]
+
+
+def test_all_is_proven_anew_where_that_is_wanted(place, proven):
+    for _ in range(2):
+        proofs_of(place, anew=True).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+def cut(file):
+    file.write_bytes(file.read_bytes()[:-1])
+
+
+def flip(file):
+    content = bytearray(file.read_bytes())
+    content[-1] ^= 1
+    file.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        cut,
+        flip,
+        lambda file: file.write_bytes(b""),
+        lambda file: file.write_bytes((file.parent / LATER).read_bytes()),
+        lambda file: file.unlink(),
+    ],
+)
+def test_a_proof_that_is_not_whole_or_of_another_lesson_does_not_count(place, proven, harm):
+    data = [proofs_of(place).check_data(name) for name in (NAME, LATER)]
+    harm(place / FOLDER / NAME)
+    assert proofs_of(place).check_data(NAME) == data[0]
+    assert proven == [NAME, LATER, NAME]
+
+
+def test_what_is_wrong_is_said_each_time(place):
+    def broken(plan):
+        return replace(plan, exercises=[replace(each, mistakes=()) for each in plan.exercises])
+
+    for _ in range(2):
+        with pytest.raises(PlanError, match="clamp: 0 mistakes"):
+            proofs_of(place, broken).check_data(NAME)
+    assert not (place / FOLDER).exists()
+
+
+def test_where_no_proof_can_be_kept_the_data_is_there_all_the_same(place, proven):
+    (place / FOLDER).parent.write_text("a file where the folder would be")
+    assert unpack(proofs_of(place).check_data(NAME)).name == NAME
