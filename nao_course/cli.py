@@ -11,9 +11,10 @@ from pathlib import Path
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, track
 from rich.table import Table
 
+import nao_course.single_threaded  # noqa: F401 - before NumPy
 from nao_course import homework
 from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
@@ -156,11 +157,45 @@ def renew(root: Path = typer.Argument(Path(), help="Where the release was unpack
             _say(str(renewal))
 
 
+@app.command()
+def demo(
+    slam: str = typer.Option("both", help="ekf, graph or both."),
+    seed: int = typer.Option(1, min=0, help="Of the drive: start, way, errors and room."),
+    out: Path = typer.Option(Path("demo"), help="Folder for the figure, the film and the errors."),
+    walk: Path | None = typer.Option(
+        None,
+        metavar="FOLDER",
+        help="Recorded pictures of a real walk instead: the folder with amsterdam_2013.",
+    ),
+) -> None:
+    """Let the robot drive and map the field by itself, with your own functions; figure, film and errors in a folder."""
+    with _plainly():
+        from nao_course.lessons.slam_on_the_field.system import demo as whole
+        from nao_course.lessons.slam_on_the_field.system import demo_film, demo_report
+
+        if slam not in (*whole.ALGORITHMS, "both"):
+            raise ValueError(f"--slam must be ekf, graph or both, got {slam}")
+        chosen = list(whole.ALGORITHMS) if slam == "both" else [slam]
+        demo_report.make_folder(out)
+        solutions = Path("solutions")  # where they are, they drive
+        functions = whole.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
+        sights, pictures, field = whole.route(seed, walk)
+        story = whole.run_demo(functions, track(sights, "driving", pictures, console=console), chosen)
+        for line in demo_report.in_words(story, field):
+            _say(line)
+        for path in demo_film.write_all(story, field, out):
+            _say(f"wrote {os.path.relpath(path)}")
+
+
 def _notebooks() -> Path:
     return homework.NOTEBOOKS if homework.NOTEBOOKS.is_dir() else Path()
 
 
 # --- instructors ---
+
+_PROVE: bool = typer.Option(
+    False, "--prove", help="Prove every declaration again, also what is proven and has not changed."
+)
 
 
 @app.command(hidden=_STUDENTS)
@@ -174,6 +209,7 @@ def build(
         "--execute/--no-execute",
         help="Whether solutions are run; without, while you write, it is quick.",
     ),
+    prove: bool = _PROVE,
 ) -> None:
     """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
@@ -193,7 +229,7 @@ def build(
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = build.build(course, wanted, texts=texts, execute=execute, tell=tell).write()
+        changes = build.build(course, wanted, texts=texts, execute=execute, prove=prove, tell=tell).write()
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
     if not changes:
@@ -212,7 +248,7 @@ def _progress() -> Progress:
 
 
 @app.command(hidden=_STUDENTS)
-def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
+def release(out: Path = typer.Option(..., help="Folder for the zip."), prove: bool = _PROVE) -> None:
     """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
     with _plainly(), _progress() as progress:
         from nao_course.instructor.authoring.course import load_course
@@ -220,7 +256,10 @@ def release(out: Path = typer.Option(..., help="Folder for the zip.")) -> None:
 
         doing = progress.add_task("release", total=None, step="")
         path = make_release(
-            load_course(), out, lambda lesson, step: progress.update(doing, description=lesson, step=step)
+            load_course(),
+            out,
+            lambda lesson, step: progress.update(doing, description=lesson, step=step),
+            prove=prove,
         )
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
 

@@ -36,7 +36,8 @@ class Edges(NamedTuple):
     z : ndarray, shape (E, 3) or (E, 2)
         What was measured in the frame of the first pose: a pose (x, y, theta) or a landmark's (x, y); m, rad.
     information : ndarray, shape (E, 3, 3) or (E, 2, 2)
-        Inverse of the covariance of z.
+        Inverse of the residual's covariance: of a pose in the frame in which z ends, as in g2o; of a landmark in
+        the frame of the first pose.
     places : ndarray, shape (E, 6) or (E, 5)
         Where the numbers of both ends stand in the states: those of the first, then those of the second.
     """
@@ -63,7 +64,9 @@ class Graph:
     measurements : ndarray, shape (E, 3)
         The second unknown in the frame of the first: (x, y, theta) of a pose, (x, y, 0) of a landmark.
     information : ndarray, shape (E, 3, 3)
-        Inverses of the measurements' covariances; a landmark's third row and column are 0.
+        Inverses of the residuals' covariances, of a pose in the frame in which the measurement ends (g2o's convention:
+        a covariance in the frame of the first pose is turned by minus the measured angle first); a landmark's third row
+        and column are 0.
     kinds : ndarray of int, shape (N,)
         `POSE` or `LANDMARK` for each unknown, poses first.
     ids : ndarray of int, shape (N,)

@@ -209,12 +209,20 @@ def mean_interval(values: npt.ArrayLike, probability: float = 0.95) -> tuple[flo
     ----------
     B. Efron, *Bootstrap methods: another look at the jackknife*, The Annals of Statistics 7, 1979.
     """
+    from scipy.stats import bootstrap  # takes long to import
+
     given = np.asarray(values, dtype=float)
-    if not len(given):
-        return float("nan"), float("nan")
-    means = np.random.default_rng(0).choice(given, (DRAWS, len(given))).mean(axis=1)
-    low, high = np.quantile(means, [(1 - probability) / 2, (1 + probability) / 2])
-    return float(low), float(high)
+    if len(given) < 2:
+        return (float("nan"),) * 2 if not len(given) else (float(given[0]),) * 2
+    found = bootstrap(
+        (given,),
+        np.mean,
+        n_resamples=DRAWS,
+        confidence_level=probability,
+        method="percentile",
+        rng=np.random.default_rng(0),
+    )
+    return float(found.confidence_interval.low), float(found.confidence_interval.high)
 
 
 def wilson_interval(hits: int, trials: int, z: float = 1.96) -> tuple[float, float]:

@@ -156,7 +156,7 @@ class EntryReport:
             said += " That is as good as your best so far."
         else:
             said += f" Your best so far stays {challenge.say(self.before.score)}."
-        return f"{said} {_neighbours(challenge, score)}".strip()
+        return f"{said} {_neighbours(self.run)}".strip()
 
     def __repr__(self) -> str:
         """Sentences, the board, and the figure's words."""
@@ -202,18 +202,37 @@ def _beside(challenge: Challenge, row: Row) -> list[str]:
     return [worst, *(column.say(row.columns.get(column.name)) for column in challenge.columns)]
 
 
-def _neighbours(challenge: Challenge, score: float) -> str:
-    """Which recorded rows stand just below, level with and just above a score, by the digits that are shown."""
+def _neighbours(run: Run) -> str:
+    """Which recorded rows stand just below, level with and just above a score, by the digits that are shown.
+
+    Two scores of a few cases may differ by chance: beside them stands in how many cases the better one is better.
+    """
+    challenge, score = run.challenge, run.score
     shown = {row.name: round(row.score, challenge.digits) for row in challenge.rows}
     mine = round(score, challenge.digits)
     rows = sorted(challenge.rows, key=lambda row: shown[row.name], reverse=not challenge.higher_is_better)
     behind = [row for row in rows if challenge.beats(mine, shown[row.name])]
     level = [row for row in rows if shown[row.name] == mine]
     ahead = [row for row in rows if challenge.beats(shown[row.name], mine)]
-    places = (("it beats", behind[-1:]), ("it is level with", level[:1]), ("next is", ahead[:1]))
-    said = [f"{words} {row.name} ({challenge.say(row.score)})" for words, found in places for row in found]
+    said = [f"it is above {_named(challenge, row)}{_better_in(run, row, 1)}" for row in behind[-1:]]
+    said += [f"it is level with {_named(challenge, row)}" for row in level[:1]]
+    said += [f"next is {_named(challenge, row)}{_better_in(run, row, -1)}" for row in ahead[:1]]
     first = "; ".join(said)
     return f"{first[0].upper()}{first[1:]}." if said else ""
+
+
+def _named(challenge: Challenge, row: Row) -> str:
+    return f'"{row.name}" ({challenge.say(row.score)})'
+
+
+def _better_in(run: Run, row: Row, sign: int) -> str:
+    """In how many cases an entry is better than a row, or with sign -1 the row than it; empty where nobody knows."""
+    mine = [each.score for each in run.results]
+    if len(row.cases) != len(mine):
+        return ""
+    pairs = [pair[::sign] for pair in zip(mine, row.cases, strict=True)]
+    count = sum(run.challenge.beats(one, other) for one, other in pairs)
+    return f", better in {count} of {len(mine)} {run.challenge.case}s"
 
 
 def _head(challenge: Challenge) -> tuple[str, str, str]:

@@ -12,7 +12,8 @@ from typing import Any
 from nao_course.challenges.declaration import CaseResult, CaseScore, Challenge, Run
 from nao_course.challenges.progress import Progress
 from nao_course.exercises.codec import CodecError, encode
-from nao_course.widgets.attempts import Attempt, TooSlow, attempt
+from nao_course.time_limits import TooSlow
+from nao_course.widgets.attempts import Attempt, attempt
 
 WHOSE = "your entry"  # in messages
 JUDGING = 20.0  # s for looking at one answer: more than any honest one needs

@@ -18,6 +18,7 @@ from nao_course.exercises.trying import Message
 _NUMBER = re.compile(
     r"(?P<number>[-+\N{MINUS SIGN}]?(\d+([.,]\d*)?|[.,]\d+)(e[-+]?\d+)?)\s*(?P<unit>\D*)", re.IGNORECASE
 )
+_JUDGED = re.compile(r"(?:right|not quite)[.:!] +", re.IGNORECASE)
 _SPELLINGS = {  # of units, as they are typed
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
     **dict.fromkeys(("percent", "per cent"), "%"),
@@ -53,7 +54,11 @@ def reply(question: PublicQuestion, answer: str) -> Message:
     if answer not in question.choices:
         return Message(f"Choose one of: {_numbered(choices)}")
     sign = "✔ Right." if answer == question.right else "✘ Not quite."
-    return Message(f"{sign} {question.choices[answer]}")
+    said = question.choices[answer]
+    if judged := _JUDGED.match(said):  # as the sign says already
+        said = said[judged.end() :]
+        said = said[:1].upper() + said[1:]
+    return Message(f"{sign} {said}")
 
 
 def ask(question: PublicQuestion) -> Any:
@@ -176,6 +181,12 @@ class Prediction:
     def said(self) -> str:
         """Return what there is: the prediction, what came out, or both."""
         came = "" if self._measured is None else f"it is {self._say(self._measured)}."
+        if (
+            self._measured is not None
+            and self.value is not None
+            and self._say(self.value) == self._say(self._measured)
+        ):
+            return f"You predicted {self._say(self.value)}, and so it is."
         if self.value is None:
             return (
                 f"You wrote no prediction: {came} Next time, guess first; a guess is enough." if came else ""

@@ -90,6 +90,10 @@ class EarlierFunction:
         """The function's name."""
         return split_use(self.use)[1]
 
+    def __str__(self) -> str:
+        """In words: "color_labels of your lesson 01"."""
+        return in_words(self.use)
+
     def __mro_entries__(self, bases: tuple[Any, ...]) -> tuple[Any, ...]:
         """Say why there is no class to derive one from."""
         return (self.find(),)
@@ -110,13 +114,45 @@ class EarlierFunction:
             _CALLS.reset(token)
 
 
-def stand_in(use: str, find: Callable[[], Any]) -> Any:
-    """Return what stands for an earlier function; a class is handed on itself, so that it can be a base class."""
-    try:
-        found = find()
-    except EarlierNotUsable:
-        found = None
-    return found if isinstance(found, type) else EarlierFunction(use, find)
+def stand_in(use: str, find: Callable[[], Any], like: Any = None) -> Any:
+    """Return what stands for an earlier function; a class is handed on itself, so that it can be a base class.
+
+    Parameters
+    ----------
+    use : str
+        Which: "01:color_labels".
+    find : callable
+        Returns the function, or raises EarlierNotUsable; asked at each call.
+    like : callable, optional
+        What has its signature and docstring where it is not usable: one that is blank or wrong.
+
+    Returns
+    -------
+    callable
+        A function that `help`, ``?`` and Shift-Tab show as the one that it stands for, without that one's source.
+    """
+    with suppress(EarlierNotUsable):
+        like = find()
+        if isinstance(like, type):
+            return like
+    return _looking_like(like, EarlierFunction(use, find))
+
+
+def _looking_like(like: Any, earlier: EarlierFunction) -> Callable[..., Any]:
+    """Return a function that calls another and has the signature and docstring of a third, if it has any."""
+
+    def function(*args: Any, **kwargs: Any) -> Any:
+        return earlier(*args, **kwargs)
+
+    said = "" if like is None else inspect.getdoc(like) or ""
+    function.__name__ = function.__qualname__ = earlier.__name__
+    function.__doc__ = f"{said}\n\nThis is {earlier}.".strip()
+    with suppress(TypeError, ValueError):
+        vars(function)["__signature__"] = inspect.signature(like)
+    vars(function)["__mro_entries__"] = (
+        earlier.__mro_entries__
+    )  # where it stands for a class, to say why there is none
+    return function
 
 
 _RESOLVER: ContextVar[Callable[[str], Any] | None] = ContextVar("resolver", default=None)

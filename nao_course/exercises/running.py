@@ -19,16 +19,19 @@ from typing import Any, Literal
 
 import numpy as np
 
+from nao_course import time_limits
 from nao_course.exercises.case import Case
 from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 
 Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
-_NAME, _MRO = (type.__dict__[name].__get__ for name in ("__name__", "__mro__"))  # not as a stranger's class says
+_NAME, _MRO = (
+    type.__dict__[name].__get__ for name in ("__name__", "__mro__")
+)  # not as a stranger's class says
 _MOST_CLASSES = 20  # of an exception and its bases that are told
 _DRIVERS: dict[str, Callable[..., Any]] = {}
-IMPORTING = 20.0  # seconds for which an alarm waits until an import has ended
+_EARLIER = str(Path(__file__).with_name("earlier.py"))  # whose objects call functions of earlier lessons
 REFERENCE = "<reference>"  # file name of what is lent to a student
 _NOT_THE_STUDENTS = (
     REFERENCE,
@@ -111,8 +114,8 @@ def call_all(
 ) -> list[Outcome]:
     """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
 
-    Each case has `seconds` of wall clock; where there is no alarm clock (Windows, or another thread than the main one),
-    that is no limit. `answer` makes the calls of a case and says what came of them; see `judging.answer`.
+    Each case has `seconds` of wall clock. `answer` makes the calls of a case and says what came of them; see
+    `judging.answer`.
     """
     outcomes: list[Outcome] = []
     for case in cases:
@@ -166,37 +169,29 @@ class TimeIsUp(BaseException):
     """Raised into a student's code that runs too long; no `except Exception` of theirs stops it."""
 
 
-def _importing(frame: FrameType | None) -> bool:
-    """Whether a frame runs while a module is being imported."""
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
-
-
 @contextmanager
 def alarm(seconds: float) -> Iterator[None]:
     """Raise TimeIsUp in the block after a time; one that is in another rings no later than that.
 
     It does not ring in the middle of an import, but after it: a compiled module that is begun and not ended can never
-    be imported again. It waits for IMPORTING seconds at most. Where there is no alarm clock (Windows, or another thread
-    than the main one), there is no limit.
+    be imported again. It waits for `time_limits.IMPORTING` seconds at most. Where there is no alarm clock (Windows, or
+    another thread than the main one), it is `time_limit`, which rings between two steps of Python only.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-        yield
+        with time_limits.time_limit(seconds, error=TimeIsUp):
+            yield
         return
 
     over = False
 
     outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 where this one is in no other
     began = time.monotonic()
-    last = began + seconds + IMPORTING
+    last = began + seconds + time_limits.IMPORTING
 
     def ring(_: int, frame: FrameType | None) -> None:
         if over:
             return
-        if time.monotonic() < last and _importing(frame):
+        if time.monotonic() < last and time_limits.importing(frame):
             signal.setitimer(signal.ITIMER_REAL, 0.05)
             return
         raise TimeIsUp
@@ -254,7 +249,7 @@ def describe(error: BaseException) -> str:
 
 def _not_written(error: NotImplementedError, function: Any) -> Outcome:
     """Tell a function that is still blank from one that calls a blank one."""
-    frames = [frame.name for frame in traceback.extract_tb(error.__traceback__) if _is_own(frame)]
+    frames = [frame.name for frame in traceback.extract_tb(error.__traceback__) if is_own(frame.filename)]
     if error.args:
         return _raised(error)
     if len(frames) > 1 and frames[-1] not in (frames[0], "<lambda>", getattr(function, "__name__", "")):
@@ -262,26 +257,50 @@ def _not_written(error: NotImplementedError, function: Any) -> Outcome:
     return Outcome("not attempted")
 
 
-def _is_own(frame: traceback.FrameSummary) -> bool:
-    if frame.filename.startswith("<"):
-        return bool(_CELL.fullmatch(frame.filename))
-    return not frame.filename.startswith(_NOT_THE_STUDENTS) and not frame.filename.endswith(".pyx")
+def is_own(filename: str) -> bool:
+    """Whether code of this file is a student's: a cell, or a file beside the notebook."""
+    if filename.startswith("<"):
+        return bool(_CELL.fullmatch(filename))
+    return not filename.startswith(_NOT_THE_STUDENTS) and not filename.endswith(".pyx")
+
+
+def own_frames(error: BaseException) -> tuple[list[traceback.FrameSummary], str]:
+    """Return the frames of this notebook that an exception came through, and what it calls that is of an earlier one.
+
+    Returns
+    -------
+    list of FrameSummary
+        Those in no library; they end where a function of an earlier lesson is called.
+    str
+        That function: "predict_pose of your lesson 05"; empty if the exception did not arise in one.
+    """
+    walked = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    frames = traceback.extract_tb(error.__traceback__)
+    calls = (
+        i for i, each in enumerate(walked) if each.f_code.co_filename == _EARLIER and "self" in each.f_locals
+    )
+    end = next(calls, len(frames))
+    own = [frame for frame in frames[:end] if is_own(frame.filename)]
+    inside = any(is_own(frame.filename) for frame in frames[end:])
+    return own, str(walked[end].f_locals["self"]) if inside else ""
 
 
 def own_line(error: BaseException) -> str:
     """Say where an exception came from: the last line, with its number, that is in no library; nothing if all are.
 
     Code that was made as text (by sympy.lambdify, exec, a dataclass) has no line that anybody wrote: the line that
-    called it is said.
+    called it is said. So it is of a function of an earlier lesson, which stands in another notebook.
     """
-    own = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_own(frame)]
+    own, _ = own_frames(error)
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
     return _printable(line[:500])
 
 
 def _raised(error: BaseException) -> Outcome:
     """Name an exception, its classes and the student's own line."""
-    text = " ".join([describe(error), *_notes(error)])
+    _, earlier = own_frames(error)
+    inside = [f"(inside {earlier})"] if earlier else []
+    text = " ".join([describe(error), *inside, *_notes(error)])
     return Outcome("raised", text=text, line=own_line(error), errors=_names_of_classes(type(error)))
 
 

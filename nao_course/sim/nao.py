@@ -263,7 +263,7 @@ class SimulatedNao:
         """
         if abs(finite("distance (m)", distance)) > 10:
             raise ValueError(f"distance must be within -10..10 m in one command, got {distance}")
-        return self._move(Motion(distance, 0.0))
+        return self.move(Motion(distance, 0.0))
 
     def turn(self, angle: float) -> Motion:
         """Turn on the spot, counterclockwise.
@@ -288,7 +288,7 @@ class SimulatedNao:
                 f"angle must be within one turn, -6.283..6.283 rad, got {angle}. "
                 f"If those are degrees: turn(np.radians({angle}))"
             )
-        return self._move(Motion(0.0, angle))
+        return self.move(Motion(0.0, angle))
 
     def look(self, yaw: float = 0.0, pitch: float = 0.0) -> None:
         """Turn the head.
@@ -380,7 +380,7 @@ class SimulatedNao:
         kind: LandmarkKind = "post" if seen.landmark.kind == "post" else "corner"
         return Measurement(seen.bearing + noise.bearing * rng.standard_normal(), max(away, 0.0), kind)
 
-    def _move(self, motion: Motion) -> Motion:
+    def move(self, motion: Motion) -> Motion:
         """Move as the homework's 1.2 says: along and across the old heading with errors, then turn with an error."""
         world = self._world
         deviations = np.sqrt(np.diag(self.odometry_noise.covariance(motion)))

@@ -77,26 +77,32 @@ def standard_scenes(
     ------
     ValueError
         If there is no such set.
+    """
+    number = _WHOLE_SCENES if which in ("whole_tune", "whole") else _SCENES
+    return tuple(standard_scene(which, i, size, reality) for i in range(number))
+
+
+def standard_scene(
+    which: SceneSet, number: int, size: tuple[int, int] = (320, 240), reality: Reality | None = None
+) -> Scene:
+    """Make one picture of a standard set, for who does not need all at once; `number` counts from 0.
 
     Examples
     --------
-    >>> standard_scenes("tune", size=(64, 48))[0].pixels.shape
+    >>> standard_scene("tune", 0, size=(64, 48)).pixels.shape
     (48, 64, 3)
     """
     if which not in get_args(SceneSet):
         raise ValueError(f'which set of scenes? "tune", "report", "whole_tune" or "whole", got {which!r}')
     second = which in ("report", "whole")
     if which in ("tune", "report"):
-        reality, take, number, rooms, first_room = reality or Reality(), random_scene, _SCENES, _ROOMS, 0
+        reality, take, scenes, rooms, first_room = reality or Reality(), random_scene, _SCENES, _ROOMS, 0
     else:
         reality, take = reality or Reality.messy(), whole_field_scene
-        number, rooms, first_room = _WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM
+        scenes, rooms, first_room = _WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM
     first_room += rooms * (2 * reality.seed + second)
-    scenes = []
-    for i in range(number):
-        room = replace(reality, seed=first_room + i * rooms // number)
-        scenes.append(take(size, room, np.random.default_rng([first_room, i, 5])))
-    return tuple(scenes)
+    room = replace(reality, seed=first_room + number * rooms // scenes)
+    return take(size, room, np.random.default_rng([first_room, number, 5]))
 
 
 def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:

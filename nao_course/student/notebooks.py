@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.checking import grade_public, lessons, read_public
+from nao_course.exercises.checking import grade_public, lessons, read_public, strict
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
@@ -21,6 +21,7 @@ from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
+from nao_course.student import verdicts
 
 SECONDS = 20.0  # wall clock of loading a notebook
 GLANCE = 0.9  # s: who has no more than this on a busy machine may not speak of endless loops
@@ -171,29 +172,27 @@ def earlier(use: str, folder: str | Path | None = None) -> Any:
     """
     if is_resolved():  # in a declaration of exercises: no student's folder is meant
         return stand_in(use, not_usable(use))
-    made = earlier_in(notebooks_folder(folder))(use)
-    if not isinstance(made, type):
-        try:
-            made.find()
-        except EarlierNotUsable as sentence:
-            from IPython.display import display  # it takes long to import
+    find, like = _finder(notebooks_folder(folder), use)
+    try:
+        find()
+    except EarlierNotUsable as sentence:
+        from IPython.display import display  # it takes long to import
 
-            display(Message(f"{sentence} The checks of this lesson have recorded answers for it."))
-    return made
+        display(Message(f"{sentence} The checks of this lesson have recorded answers for it."))
+    return stand_in(use, find, like)
 
 
 def earlier_in(folder: Path) -> Callable[[str], Any]:
     """Return what finds functions of earlier lessons in the notebooks of a folder; it says nothing by itself."""
+    return lambda use: stand_in(use, *_finder(folder, use))
 
-    def find(use: str) -> Any:
-        lesson, exercise = _exercise(use)
-        notebook = _read(folder.resolve() / f"{lesson}.ipynb")
-        report = _report(exercise, notebook)
-        if report:
-            return stand_in(use, lambda: notebook.found[exercise.name])
-        return stand_in(use, not_usable(use, " ".join(report.lines)))
 
-    return find
+def _finder(folder: Path, use: str) -> tuple[Callable[[], Any], Any]:
+    """Return what finds an earlier function, or raises why not; and the function as it is, right or not, if any."""
+    lesson, exercise = _exercise(use)
+    notebook = _read(folder.resolve() / f"{lesson}.ipynb")
+    report, own = _report(exercise, notebook), notebook.found.get(exercise.name)
+    return (lambda: own) if report else not_usable(use, " ".join(report.lines)), own
 
 
 def _exercise(use: str) -> tuple[str, PublicExercise]:
@@ -248,8 +247,32 @@ def own_function(
         return notebook.found[exercise.name], ""
     if notebook.problem and len(reports) == 1:
         return None, notebook.problem.rstrip(".")
-    state = _NOT_RIGHT.get(reports[0].state, "does not pass its check yet")
-    return None, f"{exercise.name} of lesson {number_of(lesson)} {state}"
+    return None, _lacking(lesson, reports[0])
+
+
+def _lacking(lesson: str, report: Report) -> str:
+    """What an exercise that is not right lacks, in words."""
+    state = _NOT_RIGHT.get(report.state, "does not pass its check yet")
+    return f"{report.name} of lesson {number_of(lesson)} {state}"
+
+
+def looked_at(use: str, folder: Path) -> str | None:
+    """Return what the student's own function lacks, by what was kept of an earlier look at the saved notebooks.
+
+    Parameters
+    ----------
+    use : str
+        Lesson and function: "01:color_labels".
+    folder : Path
+        Of the saved notebooks.
+
+    Returns
+    -------
+    str or None
+        Empty where it passes its public checks; None where nobody has looked since the notebooks were saved.
+    """
+    lesson, exercise = _exercise(use)
+    return verdicts.kept(folder / f"{lesson}.ipynb", exercise.name)
 
 
 @dataclass(frozen=True)
@@ -297,7 +320,10 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
         reasons = [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
         lines = (f"{title}: not found in {notebook.path.name}.", *reasons)
         return Report(exercise.name, "raised" if reasons else "not attempted", lines)
-    return _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
+    report = _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
+    if report.state != "interrupted" and not strict():  # a longer look may say otherwise
+        verdicts.keep(notebook.path, exercise.name, "" if report else _lacking(notebook.path.stem, report))
+    return report
 
 
 def _quietly_graded(exercise: PublicExercise, function: Any, most_seconds: float) -> Report:

@@ -59,7 +59,7 @@ def my_nao(
         nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=SEED)
         truth = Truth(nao)
     stages = all_stages()
-    names = {use.rpartition(":")[2] for stage in stages for use in stage.uses}
+    names = {use.rpartition(":")[2] for stage in stages for use in (*stage.uses, *stage.helped_by)}
     if unknown := sorted(own.keys() - names):
         raise ValueError(f"my_nao uses {', '.join(sorted(names))}; got {', '.join(unknown)}")
     given = {**_at_hand(names), **own}
@@ -68,6 +68,7 @@ def my_nao(
     remarks = [
         f"{name} as it is in this notebook does not pass its check: the saved one drives" for name in saved
     ]
+    remarks += found.remarks
     limit = PICTURE_LIMIT if time_limit is None else time_limit
     pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit, remarks)
     panel = ControlPanel(nao, truth, pipeline=pipeline)

@@ -13,7 +13,7 @@ import numpy as np
 
 from nao_course.exercises.checking import lessons
 from nao_course.exercises.lesson_names import number_of
-from nao_course.student.notebooks import own_function
+from nao_course.student.notebooks import looked_at, own_function
 
 if TYPE_CHECKING:  # it brings the panels along, which take long to import
     from nao_course.widgets.control_panel import Stage
@@ -27,7 +27,9 @@ PLANNED = {
     "06": "pose",
     "07": "the growing map",
     "08": "the map after the drive",
+    "10": "corners, best setting",
     "11": "the estimate",
+    "12": "next move",
 }
 
 
@@ -43,11 +45,14 @@ class Readiness:
         The student's own, that they call.
     missing : mapping of str to str
         The name of each other stage that there is, and why it cannot run, in a sentence.
+    remarks : tuple of str
+        What ready stages do without, a sentence each.
     """
 
     stages: tuple[Stage, ...] = ()
     functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
 
 def all_stages() -> list[Stage]:
@@ -83,17 +88,66 @@ def add_ready(
     found: Readiness, stage: Stage, given: Mapping[str, Any], folder: Path, most_seconds: float = np.inf
 ) -> Readiness:
     """Return what is ready with one more stage; `most_seconds` as in `nao_course.student.functions`."""
-    lacking = next((f"{name} would come first" for name in stage.after if name in found.missing), "")
+    lacking = _lacks_first(found, stage)
     functions: dict[str, Any] = {}
-    for use in () if lacking else stage.uses:
-        full = use if ":" in use else f"{number_of(stage.lesson)}:{use}"
-        function, lacking = own_function(full, given, folder, most_seconds)
-        if lacking:
+    remarks: list[str] = []
+    for use in () if lacking else _full(stage, (*stage.uses, *stage.helped_by)):
+        name = use.partition(":")[2]
+        function, lacking = own_function(use, given, folder, most_seconds)
+        if lacking and use in _full(stage, stage.helped_by):
+            remarks.append(f"{stage.name} goes on without {name}: {lacking}")
+            lacking = ""
+        elif lacking:
             break
-        functions[full.partition(":")[2]] = function
+        else:
+            functions[name] = function
+    return _with(found, stage, lacking, functions, remarks)
+
+
+def add_looked_at(found: Readiness, stage: Stage, folder: Path) -> Readiness | None:
+    """Return what is ready with one more stage, without its functions, by an earlier look at the saved notebooks.
+
+    Returns
+    -------
+    Readiness or None
+        None where nobody has looked since they were saved.
+    """
+    lacking = _lacks_first(found, stage)
+    for use in () if lacking else _full(stage, stage.uses):
+        said = looked_at(use, folder)
+        if said is None:
+            return None
+        if lacking := said:
+            break
+    return _with(found, stage, lacking, {})
+
+
+def _full(stage: Stage, uses: Sequence[str]) -> list[str]:
+    """Exercises that a stage uses, each with the number of its lesson."""
+    return [use if ":" in use else f"{number_of(stage.lesson)}:{use}" for use in uses]
+
+
+def _lacks_first(found: Readiness, stage: Stage) -> str:
+    """Which stage would come before this one and is not ready, in words; empty where all are."""
+    return next((f"{name} would come first" for name in stage.after if name in found.missing), "")
+
+
+def _with(
+    found: Readiness,
+    stage: Stage,
+    lacking: str,
+    functions: Mapping[str, Callable[..., Any]],
+    remarks: Sequence[str] = (),
+) -> Readiness:
+    """What is ready with one more stage, or with what it lacks."""
     if lacking:
         return replace(found, missing={**found.missing, stage.name: lacking})
-    return replace(found, stages=(*found.stages, stage), functions={**found.functions, **functions})
+    return replace(
+        found,
+        stages=(*found.stages, stage),
+        functions={**found.functions, **functions},
+        remarks=(*found.remarks, *remarks),
+    )
 
 
 def next_planned(ready: Sequence[Stage]) -> tuple[str, str] | None:

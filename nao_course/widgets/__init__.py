@@ -5,6 +5,7 @@ from nao_course.widgets.derivation import DerivationSheet, derivation
 from nao_course.widgets.dial import RealityDial
 from nao_course.widgets.function_panel import FunctionPanel
 from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider, Toggle
+from nao_course.widgets.player import PlayerPanel
 from nao_course.widgets.shown import Legend
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "FunctionPanel",
     "Legend",
     "Pixel",
+    "PlayerPanel",
     "RangeSlider",
     "RealityDial",
     "Slider",

@@ -3,34 +3,23 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import io
-import signal
+import os
 import sys
-import sysconfig
 import threading
 import time
-import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from types import FrameType
 from typing import Any, Generic, TextIO, TypeVar
 
 from nao_course.exercises.case import copied
+from nao_course.exercises.running import own_frames
+from nao_course.time_limits import TooSlow, time_limit
 
-TIME_LIMIT = 10.0  # s for one call of a student's code before it is given up
+# s of wall clock for one call of a student's code before it is given up; a busy machine may say more.
+TIME_LIMIT = float(os.environ.get("NAO_COURSE_TIME_LIMIT", "10"))
 KEPT_LETTERS = 1000  # of what it prints, the last ones
-_LIBRARIES = (
-    str(Path(__file__).parents[1]),
-    *{sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")},
-)
-_OWN_FRAMES = (__file__, contextlib.__file__)
-_PAUSE = 0.01  # s between two rings
-_DEAF = 10  # rings after which it rings by signals, too
-_ALARM = (1e-3, 2.3e-4)  # s until the first of them, and between two: so many that one meets the code outside of a try
 
 Value = TypeVar("Value")
 Words = str | Callable[[], str]  # a function is asked when it is over
@@ -190,9 +179,7 @@ def _said(words: Words) -> str:
 
 def _too_slow(what: str, error: BaseException, limit: float) -> str:
     where = f" in line {line}" if (line := _line_of(error)) else ""
-    return (
-        f"Time is up: {what} was not done after {limit:g} s and was stopped{where}. Does a loop end?"
-    )
+    return f"Time is up: {what} was not done after {limit:g} s and was stopped{where}. Does a loop end?"
 
 
 class PrintedCopy(io.TextIOBase):
@@ -224,90 +211,17 @@ class PrintedCopy(io.TextIOBase):
         self._out.flush()
 
 
-class TooSlow(BaseException):
-    """Raised into a student's code whose time is up; no `except Exception` of theirs stops it."""
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Raise TooSlow in the block after a time, in whichever thread it runs.
-
-    Sliders and buttons are served by a thread of the kernel that "Interrupt the kernel" does not reach, so an
-    endless loop there could only be ended with the kernel. A loop whose `except:` takes everything is told again and
-    again, until it hears it outside of its `try`. In the main thread, where there is an alarm clock (not on Windows),
-    a call that waits is interrupted, too. A call into C that calculates comes to its end first; elsewhere so does one
-    that waits, and a loop that takes everything around such calls hears it never.
-    """
-    bell = _Bell(threading.get_ident(), seconds)
-    with _alarm_clock(bell):
-        bell.start()
-        try:
-            yield
-        finally:
-            bell.over = True  # before anything that it could ring in
-            bell.wake.set()
-            bell.join()
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(bell.thread, None)  # if it rang just now, it rings no more
-
-
-@contextmanager
-def _alarm_clock(bell: _Bell) -> Iterator[None]:
-    """Let a bell ring by signals, too, where there are any, and nobody else waits for one."""
-    is_main = threading.current_thread() is threading.main_thread()
-    if not (is_main and hasattr(signal, "setitimer")) or any(signal.getitimer(signal.ITIMER_REAL)):
-        yield
-        return
-
-    def ring(_: int, frame: FrameType | None) -> None:
-        if not bell.over and frame is not None and frame.f_code.co_filename not in _OWN_FRAMES:
-            raise TooSlow
-
-    before = signal.signal(signal.SIGALRM, ring)
-    bell.has_clock = True
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-
-
-class _Bell(threading.Thread):
-    """Rings in a thread from a time on, until it is over; never in this module's own frames, which clean up."""
-
-    def __init__(self, thread: int, seconds: float) -> None:
-        super().__init__(daemon=True)
-        self.thread, self.over, self.wake = ctypes.c_ulong(thread), False, threading.Event()
-        self.has_clock = False  # whether signals arrive
-        self._seconds = seconds
-
-    def run(self) -> None:
-        self.wake.wait(self._seconds)
-        rings = 0
-        while not self.over:
-            self._ring()
-            rings += 1
-            if rings == _DEAF and self.has_clock:
-                signal.setitimer(signal.ITIMER_REAL, *_ALARM)
-            self.wake.wait(_PAUSE)
-
-    def _ring(self) -> None:
-        """Ask where the thread is and ring there: nothing else runs in between, and it hears it where it was seen."""
-        frame = sys._current_frames().get(self.thread.value)
-        if frame is not None and not self.over and frame.f_code.co_filename not in _OWN_FRAMES:
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(self.thread, ctypes.py_object(TooSlow))
-
-
 def complaint(what: str, error: BaseException) -> str:
     """Return a sentence of at most 200 letters: which error, where in the student's code, and its message."""
     text = " ".join(str(error).split())
     text = text if len(text) <= 200 else f"{text[:199]}…"
-    line = _line_of(error)
+    line, (_, earlier) = _line_of(error), own_frames(error)
     where = f"{what}, line {line}" if line else what
+    where += f", inside {earlier}" if earlier else ""
     return f"{type(error).__name__} in {where}: {text}"
 
 
 def _line_of(error: BaseException) -> int | None:
     """Line of the student's code an exception came through last; None if it met none: a call that does not fit."""
-    frames = traceback.extract_tb(error.__traceback__)
-    theirs = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
+    theirs, _ = own_frames(error)
     return theirs[-1].lineno if theirs else None

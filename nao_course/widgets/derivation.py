@@ -14,13 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.comparisons.jacobians import UNKNOWN_SLIP, Derivative, jacobian
+from nao_course.exercises.comparisons.jacobians import UNKNOWN_SLIP, Derivative, evaluated, jacobian
 from nao_course.exercises.trying import Message
 
 POINTS = 12  # at which slopes are compared
 LONGEST = 300  # letters of an entry
 LARGEST = 10**12  # of a number, and of both parts of a fraction: exact powers take for ever
 STEEPEST = 20  # power
+FIELD, SHEET = (
+    190,
+    700,
+)  # px: a field's greatest width where there are many, and that of all where there are few
 TOO_LARGE = "There is too large a number in it."
 _FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "atan2")
 _NUMPY_NAMES = {"arctan": "atan", "arctan2": "atan2"}
@@ -38,6 +42,8 @@ _SIGNS = {
     "α": "alpha",
     "β": "beta",
     "π": "pi",
+    "Δ": "d",
+    "\N{INCREMENT}": "d",
 }
 _OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -58,8 +64,8 @@ def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
     ----------
     typed : str
         Such as "-d*sin(theta)"; both r^2 and r**2 are powers.
-    symbols : mapping of str to sympy.Symbol
-        What may be named.
+    symbols : mapping of str to sympy.Expr
+        What may be named, and what it means.
 
     Returns
     -------
@@ -173,6 +179,8 @@ class DerivationSheet:
         What the model's rows are called; numbers otherwise.
     known : sequence of sequences
         (R, C) entries that stand there at first, an empty text where there is none.
+    short : mapping of str to sympy.Expr
+        Names that may be typed for something longer: {"dx": l_x - x}; a Δ is read as d.
     """
 
     def __init__(
@@ -183,6 +191,7 @@ class DerivationSheet:
         zero: Sequence[Any] = (),
         rows: Sequence[str] = (),
         known: Sequence[Sequence[Any]] = (),
+        short: Mapping[str, Any] | None = None,
     ) -> None:
         self.title, self.model, self.known = title, model, known
         self.by = [str(each) for each in by]
@@ -190,6 +199,7 @@ class DerivationSheet:
         free = {str(each): each for each in sorted({*model.free_symbols, *by}, key=str)}
         self._zero = {str(each) for each in zero}
         self.symbols = {name: symbol for name, symbol in free.items() if name not in self._zero}
+        self.symbols |= short or {}
         rng = np.random.default_rng(len(title))
         drawn = {name: rng.uniform(0.3, 2.4, POINTS) * rng.choice([-1, 1], POINTS) for name in free}
         self._points = {name: 0.0 * at if name in self._zero else at for name, at in drawn.items()}
@@ -231,7 +241,8 @@ class DerivationSheet:
             return "Write what you derived into the fields, then check.", marks
         with np.errstate(all="ignore"):
             try:
-                got = jacobian(lambda: (self.model, read), self._points, self.by)
+                answer = jacobian(lambda: (self.model, read), self._points, self.by)
+                got = evaluated(answer, self._points, self.by)
                 faults = Derivative(tuple(self.by)).faults(got)
                 faults |= {
                     at: self._slip(at, read[at]) for at, said in faults.items() if said == UNKNOWN_SLIP
@@ -344,8 +355,9 @@ class _SheetView:
             [ipywidgets.HTML(f"<b>{escape(name)}</b>"), *row]
             for name, row in zip(sheet.rows, self.fields, strict=True)
         ]
+        widest = max(FIELD, SHEET // len(sheet.by))
         layout = ipywidgets.Layout(
-            grid_template_columns=f"max-content repeat({len(sheet.by)}, minmax(90px, 190px))",
+            grid_template_columns=f"max-content repeat({len(sheet.by)}, minmax(90px, {widest}px))",
             grid_gap="4px 8px",
         )
         grid = ipywidgets.GridBox(
@@ -385,8 +397,9 @@ def _sheet(
     zero: tuple[Any, ...],
     rows: tuple[str, ...],
     known: tuple[tuple[Any, ...], ...],
+    short: tuple[tuple[str, Any], ...],
 ) -> DerivationSheet:
-    return DerivationSheet(title, model, by, zero, rows, known)
+    return DerivationSheet(title, model, by, zero, rows, known, dict(short))
 
 
 def derivation(
@@ -397,6 +410,7 @@ def derivation(
     zero: Sequence[Any] = (),
     rows: Sequence[str] = (),
     known: Sequence[Sequence[Any]] = (),
+    short: Mapping[str, Any] | None = None,
 ) -> DerivationSheet:
     """Return a sheet for the Jacobian of a model that is derived with pen and paper.
 
@@ -414,6 +428,8 @@ def derivation(
         What the model's rows are called.
     known : sequence of sequences
         (R, C) entries that stand there at first, an empty text where there is none.
+    short : mapping of str to sympy.Expr
+        Names that may be typed for something longer: {"dx": l_x - x}; a Δ is read as d.
 
     Returns
     -------
@@ -428,4 +444,12 @@ def derivation(
     >>> sheet.write([["y", "-x"], [1, ""]])
     2 of 4 are right. product by y: its sign is the wrong way round. 1 to go.
     """
-    return _sheet(title, model.as_immutable(), tuple(by), tuple(zero), tuple(rows), tuple(map(tuple, known)))
+    return _sheet(
+        title,
+        model.as_immutable(),
+        tuple(by),
+        tuple(zero),
+        tuple(rows),
+        tuple(map(tuple, known)),
+        tuple((short or {}).items()),
+    )

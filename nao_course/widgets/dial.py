@@ -179,7 +179,8 @@ class RealityDial:
         return slider
 
     def _slid(self, name: str, change: Any) -> None:
-        if not self._moving_sliders:
+        rounded = abs(change["new"] - getattr(self.reality, name)) < 0.6 * change["owner"].step
+        if not self._moving_sliders and not rounded:  # a browser rounds each slider once it shows it
             changes: dict[str, Any] = {name: float(change["new"])}
             self.reality, self._moved = replace(self.reality, **changes), _WORDS[name]
             self._newest.ask()

@@ -13,8 +13,17 @@ import numpy as np
 
 from nao_course.plotting import Drawing
 from nao_course.widgets.attempts import TIME_LIMIT, Attempt, StudentCode, attempt
-from nao_course.widgets.inputs import Action, Control, Pixel, RangeSlider, Slider, Values, check_controls
-from nao_course.widgets.keyboard import key_field, key_names
+from nao_course.widgets.inputs import (
+    Action,
+    Choice,
+    Control,
+    Pixel,
+    RangeSlider,
+    Slider,
+    Values,
+    check_controls,
+)
+from nao_course.widgets.keyboard import key_field, key_names, key_sign
 from nao_course.widgets.parts import LabelledImage, Newest, box, bundle, html_line, status_box, styles
 from nao_course.widgets.shown import Shown, encoded, parts_of
 
@@ -43,7 +52,7 @@ _CSS = """
 .nao-function .nao-choices button { width: auto; padding: 0 14px; }
 .nao-function .nao-choices .widget-label { width: auto; }
 .nao-function .nao-choices .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
-.nao-function .nao-choices .nao-key-line { flex: 1 1 200px; max-width: 300px; }
+.nao-function .nao-choices .nao-key-line { flex: 1 1 200px; max-width: 100%; }
 .nao-function .nao-below { gap: 24px; flex-wrap: wrap; align-items: flex-start; overflow: visible; margin-top: 2px; }
 .nao-function .nao-sliders { flex: 1 1 480px; overflow: visible; }
 .nao-function .nao-sliders .widget-slider { width: 100%; max-width: 560px; height: 26px; margin: 0; }
@@ -145,8 +154,8 @@ class FunctionPanel:
         self._put(self._checked(values))
 
     def reset(self) -> None:
-        """Set all controls back to where they began."""
-        self._put(self._start())
+        """Set all controls back to where they began, but for those that stay."""
+        self._put(self._start() | {name: self._values[name] for name in self._staying()})
 
     @property
     def values(self) -> Values:
@@ -198,6 +207,9 @@ class FunctionPanel:
 
     def _start(self) -> dict[str, Any]:
         return {name: each.first for name, each in self._controls.items() if not _only_sets(each)}
+
+    def _staying(self) -> list[str]:
+        return [name for name, each in self._controls.items() if isinstance(each, Choice) and each.stays]
 
     def _checked(self, values: Mapping[str, Any]) -> dict[str, Any]:
         if unknown := sorted(values.keys() - self._values.keys()):
@@ -385,7 +397,8 @@ class FunctionPanel:
         self.widget.add_class("nao-function")
 
     def _small_controls(self) -> list[Any]:
-        again = ipywidgets.Button(description="Reset", tooltip="Set everything back to where it began")
+        but = "".join(f"; {self._controls[name].label} stays" for name in self._staying())
+        again = ipywidgets.Button(description="Reset", tooltip=f"Set everything back to where it began{but}")
         again.on_click(lambda pressed: self.reset())
         again.add_class("nao-do-reset")
         return [*(self._widgets[name] for name, each in self._controls.items() if not _slides(each)), again]
@@ -395,14 +408,13 @@ class FunctionPanel:
         if not keys:
             return []
         said = ", ".join(f"{key_names((each.key.lower(),))}: {each.label}" for each in self._keyed())
-        return [
-            html_line(
-                key_field(
-                    keys, html.escape(f"Keyboard: click here, then {said}"), "", html.escape(f"Keys: {said}")
-                ),
-                "nao-key-line",
-            )
-        ]
+        hint = "Keys: " + ", ".join(f"{key_sign(each.key.lower())} {each.label}" for each in self._keyed())
+        field = key_field(keys, html.escape(f"Keyboard: click here, then {said}"), "", html.escape(hint))
+        line = html_line(field, "nao-key-line")
+        line.layout.min_width = (
+            f"min(100%, {len(hint)}ch)"  # all of it can be read, on a line of its own if need be
+        )
+        return [line]
 
     def _add_place(self) -> None:
         self._images.append(LabelledImage())

@@ -223,11 +223,14 @@ class Choice(Control):
         At first; by default the first.
     tooltip : str
         What it does.
+    stays : bool
+        Whether Reset leaves it as it is: what is looked at, such as the picture, and not how.
     """
 
     options: Sequence[Any]
     start: Any = None
     tooltip: str = field(default="", kw_only=True)
+    stays: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         """Begin with the first if nothing else is said."""

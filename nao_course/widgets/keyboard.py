@@ -11,12 +11,22 @@ Keys = Mapping[str, tuple[str, ...]]  # a button's name: its keys, as a browser 
 _HANDLER = """const name = %s[event.key.toLowerCase()];
 if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
 event.preventDefault(); event.stopPropagation();
-const button = this.closest('.nao-panel').querySelector('.nao-do-' + name);
+const panel = this.closest('.nao-panel'), button = panel.querySelector('.nao-do-' + name);
 if (!button || button.disabled || (event.repeat && %s.includes(name))) return;
-if (event.repeat && event.timeStamp - (this.pressed || 0) < %d) return;
-this.pressed = event.timeStamp;
+const period = Number((panel.className.match(/%s(\\d+)/) || [0, %d])[1]), now = event.timeStamp;
+if (event.repeat && now < (this.next || 0)) return;
+this.next = event.repeat ? Math.max(now, this.next + period) : now + period;
 button.click();"""
-_REPEAT = 350  # ms between two presses by a key that is held: what a panel can follow
+_REPEAT = 350  # ms between two presses by a key that is held: what any panel can follow
+REPEAT_CLASS = (
+    "nao-repeat-"  # and the milliseconds: class of a panel in which keys that are held have its own pace
+)
+_SIGNS = {" ": "space", "arrowleft": "\N{LEFTWARDS ARROW}", "arrowright": "\N{RIGHTWARDS ARROW}"}
+
+
+def key_sign(key: str) -> str:
+    """A key as short as it is written on a keyboard, such as "←"."""
+    return _SIGNS.get(key, key)
 
 
 def key_names(keys: tuple[str, ...]) -> str:
@@ -53,7 +63,7 @@ def key_field(keys: Keys, words: str, more: str, placeholder: str, once: Collect
         To be the value of a widget inside a box with the class ``nao-panel``.
     """
     table = json.dumps({key: name for name, several in keys.items() for key in several})
-    handler = html.escape(_HANDLER % (table, json.dumps(sorted(once)), _REPEAT), quote=True)
+    handler = html.escape(_HANDLER % (table, json.dumps(sorted(once)), REPEAT_CLASS, _REPEAT), quote=True)
     return (
         f'<input class="nao-keys" type="text" autocomplete="off" spellcheck="false" aria-label="{words}{more}" '
         f'title="{words}" placeholder="{placeholder}" oninput="this.value=\'\'" onkeydown="{handler}">'

@@ -136,7 +136,13 @@ def box(kind: str, name: str, *children: Any) -> Any:
 
 
 def status_box(
-    message: str, facts: str, *, alarm: bool = False, shows_where: bool = False, printed: str = ""
+    message: str,
+    facts: str,
+    *,
+    alarm: bool = False,
+    shows_where: bool = False,
+    printed: str = "",
+    board: str = "",
 ) -> str:
     """Return HTML that says, aloud where a screen reader listens, what happened.
 
@@ -148,16 +154,19 @@ def status_box(
         Whether the message is a complaint.
     shows_where : bool
         Whether to say that ``raise panel.error`` leads to the line.
+    board : str
+        The fact that matters most: a line of its own.
     """
     words = html.escape(message)
     if shows_where:
         words += " <i>(raise panel.error shows where)</i>"
     if printed.strip():
         words += f'<pre class="nao-printed">{html.escape(printed.rstrip())}</pre>'
+    shown = f'<div class="nao-board">{html.escape(board)}</div>' if board else ""
     return (
         f'<div class="nao-status {"nao-alarm" if alarm else ""}">'
         f'<div role="status" aria-live="polite">{words}</div>'
-        f'<div class="nao-facts">{html.escape(facts)}</div></div>'
+        f'{shown}<div class="nao-facts">{html.escape(facts)}</div></div>'
     )
 
 

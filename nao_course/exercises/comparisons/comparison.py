@@ -63,8 +63,8 @@ class Comparison(ABC):
         """The calls to make for a case: more than itself for a function whose answers are random."""
         return (case,)
 
-    def gather(self, answers: Iterable[Any]) -> Any:
-        """What is compared: made of the answers to a case's calls, as they come.
+    def gather(self, case: Case, answers: Iterable[Any]) -> Any:
+        """What is compared: made of the answers to a case's calls, as they come. It must not raise, whatever they are.
 
         Take all of them, and keep of each what is compared: a stranger's answers may be large, and many.
         """

@@ -2,48 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.exercises.case import Case
 from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict
+from nao_course.exercises.comparisons.expressions import Floats, Steps, compute
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.running import register_driver
-
-Floats = npt.NDArray[np.float64]
 
 UNKNOWN_SLIP = "compare it with a small change of that variable in your model"
 STEP = 1e-6  # of central differences: an error of 1e-12 from the curve, of 1e-10 from rounding
 
 
 @register_driver
-def jacobian(function: Callable[[], Any], points: dict[str, Floats], by: list[str]) -> dict[str, Any] | None:
-    """Evaluate a Jacobian that a student derived with SymPy, beside the slopes of their own model.
+def jacobian(function: Callable[[], Any], symbols: Collection[str], by: list[str]) -> dict[str, Any] | None:
+    """Ask for a Jacobian that a student derived with SymPy, and take it apart; nothing is computed of it here.
 
     Parameters
     ----------
     function : callable
         ``function() -> (model, jacobian)``, SymPy matrices of shape (R, 1) and (R, C).
-    points : dict of str to ndarray, shape (N,)
-        Values of every symbol, by its name.
+    symbols : collection of str
+        Names of all symbols that there may be. Their values are not here: whoever can replace this function could
+        answer with numbers that fit them.
     by : list of str
         Names of the C symbols that the columns of the Jacobian are derivatives by, in their order.
 
     Returns
     -------
     dict or None
-        For `Derivative`; None where nothing came, {} where it is no pair. "jacobian" and "differences": ndarrays of
-        shape (N, R, C), the second by central differences of the model; "model": its values (N, R). "terms": for each
-        entry, row by row, an ndarray (K, N) of the terms of its derivative.
+        For `evaluated`; None where nothing came, {} where it is no pair. "steps" of all expressions, see `Steps`, and
+        the places of their values: "model" (R), "jacobian" (R lists of C), "terms": for each slope of the model, row by
+        row, those of its terms, which only the words of a hint depend on.
 
     Raises
     ------
     ValueError
-        If the model or the Jacobian has a symbol that is not among the points.
+        If the model or the Jacobian has a symbol that is not among them, or something that has no value.
     """
     import sympy
 
@@ -54,37 +55,20 @@ def jacobian(function: Callable[[], Any], points: dict[str, Floats], by: list[st
     if model.rows == 1:  # a model that lies on its side is the same model
         model = model.T
     unknown = sorted(
-        str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in points
+        str(each) for each in model.free_symbols | derived.free_symbols if str(each) not in symbols
     )
     if unknown:
         raise ValueError(
-            f"the symbols here are called {list(points)}; yours has {unknown}, too: put in what stands for it"
+            f"the symbols here are called {list(symbols)}; yours has {unknown}, too: put in what stands for it"
         )
-    symbols = {name: sympy.Symbol(name) for name in points}
-    numbers = np.stack([points[name] for name in points])  # (symbols, N)
-
-    def evaluate(matrix: Any, at: Floats) -> Floats:
-        compiled = sympy.lambdify(list(symbols.values()), matrix, "numpy")
-        with np.errstate(all="ignore"):  # what is no number is told as such
-            values = np.array([compiled(*each) for each in at.T], dtype=complex)
-        return np.where(values.imag == 0, values.real, np.nan)
-
-    differences = []
-    for name in by:
-        step = np.zeros_like(numbers)
-        step[list(points).index(name)] = STEP
-        change = (evaluate(model, numbers + step) - evaluate(model, numbers - step))[:, :, 0]
-        jumped = np.abs(change) > np.pi  # an angle that went once round
-        differences.append(np.where(jumped, change - 2 * np.pi * np.sign(change), change) / (2 * STEP))
-    unwrapped = model.replace(sympy.Mod, lambda angle, period: angle)  # SymPy knows no slope of a remainder
-    slopes = [sympy.expand(sympy.diff(row, symbols[name])) for row in unwrapped for name in by]
-    terms = [evaluate(sympy.Matrix(sympy.Add.make_args(slope)), numbers)[:, :, 0].T for slope in slopes]
-    return {
-        "jacobian": evaluate(derived, numbers),
-        "differences": np.stack(differences, axis=2),
-        "model": evaluate(model, numbers).reshape(numbers.shape[1], -1),
-        "terms": terms,
+    steps = Steps()
+    places = {
+        "model": [steps.place(each) for each in model],
+        "jacobian": [[steps.place(each) for each in row] for row in derived.tolist()],
     }
+    unwrapped = model.replace(sympy.Mod, lambda angle, period: angle)  # SymPy knows no slope of a remainder
+    slopes = [sympy.expand(sympy.diff(row, sympy.Symbol(name))) for row in unwrapped for name in by]
+    return {**places, "terms": [_terms(steps, slope) for slope in slopes], "steps": steps.steps}
 
 
 def _by_name(matrix: Any) -> Any:
@@ -95,10 +79,89 @@ def _by_name(matrix: Any) -> Any:
     return matrix.xreplace(plain | {sympy.zoo: sympy.nan})
 
 
+def _terms(steps: Steps, slope: Any) -> list[int]:
+    """Places of a slope's terms; of one that SymPy does not know, that of no number."""
+    import sympy
+
+    try:
+        return [steps.place(each) for each in sympy.Add.make_args(slope)]
+    except ValueError:
+        return [steps.place(sympy.nan)]
+
+
+def evaluated(answer: Any, points: Mapping[str, Floats], by: Sequence[str]) -> dict[str, Any] | None:
+    """Compute what `jacobian` returned, which a stranger may have written.
+
+    Parameters
+    ----------
+    answer : dict or None
+        What it returned.
+    points : mapping of str to ndarray, shape (N,)
+        Values of every symbol, by its name.
+    by : sequence of str
+        As there.
+
+    Returns
+    -------
+    dict or None
+        For `Derivative`; None and {} as they came, {} for what makes no sense. "jacobian" and "differences": ndarrays
+        of shape (N, R, C), the second by central differences of the model; "model": its values (N, R). "terms": for
+        each entry, row by row, an ndarray (K, N) of the terms of its derivative.
+    """
+    match answer:
+        case {
+            "steps": [*steps],
+            "model": [_, *_] as model,
+            "jacobian": [[_, *_], *_] as rows,
+            "terms": [*terms],
+        }:
+            try:
+                return _evaluated(steps, model, rows, terms, points, by)
+            except (
+                ValueError,
+                TypeError,
+                IndexError,
+            ):  # no steps, no places among them, rows of several lengths
+                return {}
+    return None if answer is None else {}
+
+
+def _evaluated(
+    steps: list[Any],
+    model: list[int],
+    rows: list[list[int]],
+    terms: list[list[int]],
+    points: Mapping[str, Floats],
+    by: Sequence[str],
+) -> dict[str, Any]:
+    """As above; ValueError, TypeError or IndexError where that makes no sense."""
+    values = compute(steps, points)
+    of_model = steps[: max(model) + 1]
+
+    def moved(name: str, step: float) -> Floats:
+        there = compute(of_model, {**points, name: points[name] + step})
+        return np.stack([there[each] for each in model], axis=1)
+
+    differences = []
+    for name in by:
+        with np.errstate(invalid="ignore"):  # a model that divides by 0 has no slope
+            change = moved(name, STEP) - moved(name, -STEP)
+        jumped = np.abs(change) > np.pi  # an angle that went once round
+        differences.append(np.where(jumped, change - 2 * np.pi * np.sign(change), change) / (2 * STEP))
+    return {
+        "jacobian": np.stack([np.stack([values[each] for each in row], axis=1) for row in rows], axis=1),
+        "differences": np.stack(differences, axis=2),
+        "model": np.stack([values[each] for each in model], axis=1),
+        "terms": [np.stack([values[each] for each in some]) for some in terms],
+    }
+
+
 @register
 @dataclass(frozen=True)
 class Derivative(Comparison):
     """What the driver `jacobian` returns: right for the student's own model, and for the reference's.
+
+    A case is ``Case((points, by))``, as `evaluated` takes them; only their names go to where the function runs.
 
     Where it is not the slope of the student's own model, the wrong entry and the likely slip are named; that takes
     nothing but what the student wrote, and says nothing else.
@@ -117,6 +180,16 @@ class Derivative(Comparison):
     by: tuple[str, ...]
     tolerance: float = 1e-5
     period: tuple[float, ...] = ()
+
+    def calls(self, case: Case) -> Sequence[Case]:
+        """The case without the points."""
+        points, by = case.args
+        return [Case((list(points), by), case.name)]
+
+    def gather(self, case: Case, answers: Iterable[Any]) -> dict[str, Any] | None:
+        """Return what the answer comes to at the case's points."""
+        (answer,) = answers
+        return evaluated(answer, *case.args)
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a Jacobian with the model beside it, then with the reference's."""
@@ -153,7 +226,7 @@ class Derivative(Comparison):
         Parameters
         ----------
         got : dict
-            What the driver `jacobian` returned, the Jacobian in the shape that its model asks for.
+            What `evaluated` returned, the Jacobian in the shape that its model asks for.
 
         Returns
         -------
@@ -167,9 +240,7 @@ class Derivative(Comparison):
         """
         arrays = _arrays(got)
         if arrays is None or arrays[0].shape != arrays[1].shape:
-            raise ValueError(
-                "got is not what the driver jacobian returns for a Jacobian of its model's shape"
-            )
+            raise ValueError("got is not what evaluated() returns for a Jacobian of its model's shape")
         return dict(self._faults(*arrays))
 
     def _faults(

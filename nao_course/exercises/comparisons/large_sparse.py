@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NoReturn
+from typing import Any
 
 import scipy.sparse
 
@@ -10,16 +10,23 @@ MOST_DENSE = 1000  # variables: a dense matrix of more has 8 MB and more
 
 
 class _TooLarge:
-    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying."""
+    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying.
 
-    def toarray(self, *args: Any, **kwargs: Any) -> NoReturn:
-        """Refuse."""
-        size = self.shape[0]  # type: ignore[attr-defined]
-        raise MemoryError(
-            f"as a dense array this matrix has {size} x {size} numbers, most of them 0: leave it sparse"
-        )
+    What is cut out of it, or solved with it, is of its class: a few rows or columns are made dense as ever.
+    """
 
-    todense = toarray
+    def toarray(self, *args: Any, **kwargs: Any) -> Any:
+        """Refuse, where both sides are long."""
+        rows, columns = self.shape  # type: ignore[attr-defined]
+        if min(rows, columns) > MOST_DENSE:
+            raise MemoryError(
+                f"as a dense array this matrix has {rows} x {columns} numbers, most of them 0: leave it sparse"
+            )
+        return super().toarray(*args, **kwargs)  # type: ignore[misc]
+
+    def todense(self, *args: Any, **kwargs: Any) -> Any:
+        """The same."""
+        return self.toarray(*args, **kwargs)
 
 
 class _LargeArray(_TooLarge, scipy.sparse.csc_array):  # type: ignore[misc]  # scipy has no types

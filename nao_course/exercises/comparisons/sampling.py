@@ -60,7 +60,7 @@ class Sampled(Comparison):
         seeds = [*range(repeats), *range(min(repeats, _REPEATED))]
         return [Case((*args, seeds), case.name, case.kwargs)]
 
-    def gather(self, answers: Iterable[Any]) -> dict[str, Any]:
+    def gather(self, case: Case, answers: Iterable[Any]) -> dict[str, Any]:
         """Return the law of the answers.
 
         Returns

@@ -44,6 +44,7 @@ _SIGNS = {
     "raised": "✘",
     "interrupted": "■",
 }
+ENDS_PYTHON = "it ends Python itself"
 SMALL = 9  # numbers of an array that is a pose, a point or a covariance, and no picture
 AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that somebody has begun
 
@@ -129,7 +130,7 @@ def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str)
     if last.status == "not found":
         return Report(exercise.name, "not attempted", (f"{title}: your notebook does not define it.",))
     if last.status == "died":
-        return Report(exercise.name, "raised", (f"{title}: it ends Python itself; {last.text}.",))
+        return Report(exercise.name, "raised", (f"{title}: {ENDS_PYTHON}; {last.text}.",))
     if last.status in ("interrupted", "timed out"):
         how = "stopped by you" if last.status == "interrupted" else stopped
         text = f"{title}: {how}. Does it have a loop that never ends?"
@@ -168,10 +169,10 @@ def _explain(
     passed = _passed(len(verdicts) - len(wrong), len(verdicts))
     state: CheckState = "wrong"
     if verdict is not None:
-        lines = [f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}."]
+        lines = [_sentence(f"{title}: {passed}. {_WRONG[verdict.kind]}{about}: {verdict.text}")]
         lines += _input_at(exercise.cases[first], verdict)
     elif outcome.status == "unsendable":
-        lines = [f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}."]
+        lines = [_sentence(f"{title}: {passed}. {_WRONG['type']}{about}: {outcome.text}")]
     elif outcome.text.startswith(f"{EarlierNotUsable.__name__}: "):
         state, lines = "not checked", [f"{title}: {passed}. {outcome.text.partition(': ')[2]}"]
     else:
@@ -186,6 +187,11 @@ def _explain(
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
 
 
+def _sentence(text: str) -> str:
+    """A text with a full stop, where it has none."""
+    return text if text.endswith((".", "!", "?")) else f"{text}."
+
+
 def _raises(text: str) -> str:
     """What a case raises; a part that is still blank by its name."""
     unwritten = re.fullmatch(r"NotImplementedError: ([\w.]+ is not written yet)", text)
@@ -197,7 +203,7 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
 
     That is the element at the same place; where both are rows of a few numbers, such as points, the row. An answer of
     another shape, such as a matrix about all rows, was made from no one of them; nor is that of a pose of three numbers
-    beside another array.
+    beside another array. Of an answer of several parts nobody knows in which the place is: then all are as the input.
     """
     given, wanted = (case.args[0] if case.args else None), case.expected
     place = len(verdict.at)
@@ -205,7 +211,8 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
         return []
     if given.size <= SMALL and any(isinstance(each, np.ndarray) for each in case.args[1:]):
         return []
-    if isinstance(wanted, np.ndarray) and wanted.shape[:1] != given.shape[:1]:
+    parts = list(wanted) if isinstance(wanted, tuple | list) else [wanted]
+    if any(isinstance(part, np.ndarray) and part.shape[:1] != given.shape[:1] for part in parts):
         return []
     if given.ndim == place == 2 and given.shape[1] <= 3:
         return [f"There the input is {' '.join(f'{float(value):g}' for value in given[verdict.at[0]])}."]

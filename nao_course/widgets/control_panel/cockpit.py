@@ -23,6 +23,7 @@ LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
 KEPT_PICTURES = 60
+LONGEST_NAME = 14  # letters in the map's legend
 NOTHING: tuple[Measurement, ...] = ()
 
 
@@ -209,6 +210,17 @@ class Cockpit:
         """Say what went wrong, and where."""
         self.error, self.alarm = error, True
         self.message = complaint(what, error)
+
+    def names(self, source: str, believed: bool) -> dict[str, str]:
+        """What each path on the map is called, by its source; `believed`: your code estimates."""
+        names = {"truth": "truth"} if self.truth is not None else {}
+        names["odometry"] = "odometry"
+        if self.slam is not None:
+            name = type(self.slam).__name__
+            names[source] = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+        elif believed:
+            names[source] = "your estimate"
+        return names
 
     def facts(self, show_truth: bool = False) -> list[str]:
         """Return where the robot is and what it has seen, in short; the truth only if asked for."""

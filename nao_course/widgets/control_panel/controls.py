@@ -31,14 +31,16 @@ KEYS = {
     "slam": ("m",),
 }
 VIEW_KEYS = {"view": ("v",)}  # only where the student's code looks along
+ITSELF_KEYS = {"itself": ("g",)}  # only where the student's code says where to go
 _KEY_WORDS = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
 _MORE_KEY_WORDS = ", M measures, X stops, H looks ahead"
 _VIEW_KEY_WORDS = ", V changes the view"
+_ITSELF_KEY_WORDS = ", G lets the robot go by itself"
 _KEY_HINT = "Click here, type WASD, IJKL"
 
 _CSS = """
 .nao-panel .nao-main { gap: 10px; align-items: flex-start; overflow: visible; }
-.nao-panel .nao-left { flex: 1 1 520px; max-width: 640px; gap: 6px; overflow: visible; }
+.nao-panel .nao-left { flex: 1 1 520px; min-width: 0; max-width: 640px; gap: 6px; overflow: visible; }
 .nao-panel .nao-cameras { gap: 8px; }
 .nao-panel .nao-camera { flex: 1 1 0; min-width: 0; }
 .nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
@@ -76,6 +78,8 @@ class Controls:
         HTML of a line above all.
     has_views : bool
         Whether there is something to lay over the picture.
+    drives : bool
+        Whether there is something that says where to go.
 
     Attributes
     ----------
@@ -100,10 +104,11 @@ class Controls:
         show_truth: bool,
         heading: str = "",
         has_views: bool = False,
+        drives: bool = False,
     ) -> None:
         """Build the widgets."""
         self._actions = actions
-        self._keys = {**KEYS, **(VIEW_KEYS if has_views else {})}
+        self._keys = {**KEYS, **(VIEW_KEYS if has_views else {}), **(ITSELF_KEYS if drives else {})}
         self._controls: list[Any] = []
         self.status = ipywidgets.HTML()
         self.images = {
@@ -199,18 +204,22 @@ class Controls:
             "Draw where the robot really is" if has_truth else "This panel knows no truth"
         )
         self._controls.append(self.show_truth)
-        has_views = "view" in self._keys
-        hint = _KEY_HINT + (", V" if has_views else "")
-        more = _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "")
+        has_views, drives = "view" in self._keys, "itself" in self._keys
+        hint = _KEY_HINT + (", V" if has_views else "") + (", G" if drives else "")
+        more = (
+            _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "") + (_ITSELF_KEY_WORDS if drives else "")
+        )
         keys = ipywidgets.HTML(
-            key_field(self._keys, _KEY_WORDS, more, hint, once=("picture", "slam", "view"))
+            key_field(self._keys, _KEY_WORDS, more, hint, once=("picture", "slam", "view", "itself"))
         )
         keys.layout.flex = "1 1 200px"
         tooltip = "Show your code's view of the picture over it, beside it, or not at all"
         self.view = self._button("view", "View", tooltip, "eye") if has_views else None
+        go = "Let your code choose where the robot goes, until you press Stop"
         return box(
             "H",
             "nao-actions",
+            *([self._button("itself", "By itself", go, "play")] if drives else []),
             self._button("picture", "Take picture", "Take a picture and keep it", "camera"),
             self._button("slam", "Run SLAM" if has_slam else "Measure", measure, "crosshairs"),
             *([self.view] if has_views else []),

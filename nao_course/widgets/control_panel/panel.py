@@ -97,19 +97,15 @@ class ControlPanel:
         self._pipeline = pipeline
         self._view: View = "over" if pipeline is not None and pipeline.stages else "picture"
         self._seen = Seen()
+        self._believed: list[Pose] = []  # where the pipeline's estimates were
         self._stale: set[str] = set()  # cameras whose latest picture is from before the latest step
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self.source = source
         self.closed = False
         self._task: asyncio.Task[None] | None = None
-        self._waiting = WaitingMotions()
+        self._waiting = WaitingMotions(lambda: self._seen.motion)
         self._stopping = False
-        self._names = {"truth": "truth"} if truth is not None else {}
-        self._names |= {"odometry": "odometry"} | (
-            {source: _short(type(slam).__name__)} if slam is not None else {}
-        )
-        if slam is None and pipeline is not None and pipeline.estimates:
-            self._names[source] = "your estimate"
+        self._names = self.cockpit.names(source, pipeline is not None and pipeline.estimates)
         self._map = LiveMap(nao.field, self._names)
         self._first_head = nao.head
         self._controls = Controls(
@@ -119,6 +115,7 @@ class ControlPanel:
             show_truth=show_truth is None or bool(show_truth),
             heading="<br>".join(html.escape(f"{each[:1].upper()}{each[1:]}") for each in self._ready()),
             has_views=pipeline is not None and bool(pipeline.stages),
+            drives=pipeline is not None and pipeline.drives,
         )
         self._controls.show_truth.observe(lambda change: self._show(), "value")
         self._controls.camera.observe(lambda change: self._guarded(self._show_chosen), "value")
@@ -146,6 +143,12 @@ class ControlPanel:
     def right(self, angle: float | None = None) -> None:
         """Turn to the right by `angle` radians; by default the panel's turn."""
         self._run(Motion(0.0, -(self.turn if angle is None else angle)))
+
+    def explore(self, moves: int = 20) -> None:
+        """Let your code drive: so many moves, each where it says, or fewer if it has nothing more to say."""
+        for _ in range(moves):
+            if (motion := self._seen.motion) is not None:
+                self._run(motion)
 
     def turn_head(self, yaw: float = 0.0, pitch: float = 0.0) -> None:
         """Turn the head by so many radians, positive left and down, as far as its joints go."""
@@ -392,7 +395,15 @@ class ControlPanel:
             "picture": self.take_picture,
             "slam": self.run_slam,
             "view": self._next_view,
+            "itself": self._go_by_itself,
         }
+
+    def _go_by_itself(self) -> None:
+        """Drive where the student's code says until somebody presses Stop."""
+        self.view = "over" if self.view == "picture" else self.view
+        self._waiting.itself = True
+        if not self.driving and (motion := self._waiting.take()) is not None:
+            self._press(motion)
 
     # --- the student's code looks along ---
 
@@ -407,6 +418,8 @@ class ControlPanel:
             return
         self._seen = self._pipeline.look(self.cockpit.pictures[self.camera])
         self.cockpit.error = self._seen.error or self.cockpit.error
+        if self._seen.estimate is not None:
+            self._believed.append(self._seen.estimate.pose)
 
     def _shown(self, camera: str) -> tuple[Any, str]:
         """The pixels to show in a camera's place, and what they are where they are not its picture alone."""
@@ -458,33 +471,30 @@ class ControlPanel:
 
     def _show_status(self) -> None:
         cockpit, seen = self.cockpit, self._seen
-        facts = " · ".join([*cockpit.facts(self.show_truth), *seen.lines(), *seen.pace()])
+        lines = [line for line in seen.lines() if line != seen.board]
+        facts = " · ".join([*cockpit.facts(self.show_truth), *lines, *seen.pace()])
         alarm = cockpit.alarm or bool(seen.complaints)
         message = "\n".join(filter(None, [cockpit.message, self._waiting.said(), *seen.complaints]))
         printed = cockpit.printed + seen.printed
-        status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed)
+        board = seen.board[:1].upper() + seen.board[1:]
+        status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed, board=board)
         if self._controls.status.value != status:
             self._controls.status.value = status
 
     def _contents(self) -> MapContents:
         cockpit = self.cockpit
-        paths: dict[str, Any] = {}
-        if self.show_truth and cockpit.truth is not None:
-            paths["truth"] = cockpit.truth.path
+        known = self.show_truth and cockpit.truth is not None
+        paths: dict[str, Any] = {"truth": cockpit.truth.path} if known else {}  # type: ignore[union-attr]
         paths["odometry"] = cockpit.odometry
         if cockpit.slam is not None:
             paths[self.source] = cockpit.estimated
         estimate = cockpit.estimate
         if cockpit.slam is None and self._seen.estimate is not None:
             estimate = self._seen.estimate
-            paths[self.source] = [estimate.pose]
+            paths[self.source] = self._believed
         observer = self.source if paths.get(self.source) else "odometry"
         return MapContents(paths, estimate, cockpit.seen, observer, self._seen.points)
 
     def _refuse_if_closed(self) -> None:
         if self.closed:
             raise ValueError("this panel is closed: a newer one drives this robot")
-
-
-def _short(name: str, letters: int = 14) -> str:
-    return name if len(name) <= letters else f"{name[: letters - 1]}…"

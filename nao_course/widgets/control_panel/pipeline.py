@@ -19,8 +19,9 @@ from matplotlib.colors import to_rgb
 from nao_course.exercises.lesson_names import number_of
 from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import Picture, SimulatedNao
-from nao_course.slam import Estimate
-from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, TooSlow, attempt
+from nao_course.slam import Estimate, Motion
+from nao_course.time_limits import TooSlow
+from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, attempt
 
 Pixels = npt.NDArray[np.uint8]
 View = Literal["picture", "over", "beside"]
@@ -55,6 +56,8 @@ class Overlay:
         What came of it, in a few words: "green 62 %, yellow 3 %".
     estimate : Estimate, optional
         Where the robot is believed to be, in the world, for the map.
+    motion : Motion, optional
+        What the robot would do next, if it were to drive by itself.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Overlay:
     points: npt.ArrayLike = field(default_factory=lambda: _NONE)
     text: str = ""
     estimate: Estimate | None = None
+    motion: Motion | None = None
 
     def __post_init__(self) -> None:
         """Refuse points that are none."""
@@ -117,6 +121,11 @@ class Stage:
         Names of the stages whose results it needs.
     estimates : bool
         Whether its overlays have an estimate: then the map has a place for it.
+    helped_by : tuple of str
+        The student's functions that it calls where they are ready, and does without where they are not:
+        ``"measure" in student``.
+    drives : bool
+        Whether its overlays have a motion: then the panel can let the robot drive by itself.
     """
 
     name: str
@@ -125,6 +134,8 @@ class Stage:
     wire: Callable[[StudentCode, SimulatedNao], Look]
     after: tuple[str, ...] = ()
     estimates: bool = False
+    helped_by: tuple[str, ...] = ()
+    drives: bool = False
 
 
 @dataclass(frozen=True)
@@ -163,6 +174,12 @@ class Seen:
         return found[-1] if found else None
 
     @property
+    def motion(self) -> Motion | None:
+        """What the last stage that drives would do next."""
+        found = [each.motion for each in self.overlays.values() if each.motion is not None]
+        return found[-1] if found else None
+
+    @property
     def names(self) -> str:
         """Names of the stages that show something in the picture."""
         shown = [
@@ -173,6 +190,12 @@ class Seen:
     def lines(self) -> list[str]:
         """What came of each stage, in words."""
         return [f"{name}: {each.text}" for name, each in self.overlays.items() if each.text]
+
+    @property
+    def board(self) -> str:
+        """The line of the stage whose estimate the map shows; empty without one."""
+        names = [name for name, each in self.overlays.items() if each.estimate is not None]
+        return f"{names[-1]}: {self.overlays[names[-1]].text}" if names else ""
 
     def pace(self) -> list[str]:
         """How long it took, where that is long; it differs from machine to machine, and from time to time."""
@@ -247,6 +270,11 @@ class Pipeline:
     def estimates(self) -> bool:
         """Whether a stage says where the robot is."""
         return any(stage.estimates for stage in self.stages)
+
+    @property
+    def drives(self) -> bool:
+        """Whether a stage says what the robot would do next."""
+        return any(stage.drives for stage in self.stages)
 
     def wake(self) -> None:
         """Try stages again that were left out."""

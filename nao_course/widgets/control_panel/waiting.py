@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from itertools import groupby
 
 import numpy as np
@@ -15,10 +16,11 @@ MOST_WAITING = 6  # commands; more are no quick taps any longer
 class WaitingMotions:
     """A queue of motions that says what is in it."""
 
-    def __init__(self) -> None:
-        """Begin with none."""
+    def __init__(self, by_itself: Callable[[], Motion | None] = lambda: None) -> None:
+        """Begin with none; `by_itself` says what comes where none waits, while `itself` is set."""
         self._motions: deque[Motion] = deque()
         self._refused = False
+        self._by_itself, self.itself = by_itself, False
 
     def add(self, motion: Motion) -> None:
         """Let a motion wait its turn; where too many do, it is left out, and `said` says so."""
@@ -27,14 +29,18 @@ class WaitingMotions:
             self._motions.append(motion)
 
     def take(self) -> Motion | None:
-        """Take the oldest out; None where there is none."""
+        """Take the oldest out; None where there is none, and the robot does not go by itself."""
         self._refused = False
-        return self._motions.popleft() if self._motions else None
+        if self._motions:
+            return self._motions.popleft()
+        motion = self._by_itself() if self.itself else None
+        self.itself = motion is not None and bool(motion.distance or motion.turn)
+        return motion if self.itself else None
 
     def clear(self) -> None:
-        """Forget them all."""
+        """Forget them all, and go by itself no longer."""
         self._motions.clear()
-        self._refused = False
+        self._refused = self.itself = False
 
     def said(self) -> str:
         """Say what waits, equal motions in a row at once; empty where nothing does."""

@@ -1,0 +1,41 @@
+"""Marks painted into small pictures, for panels: black crosses at true points, rings at what was found."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.geometry import as_points
+from nao_course.plotting.style import FOUND
+
+Pixels = npt.NDArray[np.uint8]
+TRUE = "#000000"  # a cross with a white rim, as truth is black on maps
+
+
+def with_crosses(pixels: npt.ArrayLike, points: npt.ArrayLike, scale: int = 1) -> Pixels:
+    """Return a copy of a picture (H, W, 3) with a cross at each true point (K, 2), (u, v) px.
+
+    A cross is 8 pixels wide times the scale: 2 is right for a picture that was made twice as large. Crosses belong on
+    top: below a ring the cross of a point that was missed by a few pixels would vanish.
+    """
+    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
+    for where in as_points(points).round().astype(int).tolist():
+        for colour, thickness in (((255, 255, 255), 3 * scale), (rgb(TRUE), scale)):
+            cv2.drawMarker(shown, where, colour, cv2.MARKER_TILTED_CROSS, 8 * scale, thickness, cv2.LINE_AA)
+    return shown
+
+
+def with_rings(pixels: npt.ArrayLike, points: npt.ArrayLike, name: str = "points (u, v)") -> Pixels:
+    """Return a copy of a picture (H, W, 3) with a ring around each point (K, 2) that was found, (u, v) px."""
+    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
+    for u, v in as_points(points, name=name).round().astype(int).tolist():
+        for colour, thickness in (((255, 255, 255), 3), (rgb(FOUND), 2)):
+            cv2.circle(shown, (u, v), 7, colour, thickness, cv2.LINE_AA)
+    return shown
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """A colour "#rrggbb" as three numbers of 255."""
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return red, green, blue
