@@ -1,7 +1,7 @@
 """The report's four ideas for a constant time a step (its 3.3), measured on a loop through 200 landmarks.
 
 Observing fewer, forgetting landmarks, a local map inside the large one (the compressed filter), and a faster search.
-``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas`` also draws ``images/ekf_ideas.png``; with more threads than one the
+``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas`` also draws ``build/ekf_ideas.png``; with more threads than one the
 times count them all.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import KDTree
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import BUILD, ROOT, Result, Table
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.ekf_slam.filters import CompressedFilter
@@ -250,7 +250,8 @@ def main() -> Result:
     """Drive the loops, and search."""
     worlds = [world(seed) for seed in range(RUNS)]
     found = {name: [go_round(make(), *each) for each in worlds] for name, make in FILTERS.items()}
-    draw(found).save(ROOT / "images" / "ekf_ideas.png")
+    BUILD.mkdir(exist_ok=True)
+    draw(found).save(BUILD / "ekf_ideas.png")
     low, high = band(3, RUNS)
     values: dict[str, Any] = {"runs": RUNS, "band": [low, high], "search": search_times()}
     rows = []

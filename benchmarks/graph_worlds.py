@@ -9,7 +9,7 @@ from nao_course.geometry import FloatArray
 from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.lessons.pose_graphs.worlds import between
 
-STEP_SIGMA = np.array([0.02, 0.02, 0.01])  # m, m, rad
+STEP_SIGMA = np.array([0.02, 0.02, 0.01])  # m, m, rad; as large along as across, so the frame does not matter
 SIGHT_SIGMA = np.array([0.001, 0.001])  # rad, m: so good that bearing and range have the optimum of x and y
 NEAREST, FARTHEST = 1.0, 3.5  # m within which a landmark is seen
 HEADINGS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])

@@ -11,42 +11,18 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 import scipy.sparse.linalg
 
 from benchmarks import ROOT, Result, Table
 from nao_course.exercises import load_definitions
 from nao_course.geometry import FloatArray
+from nao_course.lessons.graph_slam.costs import System, corridor_system
 
 OWN = load_definitions(ROOT / "solutions" / "08_graph_slam.ipynb")
 RECORDED = ROOT / "nao_course" / "lessons" / "graph_slam" / "costs.json"
 SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
 MOST_SECONDS = 0.3  # once a way of solving has taken so long, it is not tried on larger systems
 ROUNDS = 3
-
-System = tuple[scipy.sparse.csc_array, FloatArray]
-
-
-def corridor_system(variables: int, rng: np.random.Generator) -> System:
-    """A straight walk: three poses to a landmark pair, each landmark seen from the nearest eight or nine poses."""
-    poses = 3 * variables // 5
-    landmarks = variables - poses
-    i, j = [np.arange(poses - 1)], [np.arange(1, poses)]
-    for number in range(landmarks):
-        at = 3 * (number // 2)
-        near = np.arange(max(at - 4, 0), min(at + 5, poses))
-        i.append(near)
-        j.append(np.full(len(near), poses + number))
-    first, second = np.concatenate(i), np.concatenate(j)
-    weight = 1 / rng.uniform(0.5, 2.0, len(first))
-    value = rng.normal(size=len(first))
-    entries = np.concatenate([weight, weight, -weight, -weight, [1.0]])
-    rows = np.concatenate([first, second, first, second, [0]])
-    columns = np.concatenate([first, second, second, first, [0]])
-    omega = scipy.sparse.coo_array((entries, (rows, columns)), shape=(variables, variables)).tocsc()
-    return omega, np.bincount(second, weight * value, variables) - np.bincount(
-        first, weight * value, variables
-    )
 
 
 def dense(omega: Any, xi: FloatArray) -> int:

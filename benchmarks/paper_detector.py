@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import spearmanr
 
+from nao_course.lessons.experiments.paper_table import BEST, BETAS, GAPS, LENGTHS, PAPER_MEANS, SETTINGS
+
 FloatArray = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 Labels = npt.NDArray[np.uint8]
@@ -23,15 +25,7 @@ Labels = npt.NDArray[np.uint8]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 MAX_LIGHTNESS = 255.0
 
-# Table A.1 of Aliyev et al. 2014, in its rows' order: (beta, maxLineGap, minLineLength) -> mean cost.
-BETAS, GAPS, LENGTHS = (110, 120, 130), (4, 5, 7), (30, 40, 50)
-SETTINGS = tuple((beta, gap, length) for length, gap, beta in product(LENGTHS, GAPS, BETAS))
-PAPER_COSTS = (
-    *(6.233, 5.333, 4.755, 6.831, 5.822, 5.133, 9.655, 7.328, 5.487),
-    *(4.223, 3.655, 3.754, 3.124, 2.122, 2.433, 4.032, 3.422, 3.971),
-    *(5.322, 4.932, 5.143, 5.122, 4.722, 5.002, 5.483, 4.820, 5.103),
-)
-BEST = (120, 5, 40)
+PAPER_COSTS = tuple(PAPER_MEANS.values())
 
 HIT, FALSE, MISSED = -1.333, 5.0, 1.0  # the paper's Table 6.1
 TOLERANCE = 8.0  # px at 320 wide

@@ -15,13 +15,13 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks import ROOT, Result, Table
-from benchmarks.posts import COLOURS, GREEN, MOST_MS, OWN, label, loop_over_columns, milliseconds
+from benchmarks.posts import COLOURS, MOST_MS, OWN, label, loop_over_columns, milliseconds
+from nao_course.colours import GREEN, YELLOW
 from nao_course.exercises import load_definitions
 from nao_course.sim import standard_scenes
 
 Pixels = npt.NDArray[np.uint8]
 CORNERS = load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
-YELLOW = (44.0, 68.0)  # degrees, as in the lessons
 FLOOR = 0.16  # of the saturation
 EVERY = 3  # of the tuning pictures
 SLOW_PICTURES = 1  # pixel by pixel: a large picture takes half a minute

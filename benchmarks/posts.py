@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks import ROOT, Result, Table
+from nao_course.colours import GREEN, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
 from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
@@ -26,10 +27,7 @@ Pixels = npt.NDArray[np.uint8]
 COLOURS = load_definitions(ROOT / "solutions" / "01_hsl_filtering.ipynb")
 OWN = load_definitions(ROOT / "solutions" / "02_goalposts.ipynb")
 
-GREEN, CHOSEN = (
-    (90.0, 160.0),
-    (68.0, 8, 10, 20.0),
-)  # the lesson's: yellow up to, min_green of look_down, linkage
+CHOSEN = (68.0, 8, 10, 20.0)  # the lesson's: yellow up to, min_green of look_down, linkage
 YELLOW_UP_TO = (66.0, 68.0, 70.0, 72.0)
 GREEN_OF = ((6, 8), (7, 9), (8, 10), (9, 11), (9, 12))
 LINKAGES = (10.0, 14.0, 20.0, 24.0)
@@ -41,8 +39,7 @@ ROUNDS = 3
 
 def label(picture: Pixels, yellow_up_to: float = CHOSEN[0]) -> Pixels:
     """Labels as in the lesson."""
-    lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-    threshold = COLOURS["white_threshold"](lightness.mean())
+    threshold = COLOURS["white_threshold"](mean_lightness(picture))
     labels: Pixels = COLOURS["color_labels"](picture, GREEN, (44.0, yellow_up_to), threshold)
     return labels
 

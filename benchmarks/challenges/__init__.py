@@ -15,7 +15,9 @@ import numpy as np
 from benchmarks import ROOT, Result, Table
 from benchmarks.challenges.colours import COLOUR_ENTRIES
 from benchmarks.challenges.ekf_slam import EKF_ENTRIES
+from benchmarks.challenges.experiments import ROOM_ENTRIES
 from benchmarks.challenges.false_closures import FALSE_CLOSURE_ENTRIES
+from benchmarks.challenges.field_drives import FIELD_ENTRIES
 from benchmarks.challenges.hough_corners import CORNER_ENTRIES
 from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES
 from benchmarks.challenges.looks import LOOK_ENTRIES
@@ -23,6 +25,7 @@ from benchmarks.challenges.measurement_choice import CHOICE_ENTRIES
 from benchmarks.challenges.posts import POST_ENTRIES
 from benchmarks.challenges.slalom import SLALOM_ENTRIES
 from benchmarks.challenges.tilt_entries import TILT_ENTRIES
+from benchmarks.challenges.unknown_maps import MAP_ENTRIES
 from nao_course.challenges import Challenge, Run
 from nao_course.challenges.finding import declared
 from nao_course.challenges.running import run
@@ -39,6 +42,9 @@ ENTRIES: Mapping[str, Mapping[str, Any]] = {
     "07_ekf_slam": EKF_ENTRIES,
     "08_graph_slam": CHOICE_ENTRIES,
     "09_pose_graphs": FALSE_CLOSURE_ENTRIES,
+    "10_experiments": ROOM_ENTRIES,
+    "11_slam_on_the_field": FIELD_ENTRIES,
+    "12_beyond": MAP_ENTRIES,
 }
 DRAWS = 10_000  # of the bootstrap
 

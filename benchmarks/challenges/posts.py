@@ -11,9 +11,8 @@ import numpy as np
 from benchmarks import ROOT
 from benchmarks.challenges.colours import lesson_functions as colour_functions
 from benchmarks.challenges.pictures import Pixels, finds_points
+from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.exercises import Definitions, load_definitions
-
-GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)  # degrees, as in the lesson
 
 
 @cache
@@ -22,13 +21,11 @@ def lesson_functions() -> Definitions:
     return load_definitions(ROOT / "solutions" / "02_goalposts.ipynb")
 
 
-def labels_of(picture: Pixels, min_saturation: float = 0.16) -> Any:
+def labels_of(picture: Pixels, min_saturation: float = 0.16, beta: float = 120.0) -> Any:
     """The lesson's labels."""
     own = colour_functions()
-    lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-    return own["color_labels"](
-        picture, GREEN, YELLOW, own["white_threshold"](lightness.mean()), min_saturation
-    )
+    threshold = own["white_threshold"](mean_lightness(picture), beta)
+    return own["color_labels"](picture, GREEN, YELLOW, threshold, min_saturation)
 
 
 def nothing(picture: Pixels) -> Any:

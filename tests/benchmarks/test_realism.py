@@ -262,6 +262,7 @@ def test_the_seeds_table_has_its_best_where_the_paper_says() -> None:
 # --- real numbers ---
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("data_dir")
 def test_real_pictures_are_aligned_with_their_lines_and_give_the_known_numbers() -> None:
     scenes = realism.real_scenes()

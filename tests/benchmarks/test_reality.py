@@ -100,7 +100,7 @@ def test_the_walks_first_seven_poses_are_one_stop_ahead_of_their_pictures(walk: 
 def made_pictures(values: np.ndarray, corrections: np.ndarray) -> tuple[RealPicture, ...]:
     """Pictures whose points lie exactly where these values put the landmarks."""
     made = []
-    poses = [Pose(x, y, h) for x, y in ((-2.0, 0.3), (-1.2, -0.8)) for h in (0.0, 0.3, -0.3, 0.5, -0.2, 0.1)]
+    poses = [Pose(x, y, h) for x, y in ((-2.0, 0.3), (-1.2, -0.8)) for h in (0.0, 0.3, -0.3)]
     for number, (pose, correction) in enumerate(zip(poses, corrections, strict=True)):
         blank = RealPicture(f"made_{number}.png", Path(), pose, 0.05, -0.54, ())
         view, _ = reality.fitted_view(blank, values, correction)
@@ -115,7 +115,7 @@ def made_pictures(values: np.ndarray, corrections: np.ndarray) -> tuple[RealPict
 @pytest.fixture
 def truth(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     values = np.array([0.48, np.radians(59.5), np.radians(46.5), -0.06, np.radians(5.5)])
-    corrections = np.radians(rng.normal(0, [0.8, 0.7, 2.0], (12, 3)))
+    corrections = np.radians(rng.normal(0, [0.8, 0.7, 2.0], (6, 3)))
     corrections[:, 0] -= corrections[:, 0].mean()
     return values, corrections
 

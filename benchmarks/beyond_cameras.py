@@ -1,0 +1,110 @@
+"""One camera against two: by how much a distance scatters, by distance, resolution and where the head looks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from benchmarks import ROOT, Result, Table
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.beyond.recorded import CAMERAS
+from nao_course.lessons.beyond.two_cameras import (
+    DISTANCES,
+    LEAN,
+    SIZES,
+    expected_sigmas,
+    measure_again,
+    pitch_for,
+)
+
+LOOKS, SEED = 1000, 0
+HEAD_LOOKS, HEAD_DISTANCES, HEAD_OFF = (
+    100,
+    (1.0, 2.0, 5.0),
+    np.arange(-8.0, 8.1, 1.0),
+)  # degrees off the middle
+Function = Callable[..., Any]
+
+
+def by_distance(intersect_rays: Function, pixel_to_ground: Function) -> list[dict[str, float]]:
+    """Scatter of both ways for each resolution and distance, the point in the middle of what both cameras see."""
+    rows = []
+    for size in SIZES:
+        for distance in DISTANCES:
+            looks = measure_again(intersect_rays, pixel_to_ground, distance, size, looks=LOOKS, seed=SEED)
+            one, both = looks.sigmas
+            one_formula, both_formula = expected_sigmas(distance, size[0])
+            values = {
+                "one": one,
+                "both": both,
+                "one_formula": one_formula,
+                "both_formula": both_formula,
+            }
+            rows.append(
+                {"width": size[0], "distance": distance}
+                | {key: round(value, 4) for key, value in values.items()}
+            )
+    return rows
+
+
+def by_pitch(intersect_rays: Function, pixel_to_ground: Function) -> list[dict[str, Any]]:
+    """In how many looks both cameras see the point, by the pitch of the head, at 640 x 480."""
+    rows = []
+    for distance in HEAD_DISTANCES:
+        pitches = np.round(np.degrees(pitch_for(distance))) + HEAD_OFF
+        found = [
+            measure_again(
+                intersect_rays,
+                pixel_to_ground,
+                distance,
+                SIZES[1],
+                pitch=float(np.radians(pitch)),
+                looks=HEAD_LOOKS,
+                seed=SEED,
+            )
+            for pitch in pitches
+        ]
+        rows.append(
+            {
+                "distance": distance,
+                "pitches": pitches.tolist(),
+                "seen": [round(looks.seen, 3) for looks in found],
+            }
+        )
+    return rows
+
+
+def main() -> Result:
+    """Measure, and write what the lesson shows."""
+    intersect_rays = load_solution(ROOT / "solutions" / "12_beyond.ipynb")["intersect_rays"]
+    pixel_to_ground = load_solution(ROOT / "solutions" / "04_distance.ipynb")["pixel_to_ground"]
+    rows, heads = by_distance(intersect_rays, pixel_to_ground), by_pitch(intersect_rays, pixel_to_ground)
+    recorded = {"looks": LOOKS, "lean": round(float(np.degrees(LEAN[0])), 2), "rows": rows, "heads": heads}
+    CAMERAS.write_text(json.dumps(recorded) + "\n", encoding="utf-8")
+    keys = ("one", "both", "one_formula", "both_formula")
+    shown = tuple(
+        (int(row["width"]), f"{row['distance']:g}", *(f"{row[key]:.3f}" for key in keys)) for row in rows
+    )
+    table = Table(
+        f"{LOOKS} looks each (seed {SEED}), lean 1.3 degrees in pitch and 0.8 in roll, 0.5 px: standard deviations, m",
+        ("px across", "distance m", "one camera", "both", "one by formula", "both by formula"),
+        shown,
+    )
+    where = Table(
+        "pitch of the head, degrees, at which both cameras see the point in half of the looks and more",
+        ("distance m", "middle", "from", "to"),
+        tuple(
+            (f"{each['distance']:g}", f"{np.degrees(pitch_for(each['distance'])):.1f}", *_half(each))
+            for each in heads
+        ),
+    )
+    return Result("beyond_cameras", recorded, (table, where))
+
+
+def _half(head: dict[str, Any]) -> tuple[str, str]:
+    """Least and largest pitch at which half of the looks see the point."""
+    seen = [pitch for pitch, part in zip(head["pitches"], head["seen"], strict=True) if part >= 0.5]
+    return (f"{min(seen):.0f}", f"{max(seen):.0f}")

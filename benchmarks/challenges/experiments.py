@@ -1,0 +1,64 @@
+"""Entries to lesson 10's challenge: nothing, the paper's setting, the best of the lesson's 27, and a better detector.
+
+Each says its interval by rooms that it was tried in: others than the challenge's, of the same three presets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from benchmarks import ROOT
+from benchmarks.challenges.corners import find_corners_better
+from benchmarks.challenges.pictures import Pixels
+from benchmarks.challenges.posts import labels_of
+from nao_course.exercises import Definitions, load_definitions
+from nao_course.geometry import FloatArray
+
+Rooms = list[Pixels]
+Detector = Callable[[Pixels], FloatArray]
+PAPER, BEST = (120, 5, 40), (120, 7, 50)
+# Quantiles 0.1 and 0.9 of nine other rooms of six pictures: lab 2010 to 2012, dark 2020 to 2022, harsh 2030 to 2032.
+NOTHING_CLAIM, PAPER_CLAIM, BEST_CLAIM, BETTER_CLAIM = (1.8, 2.8), (1.4, 3.2), (1.2, 2.6), (-2.9, -0.2)
+
+
+@cache
+def lesson_functions() -> Definitions:
+    """Lesson 03's own solution."""
+    return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
+
+
+def with_setting(beta: float, gap: float, length: float) -> Detector:
+    """The lesson's detector with a setting."""
+    return lambda picture: lesson_functions()["find_corners"](labels_of(picture, beta=beta), gap, length)
+
+
+def nothing(pictures: Rooms) -> Any:
+    """No corner at all: then a room costs as much as there are corners in a picture."""
+    return [np.zeros((0, 2)) for _ in pictures], *NOTHING_CLAIM
+
+
+def paper(pictures: Rooms) -> Any:
+    """The setting that is the paper's best."""
+    return [with_setting(*PAPER)(picture) for picture in pictures], *PAPER_CLAIM
+
+
+def reference(pictures: Rooms) -> Any:
+    """The setting with the lowest mean in the lesson."""
+    return [with_setting(*BEST)(picture) for picture in pictures], *BEST_CLAIM
+
+
+def better(pictures: Rooms) -> Any:
+    """Lesson 03's better detector."""
+    return [find_corners_better(picture) for picture in pictures], *BETTER_CLAIM
+
+
+ROOM_ENTRIES = {
+    "nothing": nothing,
+    "the paper's setting": paper,
+    "the reference": reference,
+    "a better detector": better,
+}
