@@ -1,56 +1,131 @@
-"""Draw the README's picture: what a NAO sees, what is really there, and where it believes it is."""
+"""Make every picture that README, docs and lessons show: ``python images/make.py``, or some: ``... effects 07_payoff``.
+
+What each shows, for who does not see it, stands in alt_texts.toml; README, docs and lessons say the same words.
+"""
 
 from __future__ import annotations
 
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
+from rich.console import Console
 
-from nao_course.geometry import Pose
-from nao_course.plotting import (
-    LABEL_COLOURS,
-    Drawing,
-    course_style,
-    plot_field,
-    plot_measurements,
-    plot_path,
-    plot_picture,
-)
-from nao_course.sim import Field, SimulatedNao, Truth
+from nao_course.instructor.authoring.course import load_course
+from nao_course.plotting import Drawing
 
-HERE = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]
+Files = Mapping[Path, bytes]  # contents by the path under ROOT
+
+# Each maker imports what it alone needs: all of it together takes five seconds.
 
 
-def first_light(folder: Path = HERE) -> Path:
-    """Write first_light.png into a folder."""
-    field = Field(2012)
-    nao = SimulatedNao(field, Pose(0.1, -1.5, 0.4), rng=11)
-    truth = Truth(nao)
-    for turn, way in ((0.3, 0.8), (-0.6, 0.3), (0.5, 0.2)):
-        nao.turn(turn)
-        nao.walk(way)
-    nao.look(np.radians(2), np.radians(-31))
-    picture = nao.take_picture("bottom", (640, 480))
-    odometry = [truth.odometry_start @ pose for pose in nao.odometry_path]
-    with course_style():
-        figure = Figure(figsize=(12.6, 3.9))
-        seen, labelled, above = figure.subplots(1, 3, width_ratios=[1.33, 1.33, 1])
-        plot_picture(picture, seen, ticks=False)
-        seen.set_title("what the NAO sees")
-        labelled.imshow(truth.picture.labels, cmap=ListedColormap(LABEL_COLOURS), vmin=0, vmax=3)
-        for mark in truth.picture.landmarks:
-            if mark.landmark.kind != "cross" and not mark.occluded:
-                labelled.plot(*mark.pixel, "o", mfc="none", mec="#cc2288", ms=11, mew=2)
-        labelled.set(xticks=[], yticks=[], title="what is really there")
-        plot_field(field, above)
-        plot_path(truth.path, above, "truth")
-        plot_path(odometry, above, "odometry")
-        plot_measurements(nao.sense(), odometry[-1], above, "odometry")
-        above.set_title("where it is, and thinks it is")
-    return Drawing(figure, "A NAO's picture, its labels, and its map.").save(folder / "first_light.png")
+def drawn_demo() -> Files:
+    """The lessons' solutions drive the robot: figure and film."""
+    from nao_course.cli import demo
+
+    folder = Path("build", "demo")
+    demo(slam="both", seed=1, out=folder, walk=None)
+    return {Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.gif")}
+
+
+def corner_steps() -> Files:
+    """What each step of two corner detectors brings, as `python -m benchmarks corners` has recorded it."""
+    from benchmarks import corners
+
+    drawing = Drawing(corners.draw_steps(corners.recorded_steps()), "")
+    return {Path("images", "corner_steps.png"): drawing.image()}
+
+
+def effects() -> Files:
+    """What each effect of the simulator's pictures does."""
+    from images.effects import draw_effects
+
+    return {Path("images", "effects.png"): draw_effects()}
+
+
+def real_building() -> Files:
+    """A graph of the recordings, relaxed by lesson 09's solution."""
+    from nao_course.instructor.authoring.plans import load_solution
+    from nao_course.lessons.pose_graphs import draw_real_building
+
+    solution = load_solution(Path("solutions", "09_pose_graphs.ipynb"))
+    drawing = draw_real_building(solution["gauss_newton"])
+    if isinstance(drawing, str):
+        raise FileNotFoundError(drawing)
+    return in_lessons("09_intel.png", drawing.image())
+
+
+def real_walk() -> Files:
+    """The maps of a recorded walk, by lesson 11's solution."""
+    from benchmarks import field_walk
+
+    return in_lessons("11_real_walk.png", field_walk.draw_maps())
+
+
+def sheet() -> Files:
+    """The field on paper, for photographs by phone."""
+    from nao_course.lessons.distance.phone import sheet_pdf
+
+    return in_lessons("half_field_A3.pdf", sheet_pdf())
+
+
+def payoff(lesson: str) -> Files:
+    """What a lesson opens with: its own last cell draws it when it is built, so its other files come with it."""
+    from nao_course.instructor.authoring.build import build
+
+    return build(COURSE, [lesson]).files
+
+
+def in_lessons(name: str, content: bytes) -> Files:
+    """A file for the solutions and, as `nao-course build` would copy it, for the student copies."""
+    return {Path(folder, "images", name): content for folder in ("solutions", "notebooks")}
+
+
+COURSE = load_course(ROOT)
+PICTURES: dict[str, Callable[[], Files]] = {
+    "demo": drawn_demo,
+    "effects": effects,
+    "corner_steps": corner_steps,
+    "09_intel": real_building,
+    "11_real_walk": real_walk,
+    "half_field_A3": sheet,
+    **{f"{name[:2]}_payoff": lambda name=name: payoff(name) for name in COURSE.names()},
+}
+
+
+def make(name: str) -> list[Path]:
+    """Make a picture, write what differs from what is there, and return that."""
+    changed = [
+        (ROOT / path, content)
+        for path, content in PICTURES[name]().items()
+        if not (ROOT / path).is_file() or (ROOT / path).read_bytes() != content
+    ]
+    for path, content in changed:
+        path.write_bytes(content)
+    return [path.relative_to(ROOT) for path, _ in changed]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the pictures that the command line names, all by default; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python images/make.py", description="Make the course's pictures.")
+    parser.add_argument("name", nargs="*", choices=[*PICTURES, []], metavar="NAME", help=", ".join(PICTURES))
+    names = parser.parse_args(arguments).name or list(PICTURES)
+    os.chdir(ROOT)  # where the solutions are
+    console, missing = Console(highlight=False, soft_wrap=True), 0
+    for number, name in enumerate(names, start=1):
+        console.print(f"{number}/{len(names)} {name} ...")
+        start = time.monotonic()
+        try:
+            said = ", ".join(map(str, make(name))) or "as it was"
+        except FileNotFoundError as error:
+            said, missing = f"not made: {error}", missing + 1
+        console.print(f"    {said} ({time.monotonic() - start:.0f} s)")
+    return int(missing > 0)
 
 
 if __name__ == "__main__":
-    first_light()
+    sys.exit(main())

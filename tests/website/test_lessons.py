@@ -1,0 +1,97 @@
+"""A lesson's facts are read from its student copy, and the guide for instructors says the same."""
+
+import json
+import re
+
+import pytest
+
+from tests.paths import PROJECT
+from website.lessons import read_lesson
+
+
+def notebook(*cells):
+    parts = [{"source": [text], "cell_type": kind, "metadata": data} for kind, text, data in cells]
+    return json.dumps({"cells": parts})
+
+
+def test_a_lessons_facts_are_read(tmp_path):
+    head = "# Posts\n\nYou find\n*them*.\n\n![a post](images/02_payoff.png)\n\n**Needed** NumPy. **Time:** 90 minutes."
+    path = tmp_path / "02_posts.ipynb"
+    path.write_text(
+        notebook(
+            ("markdown", head, {}),
+            ("code", 'find = earlier("01:color_labels")', {}),
+            ("code", "check(f)", {"nbgrader": {"points": 3}}),
+            ("markdown", "Answer", {"nbgrader": {"points": 2}}),
+        )
+    )
+    lesson = read_lesson(path)
+    assert (lesson.number, lesson.title, lesson.goal) == ("02", "Posts", "You find *them*.")
+    assert (lesson.picture, lesson.minutes) == ("![a post](images/02_payoff.png)", 90)
+    assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
+
+
+def test_a_lesson_that_lacks_a_fact_says_which(tmp_path):
+    path = tmp_path / "02_posts.ipynb"
+    path.write_text(notebook(("markdown", "# Posts\n\nYou find them.", {})))
+    with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its picture, minutes"):
+        read_lesson(path)
+
+
+# What the guide says of the lessons
+
+LESSONS = {
+    lesson.number: lesson
+    for path in sorted((PROJECT / "notebooks").glob("[0-9][0-9]_*.ipynb"))
+    for lesson in [read_lesson(path)]
+}
+GUIDE = (PROJECT / "docs" / "teach_the_course.md").read_text(encoding="utf-8")
+
+
+def rows_under(head):
+    """The cells of the guide's table with this head."""
+    table = GUIDE.split(head, 1)[1].split("\n\n", 1)[0]
+    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in table.splitlines()[2:]]
+
+
+def numbers(cell):
+    return tuple(re.findall(r"\d\d", cell))
+
+
+def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
+    said = [(row[1], row[2], row[3], numbers(row[4])) for row in rows_under("| week | lesson |")]
+    assert said == [
+        (
+            f"{each.number} {each.title}",
+            str(each.minutes),
+            f"{each.points:g} ({each.written:g})" if each.written else f"{each.points:g}",
+            each.takes,
+        )
+        for each in LESSONS.values()
+    ]
+
+
+def test_a_shorter_course_says_how_long_it_is_and_what_is_lent_to_it():
+    rows = rows_under("| course | lessons |")
+    assert len(rows) == 3
+    for name, given, minutes, lent in rows:
+        lessons = [LESSONS[number] for number in numbers(given)]
+        missing = {number for each in lessons for number in each.takes} - {*numbers(given)}
+        assert (name, int(minutes), {*numbers(lent)}) == (
+            name,
+            sum(each.minutes for each in lessons),
+            missing,
+        )
+
+
+def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names():
+    rows = rows_under("| lesson, exercise |")
+    assert {*LESSONS} == {row[0][:2] for row in rows}
+    for where, mistake, *_ in rows:
+        number, exercise = re.fullmatch(r"(\d\d) `(\w+)`", where).groups()
+        name = LESSONS[number].name
+        assert f'check(\\"{exercise}\\"' in (PROJECT / "notebooks" / f"{name}.ipynb").read_text(
+            encoding="utf-8"
+        ), where
+        declared = (PROJECT / "solutions" / "exercises" / f"{name}.py").read_text(encoding="utf-8")
+        assert f'name="{exercise}"' in declared and f'"{mistake}"' in declared, (where, mistake)

@@ -1,0 +1,109 @@
+"""Both editions as Sphinx makes them: nothing is broken, and the students' hold nothing of a solution."""
+
+import json
+from importlib.util import find_spec
+
+import pytest
+
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.leaks import find_leaks
+from nao_course.instructor.authoring.release import model_answers, secrets
+from tests.browser.lab import browser_page
+from tests.paths import PROJECT
+from website.__main__ import build
+from website.checks import offences, read_page
+from website.editions import EDITIONS
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(find_spec("sphinx") is None, reason="no Sphinx here: `make site` installs it"),
+]
+LAPTOP, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Edition -> the folder of its pages."""
+    return {name: build(name, tmp_path_factory.mktemp(name) / "site") for name in EDITIONS}
+
+
+@pytest.fixture(scope="module")
+def course():
+    return load_course(PROJECT)
+
+
+def code_of(folder):
+    """What stands as code on the pages, as files that a search for leaks reads."""
+    return {
+        f"{path.relative_to(folder)} {number}.py": source.encode()
+        for path in folder.rglob("*.html")
+        for number, source in enumerate(read_page(path).code)
+    }
+
+
+def words_of(folder):
+    return "\n".join("".join(read_page(path).words) for path in folder.rglob("*.html"))
+
+
+def answers_in_words(course):
+    """Rubrics, and the answers that an instructor would write, both without what Markdown adds."""
+    written = [json.loads(f'"{line}"') for line in model_answers(course)]
+    rubrics = [each.rubric for name in course.names() for each in course.plan(name).written]
+    return [text for text in (*written, *rubrics) if not {"`", "*", "$"} & {*text}]
+
+
+@pytest.mark.parametrize("edition", EDITIONS)
+def test_no_link_is_broken_every_picture_is_described_and_no_host_is_asked(site, edition, course):
+    pages = site[edition]
+    assert len(list((pages / "lessons").glob("*.html"))) == len(course.names(course.chosen))
+    assert offences(pages) == []
+
+
+def test_a_propertys_sentence_with_a_colon_stays_a_sentence(site):
+    words = "".join(read_page(site["student"] / "reference" / "sim.html").words)
+    assert "Circles of line: (N, 5) as x, y, radius" in " ".join(words.split())
+
+
+def test_the_students_pages_hold_no_code_of_a_solution_or_a_hidden_case(site, course):
+    hidden = secrets(course)
+    assert find_leaks(code_of(site["student"]), hidden) == []
+    assert len(find_leaks(code_of(site["instructor"]), hidden)) > 50
+
+
+def test_the_students_pages_hold_no_answer_in_words_and_no_rubric(site, course):
+    answers, student, instructor = answers_in_words(course), *map(words_of, site.values())
+    assert [each for each in answers if each in student] == []
+    assert sum(each in instructor for each in answers) > 5
+
+
+# What is wider than the screen and cannot be scrolled: the theme cuts it off without a word.
+CUT_OFF = """() => [...document.querySelectorAll("article :is(mjx-container, pre, table, img)")]
+    .filter((each) => each.getBoundingClientRect().right > innerWidth)
+    .filter((each) => {
+        for (let box = each; box.tagName !== "ARTICLE"; box = box.parentElement)
+            if (["auto", "scroll"].includes(getComputedStyle(box).overflowX)) return false;
+        return true;
+    })
+    .map((each) => each.tagName + " " + each.textContent.slice(0, 60))"""
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("size", [LAPTOP, PHONE], ids=["laptop", "phone"])
+def test_pages_show_formulas_fit_the_screen_and_fetch_only_what_lies_beside_them(site, chromium, size):
+    folder, asked, complaints = site["instructor"], [], []
+    with browser_page(chromium) as page:
+        page.set_viewport_size(size)
+        page.set_default_timeout(180_000)
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("requestfailed", lambda request: complaints.append(request.url))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        for path in sorted(folder.glob("*/*.html")):
+            page.goto(path.as_uri())
+            if path.parent.name == "lessons":
+                page.wait_for_function("() => window.MathJax?.startup?.promise")
+                page.evaluate("() => MathJax.startup.promise.then(() => null)")
+            wrong = page.locator("mjx-merror").all_inner_texts()
+            wide = page.evaluate("() => document.documentElement.scrollWidth - window.innerWidth")
+            assert (path.name, wrong, max(wide, 0), page.evaluate(CUT_OFF)) == (path.name, [], 0, [])
+    assert complaints == []
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []

@@ -1,0 +1,9 @@
+"""The course as static pages: ``python -m website`` gathers lessons and docs, and Sphinx makes pages of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["ROOT"]
+
+ROOT = Path(__file__).resolve().parents[1]

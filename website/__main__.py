@@ -1,0 +1,85 @@
+"""``python -m website student`` builds the students' pages, ``python -m website instructor`` the instructors'."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from nao_course.instructor.authoring.course import load_course
+from website import ROOT
+from website.checks import offences
+from website.editions import EDITIONS, gather
+
+BUILD = ROOT / "build" / "website"
+
+
+def build(edition: str, folder: Path, lessons: Sequence[str] = ()) -> Path:
+    """Make an edition's pages.
+
+    Parameters
+    ----------
+    edition : str
+        ``student`` or ``instructor``.
+    folder : Path
+        Where to; sources and pages get a folder each in it.
+    lessons : sequence of str
+        Numbers or names; by default those that are released.
+
+    Returns
+    -------
+    Path
+        The folder of index.html.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        If Sphinx failed or warned.
+    """
+    course = load_course(ROOT)
+    sources, pages = folder / "sources", folder / "pages"
+    shutil.rmtree(folder, ignore_errors=True)
+    gather(EDITIONS[edition], course, course.names(lessons or course.chosen), sources)
+    options = (
+        "--fail-on-warning",
+        "--keep-going",
+        "--quiet",
+        "--fresh-env",
+        "--conf-dir",
+        str(ROOT / "website"),
+    )
+    command = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        *options,
+        "-d",
+        str(folder / "doctrees"),
+        str(sources),
+        str(pages),
+    ]
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "MPLBACKEND": "agg"})
+    return pages
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Build what the command line names and look through it; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m website", description="Build the course's pages.")
+    parser.add_argument("edition", choices=list(EDITIONS))
+    parser.add_argument("lessons", nargs="*", help="numbers or names; all that are released by default")
+    chosen = parser.parse_args(arguments)
+    try:
+        pages = build(chosen.edition, BUILD / chosen.edition, chosen.lessons)
+    except subprocess.CalledProcessError as error:
+        return error.returncode
+    wrong = offences(pages)
+    print(*wrong, f"The {chosen.edition} pages: {(pages / 'index.html').relative_to(ROOT)}", sep="\n")
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

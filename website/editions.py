@@ -1,0 +1,185 @@
+"""What each edition of the pages holds: the lessons and docs for students, or solutions and docs for instructors."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from nao_course.instructor.authoring.course import Course
+from website import ROOT
+from website.lessons import Lesson, read_lesson
+from website.rubrics import rubrics_page
+
+__all__ = ["EDITIONS", "PACKAGES", "Edition", "gather"]
+
+# What the reference describes, in the order in which one meets it.
+PACKAGES = (
+    "student",
+    "sim",
+    "plotting",
+    "widgets",
+    "exercises",
+    "geometry",
+    "slam",
+    "datasets",
+    "challenges",
+)
+
+RUBRICS = "rubrics"  # the page that is made from the declarations
+
+
+@dataclass(frozen=True)
+class Edition:
+    """Where the pages of one kind of reader come from.
+
+    Parameters
+    ----------
+    name : str
+        What it is called, in folders too.
+    lessons : str
+        The folder of its notebooks.
+    docs : tuple of str
+        Its pages of docs/, in their order.
+    welcome : str
+        What its first page begins with, Markdown.
+    """
+
+    name: str
+    lessons: str
+    docs: tuple[str, ...]
+    welcome: str
+
+    @property
+    def has_solutions(self) -> bool:
+        """Whether it is for instructors only."""
+        return self.lessons == "solutions"
+
+
+EDITIONS = {
+    each.name: each
+    for each in (
+        Edition(
+            "student",
+            "notebooks",
+            ("for_students", "notation", "real_data", "pictures"),
+            "Read the lessons here, and work on them in JupyterLab: [how to start](docs/for_students.md).",
+        ),
+        Edition(
+            "instructor",
+            "solutions",
+            (
+                "teach_the_course",
+                "grade_a_class",
+                "what_is_protected",
+                "write_a_lesson",
+                "write_an_exercise",
+                "write_a_panel",
+                "write_a_challenge",
+                "notation",
+                "for_students",
+                "setup",
+                "design",
+                "real_data",
+                "pictures",
+                "dependencies",
+            ),
+            "**With all solutions: for instructors only.** Begin with [the guide](docs/teach_the_course.md).",
+        ),
+    )
+}
+
+
+def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path) -> None:
+    """Lay an edition's sources into a folder, as Sphinx reads them.
+
+    Parameters
+    ----------
+    edition : Edition
+        Which.
+    course : Course
+        Whose title the pages have, and whose rubrics the instructors'.
+    names : sequence of str
+        The lessons that are in it.
+    folder : Path
+        Where to; it does not exist yet.
+    """
+    lessons = folder / "lessons"
+    shutil.copytree(ROOT / edition.lessons / "images", lessons / "images")
+    for name in names:
+        source = ROOT / edition.lessons / f"{name}.ipynb"
+        (lessons / source.name).write_text(_folded(source.read_text(encoding="utf-8")), encoding="utf-8")
+    shutil.copytree(ROOT / "images", folder / "images", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    (folder / "docs").mkdir()
+    for page in edition.docs:
+        text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        text = text.replace("](../solutions/images/", "](../lessons/images/")  # where an edition has them
+        (folder / "docs" / f"{page}.md").write_text(text, encoding="utf-8")
+    (folder / "reference").mkdir()
+    for package in PACKAGES:
+        (folder / "reference" / f"{package}.rst").write_text(_reference(package), encoding="utf-8")
+    read = [read_lesson(ROOT / "notebooks" / f"{name}.ipynb") for name in names]
+    (folder / "index.md").write_text(_index(edition, read, course.title), encoding="utf-8")
+    if edition.has_solutions:
+        questions = ((lesson, each) for lesson in read for each in course.plan(lesson.name).written)
+        (folder / "docs" / f"{RUBRICS}.md").write_text(rubrics_page(questions), encoding="utf-8")
+
+
+def _folded(notebook: str) -> str:
+    """A notebook whose cells that are folded in JupyterLab are folded on a page, too."""
+    content = json.loads(notebook)
+    for cell in content["cells"]:
+        if cell["metadata"].get("jupyter", {}).get("source_hidden"):
+            cell["metadata"].setdefault("tags", []).append("hide-input")
+    return json.dumps(content)
+
+
+def _index(edition: Edition, lessons: Sequence[Lesson], title: str) -> str:
+    """The first page: each lesson's picture and goal, and what the menu holds."""
+    shelves = {
+        "Lessons": [f"{each.number} {each.title} <lessons/{each.name}>" for each in lessons],
+        "Read": [f"docs/{page}" for page in (*edition.docs, *[RUBRICS] * edition.has_solutions)],
+        "Reference": [f"reference/{package}" for package in PACKAGES],
+    }
+    menus = [
+        "\n".join(["```{toctree}", ":hidden:", f":caption: {shelf}", "", *pages, "```"])
+        for shelf, pages in shelves.items()
+    ]
+    return "\n\n".join([f"# {title}", edition.welcome, *map(_card, lessons), *menus]) + "\n"
+
+
+def _card(lesson: Lesson) -> str:
+    picture = lesson.picture.replace("](images/", "](lessons/images/")
+    link = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
+    return (
+        f":::{{container}} lesson\n{picture}\n\n**{link}** · {lesson.minutes} minutes\n\n{lesson.goal}\n:::"
+    )
+
+
+def _reference(package: str) -> str:
+    """The page of a package: a table of what it offers, its constants by name, then each in full."""
+    name = f"nao_course.{package}"
+    module = import_module(name)
+    directives = {each: _directive(each, getattr(module, each)) for each in module.__all__}
+    constants = ", ".join(f"``{each}``" for each, directive in directives.items() if not directive)
+    documented = {each: directive for each, directive in directives.items() if directive}
+    return "\n".join(
+        [
+            *(name, "=" * len(name), "", f".. automodule:: {name}", "   :no-members:", ""),
+            *(f".. currentmodule:: {name}", "", ".. autosummary::", "   :nosignatures:", ""),
+            *(f"   {each}" for each in documented),
+            *(["", f"Constants and types: {constants}."] if constants else []),
+            *documented.values(),
+        ]
+    )
+
+
+def _directive(name: str, value: object) -> str:
+    """What makes autodoc describe a public name; nothing for a constant, which has no docstring of its own."""
+    if inspect.isclass(value):
+        return f"\n.. autoclass:: {name}\n   :members:"
+    return f"\n.. autofunction:: {name}" if inspect.isroutine(value) else ""

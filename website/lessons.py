@@ -1,0 +1,97 @@
+"""What a lesson's student notebook says of it: its title, its goal, how long it takes, what its parts are worth."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+__all__ = ["Lesson", "read_lesson"]
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A lesson as its student copy describes it.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``01_hsl_filtering``.
+    title : str
+        Its first heading.
+    goal : str
+        The paragraph below it, Markdown.
+    picture : str
+        The Markdown of the figure that it opens with.
+    minutes : int
+        How long it takes, by its own word.
+    points : float
+        What its checks and written answers are worth together.
+    written : float
+        What its written answers are worth.
+    takes : tuple of str
+        Numbers of the lessons whose functions, the student's own, it uses.
+    """
+
+    name: str
+    title: str
+    goal: str
+    picture: str
+    minutes: int
+    points: float
+    written: float
+    takes: tuple[str, ...]
+
+    @property
+    def number(self) -> str:
+        """Its number, two digits."""
+        return self.name.split("_")[0]
+
+
+def read_lesson(path: Path) -> Lesson:
+    """Read a lesson's student copy.
+
+    Parameters
+    ----------
+    path : Path
+        Its notebook.
+
+    Raises
+    ------
+    ValueError
+        If it lacks a title, a goal, an opening figure or its time.
+    """
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    text, code = (_joined(cells, kind) for kind in ("markdown", "code"))
+    said = {
+        "title": r"^# (.+)$",
+        "goal": r"^# .+\n+((?:.+\n?)+)",
+        "picture": r"^(!\[[^]]+\]\(images/\d\d_payoff\.\w+\))$",
+        "minutes": r"\*\*Time:\*\* (\d+) minutes",
+    }
+    found = {key: re.search(pattern, text, re.MULTILINE) for key, pattern in said.items()}
+    missing = [key for key, match in found.items() if match is None]
+    if missing:
+        raise ValueError(f"{path.name} does not say its {', '.join(missing)}")
+    words = {key: match[1] for key, match in found.items() if match is not None}
+    return Lesson(
+        path.stem,
+        words["title"],
+        " ".join(words["goal"].split()),
+        words["picture"],
+        int(words["minutes"]),
+        points=sum(map(_points, cells)),
+        written=sum(_points(cell) for cell in cells if cell["cell_type"] == "markdown"),
+        takes=tuple(sorted(set(re.findall(r'\bearlier\("(\d\d):', code)))),
+    )
+
+
+def _joined(cells: list[dict[str, Any]], kind: str) -> str:
+    return "\n\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == kind)
+
+
+def _points(cell: dict[str, Any]) -> float:
+    """What nbgrader counts for a cell."""
+    return float(cell["metadata"].get("nbgrader", {}).get("points", 0))

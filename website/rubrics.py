@@ -1,0 +1,25 @@
+"""The page by which answers in words are marked: each question, its points, its rubric."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from nao_course.exercises import Written
+from website.lessons import Lesson
+
+__all__ = ["rubrics_page"]
+
+
+def rubrics_page(questions: Iterable[tuple[Lesson, Written]]) -> str:
+    """Write all questions below each other, in Markdown.
+
+    Parameters
+    ----------
+    questions : iterable of (Lesson, Written)
+        Each with its lesson, in their order.
+    """
+    parts = [
+        f"## {lesson.number} {lesson.title}, {each.points:g} points\n\n{each.question}\n\n> {each.rubric}"
+        for lesson, each in questions
+    ]
+    return "\n\n".join(["# Rubrics of the answers in words", *parts]) + "\n"
