@@ -6,12 +6,16 @@ LAB_ARGS ?=
 PYTEST_ARGS ?=
 PIP_ARGS ?=
 BENCH_ARGS ?=
+SITE_ARGS ?=
 WORKERS ?= 2
 
 PY = .venv/bin/python
 PIP = $(PY) -m pip --disable-pip-version-check $(PIP_ARGS)
-# The course's matrices are small: one BLAS thread for each test process is the fastest, and the same everywhere.
-PYTEST = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m pytest -n $(WORKERS) --dist loadfile
+# The course's matrices are small: one BLAS thread for each process is the fastest, and the same everywhere.
+ONE_THREAD = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# The tests' modules are kept compiled, also where a machine's settings forbid it: pytest takes 10 s to rewrite them.
+# tests/order.py says what runs together. nbval is for the one test that starts it.
+PYTEST = PYTHONDONTWRITEBYTECODE= $(ONE_THREAD) $(PY) -m pytest -n $(WORKERS) -p no:nbval
 LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-version 3.11 \
 	--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
@@ -19,17 +23,20 @@ LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-v
 PHOTOS = --ServerApp.tornado_settings="{'websocket_max_message_size': 60000000}"
 
 .DEFAULT_GOAL := help
-.PHONY: help lab test lint test-quick test-slow test-all bench build lock clean
+.PHONY: help lab demo test lint test-quick test-slow test-all bench build site lock clean
 .NOTPARALLEL:
 
 help:  ## say what there is
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' Makefile
-	@echo "Variables: PYTHON (which interpreter), LAB_ARGS, PYTEST_ARGS, BENCH_ARGS, PIP_ARGS, WORKERS (test processes)"
+	@echo "Variables: PYTHON (which interpreter), LAB_ARGS, DEMO_ARGS, PYTEST_ARGS, BENCH_ARGS, SITE_ARGS, PIP_ARGS, WORKERS (test processes)"
 
 lab: .venv/lab.stamp  ## open the lessons in JupyterLab
 	@mkdir -p notebooks
 	@$(PY) -m nao_course.cli renew
 	$(PY) -m jupyterlab notebooks $(PHOTOS) $(LAB_ARGS)
+
+demo: .venv/lab.stamp  ## let the robot drive and map the field by itself
+	$(PY) -m nao_course.cli demo --out build/demo $(DEMO_ARGS)
 
 test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow
 
@@ -49,16 +56,20 @@ bench: .venv/bench.stamp  ## measure the course against its peers
 	$(PY) -m benchmarks $(BENCH_ARGS)
 
 build: .venv/dev.stamp  ## make the students' notebooks from solutions/*.md
-	$(PY) -m nao_course.cli build
+	$(ONE_THREAD) $(PY) -m nao_course.cli build
+
+site: .venv/site.stamp  ## make the students' pages, with SOLUTIONS=1 the instructors'; they need no other host
+	$(PY) -m website $(if $(SOLUTIONS),instructor,student) $(SITE_ARGS)
 
 lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
 	$(LOCK) --upgrade --extra lab --extra instructor --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
 	$(LOCK) --upgrade --extra bench --constraint requirements-dev.lock --output-file requirements-bench.lock
+	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
-	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist
-	find nao_course tests benchmarks solutions -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
+	find nao_course tests benchmarks solutions website -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 .venv/made.stamp:
 	@$(PYTHON) -c 'import sys' 2>/dev/null || { echo "No Python found ($(PYTHON)). Install Python 3.11 or newer, or say which: make PYTHON=python3.12 ..." >&2; exit 1; }
@@ -81,6 +92,11 @@ clean:  ## remove .venv and every cache; your notebooks stay
 # The peers that the course is measured beside, on top of the big lock.
 .venv/bench.stamp: .venv/dev.stamp requirements-bench.lock
 	$(call install,requirements-bench.lock)
+	@touch $@
+
+# What makes pages of the lessons, on top of the big lock.
+.venv/site.stamp: .venv/dev.stamp requirements-site.lock
+	$(call install,requirements-site.lock)
 	@touch $@
 
 define install

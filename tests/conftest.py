@@ -2,22 +2,52 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from nao_course.datasets import data_folder
+from tests import order
 
+gc.disable()  # until all is collected: thousands of tests that stay would be gone through again and again
 os.environ["MPLBACKEND"] = "Agg"  # here and in every kernel that a test starts: no test opens a window
+os.environ["NAO_COURSE_TIME_LIMIT"] = "60"  # of a panel that names no other: no test fails for being late
+# jsonschema, and with it nbformat, would read the grammar of internationalised addresses: seconds for each process.
+sys.modules.setdefault("rfc3987_syntax", None)
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSERS_ELSEWHERE = (
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
 )
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    config.option.loadscopereorder = False  # the tests are in their order already
+    return order.LongestFirst(config, log)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    items[:] = [items[place] for place in order.in_order([item.nodeid for item in items])]
+
+
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _nothing_is_compiled_while_tests_run():
+    """The tests' own modules are kept compiled; what a test starts leaves no file where another looks for changes."""
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    sys.dont_write_bytecode = True
 
 
 @pytest.fixture(scope="session")

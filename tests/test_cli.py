@@ -13,9 +13,10 @@ import pytest
 
 from nao_course import cli
 from nao_course.instructor.authoring import lesson_text
+from nao_course.single_threaded import SINGLE_THREADED
 from nao_course.student import progress
 from tests.paths import PROJECT
-from tests.toy.course import contents, run
+from tests.toy.course import lay_out_first_lessons, run
 
 
 @pytest.fixture(autouse=True)
@@ -23,14 +24,29 @@ def _wide(monkeypatch):
     monkeypatch.setattr(cli.console, "width", 200)
 
 
-def test_check_says_in_a_table_what_is_right_and_what_is_not():
-    blank, solved = (
-        str(PROJECT / folder / "01_hsl_filtering.ipynb") for folder in ("notebooks", "solutions")
-    )
-    result = run("check", solved)
+def two_lessons(folder, of):
+    """Copy two lessons into a folder: of all that lie there, `check` and `submit` say the sum."""
+    folder.mkdir()
+    for name in ("00_meet_the_nao", "01_hsl_filtering"):
+        shutil.copy(PROJECT / of / f"{name}.ipynb", folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    return two_lessons(tmp_path_factory.mktemp("solved") / "notebooks", of="solutions")
+
+
+@pytest.fixture(scope="module")
+def blank(tmp_path_factory):
+    return two_lessons(tmp_path_factory.mktemp("blank") / "notebooks", of="notebooks")
+
+
+def test_check_says_in_a_table_what_is_right_and_what_is_not(solved, blank):
+    result = run("check", str(solved / "01_hsl_filtering.ipynb"))
     assert result.exit_code == 0 and result.output.count("✔ passes") == 6
     assert result.output.count("● written") == 1
-    result = run("check", blank)
+    result = run("check", str(blank / "01_hsl_filtering.ipynb"))
     assert result.exit_code == 1 and result.output.count("○ not attempted") == 6
     assert result.output.count("○ nothing written") == 1
 
@@ -55,14 +71,13 @@ def test_check_names_what_went_wrong(tmp_path):
     assert "is no folder" in run("submit", str(path), "--out", str(tmp_path)).output
 
 
-def test_check_ends_with_the_sum_that_progress_gives_and_alone_shows_all_lessons(monkeypatch):
-    solved = str(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
-    last = run("check", solved).output.splitlines()[-1]
-    total = progress(PROJECT / "solutions").total("01_hsl_filtering")
+def test_check_ends_with_the_sum_that_progress_gives_and_alone_shows_all_lessons(solved, monkeypatch):
+    last = run("check", str(solved / "01_hsl_filtering.ipynb")).output.splitlines()[-1]
+    total = progress(solved).total("01_hsl_filtering")
     assert last == total and total.startswith("01_hsl_filtering: 13 of 13 points pass their public checks")
-    monkeypatch.chdir(PROJECT)
+    monkeypatch.chdir(solved.parent)
     result = run("check")
-    assert result.exit_code == 0 and result.output.strip() == repr(progress(PROJECT / "notebooks"))
+    assert result.exit_code == 0 and result.output.strip() == repr(progress(solved))
 
 
 @pytest.mark.parametrize("word", ["0", "00", "00_meet_the_nao"])
@@ -73,21 +88,21 @@ def test_check_takes_the_number_of_a_lesson(word, tmp_path, monkeypatch):
     result = run("check", word)
     assert result.exit_code == 0 and "✔ passes" in result.output
     shutil.move("notebooks/00_meet_the_nao.ipynb", ".")
-    Path("notebooks").rmdir()
+    shutil.rmtree("notebooks")  # with what was seen of them
     assert run("check", word).exit_code == 0
     result = run("check", "07")
     assert result.exit_code == 1 and "there is no file 07; lessons here: 00_meet_the_nao" in result.output
 
 
-def test_submit_says_where_the_zip_is_and_what_the_receipt_is(tmp_path):
-    result = run("submit", str(PROJECT / "notebooks"), "--out", str(tmp_path))
+def test_submit_says_where_the_zip_is_and_what_the_receipt_is(solved, blank, tmp_path):
+    result = run("submit", str(blank), "--out", str(tmp_path))
     (made,) = tmp_path.iterdir()
     assert result.exit_code == 0 and made.name in result.output and "Your receipt is in it" in result.output
     assert "01_hsl_filtering: 0 of 6 exercises pass their public checks; not yet: rgb_to_hsl" in result.output
     assert "1.W1 (nothing written)" in result.output
     hand_in, state = (result.output.index(words) for words in ("Hand in ", "pass their public checks"))
     assert hand_in < state, "a student's code that never ends keeps nobody from handing in"
-    result = run("submit", str(PROJECT / "solutions"), "--out", str(tmp_path / "solved"))
+    result = run("submit", str(solved), "--out", str(tmp_path / "solved"))
     assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
 
 
@@ -152,6 +167,19 @@ def test_the_command_line_and_grading_start_without_what_only_some_commands_need
     assert not set(HEAVY) & set(done.stdout.split())
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="counts the threads in /proc")
+def test_a_command_has_one_thread_for_its_matrices_unless_more_are_asked_for():
+    """With as many as there are processors, the proof of a lesson stalls on a busy machine."""
+    unset = {name: value for name, value in os.environ.items() if name not in SINGLE_THREADED}
+    say = "print(os.environ['OMP_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
+    code = f"import os, nao_course.cli, numpy, cv2\n{say}"
+    alone, told = (
+        subprocess.run([sys.executable, "-c", code], env=unset | more, capture_output=True, text=True).stdout
+        for more in ({}, {"OMP_NUM_THREADS": "2"})
+    )
+    assert alone.split() == ["1", "1"] and told.split()[0] == "2"
+
+
 # --- what the documentation says ---
 
 
@@ -160,10 +188,7 @@ def test_the_command_line_and_grading_start_without_what_only_some_commands_need
 def test_the_documentation_can_be_followed_word_for_word(page, tmp_path, monkeypatch):
     """Run the commands of a page in a copy of the course, but for those that stand for any lesson, NN."""
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    shutil.copytree(PROJECT / "nao_course", tmp_path / "nao_course")
-    shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
-    shutil.copytree(PROJECT / "notebooks", tmp_path / "notebooks")
-    shutil.copy(PROJECT / "course.toml", tmp_path)
+    lessons = lay_out_first_lessons(tmp_path)
     monkeypatch.chdir(tmp_path)
     text = (PROJECT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```\n((?:(?:nao-course|rm) .*\n)+)```", text, re.MULTILINE)
@@ -178,7 +203,5 @@ def test_the_documentation_can_be_followed_word_for_word(page, tmp_path, monkeyp
             command = [sys.executable, "-m", "nao_course.cli", *words]
             done = subprocess.run(command, env=environment, capture_output=True, text=True)
             assert done.returncode == 0, done.stderr
-    there = contents(tmp_path / "notebooks").keys()
     if page == "write_a_lesson":
-        made = {path.name for path in there if path.suffix == ".ipynb"}
-        assert made == {path.name for path in (PROJECT / "notebooks").glob("*.ipynb")}
+        assert lessons == sorted(path.stem for path in (tmp_path / "notebooks").glob("*.ipynb"))

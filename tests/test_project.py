@@ -16,7 +16,7 @@ import pytest
 
 from tests.paths import PROJECT
 
-LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock")
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock", "requirements-site.lock")
 
 
 # Lock files
@@ -78,20 +78,23 @@ def test_what_a_student_runs_is_what_the_instructor_tests():
         {entry.split(" ;")[0] for entry in lock_entries((PROJECT / name).read_text(encoding="utf-8"))}
         for name in LOCKS
     ]
-    student, instructor, bench = without_marker
+    student, instructor, bench, site = without_marker
     assert student - instructor == set()
     peers = {requirement_name(each) for each in declared()["bench"]}
     assert {requirement_name(each) for each in bench - instructor} == peers
+    shared = {requirement_name(each) for each in site} & {requirement_name(each) for each in instructor}
+    assert {requirement_name(each) for each in site - instructor} & shared == set()
 
 
 def test_every_dependency_is_locked_and_has_its_reason_written_down():
     tables = declared()
-    small, big, bench = (locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS)
+    small, big, bench, site = (locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS)
     student = {requirement_name(each) for table in ("core", "lab", "build") for each in tables[table]}
     everything = {requirement_name(each) for table in tables.values() for each in table}
     assert student - small == set()
-    assert everything - big == {requirement_name(each) for each in tables["bench"]}
-    assert everything - big - bench == set()
+    extras = {requirement_name(each) for table in ("bench", "site") for each in tables[table]}
+    assert everything - big == extras
+    assert everything - big - bench - site == set()
     page = (PROJECT / "docs" / "dependencies.md").read_text(encoding="utf-8")
     explained = {name.lower() for name in re.findall(r"^\| `([\w.-]+)", page, re.MULTILINE)}
     assert explained == everything
@@ -193,7 +196,7 @@ def test_the_wheel_and_the_source_archive_hold_the_library_and_no_solutions(tmp_
     assert {top for top in tops if not top.endswith((".dist-info", ".data"))} == {"nao_course"}
     beside = {"share/jupyter/lab/settings/overrides.d", "etc/jupyter/labconfig/page_config.d"}  # JupyterLab's settings
     data = {name.split(".data/data/")[1] for name in names if ".data/" in name}
-    assert data == {f"{each}/nao_course.json" for each in beside}
+    assert data == {*(f"{each}/nao_course.json" for each in beside), "etc/ipython/startup/nao_course.py"}
     listed = subprocess.run(
         [sys.executable, "-m", "tarfile", "-l", str(archive)], check=True, capture_output=True, text=True
     ).stdout.split()

@@ -154,6 +154,7 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
         "PYTHONPATH": os.pathsep.join([str(PROJECT), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep),
         "MPLBACKEND": "Agg",
     }
+    environment.pop("NAO_COURSE_TIME_LIMIT", None)  # a student's machine does not say it
     port = _free_port()
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--ServerApp.port={port}"]
     command += ["--ServerApp.ip=127.0.0.1", "--ServerApp.port_retries=0", "--IdentityProvider.token="]

@@ -43,7 +43,7 @@ def test_it_opens_with_its_figure_and_a_prediction_is_written_with_enter_and_lai
         select(page, beside)
         page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-cell').then(() => null)")
         line = page.locator(f'.jp-Cell[data-windowed-list-index="{beside}"]')
-        wait_for(lambda: "You predicted -30°; it is -30°." in line.inner_text(), "both side by side", 30)
+        wait_for(lambda: "You predicted -30°, and so it is." in line.inner_text(), "both side by side", 30)
         screenshot(page, "lesson_00_beside")
         last = cell_index(page, "check.payoff(")
         select(page, last)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
+from nao_course.challenges.beliefs import DEEPEST, as_belief, say_bits, score_belief, score_end
+from nao_course.geometry import Pose
+from nao_course.slam import Estimate
 
 POSE, GOOD = np.zeros(3), np.eye(3)
 
@@ -37,6 +39,14 @@ def test_a_map_is_left_out_where_there_may_be_one_and_refused_elsewhere():
         as_belief((state, covariance))
 
 
+def test_a_pose_and_an_estimate_are_beliefs_as_they_are():
+    covariance, nothing = np.diag([0.01, 0.04, 0.02]), np.zeros((0, 2))
+    estimate = Estimate(Pose(1.0, 2.0, 0.5), covariance, nothing, nothing)
+    for answer in ((estimate.pose, covariance), estimate):
+        pose, spread = as_belief(answer)
+        assert np.array_equal(pose, [1.0, 2.0, 0.5]) and np.array_equal(spread, covariance)
+
+
 def test_bits_are_those_of_gaussian_densities_and_one_case_is_not_everything():
     before = POSE, 4 * GOOD
     same = score_belief(*before, POSE, before, None)
@@ -48,3 +58,11 @@ def test_bits_are_those_of_gaussian_densities_and_one_case_is_not_everything():
     assert lost.score == DEEPEST and lost.columns == {
         "off": 100.0, "stated": pytest.approx(100 * np.sqrt(2e-6)), "NEES": 1000.0
     }  # fmt: skip
+
+
+def test_the_end_of_a_drive_is_scored_against_odometry_and_its_band_is_said():
+    odometry = POSE + (0.1, 0.0, 0.0), GOOD
+    assert score_end(odometry, POSE, odometry, "drive").score == pytest.approx(0.0)
+    whole = score_end((np.append(POSE, [7.0, 7.0]), np.eye(5)), POSE, odometry, "drive")
+    assert whole.score > 0 and whole.kept[0] == "drive" and whole.kept[1].shape == (3,)
+    assert "NEES between 2.3 and 3.8" in say_bits(40)

@@ -39,9 +39,15 @@ def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
     assert board.table().rows[-1][1] == "-"
     report = board.enter(lambda numbers: numbers)
     assert report.score == 0.5 and names(board.table()) == ["nothing", "you, best so far", "the reference"]
-    assert "It is your first. It beats nothing (0.00); next is the reference (0.75)." in repr(report)
+    assert (
+        'It is your first. It is above "nothing" (0.00), better in 2 of 3 scenes; '
+        'next is "the reference" (0.75), better in 2 of 3 scenes.'
+    ) in repr(report)
     better = board.enter(double)
-    assert "That is your best so far; it was 0.50. It beats the reference (0.75)." in repr(better)
+    assert (
+        'That is your best so far; it was 0.50. It is above "the reference" (0.75), better in 2 of'
+        in repr(better)
+    )
     again = board.enter(double)
     assert "as good as your best so far" in repr(again) and "this entry" not in names(again.table())
     worse = board.enter(lambda numbers: 2.75 * numbers)
@@ -53,12 +59,15 @@ def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
 def test_a_score_that_is_shown_as_another_is_level_with_it(tmp_path):
     report = Board(CHALLENGE, tmp_path).enter(lambda numbers: 2.5001 * numbers)
     assert report.score == pytest.approx(0.74995)
-    assert "It beats nothing (0.00); it is level with the reference (0.75)." in repr(report)
+    assert (
+        'It is above "nothing" (0.00), better in 3 of 3 scenes; it is level with "the reference" (0.75).'
+        in repr(report)
+    )
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
     board = Board(COST, tmp_path)
-    assert "next is the reference (0.25 m)" in repr(board.enter(lambda numbers: numbers))
+    assert 'next is "the reference" (0.25 m).' in repr(board.enter(lambda numbers: numbers))
     assert names(board.table()) == ["nothing", "you, best so far", "the reference"]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import Checks
-from nao_course.exercises.asking import ask, prediction, reply
+from nao_course.exercises.asking import Prediction, ask, prediction, reply
 from nao_course.exercises.exercise import PublicLesson, PublicQuestion
 
 WHY = PublicQuestion("why", "Why clamp?", {"Safety": "Yes.", "Speed": "It takes longer."}, "Safety")
@@ -53,6 +53,21 @@ def ask_for(request):
         return prediction(request.node.nodeid, **options)
 
     return ask
+
+
+@pytest.mark.parametrize("own", ["Right. It counts.", "right: it counts.", "It counts."])
+def test_no_reply_says_twice_that_it_is_right(own):
+    question = PublicQuestion(
+        "why", "Why?", {"So": own, "Not": "Not quite: the right half is missing."}, "So"
+    )
+    assert repr(reply(question, "So")) == "✔ Right. It counts."
+    assert repr(reply(question, "Not")) == "✘ Not quite. The right half is missing."
+
+
+def test_a_prediction_that_came_true_is_not_said_twice():
+    guess = Prediction("How many?", "eigenvalues")
+    guess.write("3")
+    assert repr(guess.beside(3)) == "You predicted 3 eigenvalues, and so it is."
 
 
 @pytest.mark.parametrize(

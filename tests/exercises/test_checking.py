@@ -26,6 +26,7 @@ from nao_course.exercises import (
     running,
 )
 from nao_course.exercises.checking import grade_public
+from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.instructor.authoring.plans import load_plan, publish, publish_exercise
@@ -401,6 +402,31 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
     pose = Case((np.zeros(3), np.ones(2)), expected=np.zeros(3))
     assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1
+
+
+def test_of_an_answer_of_several_parts_no_input_is_shown_where_one_is_about_all():
+    """The mean of squares of six points is no answer to the second point."""
+    points = np.arange(12.0).reshape(6, 2)
+    wanted = (points + 1, np.eye(2))
+    public = PublicExercise(
+        "f", "7.6", 1.0, 1, Close(), [Case((points,), expected=wanted)], [], [], "", False
+    )
+    wrong = grade_public(public, lambda given: (given + 1, np.array([[1.0, 0.0], [5.0, 1.0]])))
+    assert not wrong and not any("There the input" in line for line in wrong.lines)
+    both = replace(public, cases=[Case((points,), expected=(points + 1, points * 2))])
+    report = grade_public(both, lambda given: (given + 1, given * 2 + (given == 3)))
+    assert report.lines[-1] == "There the input is 2 3."
+
+
+def test_what_a_law_says_gets_one_full_stop():
+    class Says(Close):
+        def compare(self, expected, got):
+            return Verdict("law", "Some of your angles are not from -pi to pi.")
+
+    public = PublicExercise("f", "7.1", 1.0, 1, Says(), [Case((1.0,), expected=1.0)], [], [], "", False)
+    assert grade_public(public, lambda x: x).lines[0].endswith("are not from -pi to pi.")
+    plain = replace(public, comparison=Close())
+    assert grade_public(plain, lambda x: x + 1).lines[0].endswith(".")
 
 
 def test_of_points_the_row_is_shown_and_of_a_matrix_about_all_of_them_nothing():

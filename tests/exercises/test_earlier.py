@@ -1,11 +1,14 @@
 """A function of an earlier lesson is the student's own, or it says why not; a check has recorded what it answers."""
 
 import ast
+import inspect
 
 import numpy as np
 import pytest
+from IPython.core.completer import provisionalcompleter
+from IPython.core.interactiveshell import InteractiveShell
 
-from nao_course.exercises import checking, try_out
+from nao_course.exercises import Case, call, checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.earlier import (
@@ -20,6 +23,7 @@ from nao_course.exercises.earlier import (
 )
 from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
 from nao_course.student import notebooks as student
+from nao_course.widgets.attempts import attempt
 from tests.toy import pair, toy
 
 
@@ -159,6 +163,81 @@ def test_the_recorded_answer_of_another_function_is_none():
     double = stand_in("80:double", not_usable("80:double"))
     with watching([EarlierCall("80:halve", ["x"], {"x": 1.5}, 0.75)]), pytest.raises(EarlierNotUsable):
         double(1.5)
+
+
+DOCUMENTED = '''def double(x, *, times=2):
+    """Return a number twice.
+
+    Parameters
+    ----------
+    x : float
+        The number.
+    """
+    '''
+
+
+@pytest.mark.parametrize("body", ["return times * x", "return 7", "raise NotImplementedError"])
+def test_what_stands_for_a_function_looks_like_it_also_where_it_is_not_usable(tmp_path, body, capsys):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": DOCUMENTED + body})
+    double = student.earlier("80:double", tmp_path)
+    capsys.readouterr()
+    help(double)
+    shown = capsys.readouterr().out
+    assert "double(x, *, times=2)" in shown and "Return a number twice." in shown and "The number." in shown
+    assert "This is double of your lesson 80." in shown
+    assert str(inspect.signature(double)) == "(x, *, times=2)" and double.__name__ == "double"
+    assert body not in inspect.getsource(double)  # nobody reads an answer where a question is looked up
+    shell = InteractiveShell()
+    try:
+        shell.user_ns["double"] = double
+        shell.run_line_magic("pinfo", "double")
+        looked_up = shell.object_inspect("double", detail_level=0)
+        assert looked_up["definition"] == "double(x, *, times=2)"
+        assert looked_up["docstring"].startswith("Return a number twice.")
+        with provisionalcompleter():
+            shell.Completer.use_jedi = False
+            assert "times=" in [each.text for each in shell.Completer.completions("double(tim", 10)]
+    finally:
+        InteractiveShell.clear_instance()
+
+
+def test_what_stands_for_nothing_that_can_be_read_has_its_name_and_takes_anything(tmp_path, capsys):
+    double = student.earlier("80:double", tmp_path)
+    assert double.__doc__ == "This is double of your lesson 80." and double.__name__ == "double"
+
+
+def test_a_wrong_class_is_not_handed_on(tmp_path, capsys):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"Counter": "class Counter: pass"})
+    with pytest.raises(EarlierNotUsable):
+        student.earlier("80:Counter", tmp_path)()
+
+
+UNPACKS = "def double(x):\n    if isinstance(x, list):\n        first, second = x\n    return 2 * x"
+
+
+def test_an_error_inside_an_earlier_function_is_told_as_such_with_the_line_that_calls_it(tmp_path, lessons):
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": UNPACKS})
+    source = "def quadruple(x):\n    y = [x, x, x]\n    return double(y)"
+    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": source})
+    found = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
+    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
+    assert report.lines[0].endswith(
+        "one raises ValueError: too many values to unpack (expected 2) (inside double of your lesson 80)."
+    )
+    assert report.lines[1] == "line 3: return double(y)"
+    assert report.lines[2].startswith("double cannot work with what that line passes to it")
+    said = str(try_out(lambda: found["quadruple"](1.0)))
+    assert "(inside double of your lesson 80). It is called from your line 3: return double(y)." in said
+    tried = attempt(lambda: found["quadruple"](1.0), "quadruple()")
+    assert tried.message.startswith(
+        "ValueError in quadruple(), line 3, inside double of your lesson 80: too many"
+    )
+
+
+def test_a_slip_in_calling_an_earlier_function_is_ones_own(tmp_path):
+    found = own(tmp_path, double="def double(x):\n    return x + x").namespace["double"]
+    error = call(lambda: found(1, 2), Case(()))
+    assert "inside" not in error.text and "takes 1 positional argument" in error.text
 
 
 def test_a_class_is_handed_on_itself(tmp_path):

@@ -4,6 +4,7 @@ import importlib
 import linecache
 import signal
 import sys
+import threading
 from types import ModuleType
 
 import pytest
@@ -118,6 +119,19 @@ def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
 def test_an_alarm_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
     (tmp_path / "never_imported.py").write_text("while True:\n    pass\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(running, "IMPORTING", 0.1)
+    monkeypatch.setattr("nao_course.time_limits.IMPORTING", 0.1)
     with pytest.raises(running.TimeIsUp), running.alarm(0.05):
         importlib.import_module("never_imported")
+
+
+def test_in_another_thread_too_a_case_that_never_ends_is_stopped():
+    """There, and on Windows, no alarm clock rings."""
+    found = []
+
+    def check():
+        found.extend(running.call_all(lambda: endless(), [Case(()), Case(())], seconds=0.05))
+
+    thread = threading.Thread(target=check, daemon=True)
+    thread.start()
+    thread.join(30)  # where it is not stopped
+    assert [outcome.status for outcome in found] == ["timed out"]

@@ -1,5 +1,7 @@
 """Demonstration cells never stop a notebook."""
 
+import linecache
+import sys
 from unittest import mock
 
 import cv2
@@ -9,6 +11,7 @@ import sympy
 from IPython.core.interactiveshell import InteractiveShell
 
 from nao_course.exercises import try_out, trying
+from tests.paths import PROJECT
 
 
 def test_what_works_is_shown_as_it_is():
@@ -20,6 +23,15 @@ def test_an_unwritten_exercise_gets_its_sentence():
         raise NotImplementedError
 
     assert repr(try_out(unwritten, "Finish exercise 0.1.")) == "Finish exercise 0.1."
+
+
+def test_what_a_demonstration_could_not_make_is_said_again_where_it_is_needed():
+    def unwritten():
+        raise NotImplementedError
+
+    table = try_out(unwritten, "Finish exercise 0.1.")
+    assert repr(try_out(lambda: trying.made(table)[0], "Finish exercise 0.2.")) == "Finish exercise 0.1."
+    assert try_out(lambda: trying.made([7])[0]) == 7
 
 
 def test_an_error_is_named_and_escaped():
@@ -39,6 +51,47 @@ def test_an_interrupt_goes_through():
         try_out(interrupted)
 
 
+def as_in_a_cell(source, number=3, **more):
+    """What a cell defines."""
+    file = f"<07_ekf_slam, cell {number}>"
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    namespace = dict(more)
+    exec(compile(source, file, "exec"), namespace)
+    return namespace
+
+
+def test_one_call_of_a_function_that_never_ends_is_stopped_with_its_line(monkeypatch):
+    monkeypatch.setattr(trying, "SECONDS", 0.3)
+    update = as_in_a_cell("def update(state):\n    while True:\n        state += 1")["update"]
+    said = repr(try_out(as_in_a_cell("show = lambda: [update(0)]", 4, update=update)["show"]))
+    assert said.startswith(
+        "Time is up: one call of update() was not done after 0.3 s, and was stopped in line "
+    )
+    assert said.endswith("Does a loop never end? Mend it, run its cell and its check, then this cell again.")
+
+
+def test_a_demonstration_of_many_short_calls_may_take_its_time():
+    watch = trying._LongCall(0.0)  # a call that is seen twice is too long
+    looks = []
+
+    def look():
+        looks.append(watch(sys._getframe()))
+
+    short = as_in_a_cell("def short(times):\n    for _ in range(times):\n        look()", look=look)["short"]
+    source = "def helper():\n    look()\n    look()\n    short(1)\n    short(1)\n    short(2)\n"
+    source += "def demonstrate():\n    look()\n    look()\n    helper()"
+    assert try_out(as_in_a_cell(source, 4, look=look, short=short)["demonstrate"]) is None
+    assert looks == [*[False] * 7, True]
+    assert watch.name == "short"
+    assert try_out(lambda: watch(sys._getframe().f_back)) is False  # in try_out itself nothing is called yet
+
+
+def test_a_demonstration_that_never_ends_by_itself_is_stopped_at_last(monkeypatch):
+    monkeypatch.setattr(trying, "DISPLAY_SECONDS", 0.2)
+    said = repr(try_out(as_in_a_cell("def demonstrate():\n    while True:\n        pass")["demonstrate"]))
+    assert said.startswith("Time is up: this was not done after 0.2 s, and was stopped in line ")
+
+
 def test_a_name_that_a_restarted_kernel_does_not_know_is_told_apart_from_a_slip_in_a_function():
     def slip():
         value = value + 1  # noqa: F821, F841
@@ -56,17 +109,31 @@ def test_an_unknown_name_inside_a_function_comes_with_its_line_and_one_of_the_co
     assert repr(try_out(lambda: progress())).endswith("from nao_course.student import progress")  # noqa: F821
 
 
-def test_in_jupyter_each_unknown_name_gets_its_sentence_below_the_traceback(capsys):
+def by_the_set_up_cell(shell):
+    trying.explain_unknown_names()
+
+
+def by_the_start_of_the_kernel(shell):
+    """As IPython runs the file: in the notebook's own namespace."""
+    shell.safe_execfile(PROJECT / "jupyter" / "startup.py", shell.user_ns, raise_exceptions=True)
+    assert not [name for name in shell.user_ns if "explain" in name or name == "show"]
+
+
+@pytest.mark.parametrize("installed", [by_the_set_up_cell, by_the_start_of_the_kernel])
+def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(capsys, installed):
     shell = InteractiveShell()
     try:
         with mock.patch.object(trying.sys.modules["IPython"], "get_ipython", return_value=shell):
-            trying.explain_unknown_names()
-        result = shell.run_cell("field")
-        assert isinstance(result.error_in_exec, NameError)
-        said = capsys.readouterr().out
-        assert "NameError" in said and "does not know 'field' yet" in said
-        shell.run_cell("1 / 0")
-        assert "does not know" not in capsys.readouterr().out
+            installed(shell)
+            result = shell.run_cell("try_out(lambda: 1)")
+            assert isinstance(result.error_in_exec, NameError)
+            said = capsys.readouterr().out
+            assert "name 'try_out' is not defined" in said and "Traceback (most" not in said
+            assert "does not know 'try_out' yet (line 1" in said and "Run All Above Selected Cell" in said
+            shell.run_cell("1 / 0")
+            assert "Traceback" in (said := capsys.readouterr().out) and "does not know" not in said
+            shell.run_cell("def slip():\n    value = value + 1\nslip()")
+            assert "Traceback" in (said := capsys.readouterr().out) and "does not know" not in said
     finally:
         InteractiveShell.clear_instance()
 

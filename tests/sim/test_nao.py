@@ -61,7 +61,7 @@ def test_odometry_scatters_in_the_robot_frame_as_its_covariance_says(motion):
     ends = []
     for seed in range(1500):
         nao = SimulatedNao(pose=Pose(1, 0, heading), rng=seed, odometry_noise=noise)
-        nao._move(motion)
+        nao.move(motion)
         ends.append((Pose(1, 0, heading).inverse() @ Truth(nao).pose).as_array())
     errors = np.array(ends) - (motion.distance, 0, motion.turn)
     expected = np.sqrt(np.diag(noise.covariance(motion)))
@@ -126,7 +126,7 @@ def test_twenty_robots_drive_as_one_does(rng):
     for seed in range(1500):
         nao = SimulatedNao(pose=Pose(0, 0, 0), rng=seed)
         for motion in commands:
-            nao._move(motion)
+            nao.move(motion)
         ends.append(Truth(nao).pose.as_array())
     together = repeat_drive(commands, 4000, rng)[:, -1]
     assert np.allclose(np.std(ends, axis=0), together.std(axis=0), rtol=0.1)

@@ -1,8 +1,10 @@
 """The line on top of a lesson: true, short, and there in a moment whatever a notebook holds."""
 
+import dataclasses
+
 import pytest
 
-from nao_course.student import so_far, stages
+from nao_course.student import progress, so_far, stages, strip, verdicts
 from tests.student.test_notebooks import ENDLESS, needs_alarm
 from tests.toy import toy
 
@@ -67,7 +69,7 @@ def test_it_is_the_same_in_html_with_nothing_of_a_students_unescaped(here):
 def test_a_notebook_that_never_ends_keeps_nobody_from_beginning_a_lesson(here, cell):
     toy.write(here / "90_toy.ipynb", cell, toy.MEAN)
     said = repr(so_far(seconds=0.2))
-    assert "nothing yet · looking at your notebooks takes longer" in said
+    assert said == "Your NAO so far: not looked at yet, which progress() does: distances (90)"
     assert "never end" not in said  # on a slow machine a quick look cannot tell
 
 
@@ -75,5 +77,50 @@ def test_a_notebook_that_never_ends_keeps_nobody_from_beginning_a_lesson(here, c
 def test_where_its_time_is_not_enough_it_says_so(here):
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     said = repr(so_far(seconds=1e-6))
-    assert "looking at your notebooks takes longer" in said
+    assert said == "Your NAO so far: not looked at yet, which progress() does: distances (90)"
     assert "next" not in said  # what was not looked at may be solved
+
+
+LACKS = "mean_of_positive of lesson 90 does not pass its check yet"
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        (toy.MEAN, "✔ distances (90) · next: goal posts (91)"),
+        ("def mean_of_positive(values):\n    return 0.0", f"nothing yet · next: distances (90) ({LACKS})"),
+    ],
+)
+@pytest.mark.parametrize("look", [progress, lambda: so_far(seconds=LONG)])
+def test_what_was_looked_at_before_is_known_at_once_until_a_notebook_is_saved(here, cell, said, look):
+    toy.write(here / "90_toy.ipynb", toy.CLAMP, cell)
+    look()
+    assert repr(so_far(seconds=-1)) == f"Your NAO so far: {said}"
+    toy.write(here / "91_later.ipynb", "x = 1")  # a later lesson changes nothing
+    assert repr(so_far(seconds=-1)) == f"Your NAO so far: {said}"
+    toy.write(here / "90_toy.ipynb", toy.CLAMP, cell, "y = 1")
+    assert "not looked at yet" in repr(so_far(seconds=-1))
+
+
+def test_a_stage_after_one_that_nobody_has_looked_at_is_not_looked_at_either(here, monkeypatch, stage):
+    later = dataclasses.replace(stage, name="goal posts", lesson="91_posts", uses=(), after=("distances",))
+    monkeypatch.setattr(strip, "all_stages", lambda: [stage, later])
+    said = repr(so_far(seconds=-1))
+    assert (
+        said == "Your NAO so far: not looked at yet, which progress() does: distances (90), goal posts (91)"
+    )
+
+
+@pytest.mark.parametrize("broken", ["{", "[]", '{"90_toy": []}', '{"90_toy": {"of": 1}}'])
+def test_a_broken_file_of_what_was_kept_is_as_none(here, broken):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    (here / verdicts.FILE).write_text(broken)
+    assert "not looked at yet" in repr(so_far(seconds=-1))
+    assert "✔ distances (90)" in repr(so_far(seconds=LONG)) and "✔ distances (90)" in repr(so_far(seconds=-1))
+
+
+def test_under_a_strict_course_nothing_is_kept(here, monkeypatch):
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    monkeypatch.setenv("NAO_COURSE_STRICT", "1")
+    so_far()
+    assert not (here / verdicts.FILE).exists()

@@ -166,3 +166,18 @@ def test_entries_that_are_known_stand_there_at_first_and_can_be_changed():
     assert derivation("known", MODEL, [x, theta], known=[[1, ""], ["", 1]]) is derivation(
         "known", MODEL, [x, theta], known=[[1, ""], ["", 1]]
     )
+
+
+def test_a_name_may_stand_for_something_longer_and_a_delta_is_a_d():
+    y = sympy.Symbol("y")
+    short = DerivationSheet("Away", Matrix([(y - x) * theta]), [x, theta], rows=("row",), short={"dx": y - x})
+    for typed in ("dx", "Δx", "\N{INCREMENT}x", "y - x"):
+        assert str(short.write([["-theta", typed]])) == "✔ All 2 entries are slopes of the model."
+    assert "there are" in str(short.write([["-theta", "dz"]])) and "dx" in str(short.write([["", "dz"]]))
+    assert "repeat(2, minmax(90px, 350px))" in _layout(short)
+    assert "190px" in _layout(DerivationSheet("Many", Matrix([x + d]), [x, d, e, theta, y], rows=("row",)))
+
+
+def _layout(sheet):
+    sheet._repr_mimebundle_()
+    return sheet._view.box.children[1].layout.grid_template_columns

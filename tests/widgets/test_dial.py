@@ -24,6 +24,14 @@ def test_a_slider_changes_its_effect_and_the_picture_shown():
     assert dial._image.value != before
 
 
+def test_what_a_browser_rounds_when_it_first_shows_a_slider_is_no_move():
+    dial = RealityDial()
+    before = repr(dial)
+    for slider in dial._sliders.values():
+        slider.value = round(slider.value / slider.step) * slider.step
+    assert repr(dial) == before and "<b>" not in dial._said.value
+
+
 @pytest.mark.parametrize("name", ["clean", "lab", "dark", "harsh", "messy"])
 def test_a_preset_moves_every_slider(name):
     dial = RealityDial()

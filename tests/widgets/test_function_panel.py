@@ -136,6 +136,18 @@ def test_reset_and_buttons_that_set_ask_once():
     assert len(calls) == 4
 
 
+def test_reset_leaves_what_is_looked_at():
+    """An exercise says "with all other values as at the start": nobody wants to choose the picture again."""
+    scenes = Choice("scene", "Scene", ("a", "b"), stays=True)
+    panel = make(controls=[LEVEL, scenes, Choice("show", "Show", (1, 2))])
+    panel.set(level=7, scene="b", show=2)
+    press(panel, "reset")
+    assert panel.values == {"level": 100, "scene": "b", "show": 1}
+    assert panel._widgets["scene"].value == "b"
+    button = next(each for each in all_widgets(panel.widget) if getattr(each, "description", "") == "Reset")
+    assert button.tooltip == "Set everything back to where it began; Scene stays"
+
+
 def test_random_numbers_are_the_same_until_a_button_draws_again():
     again = Action("again", "Draw again")
 

@@ -5,10 +5,10 @@ import pytest
 import sympy
 from sympy import Matrix, Mod, atan, atan2, cos, pi, sin, sqrt
 
-from nao_course.exercises import Case, Derivative, Exercise, Mistake, call
+from nao_course.exercises import Case, Derivative, Exercise, Mistake, call, judging
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.codec import decode, encode
-from nao_course.exercises.comparisons.jacobians import jacobian
+from nao_course.exercises.comparisons.jacobians import evaluated, jacobian
 from nao_course.instructor.authoring.plans import publish_exercise
 
 x, y, theta, d = sympy.symbols("x y theta d")
@@ -25,8 +25,13 @@ def points(seed=3):
     return values
 
 
+def sent(model, derived):
+    """What comes from a student's process."""
+    return decode(encode(jacobian(lambda: (model, derived), list(points()), BY)))
+
+
 def answer(model, derived):
-    return decode(encode(jacobian(lambda: (model, derived), points(), BY)))
+    return evaluated(sent(model, derived), points(), BY)
 
 
 def verdict(model, derived):
@@ -163,6 +168,62 @@ def test_what_a_stranger_sends_is_wrong_and_nothing_worse(got):
     assert not LAW.compare(answer(MODEL, RIGHT), got)
 
 
+def test_the_points_stay_where_the_judging_is():
+    case = Case((points(), BY), "eight points")
+    (asked,) = LAW.calls(case)
+    assert asked.args == (["x", "y", "theta", "d"], BY)
+    outcome = judging.answer(LAW, lambda each: call(lambda: (MODEL, RIGHT), each, "jacobian"), case)
+    assert LAW.judge(Case((), expected=answer(MODEL, RIGHT)), outcome.value)
+
+
+def test_numbers_in_the_place_of_expressions_are_no_answer():
+    wanted = answer(MODEL, RIGHT)
+    for forged in (wanted, {**wanted, "steps": []}, {**sent(MODEL, RIGHT), "jacobian": wanted["jacobian"]}):
+        assert LAW.gather(Case((points(), BY)), [forged]) == {}
+
+
+RAW = sent(MODEL, RIGHT)
+END = len(RAW["steps"])
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        {"steps": [*RAW["steps"], ("sin", END + 5)]},
+        {"steps": [*RAW["steps"], ("sin", END)]},
+        {"steps": [*RAW["steps"], ("sin", -1)]},
+        {"steps": [*RAW["steps"], ("sin", True)]},
+        {"steps": [*RAW["steps"], ("system", 0)]},
+        {"steps": [*RAW["steps"], ("__class__",)]},
+        {"steps": [*RAW["steps"], ("symbol", "l")]},
+        {"steps": [*RAW["steps"], ("number", "1")]},
+        {"steps": [*RAW["steps"], ("number", np.ones(3))]},
+        {"steps": [*RAW["steps"], np.ones(3)]},
+        {"steps": [*RAW["steps"], None]},
+        {"steps": [("symbol", "x")] * 20_001},
+        {"model": [END] * 3},
+        {"model": ["x"] * 3},
+        {"model": [[0]] * 3},
+        {"model": []},
+        {"jacobian": [[]]},
+        {"jacobian": [[0, 1], [0]]},
+        {"jacobian": [[None]]},
+        {"terms": [[]] * 9},
+        {"terms": [3] * 9},
+    ],
+    ids=lambda forged: str(forged)[-60:],
+)
+def test_steps_that_make_no_sense_are_no_answer(forged):
+    assert LAW.gather(Case((points(), BY)), [RAW]) != {}
+    assert LAW.gather(Case((points(), BY)), [RAW | forged]) == {}
+
+
+def test_many_of_anything_is_wrong_and_costs_little():
+    for forged in ({"jacobian": [[0] * 200] * 200}, {"terms": [[0] * 2000] * 9}, {"model": [0] * 2000}):
+        got = LAW.gather(Case((points(), BY)), [RAW | forged])
+        assert not LAW.compare(answer(MODEL, RIGHT), got) or "terms" in forged
+
+
 def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
     def mistake(derived):
         return lambda: (MODEL, derived)
@@ -198,3 +259,11 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
     assert "your answer is None" in repr(grade_public(public, lambda: None))
     for other in (3, RIGHT, (MODEL,)):
         assert "return (model, jacobian)" in repr(grade_public(public, lambda other=other: other))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_model_that_divides_by_0_is_wrong_and_warns_of_nothing():
+    """Its difference is infinite less infinite, as that of a mutant of lesson 05."""
+    with np.errstate(all="warn"):
+        got = evaluated(sent(Matrix([x / d, y, theta]), RIGHT), {**points(), "d": np.zeros(8)}, BY)
+    assert not LAW.compare(answer(MODEL, RIGHT), got)

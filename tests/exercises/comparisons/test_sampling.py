@@ -1,6 +1,5 @@
 """A function that draws random samples is judged by the law of its answers, which come one by one."""
 
-
 import numpy as np
 import pytest
 
@@ -90,14 +89,15 @@ FORGED = law(sample)
 def test_no_answer_takes_the_place_of_the_law(hostile):
     right = law(sample)
     answers = [sample(VALUES, 40, np.random.default_rng(seed)) for seed in (*range(300), *range(20))]
-    assert LAW.compare(right, LAW.gather([answers]))
+    assert LAW.compare(right, LAW.gather(Case(()), [answers]))
     for forged in (hostile, [hostile] * 320, [1.0, hostile] * 160, answers[:-1], [*answers, 1.0], [answers]):
-        assert not LAW.compare(right, LAW.gather([forged]))
+        assert not LAW.compare(right, LAW.gather(Case(()), [forged]))
 
 
 def test_true_and_false_are_no_numbers():
-    assert LAW.compare(law(sample), law(lambda v, n, rng: True)).text == "your answer is a bool, not one number"
-
+    assert (
+        LAW.compare(law(sample), law(lambda v, n, rng: True)).text == "your answer is a bool, not one number"
+    )
 
 
 def test_keyword_arguments_go_to_every_call():

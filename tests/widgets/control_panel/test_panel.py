@@ -13,8 +13,8 @@ import pytest
 from nao_course.geometry import Pose
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import DeadReckoning, Estimate, Measurement, SlamAlgorithm
+from nao_course.time_limits import TooSlow
 from nao_course.widgets import ControlPanel
-from nao_course.widgets.attempts import TooSlow
 from nao_course.widgets.control_panel.cockpit import STEP
 from nao_course.widgets.control_panel.panel import PERIOD
 from tests.widgets.robots import Failing, Recorder, clean_nao, press

@@ -1,5 +1,6 @@
 """The student's vision while the robot drives: what a stage shows, and that nothing it does stops the drive."""
 
+import asyncio
 import re
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Picture, Truth
-from nao_course.slam import Estimate
+from nao_course.slam import Estimate, Motion
 from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
 from nao_course.widgets.control_panel import pipeline as module
 from tests.paths import PROJECT
@@ -309,3 +310,72 @@ def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prin
     monkeypatch.setattr(module, "SLOW", -1.0)
     panel = make()
     assert "the drive follows slowly" in status(panel) and " ms " not in panel.summary()
+
+
+def test_the_board_is_the_line_of_the_last_stage_that_has_an_estimate():
+    own = Estimate(Pose(), np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
+    overlays = {
+        "pose": Overlay(text="here", estimate=own),
+        "the estimate": Overlay(text="off 3 cm", estimate=own),
+        "corners": Overlay(text="2 corners"),
+    }
+    assert module.Seen(overlays).board == "the estimate: off 3 cm"
+    assert module.Seen({"corners": overlays["corners"]}).board == ""
+
+
+def wander(least):
+    """A stage that wants to walk on until it has walked so far."""
+    return Stage(
+        "wish",
+        "92_toy",
+        (),
+        lambda student, nao: (
+            lambda sight: Overlay(motion=Motion(0.05) if nao.odometry.x < least - 1e-9 else None)
+        ),
+        drives=True,
+    )
+
+
+def test_a_stage_that_drives_brings_a_button_and_a_key_and_another_does_not():
+    def classes(panel):
+        return {name for each in all_widgets(panel.widget) for name in each._dom_classes}
+
+    assert "nao-do-itself" in classes(make((wander(0.2),)))
+    assert "nao-do-itself" not in classes(make())
+
+
+def test_from_code_the_robot_goes_where_the_stage_says_and_no_farther():
+    panel = make((wander(0.2),))
+    panel.explore(3)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.15)
+    panel.explore(9)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+
+
+def driven_by_itself(panel, until):
+    """Press the button, and wait until the drive has ended or `until` says so."""
+
+    async def scenario():
+        press(panel, "itself")
+        while panel.driving and not until():
+            await asyncio.sleep(0.01)
+        panel.stop()
+        if panel._task is not None:
+            await panel._task
+
+    asyncio.run(scenario())
+
+
+def test_a_press_lets_it_go_by_itself_until_it_wants_nothing_more():
+    panel = make((wander(0.2),))
+    panel.view = "picture"  # nobody looks along until the button is pressed
+    driven_by_itself(panel, lambda: False)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2) and not panel.driving
+
+
+def test_stop_ends_what_goes_by_itself():
+    panel = make((wander(50.0),))
+    driven_by_itself(panel, lambda: panel.cockpit.nao.odometry.x > 0.12)
+    assert panel.cockpit.nao.odometry.x < 1.0 and "Stopped." in panel.summary()
+    panel.forward(0.05)
+    assert not panel.driving

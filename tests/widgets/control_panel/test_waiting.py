@@ -25,3 +25,16 @@ def test_one_too_many_is_left_out_and_said_until_there_is_room():
     assert "left out" not in waiting.said()
     waiting.clear()
     assert waiting.take() is None
+
+
+def test_by_itself_it_takes_what_the_code_says_after_what_waits_and_ends_with_nothing():
+    said = [Motion(0.3, 0.0), Motion(0.0, 0.0), Motion(0.3, 0.0)]
+    waiting = WaitingMotions(lambda: said.pop(0))
+    assert waiting.take() is None and len(said) == 3  # nobody asked for it
+    waiting.itself = True
+    waiting.add(Motion(0.0, 0.5))
+    assert [waiting.take() for _ in range(2)] == [Motion(0.0, 0.5), Motion(0.3, 0.0)]
+    assert waiting.take() is None and not waiting.itself  # a motion of nothing would never end
+    waiting.itself = True
+    waiting.clear()
+    assert waiting.take() is None and len(said) == 1

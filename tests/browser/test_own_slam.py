@@ -1,0 +1,76 @@
+"""The student's own SLAM in a real browser: it follows the drive, and goes on where an exercise is missing."""
+
+import shutil
+
+import pytest
+
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import screenshot
+from tests.paths import PROJECT
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+PANEL = "from nao_course.student import my_nao\n\npanel = my_nao(time_limit=60)\npanel"
+
+
+def fill(folder, unsolved=""):
+    """Put the solutions into a folder as a student's saved notebooks; that of one lesson is as it was handed out."""
+    for path in sorted((PROJECT / "solutions").glob("*.ipynb")):
+        own = unsolved and path.name.startswith(unsolved)
+        shutil.copy(PROJECT / "notebooks" / path.name if own else path, folder / path.name)
+
+
+def words(page):
+    return page.locator(".nao-panel .nao-status").inner_text()
+
+
+def drive(lab, page, name):
+    """Open the panel, hold a key until pictures have come, and stop."""
+    lab.write(name, PANEL)
+    lab.open(page, name)
+    lab.run_all(page, timeout=300)
+    assert lab.errors(page) == []
+    page.locator(".nao-panel .nao-board").wait_for(timeout=120_000)
+    before = {
+        image: page.locator(f"img.nao-image-{image}").get_attribute("src") for image in ("bottom", "map")
+    }
+    page.evaluate(
+        """() => { window.naoSteps = 0; document.querySelector('img.nao-image-bottom')
+        .addEventListener('load', () => window.naoSteps += 1); }"""
+    )
+    page.locator(".nao-keys").click()
+
+    def held(steps):
+        page.keyboard.down("w")  # again and again: as a key that is held repeats itself
+        return page.evaluate("() => window.naoSteps") >= steps
+
+    wait_for(lambda: held(8), "eight steps while the key is held", 120)
+    page.keyboard.up("w")
+    page.keyboard.press("x")
+    wait_for(lambda: "…" not in words(page), "end of the drive", 60)
+    for image, source in before.items():
+        assert page.locator(f"img.nao-image-{image}").get_attribute("src") != source, image
+    return page.locator(".nao-panel .nao-board").inner_text()
+
+
+def test_a_solved_course_drives_with_its_map_and_board_by_the_key_that_is_held(lab, page):
+    fill(lab.folder)
+    board = drive(lab, page, "solved.ipynb")
+    assert "✔ the estimate (11)" in page.locator(".nao-ready").inner_text()
+    for said in ("The estimate: off ", "NEES", "on the map", "by your measure"):
+        assert said in board
+    assert " 0 landmarks on the map" not in board
+    page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'start'})")
+    screenshot(page, "own_slam")
+
+
+def test_with_an_exercise_missing_the_panel_says_which_and_goes_on_with_sense(lab, page):
+    fill(lab.folder, unsolved="02")
+    board = drive(lab, page, "missing.ipynb")
+    ready = page.locator(".nao-ready").inner_text()
+    assert "Not yet: goal posts, for find_goalposts of lesson 02 is not written yet" in ready
+    assert "by sense(), for find_goalposts of your lesson 02 is not usable yet" in board
+    assert "✔ the estimate (11)" in ready and "NEES" in board
+    screenshot(page, "own_slam_missing")

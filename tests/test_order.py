@@ -1,0 +1,40 @@
+"""The order in which tests begin: it names tests that there are, loses none, and keeps a file's tests together."""
+
+import re
+from itertools import groupby
+
+from tests.order import APART, FIRST, in_order, unit_of
+from tests.paths import PROJECT
+
+SOME = [
+    "tests/sim/test_render.py::test_few",
+    *(f"tests/test_slam.py::test_law[{number}]" for number in range(3)),
+    f"tests/lessons/test_exercises.py::{APART[0]}[01]",
+    "tests/lessons/test_exercises.py::test_a_rule[01]",
+    f"tests/lessons/test_exercises.py::{APART[0]}[02]",
+    f"{FIRST[0]}::test_long",
+]
+
+
+def test_what_begins_first_and_what_stands_apart_is_there():
+    for each in set(FIRST) - set(APART):
+        assert (PROJECT / each).is_file(), each
+    source = "\n".join(path.read_text(encoding="utf-8") for path in (PROJECT / "tests").rglob("test_*.py"))
+    assert set(APART) <= set(FIRST) and set(APART) <= set(re.findall(r"^def (\w+)\(", source, re.MULTILINE))
+
+
+def test_the_longest_begin_then_the_files_of_the_most_tests_and_none_is_lost():
+    places = in_order(SOME)
+    assert sorted(places) == list(range(len(SOME)))
+    assert [SOME[place].partition("::")[0] for place in places] == [
+        FIRST[0],
+        *["tests/lessons/test_exercises.py"] * 2,
+        *["tests/test_slam.py"] * 3,
+        "tests/lessons/test_exercises.py",
+        "tests/sim/test_render.py",
+    ]
+
+
+def test_tests_that_share_what_is_prepared_are_one_unit_and_those_of_one_lesson_each_stand_alone():
+    units = [unit for unit, _ in groupby(map(unit_of, (SOME[place] for place in in_order(SOME))))]
+    assert len(units) == len(set(units)) == 6
