@@ -12,9 +12,10 @@ from benchmarks import ROOT
 from nao_course.geometry import FloatArray, Pose
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.careful import LoneOnesInDoubt, SurestFirst
+from nao_course.lessons.slam_on_the_field.system.careful import SurestFirst
 from nao_course.lessons.slam_on_the_field.system.compass import wrap_quarter
 from nao_course.lessons.slam_on_the_field.system.observation import Observation
+from nao_course.lessons.slam_on_the_field.system.whole_picture import WholePicture
 from nao_course.slam import SlamAlgorithm
 
 GATE = 4.0  # standard deviations
@@ -80,9 +81,9 @@ def surest_first(make: Make) -> Make:
     return lambda start: SurestFirst(make(start))
 
 
-def lone_ones_left_out(start: Pose) -> SlamAlgorithm:
-    """Return the filter that leaves out a picture of one landmark while its heading is in doubt."""
-    return LoneOnesInDoubt(EKF(start, gate=GATE, association=associate_jointly))
+def whole_picture(start: Pose) -> SlamAlgorithm:
+    """Return the filter that takes in lines and the centre circle as well."""
+    return WholePicture(EKF(start, gate=GATE, association=associate_jointly))
 
 
 FILTER, GRAPH = jointly(), jointly(SOLUTION["GraphSlam"])

@@ -21,6 +21,7 @@ from nao_course.lessons.slam_on_the_field.system.observation import (
     leaning,
     observation,
 )
+from nao_course.lessons.slam_on_the_field.system.whole_picture import scene
 from nao_course.metrics import squared_distances
 from nao_course.sim import CameraView
 from nao_course.slam import KINDS, LandmarkKind, Measurement, SlamAlgorithm
@@ -72,6 +73,8 @@ class Ways:
         How many corners that are none are added to a picture, on average.
     post_sigma : float
         What R is told of a post's thickness, m.
+    whole : bool
+        Whether lines and the centre circle are seen as well, and what the lean does to compass and places together.
     """
 
     corners: str = "lines"
@@ -83,6 +86,7 @@ class Ways:
     compass: bool = False
     false_corners: float = 0.0
     post_sigma: float = POST_SIGMA
+    whole: bool = False
 
     def __call__(self, read: Read, rng: np.random.Generator) -> Observation:
         """Make an observation of a picture."""
@@ -102,7 +106,7 @@ class Ways:
         if self.compass:
             lean = read.lean
             found = replace(found, direction=lean.direction, direction_sigma=lean.direction_sigma)
-        return found
+        return scene(found, read.lean, seen.lines, read.level) if self.whole else found
 
     def _lean(self, read: Read) -> FloatArray:
         """Covariance (2, 2) of the lean that R is told."""

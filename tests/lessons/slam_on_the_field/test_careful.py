@@ -11,12 +11,11 @@ from nao_course.lessons.slam_on_the_field.system.careful import (
     SIGHTINGS,
     CarefulSlam,
     LearntOdometry,
-    LoneOnesInDoubt,
     SurestFirst,
 )
 from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
 from nao_course.lessons.slam_on_the_field.system.observation import Observation
-from nao_course.slam import Estimate, Measurement, Motion
+from nao_course.slam import Estimate, Motion
 
 TURN, KNOWN = Motion(0.2, 0.5), np.radians(1.0) ** 2
 NOTHING = np.zeros((0, 0))
@@ -153,23 +152,3 @@ def test_pictures_without_a_compass_keep_their_order():
         slam.observe(each)
     slam.estimate()
     assert all(came is each for came, each in zip(slam.inner.came, given, strict=True))
-
-
-@pytest.mark.parametrize(
-    ("landmarks", "sigma", "doubt", "read"),
-    [
-        (1, np.inf, 3.0, False),
-        (1, np.inf, 1.0, True),  # the heading is known
-        (1, 0.02, 3.0, True),  # the picture tells it
-        (2, np.inf, 3.0, True),  # two can contradict each other
-        (0, np.inf, 3.0, True),
-    ],
-)
-def test_one_landmark_alone_is_left_out_while_the_heading_is_in_doubt(landmarks, sigma, doubt, read):
-    slam = LoneOnesInDoubt(Noted())
-    slam.inner.covariance[2, 2] = np.radians(doubt) ** 2
-    some = tuple(Measurement(0.1, 1.0 + n) for n in range(landmarks))
-    slam.move(TURN)
-    slam.observe(Observation(some, np.eye(2 * landmarks), 0.0, sigma))
-    assert slam.inner.came == ["move", sigma][: 1 + read]
-    assert slam.estimate().pose == slam.inner.estimate().pose

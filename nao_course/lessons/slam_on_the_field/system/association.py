@@ -108,7 +108,7 @@ class _Pairs:
         distance = np.maximum(np.hypot(*away.T), 1e-6)
         values = np.array([(each.bearing, each.range) for each in measurements]).reshape(-1, 2)[i]
         bearing = wrap_angle(values[:, 0] - np.arctan2(away[:, 1], away[:, 0]) + state[2])
-        H = _jacobians(away, distance, j, len(state))
+        H = landmark_slopes(away, distance, j, len(state))
         rows = (2 * i[:, None] + (0, 1)).ravel()
         S = np.linalg.multi_dot([H, covariance, H.T]) + R[rows][:, rows]
         return cls(i, j, np.column_stack([bearing, values[:, 1] - distance]).ravel(), S)
@@ -120,7 +120,7 @@ class _Pairs:
         return float(away @ np.linalg.solve(self.S[np.ix_(rows, rows)], away))
 
 
-def _jacobians(away: FloatArray, distance: FloatArray, landmark: IntArray, size: int) -> FloatArray:
+def landmark_slopes(away: FloatArray, distance: FloatArray, landmark: IntArray, size: int) -> FloatArray:
     """Slopes (2P, size) of bearing and range by the state, for landmarks `away` (P, 2) from the robot."""
     H = np.zeros((len(away), 2, size))
     across = np.column_stack([-away[:, 1], away[:, 0]]) / (distance**2)[:, None]

@@ -1,4 +1,4 @@
-"""Wariness: the surest picture first, none that may show anything, odometry's noise learnt, landmarks that lapse."""
+"""Wariness: the surest picture first, odometry's noise learnt, landmarks that lapse."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ SIGHTINGS, PATIENCE = (
     3,
     15,
 )  # a landmark stays that is seen so often; so many pictures may pass before the next time
-IN_DOUBT = np.radians(2.0)  # of a heading by which one landmark may be taken for another
 FACTORS = (1.0, 1.5, 2.0, 3.0)  # how much worse than told odometry may be
 OUTLIERS = 0.01  # share of compass readings that have nothing to do with the heading
 
@@ -58,37 +57,6 @@ class SurestFirst(SlamAlgorithm):
         seen, self._seen = self._seen, []
         for each in sorted(seen, key=lambda one: one.direction_sigma):
             self.inner.observe(each)
-
-
-class LoneOnesInDoubt(SlamAlgorithm):
-    """Leaves out a picture that may show anything: one landmark, no compass, and a heading in doubt.
-
-    With one pair there is nothing to be jointly incompatible. A later look tells more, and is not led astray.
-
-    Parameters
-    ----------
-    inner : FieldFilter
-        Gets all other pictures.
-    """
-
-    def __init__(self, inner: FieldFilter) -> None:
-        """Begin with nothing seen."""
-        self.inner = inner
-
-    def move(self, motion: Motion) -> None:
-        """Take in a command."""
-        self.inner.move(motion)
-
-    def observe(self, measurements: Sequence[Measurement]) -> None:
-        """Take in a picture, unless it says too little."""
-        seen = as_observation(measurements)
-        in_doubt = self.inner.covariance[2, 2] > IN_DOUBT**2
-        if not (len(seen) == 1 and np.isinf(seen.direction_sigma) and in_doubt):
-            self.inner.observe(seen)
-
-    def estimate(self) -> Estimate:
-        """Return what is believed."""
-        return self.inner.estimate()
 
 
 class Odometry(Protocol):

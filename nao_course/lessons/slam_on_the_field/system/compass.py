@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray
+from nao_course.lessons.slam_on_the_field.system.lines import to_ground
 from nao_course.lessons.slam_on_the_field.system.observation import TILT_SIGMAS, leaning
 from nao_course.sim import CameraView
 
@@ -15,7 +16,12 @@ QUARTER = np.pi / 2
 COMPASS_SIGMA = float(np.radians(3))  # a direction less known than this is no compass
 END_SIGMA = 0.25  # px at 320: of a middle line's end, across it
 DIRECTION_SIGMA = float(np.radians(0.3))  # of a line's direction besides: lens, lines laid by hand
-OUTLIER = 2.0  # standard deviations beyond which a line pulls no harder: it is none of the field's
+# A line that is shorter tells nothing: more than half are pieces of the circle, or upright things. px at 320, and m.
+LEAST_PIXELS, LEAST_LENGTH = 14.0, 0.3
+LENGTHS, DOUBTS = (
+    (0.45, 0.7),
+    (0.2, 0.04, 0.01),
+)  # m: how likely a longer one is none of the field's straight ones
 GRID = np.linspace(-2.6, 2.6, 9)  # standard deviations of the lean at which the search begins
 MOST_LINES, MOST_STARTS = 24, 12  # the best known; those whose direction is tried as the field's
 MODES, STEPS = 3, 8  # places that are refined, and in how many steps
@@ -83,15 +89,20 @@ def lean_from_lines(
     """
     ends = np.asarray(lines, dtype=float).reshape(-1, 4)
     prior = np.array(sigmas)
-    normals, sd = _normals(ends, view), _direction_sigmas(ends, view)
+    length = _lengths(ends, view)
+    normals, sd = (
+        _normals(ends, view),
+        np.where(length >= LEAST_LENGTH, _direction_sigmas(ends, view), np.nan),
+    )
     best = np.argsort(np.where(np.isfinite(sd), sd, np.inf), kind="stable")[
         : min(MOST_LINES, np.isfinite(sd).sum())
     ]
-    starts = _starts(normals[best], sd[best], prior)
+    normals, sd, doubt = normals[best], sd[best], np.array(DOUBTS)[np.searchsorted(LENGTHS, length[best])]
+    starts = _starts(normals, sd, doubt, prior)
     unknown = Lean(0.0, 0.0, 0.0, np.diag([*prior**2, QUARTER**2 / 12]))
     if not len(starts):
         return unknown
-    states, covariances, costs = _refine(normals[best], sd[best], prior, starts)
+    states, covariances, costs = _refine(normals, sd, doubt, prior, starts)
     mean, covariance = _mixture(states, covariances, costs)
     lean = Lean(float(mean[0]), float(mean[1]), float(wrap_quarter(mean[2])), covariance)
     return lean if support(ends, view, lean) >= least_support else unknown
@@ -174,20 +185,34 @@ def _direction_sigmas(ends: FloatArray, view: CameraView) -> FloatArray:
         change = line_directions(_normals(ends + moved, view), 0.0, 0.0) - straight
         variance = variance + ((change + np.pi / 2) % np.pi - np.pi / 2) ** 2
     sd = np.sqrt(variance)
-    return np.where((length[:, 0] > 1) & (sd < np.radians(20)), sd, np.nan)
+    enough = length[:, 0] >= LEAST_PIXELS * view.size[0] / 320
+    return np.where(enough & (sd < np.radians(20)), sd, np.nan)
 
 
-def _loss(away: FloatArray) -> FloatArray:
-    """Cost (...) of lines that lie `away` (..., N) standard deviations aside: a square that flattens out."""
-    return np.asarray(OUTLIER**2 * np.log1p((away / OUTLIER) ** 2).sum(axis=-1))
+def _lengths(ends: FloatArray, view: CameraView) -> FloatArray:
+    """Lengths (N,) of lines (N, 4) on the ground as believed, m; infinite for what reaches the horizon."""
+    ground = to_ground(ends.reshape(-1, 2), view).reshape(-1, 4)
+    return np.nan_to_num(np.hypot(ground[:, 2] - ground[:, 0], ground[:, 3] - ground[:, 1]), nan=np.inf)
 
 
-def _starts(normals: FloatArray, sd: FloatArray, prior: FloatArray) -> FloatArray:
+def _likelihoods(away: FloatArray, sd: FloatArray, doubt: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Densities (..., N) of lines that lie `away` rad aside: of straight ones, and of what has any direction."""
+    straight = (1 - doubt) * np.exp(-0.5 * (away / sd) ** 2) / (np.sqrt(2 * np.pi) * sd)
+    return np.asarray(straight), np.asarray(doubt / QUARTER)
+
+
+def _loss(away: FloatArray, sd: FloatArray, doubt: FloatArray) -> FloatArray:
+    """Cost (...) of lines that lie `away` (..., N) rad aside: a square that flattens out, sooner for a short one."""
+    straight, other = _likelihoods(away, sd, doubt)
+    return np.asarray(-2 * np.log(straight + other).sum(axis=-1))
+
+
+def _starts(normals: FloatArray, sd: FloatArray, doubt: FloatArray, prior: FloatArray) -> FloatArray:
     """The cheapest states (K, 3) of a grid, none near a cheaper one; the direction is one of the lines'."""
     pitch, roll = (each.ravel() for each in np.meshgrid(*(GRID * each for each in prior), indexing="ij"))
     directions = line_directions(normals, pitch, roll)  # (grid, N)
     tried = directions[:, :MOST_STARTS]
-    cost = _loss(wrap_quarter(directions[:, None] - tried[..., None]) / sd)  # (grid, tried)
+    cost = _loss(wrap_quarter(directions[:, None] - tried[..., None]), sd, doubt)  # (grid, tried)
     cost = (cost + ((pitch / prior[0]) ** 2 + (roll / prior[1]) ** 2)[:, None]).ravel()
     states = np.stack(np.broadcast_arrays(pitch[:, None], roll[:, None], tried), axis=-1).reshape(-1, 3)
     near = np.array([*1.2 * prior, np.radians(8.0)])
@@ -202,13 +227,14 @@ def _starts(normals: FloatArray, sd: FloatArray, prior: FloatArray) -> FloatArra
 
 
 def _refine(
-    normals: FloatArray, sd: FloatArray, prior: FloatArray, states: FloatArray
+    normals: FloatArray, sd: FloatArray, doubt: FloatArray, prior: FloatArray, states: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """States (K, 3), covariances (K, 3, 3) and costs (K,) where Gauss-Newton with robust weights leads."""
     held = np.diag([*prior**-2.0, 1e-6])
     for _ in range(STEPS):
         away, J = _misses(normals, states)
-        robust = 1 / (1 + (away / sd / OUTLIER) ** 2)
+        straight, other = _likelihoods(away, sd, doubt)
+        robust = straight / (straight + other)
         freedom = np.maximum(robust.sum(axis=1) - 1, 1.0)
         spread = np.maximum(1.0, (robust * (away / sd) ** 2).sum(axis=1) / freedom)
         weighted = J * (robust / sd**2 / spread[:, None])[:, None]
@@ -217,7 +243,7 @@ def _refine(
         change = np.linalg.solve(information, gradient[..., None])[..., 0]
         states = states - np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     away, _ = _misses(normals, states)
-    cost = _loss(away / sd) + ((states[:, :2] / prior) ** 2).sum(axis=1)
+    cost = _loss(away, sd, doubt) + ((states[:, :2] / prior) ** 2).sum(axis=1)
     return states, np.linalg.inv(information), cost
 
 

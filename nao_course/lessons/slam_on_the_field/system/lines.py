@@ -84,7 +84,7 @@ def corners_of_lines(lines: FloatArray, view: CameraView) -> FloatArray:
     ndarray, shape (K, 2)
         (u, v), px, as the lens made them.
     """
-    ground = _to_ground(lines.reshape(-1, 2), view).reshape(-1, 4)
+    ground = to_ground(lines.reshape(-1, 2), view).reshape(-1, 4)
     ground = ground[np.isfinite(ground).all(axis=1)]
     start, way = ground[:, :2], ground[:, 2:] - ground[:, :2]
     length = np.maximum(np.hypot(*way.T), 1e-9)
@@ -188,11 +188,11 @@ def _point_at(edges: FloatArray, axis: FloatArray, at: FloatArray) -> FloatArray
 
 def _widest(points: FloatArray, view: CameraView, scale: float) -> FloatArray:
     """How wide (N,) a line may be at points (N, 2), px; nothing above the horizon."""
-    away = np.hypot(view.height, np.hypot(*_to_ground(points, view).T))
+    away = np.hypot(view.height, np.hypot(*to_ground(points, view).T))
     return np.nan_to_num(WIDER * view.focal[0] * LINE_WIDTH / away + SLACK * scale, nan=0.0)
 
 
-def _to_ground(points: FloatArray, view: CameraView) -> FloatArray:
+def to_ground(points: FloatArray, view: CameraView) -> FloatArray:
     """Points on the ground (N, 2) that pixels without the lens show, m from below the camera; NaN at the horizon."""
     right, below = ((points - view.centre) / view.focal).T
     rays = (view.rotation @ [np.ones(len(right)), -right, -below]).T

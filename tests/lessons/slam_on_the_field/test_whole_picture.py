@@ -1,0 +1,261 @@
+"""The whole picture: lines and the centre circle as landmarks, and one lean that moves all a picture shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
+from nao_course.lessons.slam_on_the_field.system.circle import RADIUS, circle_centre
+from nao_course.lessons.slam_on_the_field.system.compass import Lean, lean_from_lines, wrap_quarter
+from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
+from nao_course.lessons.slam_on_the_field.system.lines import to_ground
+from nao_course.lessons.slam_on_the_field.system.observation import leaning, observation
+from nao_course.lessons.slam_on_the_field.system.whole_picture import (
+    REST,
+    Rows,
+    Scene,
+    WholePicture,
+    field_lines,
+    scene,
+)
+from nao_course.sim import NAO_V4, Field
+from nao_course.slam import Measurement, Motion, range_and_bearing
+
+VIEW = replace(NAO_V4.view("bottom", 0.0, float(np.radians(-31.0))), k1=0.0)
+SQUARE = Lean(0.0, 0.0, 0.0, np.diag([1e-6, 1e-6, 1e-4]))
+NONE = np.zeros((0, 2))
+
+
+def pieces(pose: Pose, number: int = 12, length: float = 0.12, part: float = 2 * np.pi) -> np.ndarray:
+    """Short chords of the centre circle, as they are in a picture from a pose; those in sight."""
+    middles = pose.theta + np.pi + np.linspace(-part / 2, part / 2, number, endpoint=False)
+    half = np.arcsin(length / 2 / RADIUS)
+    ends = [
+        VIEW.project(RADIUS * np.column_stack([np.cos(a), np.sin(a)]), pose)
+        for a in (middles - half, middles + half)
+    ]
+    inside = VIEW.contains(ends[0]) & VIEW.contains(ends[1])
+    return np.hstack(ends)[inside]
+
+
+def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> Scene:
+    """What a robot that makes no error sees of all lines x = c and y = c, and of the circle."""
+    rows = []
+    for axis, c in lines if lines is not None else ((0, 3.0), (1, 2.0), (0, 0.0)):
+        foot = np.array([pose.x, pose.y])
+        foot[axis] = c
+        direction = (np.pi / 2 if axis == 0 else 0.0) - pose.theta
+        rows.append([*pose.to_local(foot)[0], direction])
+    middle = pose.to_local(np.zeros((1, 2))) if centre else NONE
+    seen = observation([], (1e-4, 1e-4), direction=float(wrap_quarter(-pose.theta)), direction_sigma=sigma)
+    return Scene(
+        seen.measurements, seen.covariance, seen.direction, sigma, seen.tilt,
+        lines=np.array(rows).reshape(-1, 3), centre=middle,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def slam(own):
+    return lambda start: WholePicture(own["EkfSlam"](start, FieldOdometry(), 4.0, associate_jointly))
+
+
+# --- what a picture shows ---
+
+
+@pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(-1.5, -0.4, 0.3), Pose(0.9, 0.9, -2.3)])
+def test_pieces_of_the_circle_tell_its_middle(pose):
+    found = circle_centre(pieces(pose), VIEW)
+    assert np.allclose(found, pose.to_local(np.zeros((1, 2))), atol=0.006)
+
+
+def test_two_pieces_or_pieces_side_by_side_or_of_a_straight_line_tell_none():
+    pose = Pose(1.6, 0.0, np.pi)
+    assert len(circle_centre(pieces(pose)[:2], VIEW)) == 0
+    assert len(circle_centre(pieces(pose, 6, 0.1, 0.15), VIEW)) == 0
+    straight = [VIEW.project(np.array([(1.2, y), (1.2, y + 0.2)])).ravel() for y in (-0.4, -0.1, 0.2)]
+    assert len(circle_centre(np.array(straight), VIEW)) == 0
+    assert len(circle_centre(np.zeros((0, 4)), VIEW)) == 0
+
+
+def test_lines_along_the_fields_directions_are_kept_and_others_are_not():
+    ahead, slanted, short = [(1.0, -0.4, 1.0, 0.4)], [(1.0, -0.4, 1.2, 0.4)], [(1.0, -0.1, 1.0, 0.1)]
+    pixels = [VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in (ahead, slanted, short)]
+    found = field_lines(np.vstack(pixels), SQUARE, VIEW)
+    assert len(found) == 1 and np.allclose(found[0, :2], (1.0, 0.0), atol=1e-6)
+    assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
+    horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
+    assert not len(field_lines(horizon, SQUARE, leaning(VIEW, -0.5, 0.0)))
+
+
+def test_a_picture_without_a_compass_shows_no_lines():
+    pixels = VIEW.project(np.array([(1.0, -0.4), (1.0, 0.4)])).reshape(1, 4)
+    for sigma, number in ((0.01, 1), (np.inf, 0)):
+        assert len(scene(observation([], direction_sigma=sigma), SQUARE, pixels, VIEW).lines) == number
+
+
+def test_a_short_piece_bends_no_compass():
+    """A lean of a degree or two would make it square with the long line: it is a piece of the circle."""
+    view = VIEW
+    long = view.project(np.array([(1.4, -0.7), (1.4, 0.7)])).reshape(1, 4)
+    alone = lean_from_lines(long, view)
+    for length in (0.25, 0.15):
+        for degrees in (80.0, 83.0, 97.0):
+            way = length / 2 * np.array([np.cos(np.radians(degrees - 90)), np.sin(np.radians(degrees - 90))])
+            piece = view.project(np.array([(1.1, 0.2) - way, (1.1, 0.2) + way])).reshape(1, 4)
+            both = lean_from_lines(np.vstack([long, piece]), view)
+            assert both.direction == pytest.approx(alone.direction) and both.pitch == pytest.approx(
+                alone.pitch
+            )
+
+
+def test_of_lines_that_contradict_each_other_the_longer_ones_count():
+    lines = [
+        (1.0, -0.7, 1.0, 0.7),
+        (1.6, -0.7, 1.6, 0.7),
+        (1.2, 0.0, 1.5, 0.16),
+    ]  # the last one is 28 degrees off
+    pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
+    assert np.degrees(lean_from_lines(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
+
+
+# --- what a filter makes of it ---
+
+
+def test_slopes_of_a_point_are_those_of_finite_differences(slam):
+    own, point, step = slam(Pose(0.4, -0.3, 0.7)), np.array([1.3, 0.5]), 1e-6
+    _, H, slopes = own._on_the_field(point)
+    for axis in range(3):
+        places = []
+        for sign in (1, -1):
+            state = own.inner.state.copy()
+            own.inner.state[axis] += sign * step
+            places.append(own._on_the_field(point)[0])
+            own.inner.state = state
+        assert np.allclose(H[:, axis], (places[0] - places[1]) / (2 * step), atol=1e-8)
+    pixel = VIEW.project(point[None])
+    moved = []
+    for lean in ((1e-4, 0), (-1e-4, 0), (0, 1e-4), (0, -1e-4)):
+        view = leaning(VIEW, *lean)
+        moved.append(own._on_the_field((to_ground(pixel, view) + view.offset)[0])[0])
+    numeric = np.column_stack([moved[0] - moved[1], moved[2] - moved[3]]) / 2e-4
+    assert np.allclose(
+        -numeric, slopes, rtol=0.12, atol=0.2
+    )  # the camera is 5 cm ahead of where the body leans
+
+
+@pytest.mark.parametrize("sight", ["lines", "circle", "both"])
+def test_without_noise_lines_and_circle_lead_back_to_the_truth(slam, sight):
+    start, rng = Pose(0.6, -0.4, 0.3), np.random.default_rng(5)
+    truth, odometry, mine = start, start, slam(start)
+    lines = () if sight == "circle" else None
+    mine.observe(exact(truth, lines=lines, centre=sight != "lines"))
+    for _ in range(25):
+        told = Motion(0.2, float(rng.uniform(-0.5, 0.5)))
+        done = Motion(told.distance * (1 + 0.1 * rng.normal()), told.turn * (1 + 0.1 * rng.normal()))
+        truth, odometry = truth @ done.as_pose(), odometry @ told.as_pose()
+        mine.move(told)
+        mine.observe(exact(truth, lines=lines, centre=sight != "lines"))
+    found = mine.estimate().pose
+    lost = np.hypot(odometry.x - truth.x, odometry.y - truth.y)
+    off = np.hypot(found.x - truth.x, found.y - truth.y)
+    assert lost > 0.15 and off < 0.03 and off < lost / 20
+    assert abs(wrap_angle(found.theta - truth.theta)) < 2e-3
+    assert list(mine.inner.kinds) == [REST] * {"lines": 3, "circle": 1, "both": 4}[sight]
+    assert mine.estimate().kinds == () and mine.estimate().landmarks.shape == (0, 2)
+
+
+def test_compass_and_places_together_are_one_update_with_all_they_share(slam):
+    """The compass first and what is left of the rest then: the same as everything at once."""
+    rng = np.random.default_rng(2)
+    mine, sigma, T = slam(Pose()), 0.05, np.array([[4e-4, 1e-4], [1e-4, 3e-4]])
+    shared = np.array([6e-4, -3e-4])
+    root = rng.normal(size=(3, 3))
+    before, x0 = 1e-3 * root @ root.T, np.array([0.1, 0.2, 0.03])
+    H, own, slopes = rng.normal(size=(4, 3)), np.diag(rng.uniform(1, 2, 4)) * 1e-4, rng.normal(size=(4, 2))
+    nu, direction = 0.02 * rng.normal(size=4), -0.05
+    mine.inner.state, mine.inner.covariance = x0.copy(), before.copy()
+    mine.inner.use_compass(direction, sigma)
+    left = Rows(nu - H @ (mine.inner.state - x0), H, own, slopes)
+    seen = Scene((), np.zeros((0, 0)), direction, sigma, T, shared=shared)
+    mine._correct([left], seen)
+    all_H = np.vstack([[0.0, 0.0, -1.0], H])
+    R = np.zeros((5, 5))
+    R[0, 0], R[1:, 1:] = sigma**2, own + slopes @ T @ slopes.T
+    R[0, 1:] = R[1:, 0] = -slopes @ shared
+    S = all_H @ before @ all_H.T + R
+    K = before @ all_H.T @ np.linalg.inv(S)
+    assert np.allclose(mine.inner.state, x0 + K @ np.concatenate([[direction + x0[2]], nu]))
+    assert np.allclose(mine.inner.covariance, before - K @ S @ K.T)
+
+
+def test_what_lean_and_compass_share_has_the_sign_of_a_lines_own_error():
+    """Where lines tell a lean that is too large, the direction that comes with it errs as its covariance says."""
+    line, rng, told = np.array([(1.0, 0.3), (2.2, 0.9)]), np.random.default_rng(0), []
+    for _ in range(60):
+        lean = rng.normal(0, np.radians(1.3)), rng.normal(0, np.radians(0.8))
+        pixels = leaning(VIEW, *lean).project(line).reshape(1, 4)
+        found = lean_from_lines(pixels, VIEW)
+        wrong = wrap_quarter(found.direction - np.arctan2(0.6, 1.2))
+        told.append((found.pitch - lean[0], found.roll - lean[1], float(wrong), *found.covariance[:2, 2]))
+    told = np.array(told)
+    for axis in (0, 1):
+        assert np.mean(told[:, axis] * told[:, 2]) == pytest.approx(
+            told[:, 3 + axis].mean(), rel=0.5, abs=2e-5
+        )
+
+
+def test_landmarks_alone_are_corrected_as_the_lessons_filter_does(own, slam):
+    pose = Pose(0.5, 0.2, 0.1)
+    marks = [mark for mark in Field(2012).landmarks if mark.kind != "cross"][:5]
+    seen = observation(
+        [Measurement(*range_and_bearing(pose.as_array(), (mark.x, mark.y)), mark.kind) for mark in marks]
+    )
+    lesson, mine = own["EkfSlam"](pose, FieldOdometry(), 4.0, associate_jointly), slam(pose)
+    for share in (1.0, 1.01, 1.02):
+        part = observation([replace(one, range=one.range * share) for one in seen])
+        for each in (lesson, mine):
+            each.observe(part)
+            each.move(Motion(0.05, 0.02))
+    assert np.allclose(lesson.state, mine.inner.state, atol=1e-9)
+    assert np.allclose(lesson.covariance, mine.inner.covariance, atol=1e-9)
+
+
+def test_a_line_counts_once_and_one_that_may_be_two_does_not_count(slam):
+    mine, here = slam(Pose(1.0, 0.0, 0.0)), Pose(1.0, 0.0, 0.0)
+    for _ in range(2):  # of two that are new and run the same way one comes onto the map
+        mine.observe(exact(here, lines=[(0, 2.4), (0, 3.0)], centre=False))
+    assert mine.inner.kinds == [REST] * 2
+    mine.inner.covariance[0, 0] += 0.3**2  # now either may be seen
+    before = mine.inner.state.copy(), mine.inner.covariance.copy()
+    mine.observe(exact(here, sigma=np.inf, lines=[(0, 2.7)], centre=False))
+    assert mine.inner.kinds == [REST] * 2
+    assert np.allclose(mine.inner.state, before[0]) and np.allclose(mine.inner.covariance, before[1])
+    mine.inner.covariance[0, 0] -= 0.3**2
+    mine.move(Motion(0.1, 0.0))
+    once, twice = ([(0, 2.4)] * times for times in (1, 2))
+    ends = []
+    for lines in (once, twice):
+        state, covariance = mine.inner.state.copy(), mine.inner.covariance.copy()
+        mine.observe(exact(Pose(1.1, 0.0, 0.0), lines=lines, centre=False))
+        ends.append(mine.inner.covariance.copy())
+        mine.inner.state, mine.inner.covariance = state, covariance
+    assert np.allclose(*ends)
+
+
+def test_nothing_new_comes_onto_the_map_of_a_robot_that_does_not_know_where_it_is(slam):
+    mine = slam(Pose())
+    mine.inner.covariance[:2, :2] = 0.2**2 * np.eye(2)
+    mine.observe(exact(Pose()))
+    assert mine.inner.kinds == []
+
+
+def test_a_circle_that_is_elsewhere_is_none(slam):
+    mine, here = slam(Pose(1.0, 0.0, 0.0)), Pose(1.0, 0.0, 0.0)
+    mine.observe(exact(here, lines=()))
+    before = mine.inner.state.copy()
+    mine.observe(replace(exact(here, lines=()), centre=np.array([[-0.4, 0.3]])))
+    assert np.allclose(mine.inner.state, before) and mine.inner.kinds == [REST]
