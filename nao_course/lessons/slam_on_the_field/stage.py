@@ -9,7 +9,7 @@ import numpy as np
 
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.geometry import wrap_angle
-from nao_course.lessons.slam_on_the_field.system.observation import Observation, as_observation
+from nao_course.lessons.slam_on_the_field.system.observation import POST_SIGMA, Observation, observation
 from nao_course.metrics import squared_distances
 from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
@@ -52,7 +52,8 @@ def _seen(student: StudentCode, nao: SimulatedNao, sight: Sight) -> tuple[Observ
     picture, by = sight.picture, "sense()"
     if "measure" in student:
         try:
-            return as_observation(_checked(student.measure(picture.pixels, picture.view))), "your measure"
+            seen = _checked(student.measure(picture.pixels, picture.view))
+            return observation(seen, post_sigma=POST_SIGMA), "your measure"
         except EarlierNotUsable as lacking:  # measure is written, but what it calls is not
             student.running = ""
             by += f", for {str(lacking).rstrip('.')}"

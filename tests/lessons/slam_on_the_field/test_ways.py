@@ -11,7 +11,12 @@ from tests.paths import SOLUTIONS
 
 WAYS = {row["way"]: row for row in recorded_ways()}
 EKF, GRAPH = "compass: the whole EKF", "graph"
-SUREST = "the EKF, a stop's surest compass first"
+SUREST, SUREST_GRAPH = "the EKF, a stop's surest compass first", "graph, a stop's surest compass first"
+WHOLE, ONE_LOOK_WHOLE = (
+    "the EKF, surest first, the whole picture",
+    "the EKF, one look a stop, the whole picture",
+)
+FALSE_CORNERS, WORSE = "0.3 false corners a picture", "odometry twice as bad and not told"
 
 
 @pytest.fixture(scope="module")
@@ -38,37 +43,37 @@ def test_the_text_says_what_the_drives_recorded(told):
     ):
         assert words.format(f"{np.median(off(way)):.{digits}f}") in told, way
     assert f"the heading right to {np.median(WAYS[EKF]['heading']):.1f}°" in told
-    assert lost("the EKF, 0.3 false corners a picture") == 10 and "lose 10 drives" in told
-    assert lost("the EKF, one look a stop") == 7 and "loses 7" in told
-    saved = 7 - lost("the EKF, one look, lone ones in doubt left out")
-    assert f"while the heading is in doubt saves {saved} of these" in told
-
-
-def test_the_text_says_which_drives_are_lost_and_what_saves_them(told):
+    assert lost("the EKF, 0.3 false corners a picture") == 6 and "lose 6 drives" in told
+    assert lost("the EKF, one look a stop") == 2 and "loses 2; the whole picture" in told
     assert (
-        lost(EKF) == lost("the EKF, far compasses refused") == 3
-        and "Three drives of a hundred are lost" in told
+        lost(ONE_LOOK_WHOLE) == 1 and f"loses 1, and ends {np.median(off(ONE_LOOK_WHOLE)):.1f} cm off" in told
     )
+
+
+def test_the_text_says_which_drive_is_lost_and_what_saves_it(told):
+    assert lost(EKF) == 1 and "One drive of a hundred is lost" in told
+    assert f"a NEES of {max(WAYS[EKF]['nees']):.0f}" in told
     assert lost(SUREST) == 0 and f"the worst ends {off(SUREST).max():.0f} cm off" in told
     assert f"mean NEES is {np.mean(WAYS[SUREST]['nees']):.1f}" in told
 
 
-def test_the_text_says_what_the_order_is_worth_on_drives_it_was_not_found_on(told):
+def test_the_text_says_what_the_whole_picture_brings_and_where_it_fails(told):
+    assert f"ends {np.median(off(WHOLE)):.1f} cm off, the worst {off(WHOLE).max():.1f} cm" in told
+    tails = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))
+    false, worse = (tails[f"{name}, whole picture"] for name in (FALSE_CORNERS, WORSE))
+    assert false["lost"] == 0 and "loses none of them" in told and false["wrong"] > 20
+    assert f"it still loses {round(worse['lost'] * worse['drives'])}" in told
+
+
+def test_the_text_says_what_the_order_is_worth_on_the_drives_that_were_looked_at(told):
     others = json.loads((RESULTS / "field_slam.json").read_text(encoding="utf-8"))["others"]
     usual, surest = others[EKF], others[SUREST]
-    lost_by_the_usual_order = round(usual["lost"] * usual["drives"])
-    assert (
-        surest["lost"] == 0
-        and (
-            f"On {surest['drives']} others that nothing was tuned on the usual order loses {lost_by_the_usual_order}"
-            " and this one none"
-        )
-        in told
-    )
-    off_at_most = (
+    assert surest["lost"] == 0
+    assert f"the usual order loses {round(usual['lost'] * usual['drives'])} and this one none" in told
+    at_most = (
         f"the worst {100 * surest['position worst']:.0f} cm, with a mean NEES of {surest['NEES mean']:.1f}"
     )
-    assert f"ends {100 * surest['position']:.1f} cm off, {off_at_most}" in told
+    assert f"ends {100 * surest['position']:.1f} cm off, {at_most}" in told
 
 
 def test_the_text_says_what_a_posts_thickness_is_worth(told):
@@ -77,12 +82,15 @@ def test_the_text_says_what_a_posts_thickness_is_worth(told):
 
 
 def test_the_system_is_as_near_as_it_has_to_be():
-    for way in (EKF, GRAPH):
+    for way in (SUREST, SUREST_GRAPH, WHOLE):
         row = WAYS[way]
         assert len(row["position"]) == 100
-        assert np.median(row["position"]) < 0.02 and np.median(row["heading"]) < 0.3
-        assert np.median(row["landmarks"]) < 0.011 and 1.5 < np.median(row["nees"]) < 3
-    assert np.quantile(WAYS[SUREST]["position"], 0.95) < 0.06
+        assert np.median(off(way)) <= 2 and np.quantile(off(way), 0.95) <= 5 and off(way).max() <= 15
+        assert np.median(row["heading"]) <= 0.3 and np.median(row["landmarks"]) <= 0.01
+        assert 2 <= np.mean(row["nees"]) <= 4
+    tails = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))
+    for name in (FALSE_CORNERS, WORSE):
+        assert tails[f"{name}, whole picture"]["position 95 %"] <= 0.10
 
 
 def test_figure_and_table_have_all_of_it():

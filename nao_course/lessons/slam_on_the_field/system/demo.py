@@ -15,6 +15,7 @@ from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
+from nao_course.lessons.slam_on_the_field.system.careful import SurestFirst
 from nao_course.lessons.slam_on_the_field.system.compass import lean_from_lines
 from nao_course.lessons.slam_on_the_field.system.drives import MOVES, YAWS, FieldOdometry, drive_over_field
 from nao_course.lessons.slam_on_the_field.system.lines import corners_of_lines, read_lines
@@ -51,9 +52,10 @@ class Story:
     odometry : list of Pose
         By the commands alone; in the field's frame.
     estimates : mapping of str to list of Estimate
-        By algorithm.
+        By algorithm; the pictures of a stop are taken in together, the surest compass first.
     vision, slam : lists of float
-        Seconds each picture took, from pixels to an observation, and by algorithm from there to the estimate.
+        Seconds each picture took, from pixels to an observation, and by algorithm from there to the estimate (a stop's,
+        shared by its pictures).
     """
 
     sights: list[Sight] = field(default_factory=list)
@@ -168,25 +170,41 @@ def run_demo(functions: Functions, sights: Iterable[Sight], slam: Sequence[str])
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}
-    for sight in sights:
+    for stop in _stops(sights):
+        first, motion = stop[0], stop[0].motion
         if not algorithms:
             kinds = {name: functions[ALGORITHMS[name].partition(":")[2]] for name in slam}
             algorithms = {
-                name: kind(sight.pose, FieldOdometry(), GATE, associate_jointly)
+                name: SurestFirst(kind(first.pose, FieldOdometry(), GATE, associate_jointly))
                 for name, kind in kinds.items()
             }
-        began = time.perf_counter()
-        observed = see(functions, sight.pixels, sight.view, sight.farthest)
-        story.vision.append(time.perf_counter() - began)
-        last = story.odometry[-1] if story.odometry else sight.pose
-        story.odometry.append(last @ sight.motion.as_pose() if sight.motion else last)
-        story.sights.append(sight)
-        story.seen.append(observed)
+        last = story.odometry[-1] if story.odometry else first.pose
+        story.odometry += [last @ motion.as_pose() if motion else last] * len(stop)
+        observed = []
+        for sight in stop:
+            began = time.perf_counter()
+            observed.append(see(functions, sight.pixels, sight.view, sight.farthest))
+            story.vision.append(time.perf_counter() - began)
+        story.sights += stop
+        story.seen += observed
         for name, algorithm in algorithms.items():
             began = time.perf_counter()
-            if sight.motion is not None:
-                algorithm.move(sight.motion)
-            algorithm.observe(observed)
-            story.estimates[name].append(algorithm.estimate())
-            story.slam[name].append(time.perf_counter() - began)
+            if motion is not None:
+                algorithm.move(motion)
+            for each in observed:
+                algorithm.observe(each)
+            story.estimates[name] += [algorithm.estimate()] * len(stop)
+            story.slam[name] += [(time.perf_counter() - began) / len(stop)] * len(stop)
     return story
+
+
+def _stops(sights: Iterable[Sight]) -> Iterator[list[Sight]]:
+    """Yield the pictures between two commands together."""
+    stop: list[Sight] = []
+    for sight in sights:
+        if stop and sight.motion is not None:
+            yield stop
+            stop = []
+        stop.append(sight)
+    if stop:
+        yield stop
