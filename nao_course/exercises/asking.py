@@ -91,7 +91,7 @@ class Prediction:
     text : str
         What to predict.
     unit : str
-        Of the number.
+        Of the number: a sign such as "m" or "%", or a word in the plural; one is said without its s.
     low, high : float
         What it can be at least and at most.
     choices : tuple of str
@@ -157,7 +157,7 @@ class Prediction:
         if not match:
             raise ValueError(f"{typed!r} is not {wanted}. Write one; a guess is enough.")
         unit = match["unit"].strip()
-        if unit and _unit(unit) != _unit(self.unit):
+        if unit and _unit(unit) not in (_unit(self.unit), _one(self.unit)):
             raise ValueError(f"{typed!r}: write {wanted}; {unit!r} is another unit.")
         value = float(match["number"].replace(",", ".").replace("\N{MINUS SIGN}", "-"))
         if not self.low <= value <= self.high:
@@ -176,7 +176,8 @@ class Prediction:
         if isinstance(value, str):
             return value
         number = f"{float(value):{'z.0f' if abs(value) >= 1000 else 'z.3g'}}"
-        return f"{number} {self.unit}" if self.unit not in ("", "°") else f"{number}{self.unit}"
+        unit = _one(self.unit) if number == "1" else self.unit
+        return f"{number} {unit}" if unit not in ("", "°") else f"{number}{unit}"
 
     def said(self) -> str:
         """Return what there is: the prediction, what came out, or both."""
@@ -262,7 +263,7 @@ def prediction(
     text : str
         What to predict.
     unit : str
-        Shown behind the field; it may be typed, too.
+        Shown behind the field; it may be typed, too. As of `Prediction`.
     low, high : float
         What the number can be at least and at most.
     choices : sequence of str
@@ -290,6 +291,11 @@ def prediction(
 def _unit(typed: str) -> str:
     """Return a unit in one spelling."""
     return _SPELLINGS.get(typed.casefold(), typed)
+
+
+def _one(unit: str) -> str:
+    """Return a unit as it is said of one: a word loses its s, a sign such as "m" or "ms" stays."""
+    return unit.removesuffix("s") if len(unit) > 2 else unit
 
 
 def _numbered(choices: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from importlib import resources
 from typing import Any
 
@@ -54,7 +54,7 @@ def read_public(name: str) -> PublicLesson:
     there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; there are {there}")
-    return unpack((resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes())
+    return _unpacked((resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes())
 
 
 def lessons() -> list[str]:
@@ -75,6 +75,9 @@ def unpack(data: bytes) -> PublicLesson:
     if not isinstance(lesson, PublicLesson):
         raise ValueError("not a lesson's check data")
     return lesson
+
+
+_unpacked = lru_cache(maxsize=32)(unpack)  # `progress` asks for each lesson half a dozen times
 
 
 def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:

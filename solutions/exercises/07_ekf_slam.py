@@ -387,13 +387,13 @@ INIT_LANDMARKS = Exercise(
         Mistake(
             "the pose's part, too",
             _changed_start(textbook=True),
-            "That is more than is asked: the doubt of the pose with all it brings. It is right, and exercise 7.7 does it. Here it is the homework's: J_z R J_z' alone.",
+            "That is more than is asked: the doubt of the pose with all it brings. It is right, and exercise 7.7 does it. Here it is the homework's: J_z R J_zᵀ alone.",
         ),
         Mistake(
             "the pose's part in each block",
             _changed_start(own_pose_part=True),
             "You add the doubt of the pose to each landmark. That is half of what is right (the landmarks then belong together, too), and not what the "
-            "homework does: J_z R J_z' alone.",
+            "homework does: J_z R J_zᵀ alone.",
         ),
         Mistake(
             "heading forgotten",
@@ -1560,19 +1560,19 @@ ADD_LANDMARK = Exercise(
     comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
     hints=(
         "How does an error of the whole old state, and one of the measurement, change the new state? Write that as one matrix, and carry a covariance through it as in lesson 05.",
-        "The new landmark's error is J_p times the pose's error plus J_z times the measurement's. Its covariance with the old state is therefore P[:, :3] J_p', with all rows; "
-        "its own is J_p P_pp J_p' + J_z R J_z'.",
+        "The new landmark's error is J_p times the pose's error plus J_z times the measurement's. Its covariance with the old state is therefore P[:, :3] J_pᵀ, with all rows; "
+        "its own is J_p P_pp J_pᵀ + J_z R J_zᵀ.",
     ),
     mistakes=[
         Mistake(
             "the homework's",
             _changed_add(homework=True),
-            "That is init_landmarks again: J_z R J_z' alone, and zeros beside it. A landmark that is put on the map from a doubtful pose shares that doubt.",
+            "That is init_landmarks again: J_z R J_zᵀ alone, and zeros beside it. A landmark that is put on the map from a doubtful pose shares that doubt.",
         ),
         Mistake(
             "no pose part",
             _changed_add(no_pose_part=True),
-            "The covariances beside it are right, its own is too small: the pose's doubt belongs to it, J_p P_pp J_p' + J_z R J_z'.",
+            "The covariances beside it are right, its own is too small: the pose's doubt belongs to it, J_p P_pp J_pᵀ + J_z R J_zᵀ.",
         ),
         Mistake(
             "no covariance with the rest",
@@ -1582,7 +1582,7 @@ ADD_LANDMARK = Exercise(
         Mistake(
             "with the pose only",
             _changed_add(pose_cross_only=True),
-            "You have its covariance with the pose, and zeros with the other landmarks. They share errors with the pose, so they share errors with the new one: use all rows, P[:, :3] J_p'.",
+            "You have its covariance with the pose, and zeros with the other landmarks. They share errors with the pose, so they share errors with the new one: use all rows, P[:, :3] J_pᵀ.",
         ),
         Mistake(
             "one side only",
@@ -1597,17 +1597,17 @@ ADD_LANDMARK = Exercise(
         Mistake(
             "raw R",
             _changed_add(raw=True),
-            "You add R itself, of bearing and range: J_z R J_z' is that of x and y.",
+            "You add R itself, of bearing and range: J_z R J_zᵀ is that of x and y.",
         ),
         Mistake(
             "J_z transposed",
             _changed_add(Z_transposed=True),
-            "You have J_z' R J_z: the measurement's covariance has to meet the columns of J_z.",
+            "You have J_zᵀ R J_z: the measurement's covariance has to meet the columns of J_z.",
         ),
         Mistake(
             "no noise",
             _changed_add(no_noise=True),
-            "The measurement's own noise is missing: + J_z R J_z'.",
+            "The measurement's own noise is missing: + J_z R J_zᵀ.",
         ),
         Mistake(
             "heading left out",
@@ -1657,7 +1657,7 @@ PLAN = LessonPlan(
                 "They are measured with the same sensor, so their noise is.": "Its noise is drawn anew for each measurement: R has blocks on its diagonal and zeros "
                 "elsewhere. The correlation comes with R diagonal, too.",
                 "H is dense, so everything is mixed with everything.": "H has two blocks in a row, of the pose and of one landmark, and zeros for all others.",
-                "Both were measured from a pose that is uncertain: an error of it shifts both.": "What they share is the pose's error. P_lp H_p' carries it into the gain's rows "
+                "Both were measured from a pose that is uncertain: an error of it shifts both.": "What they share is the pose's error. P_lp H_pᵀ carries it into the gain's rows "
                 "of every landmark, and a look at one then corrects the other.",
                 "A motion adds the same noise to both.": "A motion adds nothing to a landmark: P_ll stays as it is. It carries on what pose and map share, F P_pl.",
             },

@@ -139,6 +139,35 @@ def test_what_came_out_stands_beside_the_prediction(ask_for, unit, measured, sai
     assert repr(guess).endswith(f"; it is {said}.")
 
 
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("particles", "1 particle"),
+        ("landmarks", "1 landmark"),
+        ("degrees", "1 degree"),
+        ("m", "1 m"),
+        ("s", "1 s"),
+        ("ms", "1 ms"),
+        ("%", "1 %"),
+        ("°", "1°"),
+        ("", "1"),
+    ],
+)
+def test_one_is_said_in_the_singular(ask_for, unit, said):
+    guess = ask_for(unit=unit)
+    guess.write(said)  # it may be typed like that, too
+    assert repr(guess.beside(2)).startswith(f"You predicted {said}; it is 2")
+    assert repr(Prediction("How many?", unit).beside(np.int64(1))).startswith(
+        f"You wrote no prediction: it is {said}. "
+    )
+
+
+def test_any_other_number_is_said_in_the_plural(ask_for):
+    guess = ask_for(unit="particles")
+    guess.write("0.5")
+    assert repr(guess.beside(0)) == "You predicted 0.5 particles; it is 0 particles."
+
+
 def test_without_a_prediction_the_result_is_said_kindly_and_one_can_still_be_written(ask_for):
     guess = ask_for(unit="m")
     assert repr(guess.beside(2.0)) == (

@@ -532,3 +532,8 @@ def test_a_function_whose_new_version_did_not_run_is_not_checked(check):
         report = check("clamp", np.clip)
     assert report.state == "not checked" and not report
     assert report.lines[0] == "The cell that defines clamp did not run: SyntaxError, line 2: invalid syntax."
+
+
+def test_a_lessons_data_is_decoded_once_however_often_it_is_asked_for():
+    name = checking.lessons()[0]
+    assert checking.read_public(name) is checking.read_public(name)

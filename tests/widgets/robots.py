@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import cv2
 import numpy as np
 
@@ -68,3 +70,14 @@ def all_widgets(widget):
 def decoded(image):
     """The pixels that the browser would show."""
     return cv2.imdecode(np.frombuffer(image.value, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+
+
+def in_a_loop(scenario):
+    """Run a scenario in a loop as a kernel has one."""
+    return asyncio.run(scenario())
+
+
+async def until_it_stands(panel):
+    """Wait until nothing drives any longer."""
+    while panel.driving:
+        await asyncio.sleep(0.01)

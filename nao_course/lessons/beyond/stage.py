@@ -136,15 +136,15 @@ def _explore(student: StudentCode, nao: SimulatedNao) -> Look:
         explorer.see(slam.state[:3], nao.head[0], walked)
         motion = explorer.next(slam)
         ends = exploring.cell_centres()[explorer.frontiers]
+        by_pictures = PICTURES in sight.results  # who maps by pictures keeps the map and its board
         return Overlay(
             result=motion,
             pixels=[mark.pixel for mark in seen],
             points=Pose.from_array(slam.state[:3]).to_local(ends) if len(ends) else ends,
             text=f"{explorer.part:.0%} seen, {say_count(len(slam.known), 'landmark')} on the map, "
-            f"sure to {doubt_of(slam):.2f} m; {explorer.why if motion else 'all is seen'}",
-            estimate=None
-            if PICTURES in sight.results  # who maps by pictures keeps the map and its board
-            else place_estimate(_estimate(slam, kinds), nao.field.pose),
+            f"sure to {doubt_of(slam):.2f} m; {explorer.why if motion else 'all is seen'}"
+            + ("; the map shows the estimate of lesson 11" if by_pictures else ""),
+            estimate=None if by_pictures else place_estimate(_estimate(slam, kinds), nao.field.pose),
             motion=motion,
         )
 

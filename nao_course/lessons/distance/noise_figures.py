@@ -152,7 +152,7 @@ def draw_asymmetry(
             )
         keys = [
             Patch(facecolor=EXACT, alpha=0.45, label="2000 pictures"),
-            Line2D([], [], color=TRUTH, lw=2, label="range_sigma, as a normal distribution"),
+            Line2D([], [], color=TRUTH, lw=2, label="normal distribution with your σ"),
             Line2D([], [], color=PAPER, ls="--", lw=1.6, label="mean of the pictures"),
         ]
         legend_below(figure, keys)

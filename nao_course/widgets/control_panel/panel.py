@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import html
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Literal
 from weakref import WeakSet
@@ -17,13 +15,13 @@ from nao_course.plotting import Drawing, style_of
 from nao_course.sim import Picture, SimulatedNao, Truth
 from nao_course.slam import Measurement, Motion, SlamAlgorithm
 from nao_course.widgets.attempts import TIME_LIMIT
-from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure, pieces
+from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit, Measure
 from nao_course.widgets.control_panel.controls import SIZES, Controls
+from nao_course.widgets.control_panel.drive import Drive
 from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
 from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, View
 from nao_course.widgets.control_panel.still import draw_still
-from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
-from nao_course.widgets.parts import BREATH, PERIOD, bundle, jpeg, png, status_box
+from nao_course.widgets.parts import bundle, jpeg, png, status_box
 
 HEAD_YAW, HEAD_PITCH = float(np.radians(10)), float(np.radians(5))  # rad for one press
 
@@ -101,10 +99,7 @@ class ControlPanel:
         self._stale: set[str] = set()  # cameras whose latest picture is from before the latest step
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self.source = source
-        self.closed = False
-        self._task: asyncio.Task[None] | None = None
-        self._waiting = WaitingMotions(lambda: self._seen.motion)
-        self._stopping = False
+        self._drive = Drive(self.cockpit, lambda: self._seen.motion, self._look, self._show_status)
         self._names = self.cockpit.names(source, pipeline is not None and pipeline.estimates)
         self._map = LiveMap(nao.field, self._names)
         self._first_head = nao.head
@@ -130,25 +125,25 @@ class ControlPanel:
 
     def forward(self, distance: float | None = None) -> None:
         """Walk ahead by `distance` metres; by default the panel's step."""
-        self._run(Motion(self.step if distance is None else distance))
+        self._drive.run(Motion(self.step if distance is None else distance))
 
     def back(self, distance: float | None = None) -> None:
         """Walk backwards by `distance` metres; by default the panel's step."""
-        self._run(Motion(-(self.step if distance is None else distance)))
+        self._drive.run(Motion(-(self.step if distance is None else distance)))
 
     def left(self, angle: float | None = None) -> None:
         """Turn to the left by `angle` radians; by default the panel's turn."""
-        self._run(Motion(0.0, self.turn if angle is None else angle))
+        self._drive.run(Motion(0.0, self.turn if angle is None else angle))
 
     def right(self, angle: float | None = None) -> None:
         """Turn to the right by `angle` radians; by default the panel's turn."""
-        self._run(Motion(0.0, -(self.turn if angle is None else angle)))
+        self._drive.run(Motion(0.0, -(self.turn if angle is None else angle)))
 
     def explore(self, moves: int = 20) -> None:
         """Let your code drive: so many moves, each where it says, or fewer if it has nothing more to say."""
         for _ in range(moves):
             if (motion := self._seen.motion) is not None:
-                self._run(motion)
+                self._drive.run(motion)
 
     def turn_head(self, yaw: float = 0.0, pitch: float = 0.0) -> None:
         """Turn the head by so many radians, positive left and down, as far as its joints go."""
@@ -173,13 +168,11 @@ class ControlPanel:
 
     def stop(self) -> None:
         """Stop a drive after its present step, and forget what was to come next."""
-        self._waiting.clear()
-        self._stopping = self.driving
+        self._drive.stop()
 
     def close(self, reason: str = "This panel is closed.") -> None:
         """Stop and switch all controls off; pictures and map stay as they are."""
-        self.stop()
-        self.closed = True
+        self._drive.close()
         self._controls.disable()
         self.cockpit.say(f"{reason} Run the cell again for a new one.")
         self._show_status()
@@ -192,9 +185,14 @@ class ControlPanel:
         return self._controls.widget
 
     @property
+    def closed(self) -> bool:
+        """Whether it drives no more."""
+        return self._drive.closed
+
+    @property
     def driving(self) -> bool:
         """Whether a drive that a button began is going on."""
-        return self._task is not None and not self._task.done()
+        return self._drive.going
 
     @property
     def picture(self) -> Picture:
@@ -290,49 +288,7 @@ class ControlPanel:
         drawing = self.drawing()
         return bundle(self.widget, drawing, repr(self), drawing.alt)
 
-    # --- driving ---
-
-    def _run(self, motion: Motion) -> None:
-        """Drive now and to the end."""
-        self._refuse_if_closed()
-        for _ in self._steps(motion):
-            pass
-
-    def _press(self, motion: Motion) -> None:
-        """Drive as a task of the kernel's loop, so that the buttons stay live; further commands wait their turn."""
-        if self.driving:
-            self._waiting.add(motion)
-            self._show_status()
-            return
-        try:
-            loop = asyncio.get_running_loop()
-        except RuntimeError:  # no kernel: a plain Python program
-            self._run(motion)
-            return
-        self._stopping = False
-        self._task = loop.create_task(self._drive(motion))
-
-    async def _drive(self, motion: Motion) -> None:
-        """Drive with nobody above who could catch a mistake."""
-        try:
-            await self._drive_on(motion)
-        except Exception as error:  # noqa: BLE001 - see _guarded
-            self._admit(error)
-
-    async def _drive_on(self, motion: Motion) -> None:
-        """Drive, and then what was asked for meanwhile; at most one step each `PERIOD`."""
-        upcoming: Motion | None = motion
-        while upcoming is not None:
-            began = time.perf_counter()
-            for _ in self._steps(upcoming):
-                await asyncio.sleep(max(BREATH, PERIOD - (time.perf_counter() - began)))
-                began = time.perf_counter()
-                if self._stopping:
-                    if not self.closed:
-                        self.cockpit.say("Stopped.")
-                    self._show_status()
-                    return
-            upcoming = self._waiting.take()
+    # --- what buttons do ---
 
     def _guarded(self, action: Callable[[], object]) -> None:
         """Do what a button asks; a mistake, even one of ours, is a message and leaves the panel alive."""
@@ -341,45 +297,13 @@ class ControlPanel:
         try:
             action()
         except Exception as error:  # noqa: BLE001 - a callback has nobody above it who could catch this
-            self._admit(error)
-
-    def _admit(self, error: Exception) -> None:
-        self.cockpit.complain("the panel", error)
-        self._show_status()
-
-    def _steps(self, motion: Motion) -> Iterator[None]:
-        """Do a motion step by step, with new pictures and a new map after each; end where `slam` fails."""
-        self.cockpit.say(f"{in_words(motion)} …")
-        self.cockpit.printed = ""
-        for part in pieces(motion):
-            went_well = self.cockpit.move(part)
-            self._look()
-            if not went_well:
-                return
-            yield
-        if not self.cockpit.alarm:
-            self.cockpit.say(f"{in_words(motion)}: done.")
-            self._show_status()
-
-    def _look(self) -> None:
-        """Take the live pictures that are seen, the chosen camera's first, and show everything."""
-        for camera in sorted(CAMERAS, key=lambda each: each != self.camera):
-            if self._is_hidden(camera):
-                self._stale.add(camera)
-            else:
-                self.cockpit.photograph(camera)
-                self._stale.discard(camera)
-            if camera == self.camera:
-                self._perceive()
-            self._show_picture(camera)
-        self._show_map()
-        self._show_status()
+            self._drive.admit(error)
 
     def _actions(self) -> dict[str, Callable[[], object]]:
         """What each button does."""
 
         def drive(steps: int, turns: int) -> Callable[[], None]:
-            return lambda: self._press(Motion(steps * self.step, turns * self.turn))
+            return lambda: self._drive.press(Motion(steps * self.step, turns * self.turn))
 
         return {
             "forward": drive(1, 0),
@@ -401,9 +325,7 @@ class ControlPanel:
     def _go_by_itself(self) -> None:
         """Drive where the student's code says until somebody presses Stop."""
         self.view = "over" if self.view == "picture" else self.view
-        self._waiting.itself = True
-        if not self.driving and (motion := self._waiting.take()) is not None:
-            self._press(motion)
+        self._drive.go_by_itself()
 
     # --- the student's code looks along ---
 
@@ -440,6 +362,20 @@ class ControlPanel:
 
     # --- showing ---
 
+    def _look(self) -> None:
+        """Take the live pictures that are seen, the chosen camera's first, and show everything."""
+        for camera in sorted(CAMERAS, key=lambda each: each != self.camera):
+            if self._is_hidden(camera):
+                self._stale.add(camera)
+            else:
+                self.cockpit.photograph(camera)
+                self._stale.discard(camera)
+            if camera == self.camera:
+                self._perceive()
+            self._show_picture(camera)
+        self._show_map()
+        self._show_status()
+
     def _show_chosen(self) -> None:
         for camera in sorted(self._stale):
             self.cockpit.photograph(camera)
@@ -474,7 +410,7 @@ class ControlPanel:
         lines = [line for line in seen.lines() if line != seen.board]
         facts = " · ".join([*cockpit.facts(self.show_truth), *lines, *seen.pace()])
         alarm = cockpit.alarm or bool(seen.complaints)
-        message = "\n".join(filter(None, [cockpit.message, self._waiting.said(), *seen.complaints]))
+        message = "\n".join(filter(None, [cockpit.message, self._drive.said(), *seen.complaints]))
         printed = cockpit.printed + seen.printed
         board = seen.board[:1].upper() + seen.board[1:]
         status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed, board=board)
@@ -494,7 +430,3 @@ class ControlPanel:
             paths[self.source] = self._believed
         observer = self.source if paths.get(self.source) else "odometry"
         return MapContents(paths, estimate, cockpit.seen, observer, self._seen.points)
-
-    def _refuse_if_closed(self) -> None:
-        if self.closed:
-            raise ValueError("this panel is closed: a newer one drives this robot")

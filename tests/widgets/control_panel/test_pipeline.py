@@ -12,7 +12,7 @@ from nao_course.slam import Estimate, Motion
 from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
 from nao_course.widgets.control_panel import pipeline as module
 from tests.paths import PROJECT
-from tests.widgets.robots import all_widgets, clean_nao, decoded, press
+from tests.widgets.robots import all_widgets, clean_nao, decoded, press, until_it_stands
 
 
 def brightest(picture):
@@ -360,8 +360,7 @@ def driven_by_itself(panel, until):
         while panel.driving and not until():
             await asyncio.sleep(0.01)
         panel.stop()
-        if panel._task is not None:
-            await panel._task
+        await until_it_stands(panel)
 
     asyncio.run(scenario())
 

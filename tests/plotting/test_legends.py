@@ -1,0 +1,57 @@
+"""Legends say what is shown in words: no name of a variable, a function or a style stands in one."""
+
+import ast
+import re
+
+import pytest
+
+from nao_course.plotting import STYLES
+from nao_course.plotting.legends import landmark_keys, source_key
+from nao_course.plotting.style import LANDMARK_MARKERS
+from tests.paths import PROJECT
+from tests.plotting.examples import DRAWINGS
+
+_FORMULA = re.compile(r"\$[^$]*\$")
+
+
+def is_a_name(label):
+    """Whether a label has an underscore that a reader would see: not matplotlib's "_hidden", nor a formula's."""
+    return "_" in _FORMULA.sub("", label) and not label.startswith("_")
+
+
+def labels_written_in(path):
+    """Texts that a module gives as `label=`, parts of f-strings among them, each with its line."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.keyword) and node.arg == "label":
+            texts = [node.value, *getattr(node.value, "values", [])]
+            yield from (
+                (text.lineno, text.value)
+                for text in texts
+                if isinstance(text, ast.Constant) and isinstance(text.value, str)
+            )
+
+
+def test_every_key_has_words():
+    keys = [*map(source_key, STYLES), *landmark_keys(LANDMARK_MARKERS, "black", "the field's")]
+    assert not [key.get_label() for key in keys if is_a_name(key.get_label())]
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_a_figures_legend_has_words(name):
+    texts = [text.get_text() for legend in DRAWINGS[name]().figure.legends for text in legend.get_texts()]
+    assert not [text for text in texts if is_a_name(text)]
+
+
+def test_no_label_of_a_lesson_or_panel_is_a_name():
+    named = [
+        f"{path.relative_to(PROJECT)}:{line}: {label}"
+        for path in sorted((PROJECT / "nao_course").rglob("*.py"))
+        for line, label in labels_written_in(path)
+        if is_a_name(label)
+    ]
+    assert not named
+
+
+def test_a_formula_and_a_hidden_label_are_no_names():
+    assert is_a_name("robot_predicted") and is_a_name(r"robot_predicted, $\sigma_p$")
+    assert not is_a_name(r"tilt, $\sigma_p$") and not is_a_name("_truth")
