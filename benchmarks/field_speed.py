@@ -16,9 +16,9 @@ import numpy as np
 from benchmarks import ROOT, Result, Table
 from benchmarks.field_slam.detections import shots
 from nao_course.colours import GREEN, YELLOW, mean_lightness
-from nao_course.lessons.slam_on_the_field.system import demo
 from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
 from nao_course.lessons.slam_on_the_field.system.compass import lean_from_lines
+from nao_course.lessons.slam_on_the_field.system.demo import drive as demo
 from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry, Shot
 from nao_course.lessons.slam_on_the_field.system.lines import corners_of_lines, read_lines
 from nao_course.lessons.slam_on_the_field.system.observation import Observation, leaning

@@ -23,7 +23,7 @@ from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
 from nao_course.lessons.slam_on_the_field.system.compass import COMPASS_SIGMA, wrap_quarter
-from nao_course.lessons.slam_on_the_field.system.demo import GATE, Functions, demo_functions, see
+from nao_course.lessons.slam_on_the_field.system.demo.drive import GATE, Functions, demo_functions, see
 from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
 from nao_course.lessons.slam_on_the_field.system.observation import Observation
 from nao_course.lessons.slam_on_the_field.system.walk import FIELD, PITCH_OFFSET, Sight, real_walk

@@ -170,20 +170,19 @@ def demo(
 ) -> None:
     """Let the robot drive and map the field by itself, with your own functions; figure, film and errors in a folder."""
     with _plainly():
-        from nao_course.lessons.slam_on_the_field.system import demo as whole
-        from nao_course.lessons.slam_on_the_field.system import demo_film, demo_report
+        from nao_course.lessons.slam_on_the_field.system.demo import drive, film, report
 
-        if slam not in (*whole.ALGORITHMS, "both"):
+        if slam not in (*drive.ALGORITHMS, "both"):
             raise ValueError(f"--slam must be ekf, graph or both, got {slam}")
-        chosen = list(whole.ALGORITHMS) if slam == "both" else [slam]
-        demo_report.make_folder(out)
+        chosen = list(drive.ALGORITHMS) if slam == "both" else [slam]
+        report.make_folder(out)
         solutions = Path("solutions")  # where they are, they drive
-        functions = whole.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
-        sights, pictures, field = whole.route(seed, walk)
-        story = whole.run_demo(functions, track(sights, "driving", pictures, console=console), chosen)
-        for line in demo_report.in_words(story, field):
+        functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
+        sights, pictures, field = drive.route(seed, walk)
+        story = drive.run_demo(functions, track(sights, "driving", pictures, console=console), chosen)
+        for line in report.in_words(story, field):
             _say(line)
-        for path in demo_film.write_all(story, field, out):
+        for path in film.write_all(story, field, out):
             _say(f"wrote {os.path.relpath(path)}")
 
 

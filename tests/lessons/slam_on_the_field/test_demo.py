@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from nao_course.cli import app
 from nao_course.geometry import Pose
-from nao_course.lessons.slam_on_the_field.system import demo, demo_film, demo_report
+from nao_course.lessons.slam_on_the_field.system.demo import drive, film, report
 from nao_course.lessons.slam_on_the_field.system.walk import Sight
 from nao_course.plotting import style_of
 from nao_course.plotting.marks import rgb
@@ -43,25 +43,25 @@ def sights():
 
 
 def test_the_demo_drives_and_says_how_far_off_it_ends():
-    story = demo.run_demo(FUNCTIONS, sights(), ["ekf"])
-    found = demo_report.results(story, Field(2012))
+    story = drive.run_demo(FUNCTIONS, sights(), ["ekf"])
+    found = report.results(story, Field(2012))
     assert found["ekf"]["position"] == pytest.approx(0.1) == found["odometry"]["position"]
     assert found["ekf"]["heading"] == pytest.approx(np.degrees(0.1))
     assert found["way"] == pytest.approx(0.4)
     json.dumps(found, allow_nan=False)
-    assert "0.100 m" in demo_report.in_words(story, Field(2012))[1]
+    assert "0.100 m" in report.in_words(story, Field(2012))[1]
 
 
 def test_a_place_where_nothing_can_be_written_is_refused_before_the_drive(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ValueError, match="--out .*file: nothing can be written there"):
-        demo_report.make_folder(tmp_path / "file")
-    assert demo_report.make_folder(tmp_path / "a" / "b").is_dir()
+        report.make_folder(tmp_path / "file")
+    assert report.make_folder(tmp_path / "a" / "b").is_dir()
 
 
 def test_all_functions_that_are_missing_are_named_at_once_with_what_to_do(tmp_path):
     with pytest.raises(ValueError, match="start the demo again") as told:
-        demo.demo_functions(["ekf"], tmp_path)
+        drive.demo_functions(["ekf"], tmp_path)
     for name in ("01_hsl_filtering", "02_goalposts", "11_slam_on_the_field"):
         assert name in str(told.value)
 
@@ -69,7 +69,7 @@ def test_all_functions_that_are_missing_are_named_at_once_with_what_to_do(tmp_pa
 @pytest.mark.slow
 def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeypatch):
     monkeypatch.chdir(PROJECT)
-    monkeypatch.setattr(demo, "MOVES", 2)
+    monkeypatch.setattr(drive, "MOVES", 2)
     done = CliRunner().invoke(app, ["demo", "--slam", "both", "--seed", "3", "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     found = json.loads((tmp_path / "demo.json").read_text())
@@ -80,17 +80,17 @@ def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeyp
 
 @pytest.mark.slow
 def test_the_film_has_each_chosen_picture_and_the_paths_keep_their_colours(tmp_path):
-    story = demo.run_demo(FUNCTIONS, sights(), ["ekf"])
-    path = demo_film.write_film(story, Field(2012), tmp_path / "film.gif", frames=2)
-    with Image.open(path) as film:
-        assert film.n_frames == 2
-        film.seek(1)
-        colours = {colour for _, colour in film.convert("RGB").getcolors(1 << 20)}
+    story = drive.run_demo(FUNCTIONS, sights(), ["ekf"])
+    path = film.write_film(story, Field(2012), tmp_path / "film.gif", frames=2)
+    with Image.open(path) as shown:
+        assert shown.n_frames == 2
+        shown.seek(1)
+        colours = {colour for _, colour in shown.convert("RGB").getcolors(1 << 20)}
     assert {rgb(style_of(name).colour) for name in ("ekf", "odometry", "truth")} <= colours
 
 
 @pytest.mark.slow
 def test_figure_film_and_errors_are_written(tmp_path):
-    story = demo.run_demo(FUNCTIONS, sights(), ["ekf"])
-    for path in demo_film.write_all(story, Field(2012), tmp_path / "new"):
+    story = drive.run_demo(FUNCTIONS, sights(), ["ekf"])
+    for path in film.write_all(story, Field(2012), tmp_path / "new"):
         assert path.stat().st_size > 100

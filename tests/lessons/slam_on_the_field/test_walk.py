@@ -12,7 +12,8 @@ import pytest
 from benchmarks import RESULTS
 from nao_course.datasets import AnnotatedPoint, RealPicture
 from nao_course.geometry import Pose
-from nao_course.lessons.slam_on_the_field.system import demo, walk
+from nao_course.lessons.slam_on_the_field.system import walk
+from nao_course.lessons.slam_on_the_field.system.demo import drive as demo
 from tests.lessons.slam_on_the_field.test_gates import section
 from tests.paths import PROJECT
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.geometry import Pose, wrap_angle
-from nao_course.lessons.slam_on_the_field.system.demo import Story
+from nao_course.lessons.slam_on_the_field.system.demo.drive import Story
 from nao_course.plotting.style import style_of
 from nao_course.sim import Field
 from nao_course.slam import Estimate

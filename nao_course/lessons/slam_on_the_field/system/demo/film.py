@@ -15,8 +15,8 @@ from PIL import Image
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.slam_on_the_field.system.compass import lean_from_lines
-from nao_course.lessons.slam_on_the_field.system.demo import Story
-from nao_course.lessons.slam_on_the_field.system.demo_report import errors_of, make_folder, results, way_of
+from nao_course.lessons.slam_on_the_field.system.demo.drive import Story
+from nao_course.lessons.slam_on_the_field.system.demo.report import errors_of, make_folder, results, way_of
 from nao_course.lessons.slam_on_the_field.system.lines import read_lines
 from nao_course.lessons.slam_on_the_field.system.observation import POST_RADIUS, leaning
 from nao_course.plotting import (
