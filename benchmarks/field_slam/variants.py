@@ -11,7 +11,13 @@ from benchmarks import ROOT
 from benchmarks.field_slam.detections import LANDMARKS, Seen
 from nao_course.exercises import load_definitions
 from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.lessons.slam_on_the_field.system.compass import LEAST_SUPPORT, Lean, lean_from_lines, support
+from nao_course.lessons.slam_on_the_field.system.compass import (
+    LEAST_LENGTH,
+    LEAST_SUPPORT,
+    Lean,
+    lean_from_lines,
+    support,
+)
 from nao_course.lessons.slam_on_the_field.system.lines import corners_of_lines
 from nao_course.lessons.slam_on_the_field.system.observation import (
     POST_RADIUS,
@@ -44,9 +50,9 @@ class Read:
     corners: FloatArray
 
     @classmethod
-    def of(cls, seen: Seen, least_support: float = LEAST_SUPPORT) -> Read:
+    def of(cls, seen: Seen, least_support: float = LEAST_SUPPORT, least_length: float = LEAST_LENGTH) -> Read:
         """Ask the lines; where too few agree, they tell where corners are and nothing of the body."""
-        lean = lean_from_lines(seen.lines, seen.view, least_support=float("-inf"))
+        lean = lean_from_lines(seen.lines, seen.view, least_support=float("-inf"), least_length=least_length)
         corners = corners_of_lines(seen.lines, leaning(seen.view, lean.pitch, lean.roll))
         if support(seen.lines, seen.view, lean) < least_support:
             lean = lean_from_lines(np.zeros((0, 4)), seen.view)

@@ -76,6 +76,27 @@ def test_the_text_says_what_the_order_is_worth_on_the_drives_that_were_looked_at
     assert f"ends {100 * surest['position']:.1f} cm off, {at_most}" in told
 
 
+def test_the_text_says_what_short_pieces_do_to_the_compass(told):
+    found = json.loads((RESULTS / "compass.json").read_text(encoding="utf-8"))
+    short = [row for name, row in found["lines"].items() if float(name.split()[2]) <= 0.3]
+    share = sum(row["lines"] * row["none"] for row in short) / sum(row["lines"] for row in short)
+    assert len(short) == 3 and 0.6 < share < 0.7 and "two in three are none" in told
+    all_pieces, long = (
+        found["readings"][name]["mean square over variance"] for name in ("all pieces", "from 30 cm on")
+    )
+    assert f"the stated variance is {long:.1f}; with all pieces it is {all_pieces:.1f}" in told
+    worst = [
+        100 * found["drives"][f"{name}, surest first"]["position worst"]
+        for name in ("all pieces", "from 30 cm on")
+    ]
+    assert "ends {:.0f} cm off where it ends {:.0f}".format(*worst) in told
+    lost_by = [
+        round(found["drives"][f"{name}, false corners"]["lost"] * 100)
+        for name in ("all pieces", "from 30 cm on")
+    ]
+    assert "false corners lose {} drives for {}".format(*lost_by) in told
+
+
 def test_the_text_says_what_a_posts_thickness_is_worth(told):
     at_most = [np.quantile(off(way), 0.95) for way in ("the EKF, a post's foot to a pixel", EKF)]
     assert "more than {:.1f} cm off, with them {:.1f}".format(*at_most) in told

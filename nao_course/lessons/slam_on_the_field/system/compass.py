@@ -67,6 +67,7 @@ def lean_from_lines(
     view: CameraView,
     sigmas: tuple[float, float] = TILT_SIGMAS,
     least_support: float = LEAST_SUPPORT,
+    least_length: float = LEAST_LENGTH,
 ) -> Lean:
     """Lean a body so that lines lie on the ground in two directions at right angles.
 
@@ -80,6 +81,8 @@ def lean_from_lines(
         How well it knows its pitch and roll before it looks, standard deviations in rad.
     least_support : float
         How many metres of lines must agree more than disagree; see `support`.
+    least_length : float
+        Of a line that is asked, m on the ground as believed.
 
     Returns
     -------
@@ -89,10 +92,10 @@ def lean_from_lines(
     """
     ends = np.asarray(lines, dtype=float).reshape(-1, 4)
     prior = np.array(sigmas)
-    length = _lengths(ends, view)
+    length = ground_lengths(ends, view)
     normals, sd = (
-        _normals(ends, view),
-        np.where(length >= LEAST_LENGTH, _direction_sigmas(ends, view), np.nan),
+        line_normals(ends, view),
+        np.where(length >= least_length, direction_sigmas(ends, view), np.nan),
     )
     best = np.argsort(np.where(np.isfinite(sd), sd, np.inf), kind="stable")[
         : min(MOST_LINES, np.isfinite(sd).sum())
@@ -165,31 +168,31 @@ def _rays(ends: FloatArray, view: CameraView) -> FloatArray:
     return np.asarray(rays.reshape(-1, 2, 3))
 
 
-def _normals(ends: FloatArray, view: CameraView) -> FloatArray:
+def line_normals(ends: FloatArray, view: CameraView) -> FloatArray:
     """Unit normals (N, 3) of the planes that lines (N, 4) and the camera span, in the robot frame."""
     rays = _rays(ends, view)
     normals = np.cross(rays[:, 0], rays[:, 1])
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None])
 
 
-def _direction_sigmas(ends: FloatArray, view: CameraView) -> FloatArray:
+def direction_sigmas(ends: FloatArray, view: CameraView) -> FloatArray:
     """How well the directions (N,) of lines on the ground are known, rad; NaN for what can be none."""
     way = ends[:, 2:] - ends[:, :2]
     length = np.maximum(np.hypot(*way.T), 1e-9)[:, None]
     aside = END_SIGMA * view.size[0] / 320 * np.column_stack([-way[:, 1], way[:, 0]]) / length
     straight, variance = (
-        line_directions(_normals(ends, view), 0.0, 0.0),
+        line_directions(line_normals(ends, view), 0.0, 0.0),
         np.full(len(ends), DIRECTION_SIGMA**2),
     )
     for moved in (np.hstack([aside, 0 * aside]), np.hstack([0 * aside, aside])):
-        change = line_directions(_normals(ends + moved, view), 0.0, 0.0) - straight
+        change = line_directions(line_normals(ends + moved, view), 0.0, 0.0) - straight
         variance = variance + ((change + np.pi / 2) % np.pi - np.pi / 2) ** 2
     sd = np.sqrt(variance)
     enough = length[:, 0] >= LEAST_PIXELS * view.size[0] / 320
     return np.where(enough & (sd < np.radians(20)), sd, np.nan)
 
 
-def _lengths(ends: FloatArray, view: CameraView) -> FloatArray:
+def ground_lengths(ends: FloatArray, view: CameraView) -> FloatArray:
     """Lengths (N,) of lines (N, 4) on the ground as believed, m; infinite for what reaches the horizon."""
     ground = to_ground(ends.reshape(-1, 2), view).reshape(-1, 4)
     return np.nan_to_num(np.hypot(ground[:, 2] - ground[:, 0], ground[:, 3] - ground[:, 1]), nan=np.inf)
