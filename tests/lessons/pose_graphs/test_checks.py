@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse
-from scipy.sparse.linalg import cg, splu, spsolve
+from scipy.sparse.linalg import splu, spsolve
 
 from nao_course.exercises import lesson
 from tests.lessons.pose_graphs.own import OWN
@@ -60,7 +60,8 @@ def dense(H, indices):
 
 
 def loose(H, indices):
-    return [np.array([cg(H, unit, rtol=1e-5)[0][index] for unit in units(H, index).T]) for index in indices]
+    """As a solver that stops early has it; how early differs from processor to processor."""
+    return [(1 + 5e-7) * block for block in OWN["marginal_covariances"](H, indices)]
 
 
 def with_something_on_the_diagonal(H, indices):
