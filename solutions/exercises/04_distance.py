@@ -1077,7 +1077,7 @@ MEASUREMENT_COVARIANCE = Exercise(
     hints=(
         "Derivatives are differences: measured((0.01, 0), 0) minus measured((-0.01, 0), 0), over the way between them, is that by u of all landmarks at "
         "the same time.",
-        "g is the same with a tilt in place of a shift, and np.outer(g, g) is g g'. For D, the two columns by u and by v are (2k, 2): "
+        "g is the same with a tilt in place of a shift, and np.outer(g, g) is g gᵀ. For D, the two columns by u and by v are (2k, 2): "
         "rows 2i and 2i + 1 are landmark i's Jacobian J, and J @ J.T times pixel_sigma ** 2 is its block.",
     ),
     mistakes=[
@@ -1089,7 +1089,7 @@ MEASUREMENT_COVARIANCE = Exercise(
         Mistake(
             "pixels forgotten",
             _covariance(no_pixels=True),
-            "The tilt's part is right. The pixels' is missing: a block J J' pixel_sigma ** 2 for each landmark.",
+            "The tilt's part is right. The pixels' is missing: a block J Jᵀ pixel_sigma ** 2 for each landmark.",
         ),
         Mistake(
             "each landmark's own tilt",
@@ -1099,7 +1099,7 @@ MEASUREMENT_COVARIANCE = Exercise(
         Mistake(
             "a diagonal",
             _covariance(diagonal=True),
-            "You keep the diagonal of the tilt's part alone. g g' is a full matrix: one error moves everything at once.",
+            "You keep the diagonal of the tilt's part alone. g gᵀ is a full matrix: one error moves everything at once.",
         ),
         Mistake(
             "one pixel error for all",
@@ -1114,12 +1114,12 @@ MEASUREMENT_COVARIANCE = Exercise(
         Mistake(
             "the pixel's deviation not squared",
             _covariance(pixel_not_squared=True),
-            "You multiply J J' by pixel_sigma. A covariance has its square.",
+            "You multiply J Jᵀ by pixel_sigma. A covariance has its square.",
         ),
         Mistake(
             "the tilt's deviation not squared",
             _covariance(tilt_not_squared=True),
-            "You multiply g g' by tilt_sigma. A covariance has its square.",
+            "You multiply g gᵀ by tilt_sigma. A covariance has its square.",
         ),
         Mistake(
             "half the way",
@@ -1129,12 +1129,12 @@ MEASUREMENT_COVARIANCE = Exercise(
         Mistake(
             "an inner product",
             _covariance(inner=True),
-            "g @ g of two vectors is one number. g g' is a matrix: np.outer(g, g).",
+            "g @ g of two vectors is one number. g gᵀ is a matrix: np.outer(g, g).",
         ),
         Mistake(
             "variances of a block alone",
             _covariance(variances_only=True),
-            "You keep the diagonal of each J J' alone. One pixel moves bearing and range together, so the block is full.",
+            "You keep the diagonal of each J Jᵀ alone. One pixel moves bearing and range together, so the block is full.",
         ),
         Mistake(
             "slopes without a sign",
@@ -1179,7 +1179,7 @@ MEASUREMENT_COVARIANCE = Exercise(
         Mistake(
             "the Jacobian transposed",
             _covariance(transposed=True),
-            "A block is J J', and you have J' J: J has the measurement in its rows, the pixel in its columns.",
+            "A block is J Jᵀ, and you have Jᵀ J: J has the measurement in its rows, the pixel in its columns.",
         ),
         Mistake(
             "v alone",
@@ -1200,10 +1200,10 @@ MEASUREMENT_COVARIANCE = Exercise(
             "by_v = (measured((0, -0.01), 0) - measured((0, 0.01), 0)) / 0.02",
             "g = (measured((0, 0), -0.0001) - measured((0, 0), 0.0001)) / 0.0002",
         ),
-        "a derivative with the other sign: in J J' and g g' it is squared",
+        "a derivative with the other sign: in J Jᵀ and g gᵀ it is squared",
     )
     | {
-        "J = np.column_stack([by_v[i:i + 2], by_u[i:i + 2]])": "u and v are equally uncertain, so their order in J J' does not matter",
+        "J = np.column_stack([by_v[i:i + 2], by_u[i:i + 2]])": "u and v are equally uncertain, so their order in J Jᵀ does not matter",
     },
 )
 

@@ -920,13 +920,13 @@ PREDICT_COVARIANCE = Exercise(
     ),
     mistakes=[
         Mistake(
-            "G' Q G",
+            "Gᵀ Q G",
             _spread_with(lambda F, P, G, Q: F @ P @ F.T + G.T @ Q @ G),
             "The second term is G.T @ Q @ G. It has to be G @ Q @ G.T: G turns the robot's errors into the field's, the transposed one turns them "
             "the other way.",
         ),
         Mistake(
-            "F' P F",
+            "Fᵀ P F",
             _spread_with(lambda F, P, G, Q: F.T @ P @ F + G @ Q @ G.T),
             "The first term is F.T @ P @ F. It has to be F @ P @ F.T: P must meet the old pose, the columns of F.",
         ),

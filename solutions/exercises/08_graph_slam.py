@@ -919,7 +919,7 @@ MARGINALIZE = Exercise(
         "Cut the system into blocks: np.ix_(keep, gone) picks rows and columns. Solve the lower block row for the variables that go, and put "
         "that into the upper one.",
         "gone has all numbers that are not in keep. With A = omega[keep, keep], B = omega[keep, gone], C = omega[gone, gone]: what is left is "
-        "A - B C^-1 B' and xi[keep] - B C^-1 xi[gone]; np.linalg.solve(C, ...) is better than an inverse.",
+        "A - B C^-1 Bᵀ and xi[keep] - B C^-1 xi[gone]; np.linalg.solve(C, ...) is better than an inverse.",
     ),
     mistakes=[
         Mistake(
@@ -942,7 +942,7 @@ MARGINALIZE = Exercise(
         Mistake(
             "no transpose",
             _schur_untransposed,
-            "The last factor has the shape of the first, and must have the other one: transpose it. A - B C^-1 B', where B is "
+            "The last factor has the shape of the first, and must have the other one: transpose it. A - B C^-1 Bᵀ, where B is "
             "omega[np.ix_(keep, gone)].",
         ),
         Mistake(
@@ -991,7 +991,7 @@ MARGINALIZE = Exercise(
         Mistake(
             "no inverse",
             _schur(inverse=lambda inside: np.eye(len(inside))),
-            "The block between the variables that go is missing: it is B C^-1 B', not B B'.",
+            "The block between the variables that go is missing: it is B C^-1 Bᵀ, not B Bᵀ.",
         ),
         Mistake(
             "C for its inverse",

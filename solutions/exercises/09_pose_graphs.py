@@ -977,7 +977,7 @@ LINEARIZE = Exercise(
         Mistake(
             "blocks off the diagonal left out",
             _assembled("no mixed"),
-            "H has no blocks between the two ends of an edge: those are J_i' Omega J_j and its transpose, the link itself.",
+            "H has no blocks between the two ends of an edge: those are J_iᵀ Omega J_j and its transpose, the link itself.",
         ),
         Mistake(
             "one triangle",

@@ -692,8 +692,8 @@ JOINT_DISTANCE = Exercise(
             _changed_distance(unwrapped=True),
             "Straight behind the robot your bearing is off by a full turn: the innovation has to be wrapped.",
         ),
-        Mistake("the noise alone", _changed_distance(R_alone=True), "Your S is R alone. Pose and landmarks are doubtful, too: H P H' + R."),
-        Mistake("without the noise", _changed_distance(no_R=True), "You leave the measurements' own noise out: S = H P H' + R."),
+        Mistake("the noise alone", _changed_distance(R_alone=True), "Your S is R alone. Pose and landmarks are doubtful, too: H P Hᵀ + R."),
+        Mistake("without the noise", _changed_distance(no_R=True), "You leave the measurements' own noise out: S = H P Hᵀ + R."),
         Mistake(
             "the first rows of R",
             _changed_distance(first_rows=True),
@@ -1660,7 +1660,7 @@ GRAPH_SLAM = Exercise(
     comparison=_as_estimated(5e-3),
     hints=(
         "Let EkfSlam decide which landmark is which (front.indices), and note an edge for each motion, each sight and each heading. Until estimate is called, a landmark's number among all unknowns is not known: note it apart.",
-        "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)), and J of landmark_jacobians at the same zeros carries R there: its information is the inverse of J R J'. "
+        "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)), and J of landmark_jacobians at the same zeros carries R there: its information is the inverse of J R Jᵀ. "
         "In H[3:, 3:] everything stands three places earlier than in states.",
     ),
     mistakes=[
@@ -1672,8 +1672,8 @@ GRAPH_SLAM = Exercise(
         Mistake("covariance of sights", _graph(covariance_seen=True), "Your sights' edges have covariances. An edge has an information, which is the inverse."),
         Mistake("information of 1", _graph(units=True), "Your odometry's edges weigh 1. Their information is the inverse of self.odometry.covariance(motion)."),
         Mistake("bearing and range", _graph(polar=True), "Your sights are bearings and ranges. An edge to a landmark has metres ahead and metres left."),
-        Mistake("R as it is", _graph(raw=True), "You invert R of bearing and range. The edge is in metres: J R J' first."),
-        Mistake("J transposed", _graph(transposed=True), "You have J' R J: the measurement's covariance has to meet the columns of J."),
+        Mistake("R as it is", _graph(raw=True), "You invert R of bearing and range. The edge is in metres: J R Jᵀ first."),
+        Mistake("J transposed", _graph(transposed=True), "You have Jᵀ R J: the measurement's covariance has to meet the columns of J."),
         Mistake("no headings", _graph(no_headings=True), "The compass is missing in your graph: every heading of the filter that is not None is an edge. Does your use_compass set self.heading?"),
         Mistake("a heading for each sight", _graph(each_sight=True), "You note the compass once for each measurement. A picture tells the heading once."),
         Mistake("the filter's heading", _graph(filters_heading=True), "You take the filter's heading for a measurement. It knows odometry and landmarks already, and they would count twice: front.heading is what the compass alone said."),

@@ -71,6 +71,18 @@ def test_transposed_is_written_in_one_way_for_t_is_a_matrix_too(name):
     assert not re.findall(r".{20}\^\{?T\b.*", words(name)), r"write \top"
 
 
+@each_lesson
+def test_messages_write_transposed_as_the_page_on_notation_says_for_a_prime_is_after(name):
+    said = [
+        text
+        for exercise in public(name).exercises
+        for text in (*exercise.hints, *(mistake.message for mistake in exercise.mistakes))
+    ]
+    after = r"(?<![\w'])P' = "  # the covariance after a step
+    products = [re.findall(r"(?<![\w'\"])(?:[A-Zg]|J_\w)'(?= [A-Zg(+.\-]|[,.])", re.sub(after, "", text)) for text in said]
+    assert not any(products), [text for text, found in zip(said, products, strict=True) if found]
+
+
 def named(colour):
     """How a text calls a colour "#rrggbb"."""
     hue, lightness, _ = colorsys.rgb_to_hls(*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)))

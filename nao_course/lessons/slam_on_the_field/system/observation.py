@@ -194,7 +194,7 @@ def picture_covariance(
     pixel_sigma: npt.ArrayLike = PIXEL_SIGMA,
     post_sigma: float = 0.0,
 ) -> FloatArray:
-    """Return the joint covariance of the measurements of one picture, R = D + G T G'.
+    """Return the joint covariance of the measurements of one picture, R = D + G T Gᵀ.
 
     Parameters
     ----------
