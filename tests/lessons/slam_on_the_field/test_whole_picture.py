@@ -9,7 +9,7 @@ import pytest
 
 from nao_course.geometry import Pose, wrap_angle
 from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.circle import RADIUS, circle_centre
+from nao_course.lessons.slam_on_the_field.system.circle import RADIUS, Circle, find_circle
 from nao_course.lessons.slam_on_the_field.system.compass import Lean, lean_from_lines, wrap_quarter
 from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
 from nao_course.lessons.slam_on_the_field.system.lines import to_ground
@@ -27,7 +27,6 @@ from nao_course.slam import Measurement, Motion, range_and_bearing
 
 VIEW = replace(NAO_V4.view("bottom", 0.0, float(np.radians(-31.0))), k1=0.0)
 SQUARE = Lean(0.0, 0.0, 0.0, np.diag([1e-6, 1e-6, 1e-4]))
-NONE = np.zeros((0, 2))
 
 
 def pieces(pose: Pose, number: int = 12, length: float = 0.12, part: float = 2 * np.pi) -> np.ndarray:
@@ -50,11 +49,11 @@ def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> Scene:
         foot[axis] = c
         direction = (np.pi / 2 if axis == 0 else 0.0) - pose.theta
         rows.append([*pose.to_local(foot)[0], direction])
-    middle = pose.to_local(np.zeros((1, 2))) if centre else NONE
+    circle = Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))) if centre else None
     seen = observation([], (1e-4, 1e-4), direction=float(wrap_quarter(-pose.theta)), direction_sigma=sigma)
     return Scene(
         seen.measurements, seen.covariance, seen.direction, sigma, seen.tilt,
-        lines=np.array(rows).reshape(-1, 3), centre=middle,
+        lines=np.array(rows).reshape(-1, 3), circle=circle,
     )  # fmt: skip
 
 
@@ -68,17 +67,17 @@ def slam(own):
 
 @pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(-1.5, -0.4, 0.3), Pose(0.9, 0.9, -2.3)])
 def test_pieces_of_the_circle_tell_its_middle(pose):
-    found = circle_centre(pieces(pose), VIEW)
-    assert np.allclose(found, pose.to_local(np.zeros((1, 2))), atol=0.006)
+    found = find_circle(pieces(pose), VIEW)
+    assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.006)
 
 
 def test_two_pieces_or_pieces_side_by_side_or_of_a_straight_line_tell_none():
     pose = Pose(1.6, 0.0, np.pi)
-    assert len(circle_centre(pieces(pose)[:2], VIEW)) == 0
-    assert len(circle_centre(pieces(pose, 6, 0.1, 0.15), VIEW)) == 0
+    assert find_circle(pieces(pose)[:2], VIEW) is None
+    assert find_circle(pieces(pose, 6, 0.1, 0.15), VIEW) is None
     straight = [VIEW.project(np.array([(1.2, y), (1.2, y + 0.2)])).ravel() for y in (-0.4, -0.1, 0.2)]
-    assert len(circle_centre(np.array(straight), VIEW)) == 0
-    assert len(circle_centre(np.zeros((0, 4)), VIEW)) == 0
+    assert find_circle(np.array(straight), VIEW) is None
+    assert find_circle(np.zeros((0, 4)), VIEW) is None
 
 
 def test_lines_along_the_fields_directions_are_kept_and_others_are_not():
@@ -127,7 +126,7 @@ def test_of_lines_that_contradict_each_other_the_longer_ones_count():
 
 def test_slopes_of_a_point_are_those_of_finite_differences(slam):
     own, point, step = slam(Pose(0.4, -0.3, 0.7)), np.array([1.3, 0.5]), 1e-6
-    _, H, slopes = own._on_the_field(point)
+    _, H, by_range = own._on_the_field(point)
     for axis in range(3):
         places = []
         for sign in (1, -1):
@@ -136,15 +135,20 @@ def test_slopes_of_a_point_are_those_of_finite_differences(slam):
             places.append(own._on_the_field(point)[0])
             own.inner.state = state
         assert np.allclose(H[:, axis], (places[0] - places[1]) / (2 * step), atol=1e-8)
-    pixel = VIEW.project(point[None])
-    moved = []
-    for lean in ((1e-4, 0), (-1e-4, 0), (0, 1e-4), (0, -1e-4)):
-        view = leaning(VIEW, *lean)
-        moved.append(own._on_the_field((to_ground(pixel, view) + view.offset)[0])[0])
-    numeric = np.column_stack([moved[0] - moved[1], moved[2] - moved[3]]) / 2e-4
-    assert np.allclose(
-        -numeric, slopes, rtol=0.12, atol=0.2
-    )  # the camera is 5 cm ahead of where the body leans
+    moved = [own._on_the_field(point * share)[0] for share in (1 + step, 1 - step)]
+    numeric = (moved[0] - moved[1]) / (2 * step * np.hypot(*point))
+    assert np.allclose(by_range[:, 0], numeric)
+
+
+@pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(0.9, 0.9, -2.3), Pose(-1.5, -0.4, 0.3)])
+def test_slopes_of_the_circles_middle_are_those_of_the_pieces_that_tell_it(pose):
+    pixels, step = pieces(pose, 24, 0.2), np.radians(0.1)
+    moved = [
+        find_circle(pixels, leaning(VIEW, *lean)).centre
+        for lean in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step))
+    ]
+    numeric = -np.column_stack([moved[0] - moved[1], moved[2] - moved[3]]) / (2 * step)
+    assert np.allclose(find_circle(pixels, VIEW).slopes, numeric, rtol=0.2, atol=0.3)
 
 
 @pytest.mark.parametrize("sight", ["lines", "circle", "both"])
@@ -257,5 +261,94 @@ def test_a_circle_that_is_elsewhere_is_none(slam):
     mine, here = slam(Pose(1.0, 0.0, 0.0)), Pose(1.0, 0.0, 0.0)
     mine.observe(exact(here, lines=()))
     before = mine.inner.state.copy()
-    mine.observe(replace(exact(here, lines=()), centre=np.array([[-0.4, 0.3]])))
+    mine.observe(replace(exact(here, lines=()), circle=Circle(np.array([-0.4, 0.3]), np.zeros((2, 2)))))
     assert np.allclose(mine.inner.state, before) and mine.inner.kinds == [REST]
+
+
+def test_a_new_line_does_not_hide_one_that_is_known(slam):
+    """The longest line of a picture comes first; whichever that is, the map's own line counts."""
+    spreads = []
+    for lines in ([(0, 2.4), (0, 3.0)], [(0, 3.0), (0, 2.4)]):
+        mine = slam(Pose(1.0, 0.0, 0.0))
+        mine.observe(exact(Pose(1.0, 0.0, 0.0), lines=[(0, 2.4)], centre=False))
+        mine.move(Motion(0.2, 0.0))
+        mine.observe(exact(Pose(1.2, 0.0, 0.0), lines=lines, centre=False))
+        spreads.append(mine.inner.covariance[0, 0])
+    assert spreads[0] == pytest.approx(spreads[1], rel=1e-3)
+
+
+# --- one lean moves all of it ---
+
+
+def leant(pose: Pose, lean, marks, line=None, circle=False) -> Scene:
+    """What a body that leans (pitch, roll; rad) and believes to stand upright sees: corners, a line or the circle."""
+    camera = leaning(VIEW, *lean)
+
+    def pixels(places):
+        return camera.project(np.reshape(places, (-1, 2)), pose)
+
+    found = to_ground(pixels(marks), VIEW) + VIEW.offset
+    seen = observation(
+        [Measurement(*range_and_bearing((0, 0, 0), place), "corner") for place in found],
+        corner_sigma=0.1,
+    )
+    ends = np.zeros((0, 4)) if line is None else pixels(line).reshape(1, 4)
+    if circle:
+        around = np.linspace(0, 2 * np.pi, 24, endpoint=False)[:, None] + (-0.13, 0.13)
+        ends = pixels(RADIUS * np.stack([np.cos(around), np.sin(around)], axis=-1)).reshape(-1, 4)
+    told = replace(SQUARE, direction=float(wrap_quarter(-pose.theta)))
+    whole = scene(replace(seen, direction=told.direction, direction_sigma=0.01), told, ends, VIEW)
+    return replace(whole, direction_sigma=float("inf"))  # no compass: places alone tell of the lean
+
+
+def with_map(slam, pose: Pose, marks, rest, axis):
+    """A filter that knows a map well, its heading too, and its own place to 10 cm."""
+    mine, places = slam(pose), np.vstack([np.reshape(marks, (-1, 2)), rest])
+    mine.inner.state = np.concatenate([mine.inner.state, places.ravel()])
+    mine.inner.covariance = np.diag([1e-2, 1e-2, 1e-8] + [1e-8] * places.size)
+    mine.inner.kinds = ["corner"] * len(marks) + [REST]
+    mine._axes, mine._circle = ({len(marks): axis}, None) if axis is not None else ({}, len(marks))
+    return mine
+
+
+def ends_off(mine, seen: Scene, pose: Pose) -> float:
+    """Metres from the truth after a picture."""
+    mine.observe(seen)
+    found = mine.estimate().pose
+    return float(np.hypot(found.x - pose.x, found.y - pose.y))
+
+
+@pytest.mark.parametrize("pitch", [1.2, -1.2])
+@pytest.mark.parametrize("heading", [0.0, np.pi / 2, np.pi])
+def test_a_known_corner_and_a_line_tell_a_lean_from_a_step(slam, heading, pitch):
+    """A step moves near and far alike; a lean moves what is twice as far four times as much, and the same way."""
+    pose, lean = Pose(0.3, -0.2, heading), (np.radians(pitch), 0.0)
+    mark, line = pose.to_parent([(1.0, 0.0)]), pose.to_parent([(2.0, -0.6), (2.0, 0.6)])
+    axis = int(heading == np.pi / 2)
+    maps = mark, np.eye(2)[0] * line[0, axis], axis
+    without = ends_off(with_map(slam, pose, *maps), leant(pose, lean, mark), pose)
+    seen = leant(pose, lean, mark, line)
+    assert len(seen.lines) == 1
+    assert ends_off(with_map(slam, pose, *maps), seen, pose) < without / 4
+
+
+@pytest.mark.parametrize("pitch", [0.6, 0.3, -0.3, -0.6])
+@pytest.mark.parametrize("heading", [0.0, 1.1])
+def test_a_known_corner_and_the_circle_tell_a_lean_from_a_step(slam, heading, pitch):
+    pose, lean = Pose(-1.8 * np.cos(heading), -1.8 * np.sin(heading), heading), (np.radians(pitch), 0.0)
+    mark = pose.to_parent([(0.8, 0.0)])
+    maps = mark, (0.0, 0.0), None
+    without = ends_off(with_map(slam, pose, *maps), leant(pose, lean, mark), pose)
+    seen = leant(pose, lean, mark, circle=True)
+    assert seen.circle is not None
+    assert ends_off(with_map(slam, pose, *maps), seen, pose) < without / 2
+
+
+@pytest.mark.parametrize("pitch", [0.6, -0.6])
+def test_the_circles_middle_is_the_same_whichever_piece_is_asked_first(pitch):
+    told = []
+    for heading in (0.0, np.pi / 2, np.pi, 0.4):
+        pose = Pose(-1.8 * np.cos(heading), -1.8 * np.sin(heading), heading)
+        seen = leant(pose, (np.radians(pitch), 0.0), pose.to_parent([(0.8, 0.0)]), circle=True)
+        told.append(seen.circle.centre)
+    assert np.ptp(np.vstack(told), axis=0).max() < 0.02

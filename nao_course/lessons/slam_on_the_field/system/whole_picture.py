@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 
 from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
 from nao_course.lessons.slam_on_the_field.system.association import landmark_slopes
-from nao_course.lessons.slam_on_the_field.system.circle import circle_centre
+from nao_course.lessons.slam_on_the_field.system.circle import Circle, find_circle
 from nao_course.lessons.slam_on_the_field.system.compass import AGREES, Lean, wrap_quarter
 from nao_course.lessons.slam_on_the_field.system.lines import to_ground
 from nao_course.lessons.slam_on_the_field.system.observation import (
@@ -30,20 +30,22 @@ from nao_course.lessons.slam_on_the_field.system.observation import (
 from nao_course.sim import CameraView
 from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlgorithm
 
-LEAST_LENGTH, LEAST_PIXELS, FARTHEST = (
-    0.45,
-    20.0,
-    4.0,
-)  # m, px at 320, and m: of a line that is one of the field's
-LINE_SIGMA, CENTRE_SIGMA = 1.2, 0.025  # px at 320, and m
-KNOWN, OTHER, NEW = (
-    3.0,
-    4.0,
-    6.0,
-)  # sigma: of a line's own, at least of any other, and of one that is on no map
-APART, SURE = 0.3, 0.12  # m: between two lines of a field, and how well a new one must be known
-CENTRE_GATE, CENTRE_SURE = 4.0, 0.25  # sigma, and m: of the circle's middle
-REST = "line"  # kind of what is on the filter's map and is no landmark of the paper's
+LEAST_LENGTH = 0.45  # m: a shorter line may be none of the field's
+LEAST_PIXELS = 20.0  # at 320
+FARTHEST = 4.0  # m: of a line's nearest point
+LINE_SIGMA = 1.2  # px at 320
+CENTRE_SIGMA = 0.025  # m
+KNOWN = 3.0  # sigma: a line of the map is no farther than that
+OTHER = 4.0  # and any other is farther
+NEW = 6.0  # a new one is so far from all
+APART = 0.3  # m: between two lines of a field
+SURE = 0.12  # m: so well a new line's place must be known
+CENTRE_GATE = 4.0  # sigma
+CENTRE_SURE = 0.25  # m
+UNKNOWN = 100.0  # m^2: variance of what is new
+REST: Any = (
+    "rest"  # kind of lines and the circle's middle on the filter's map: they are no landmarks of the paper's
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +57,14 @@ class Scene(Observation):
     shared : ndarray, shape (2,)
         Covariance of pitch and roll with the lines' direction, rad^2.
     lines : ndarray, shape (N, 3)
-        (x, y) of the nearest point of each line, m in the robot frame, and its direction, rad.
-    centre : ndarray, shape (1, 2) or (0, 2)
-        Of the centre circle, m in the robot frame.
+        (x, y) of the nearest point that is seen of each line, m in the robot frame, and its direction, rad.
+    circle : Circle, optional
+        The centre circle.
     """
 
     shared: FloatArray = field(default_factory=lambda: np.zeros(2))
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
-    centre: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    circle: Circle | None = None
 
 
 def scene(seen: Observation, lean: Lean, lines: FloatArray, level: CameraView) -> Scene:
@@ -78,10 +80,17 @@ def scene(seen: Observation, lean: Lean, lines: FloatArray, level: CameraView) -
         As `read_lines` gives them, px.
     level : CameraView
         How the camera looks, its lean taken in.
+
+    Returns
+    -------
+    Scene
+        Without lines and circle where the lines tell no heading: then they tell no lean either.
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
-    found = field_lines(lines, lean, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
-    return Scene(**own, shared=lean.covariance[:2, 2], lines=found, centre=circle_centre(lines, level))
+    if np.isinf(seen.direction_sigma):
+        return Scene(**own, shared=lean.covariance[:2, 2])
+    found = field_lines(lines, lean, level)
+    return Scene(**own, shared=lean.covariance[:2, 2], lines=found, circle=find_circle(lines, level))
 
 
 def field_lines(lines: FloatArray, lean: Lean, level: CameraView) -> FloatArray:
@@ -137,7 +146,7 @@ class Rows(NamedTuple):
     own : ndarray, shape (m, m)
         Covariance of their noise but for the lean's.
     slopes : ndarray, shape (m, 2)
-        Of the measured by pitch and roll that were believed too small.
+        Of the innovation by pitch and roll that were believed too small.
     """
 
     innovation: FloatArray
@@ -150,7 +159,8 @@ class WholePicture(SlamAlgorithm):
     """A filter that takes in lines and the centre circle as well, and knows that one lean moves them all.
 
     Lines and the circle's middle are kept on the filter's own map, as landmarks of another kind: a line's c is the
-    first of its two numbers, and the second means nothing.
+    first of its two numbers, and the second means nothing. The update is exact to first order; the gates before it
+    leave out what the compass has told of the lean already, so that they are a little wide.
 
     Parameters
     ----------
@@ -178,8 +188,9 @@ class WholePicture(SlamAlgorithm):
         found = [self._landmarks(seen)]
         if isinstance(seen, Scene):
             taken: set[int] = set()
-            found += [self._line(line, seen.tilt, taken) for line in seen.lines]
-            found += [self._centre(place, seen.tilt) for place in seen.centre]
+            known = len(self.inner.kinds)
+            found += [self._line(line, seen.tilt, known, taken) for line in seen.lines]
+            found += [self._middle(seen.circle, seen.tilt)] if seen.circle else []
         self._correct([rows for rows in found if rows is not None], seen)
 
     def estimate(self) -> Estimate:
@@ -209,64 +220,63 @@ class WholePicture(SlamAlgorithm):
         innovation = np.column_stack([bearing, values[1::2] - distance]).ravel()
         return Rows(innovation, H, R - slopes @ part.tilt @ slopes.T, slopes)
 
-    def _line(self, line: FloatArray, tilt: FloatArray, taken: set[int]) -> Rows | None:
-        """A line of the map that is not taken yet, or a new one; None where that is in doubt."""
+    def _line(self, line: FloatArray, tilt: FloatArray, known: int, taken: set[int]) -> Rows | None:
+        """A line of the map as it was (its first `known` landmarks), not taken yet, or a new one; None in doubt."""
         axis = int(abs(np.cos(line[2] + self.inner.state[2])) > np.sqrt(0.5))
-        place, H, slopes = self._on_the_field(line[:2])
-        h, slopes = H[axis], slopes[axis]
-        own = _pixel_noise(line[:2], self.inner.state[2])[axis] ** 2 + slopes @ tilt @ slopes
-        sigmas, numbers = [], [number for number, which in self._axes.items() if which == axis]
-        misses = [self.inner.state[3 + 2 * number] - place[axis] for number in numbers]
-        for number, miss in zip(numbers, misses, strict=True):
-            row = _with_landmark(h[None], number, np.eye(2)[:1])[0]
-            sigmas.append(abs(miss) / np.sqrt(row @ self.inner.covariance @ row + own))
-        nearest = np.argsort(sigmas)
-        if len(nearest) and sigmas[nearest[0]] < KNOWN and all(sigmas[i] > OTHER for i in nearest[1:]):
-            number, miss = numbers[nearest[0]], misses[nearest[0]]
+        places, H, by_lean = self._on_the_field(line[:2])
+        place, h, slopes = places[axis], H[axis], by_lean[axis] @ tilt_slopes(_polar(line[:2]))[1:]
+        pixels = _pixel_noise(line[:2], self.inner.state[2])[axis] ** 2
+        own = pixels + slopes @ tilt @ slopes
+        P = self.inner.covariance
+        numbers = [number for number, which in self._axes.items() if which == axis]
+        misses = {number: self.inner.state[3 + 2 * number] - place for number in numbers}
+        rows = {number: _less_landmark(h[None], number, np.eye(1, 2)) for number in numbers if number < known}
+        sigmas = {n: abs(misses[n]) / np.sqrt((row @ P @ row.T).item() + own) for n, row in rows.items()}
+        nearest = sorted(sigmas, key=sigmas.__getitem__)
+        if nearest and sigmas[nearest[0]] < KNOWN and all(sigmas[other] > OTHER for other in nearest[1:]):
+            number = nearest[0]
             if number in taken:  # by a longer piece of it
                 return None
-        elif all(each > NEW for each in sigmas) and all(abs(miss) > APART for miss in misses):
-            if h @ self.inner.covariance @ h + own >= SURE**2:
-                return None
-            number, miss = self._put_on_map([place[axis], 0.0], [VAGUE, 1e-6]), 0.0
-            self._axes[number] = axis
         else:
-            return None
+            far = all(each > NEW for each in sigmas.values()) and all(
+                abs(each) > APART for each in misses.values()
+            )
+            if not far or h @ P @ h + own >= SURE**2:
+                return None
+            number = self._put_on_map([place, 0.0], [UNKNOWN, 1e-6])
+            self._axes[number], misses[number] = axis, 0.0
+            rows[number] = _less_landmark(np.pad(h, (0, 2))[None], number, np.eye(1, 2))
         taken.add(number)
-        row = _with_landmark(np.pad(h, (0, len(self.inner.state) - len(h)))[None], number, np.eye(2)[:1])
-        noise = _pixel_noise(line[:2], self.inner.state[2])[axis] ** 2
-        return Rows(np.array([miss]), row, np.array([[noise]]), -slopes[None])
+        return Rows(np.array([misses[number]]), rows[number], np.array([[pixels]]), -slopes[None])
 
-    def _centre(self, place: FloatArray, tilt: FloatArray) -> Rows | None:
+    def _middle(self, circle: Circle, tilt: FloatArray) -> Rows | None:
         """The centre circle's middle; None where it is far from where it should be."""
-        here, H, slopes = self._on_the_field(place)
+        here, H, _ = self._on_the_field(circle.centre)
+        slopes = rotation_2d(self.inner.state[2]) @ circle.slopes
         own = CENTRE_SIGMA**2 * np.eye(2)
         spread = own + slopes @ tilt @ slopes.T
         if self._circle is None:
             if np.trace(H @ self.inner.covariance @ H.T + spread) >= CENTRE_SURE**2:
                 return None
-            self._circle = self._put_on_map(here, [VAGUE, VAGUE])
+            self._circle = self._put_on_map(here, [UNKNOWN, UNKNOWN])
             H = np.pad(H, ((0, 0), (0, 2)))
-        H = _with_landmark(H, self._circle, np.eye(2))
+        H = _less_landmark(H, self._circle, np.eye(2))
         miss = self.inner.state[3 + 2 * self._circle : 5 + 2 * self._circle] - here
         S = H @ self.inner.covariance @ H.T + spread
         return Rows(miss, H, own, -slopes) if miss @ np.linalg.solve(S, miss) < CENTRE_GATE**2 else None
 
     def _on_the_field(self, point: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Where a point of the robot frame is (2,), its slopes by the state (2, n), and by pitch and roll (2, 2)."""
+        """Where a point of the robot frame is (2,), its slopes by the state (2, n), and by its range (2, 1)."""
         R, (x, y) = rotation_2d(self.inner.state[2]), point
         H = np.zeros((2, len(self.inner.state)))
         H[:, :2], H[:, 2] = np.eye(2), R @ [-y, x]
-        bearing, distance = np.arctan2(y, x), np.hypot(x, y)
-        by_lean = tilt_slopes(np.array([[bearing, distance]]))[1]
-        toward = R @ [np.cos(bearing), np.sin(bearing)]
-        return self.inner.state[:2] + R @ point, H, np.outer(toward, by_lean)
+        return self.inner.state[:2] + R @ point, H, (R @ point / max(np.hypot(x, y), 1e-9))[:, None]
 
     def _put_on_map(self, place: Sequence[float] | FloatArray, variances: Sequence[float]) -> int:
         """Append two numbers to the state, and return the place on the map."""
         self.inner.state = np.concatenate([self.inner.state, place])
         self.inner.covariance = block_diag(self.inner.covariance, np.diag(variances))
-        self.inner.kinds.append(REST)  # type: ignore[arg-type]
+        self.inner.kinds.append(REST)
         return len(self.inner.kinds) - 1
 
     def _correct(self, found: list[Rows], seen: Observation) -> None:
@@ -297,19 +307,23 @@ class WholePicture(SlamAlgorithm):
         self.inner.covariance = (P + P.T) / 2
 
 
-VAGUE = 100.0  # m^2: as if nothing were known
-
-
-def _with_landmark(H: FloatArray, number: int, slopes: FloatArray) -> FloatArray:
+def _less_landmark(H: FloatArray, number: int, slopes: FloatArray) -> FloatArray:
     """Slopes of a point less a landmark: of the point's (m, n), and the landmark's own (m, 2)."""
     H = H.copy()
     H[:, 3 + 2 * number : 5 + 2 * number] = -slopes
     return H
 
 
-def _pixel_noise(point: FloatArray, heading: float) -> Any:
+def _polar(point: FloatArray) -> FloatArray:
+    """Bearing and range (1, 2) of a point (2,) of the robot frame."""
+    x, y = point
+    return np.array([[np.arctan2(y, x), np.hypot(x, y)]])
+
+
+def _pixel_noise(point: FloatArray, heading: float) -> FloatArray:
     """Standard deviations (2,) along the field's axes of a point of the robot frame, by the pixels alone, m."""
-    distance, bearing = np.hypot(*point), np.arctan2(point[1], point[0]) + heading
+    bearing, distance = _polar(point)[0]
+    bearing = bearing + heading
     toward = (CAMERA_HEIGHT**2 + distance**2) / CAMERA_HEIGHT
     across = np.hypot(distance, CAMERA_HEIGHT)
     along = np.hypot(np.cos(bearing) * toward, np.sin(bearing) * across)
