@@ -84,12 +84,10 @@ def scene(seen: Observation, lean: Lean, lines: FloatArray, level: CameraView) -
     Returns
     -------
     Scene
-        Without lines and circle where the lines tell no heading: then they tell no lean either.
+        Without lines where they tell no heading: along which of the field's directions they run is not known.
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
-    if np.isinf(seen.direction_sigma):
-        return Scene(**own, shared=lean.covariance[:2, 2])
-    found = field_lines(lines, lean, level)
+    found = field_lines(lines, lean, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
     return Scene(**own, shared=lean.covariance[:2, 2], lines=found, circle=find_circle(lines, level))
 
 
@@ -190,7 +188,7 @@ class WholePicture(SlamAlgorithm):
             taken: set[int] = set()
             known = len(self.inner.kinds)
             found += [self._line(line, seen.tilt, known, taken) for line in seen.lines]
-            found += [self._middle(seen.circle, seen.tilt)] if seen.circle else []
+            found += [self._middle(seen.circle, seen)] if seen.circle else []
         self._correct([rows for rows in found if rows is not None], seen)
 
     def estimate(self) -> Estimate:
@@ -249,14 +247,15 @@ class WholePicture(SlamAlgorithm):
         taken.add(number)
         return Rows(np.array([misses[number]]), rows[number], np.array([[pixels]]), -slopes[None])
 
-    def _middle(self, circle: Circle, tilt: FloatArray) -> Rows | None:
+    def _middle(self, circle: Circle, seen: Observation) -> Rows | None:
         """The centre circle's middle; None where it is far from where it should be."""
         here, H, _ = self._on_the_field(circle.centre)
         slopes = rotation_2d(self.inner.state[2]) @ circle.slopes
         own = CENTRE_SIGMA**2 * np.eye(2)
-        spread = own + slopes @ tilt @ slopes.T
+        spread = own + slopes @ seen.tilt @ slopes.T
         if self._circle is None:
-            if np.trace(H @ self.inner.covariance @ H.T + spread) >= CENTRE_SURE**2:
+            in_doubt = np.isinf(seen.direction_sigma)  # what the pieces are of
+            if in_doubt or np.trace(H @ self.inner.covariance @ H.T + spread) >= CENTRE_SURE**2:
                 return None
             self._circle = self._put_on_map(here, [UNKNOWN, UNKNOWN])
             H = np.pad(H, ((0, 0), (0, 2)))
