@@ -2,8 +2,8 @@
 
 ``python -m benchmarks field_tails`` uses the drives of ``field_slam``, whose table has the plain filter on them.
 Careful: a landmark stays that is seen three times, and odometry's noise is learnt from the compass; it keeps false
-corners off the map, and loses more drives than the plain filter. Surest first: of a stop's pictures that with the surest
-compass. Whole picture: lines and the centre circle besides.
+corners off the map, and loses more drives than the plain filter. Surest first: the picture with the surest compass of a
+stop. Whole picture: lines and the centre circle besides.
 """
 
 from __future__ import annotations

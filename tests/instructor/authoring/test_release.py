@@ -10,8 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
+import scipy.sparse
 
+from nao_course.exercises import Case
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import LessonError, load_course
@@ -183,3 +186,26 @@ def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, 
     assert not set(found) & {"failed", "changed", "type_changed"}, found
     found = Validator().validate(str(submitted / "blank" / name / f"{name}.ipynb"))
     assert len(found["failed"]) == len(COURSE.plan(name).points)
+
+
+@pytest.mark.parametrize(
+    ("there", "built", "same"),
+    [
+        (np.array([1.0, 0.0]), np.array([1.0 + 1e-12, 7e-18]), True),
+        (np.array([1.0, 2.0]), np.array([1.0, 2.001]), False),
+        (np.array([1.0, np.nan]), np.array([1.0, np.nan]), True),
+        (np.zeros(3), np.zeros(4), False),
+        (np.array([1, 2]), np.array([1, 3]), False),
+        ({"a": (1.0, "x")}, {"a": (1.0 + 1e-15, "x")}, True),
+        ({"a": (1.0, "x")}, {"a": (1.0, "y")}, False),
+        ({"a": 1}, {"b": 1}, False),
+        ([1, 2], [1, 2, 3], False),
+        (1, 1.0, False),
+        (scipy.sparse.csr_array(np.eye(2)), scipy.sparse.csr_array((1 + 1e-12) * np.eye(2)), True),
+        (scipy.sparse.csr_array(np.eye(2)), scipy.sparse.csr_array(np.ones((2, 2))), False),
+        (Case((1.0,), "a name"), Case((1.0 + 1e-14,), "a name"), True),
+        (Case((1.0,), "a name"), Case((1.0,), "another"), False),
+    ],
+)
+def test_last_digits_of_another_processor_are_no_change_and_all_else_is(there, built, same):
+    assert release._alike(there, built) is same

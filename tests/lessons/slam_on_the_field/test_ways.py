@@ -43,11 +43,10 @@ def test_the_text_says_what_the_drives_recorded(told):
     ):
         assert words.format(f"{np.median(off(way)):.{digits}f}") in told, way
     assert f"the heading right to {np.median(WAYS[EKF]['heading']):.1f}°" in told
-    assert lost("the EKF, 0.3 false corners a picture") == 6 and "lose 6 drives" in told
-    assert lost("the EKF, one look a stop") == 2 and "loses 2; the whole picture" in told
-    assert (
-        lost(ONE_LOOK_WHOLE) == 1 and f"loses 1, and ends {np.median(off(ONE_LOOK_WHOLE)):.1f} cm off" in told
-    )
+    assert "more than 15 cm off" in told
+    one, whole = lost("the EKF, one look a stop"), lost(ONE_LOOK_WHOLE)
+    assert f"loses {one}; with the whole picture of one look it loses {whole}, " in told
+    assert f"and ends {np.median(off(ONE_LOOK_WHOLE)):.1f} cm off" in told
 
 
 def test_the_text_says_which_drive_is_lost_and_what_saves_it(told):
@@ -55,14 +54,30 @@ def test_the_text_says_which_drive_is_lost_and_what_saves_it(told):
     assert f"a NEES of {max(WAYS[EKF]['nees']):.0f}" in told
     assert lost(SUREST) == 0 and f"the worst ends {off(SUREST).max():.0f} cm off" in told
     assert f"mean NEES is {np.mean(WAYS[SUREST]['nees']):.1f}" in told
+    low, high = json.loads((RESULTS / "field_slam.json").read_text(encoding="utf-8"))["NEES band"]
+    assert f"between {low:.1f} and {high:.1f}: this filter is a little too modest" in told
+    assert np.mean(WAYS[SUREST]["nees"]) < low
 
 
 def test_the_text_says_what_the_whole_picture_brings_and_where_it_fails(told):
     assert f"ends {np.median(off(WHOLE)):.1f} cm off, the worst {off(WHOLE).max():.1f} cm" in told
     tails = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))
-    false, worse = (tails[f"{name}, whole picture"] for name in (FALSE_CORNERS, WORSE))
-    assert false["lost"] == 0 and "loses none of them" in told and false["wrong"] > 20
-    assert f"it still loses {round(worse['lost'] * worse['drives'])}" in told
+
+    def lost_of(hardship, algorithm):
+        return round(tails[f"{hardship}, {algorithm}"]["lost"] * tails[f"{hardship}, {algorithm}"]["drives"])
+
+    usual, surest, whole = (
+        lost("the EKF, 0.3 false corners a picture"),
+        lost_of(FALSE_CORNERS, "surest first"),
+        lost_of(FALSE_CORNERS, "whole picture"),
+    )
+    assert (
+        f"{usual} are lost in the usual order, {surest} with the surest compass first, {whole} with the whole"
+        in told
+    )
+    assert tails[f"{FALSE_CORNERS}, whole picture"]["wrong"] > 20
+    plain = lost("the EKF, odometry twice as bad and not told")
+    assert f"loses {lost_of(WORSE, 'whole picture')} where your filter loses {plain}" in told
 
 
 def test_the_text_says_what_the_order_is_worth_on_the_drives_that_were_looked_at(told):
@@ -85,16 +100,13 @@ def test_the_text_says_what_short_pieces_do_to_the_compass(told):
         found["readings"][name]["mean square over variance"] for name in ("all pieces", "from 30 cm on")
     )
     assert f"the stated variance is {long:.1f}; with all pieces it is {all_pieces:.1f}" in told
-    worst = [
-        100 * found["drives"][f"{name}, surest first"]["position worst"]
-        for name in ("all pieces", "from 30 cm on")
+    medians = [
+        found["drives"][f"{name}, surest first"]["position"] for name in ("all pieces", "from 30 cm on")
     ]
-    assert "ends {:.0f} cm off where it ends {:.0f}".format(*worst) in told
-    lost_by = [
-        round(found["drives"][f"{name}, false corners"]["lost"] * 100)
-        for name in ("all pieces", "from 30 cm on")
-    ]
-    assert "false corners lose {} drives for {}".format(*lost_by) in told
+    assert (
+        medians[1] - medians[0] == pytest.approx(1e-3, abs=5e-4)
+        and "a millimetre farther off without" in told
+    )
 
 
 def test_the_text_says_what_a_posts_thickness_is_worth(told):
