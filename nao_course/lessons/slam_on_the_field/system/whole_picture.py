@@ -298,8 +298,9 @@ class WholePicture(SlamAlgorithm):
             H[:, 2] += share  # a direction is less by what the heading is more
             R = R - np.outer(share, shared)
         P = self.inner.covariance
-        S = H @ P @ H.T + R
-        K = np.linalg.solve(S, H @ P).T
+        with_rows = P @ H.T
+        S = R + H @ with_rows
+        K = np.linalg.solve(S, with_rows.T).T
         self.inner.state = self.inner.state + K @ nu
         self.inner.state[2] = wrap_angle(self.inner.state[2])
         P = P - K @ S @ K.T
@@ -323,7 +324,7 @@ def _pixel_noise(point: FloatArray, heading: float) -> FloatArray:
     """Standard deviations (2,) along the field's axes of a point of the robot frame, by the pixels alone, m."""
     bearing, distance = _polar(point)[0]
     bearing = bearing + heading
-    toward = (CAMERA_HEIGHT**2 + distance**2) / CAMERA_HEIGHT
+    toward = CAMERA_HEIGHT + distance**2 / CAMERA_HEIGHT
     across = np.hypot(distance, CAMERA_HEIGHT)
     along = np.hypot(np.cos(bearing) * toward, np.sin(bearing) * across)
     aside = np.hypot(np.sin(bearing) * toward, np.cos(bearing) * across)
