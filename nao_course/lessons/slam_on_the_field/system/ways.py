@@ -41,7 +41,7 @@ def draw_ways() -> Drawing:
                 middle = float(np.median(values))
                 ax.plot([middle], [-n - 0.17], "|", ms=15, mew=2.5, color=STYLES["truth"].colour)
                 ax.annotate(
-                    f"{middle:.2g}{unit}",
+                    f"{middle:{'.2g' if middle < 100 else ',.0f'}}{unit}",
                     (middle, -n),
                     (0, 2),
                     textcoords="offset points",
@@ -60,7 +60,7 @@ def draw_ways() -> Drawing:
 
 
 def ways_table() -> Table:
-    """Say of each way what the ends of its drives are like; above its one change, or the line before it."""
+    """Say of each way what the ends of its drives are like."""
     rows = []
     for each in recorded_ways():
         off = 100 * np.array(each["position"])

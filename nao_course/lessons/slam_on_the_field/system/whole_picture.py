@@ -93,7 +93,7 @@ def scene(seen: Observation, lean: Lean, lines: FloatArray, level: CameraView) -
 
 def field_lines(lines: FloatArray, lean: Lean, level: CameraView) -> FloatArray:
     """Where the lines that run along the field's two directions are: their nearest points and directions (N, 3)."""
-    ends = lines.reshape(-1, 4)
+    ends = np.asarray(lines, dtype=float).reshape(-1, 4)
     ground = to_ground(ends.reshape(-1, 2), level).reshape(-1, 2, 2) + level.offset
     way = ground[:, 1] - ground[:, 0]
     length = np.maximum(np.hypot(*way.T), 1e-9)
