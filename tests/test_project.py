@@ -8,9 +8,8 @@ from __future__ import annotations
 import json
 import re
 import subprocess
-import sys
 import tomllib
-import zipfile
+from typing import Any
 
 import pytest
 
@@ -46,11 +45,34 @@ def requirement_name(requirement: str) -> str:
     return match.group().lower().replace("_", "-")
 
 
+def pyproject(folder: str = ".") -> dict[str, Any]:
+    return tomllib.loads((PROJECT / folder / "pyproject.toml").read_text(encoding="utf-8"))
+
+
 def declared() -> dict[str, list[str]]:
-    """Every table of dependencies in pyproject.toml, by its name."""
-    table = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
-    project = table["project"]
-    return {"core": project["dependencies"], **project["optional-dependencies"], **table["dependency-groups"]}
+    """Every table of dependencies of the two distributions, by its name."""
+    table = pyproject()
+    project, ours = table["project"], {table["project"]["name"], INSTRUCTOR["name"]}
+    tables = {
+        "core": project["dependencies"],
+        **project["optional-dependencies"],
+        **table["dependency-groups"],
+    }
+    tables["instructor"] = INSTRUCTOR["dependencies"]
+    return {
+        name: [each for each in lines if requirement_name(each) not in ours] for name, lines in tables.items()
+    }
+
+
+INSTRUCTOR = pyproject("nao_course/instructor")["project"]
+
+
+def test_the_two_distributions_ask_for_each_other_in_the_same_version():
+    project = pyproject()["project"]
+    assert INSTRUCTOR["version"] == project["version"]
+    assert INSTRUCTOR["requires-python"] == project["requires-python"]
+    assert f"{project['name']}=={project['version']}" in INSTRUCTOR["dependencies"]
+    assert project["optional-dependencies"]["instructor"] == [f"{INSTRUCTOR['name']}=={project['version']}"]
 
 
 @pytest.mark.parametrize("name", LOCKS)
@@ -74,16 +96,22 @@ def test_a_lock_without_hash_or_version_or_with_an_address_is_found_out(broken):
 
 
 def test_what_a_student_runs_is_what_the_instructor_tests():
-    without_marker = [
-        {entry.split(" ;")[0] for entry in lock_entries((PROJECT / name).read_text(encoding="utf-8"))}
+    student, instructor, bench, site = (
+        {re.sub(r"\[.*\]| ;.*", "", entry) for entry in lock_entries((PROJECT / name).read_text("utf-8"))}
         for name in LOCKS
-    ]
-    student, instructor, bench, site = without_marker
+    )
     assert student - instructor == set()
     peers = {requirement_name(each) for each in declared()["bench"]}
     assert {requirement_name(each) for each in bench - instructor} == peers
     shared = {requirement_name(each) for each in site} & {requirement_name(each) for each in instructor}
     assert {requirement_name(each) for each in site - instructor} & shared == set()
+
+
+@pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
+def test_a_lock_keeps_the_extras_that_packages_ask_for(name):
+    """Without them, older pips ignore the pin and fail as soon as a newer release of that package appears."""
+    entries = lock_entries((PROJECT / name).read_text(encoding="utf-8"))
+    assert any(entry.startswith("jsonschema[format-nongpl]==") for entry in entries)
 
 
 def test_every_dependency_is_locked_and_has_its_reason_written_down():
@@ -176,29 +204,3 @@ def test_a_run_notebook_or_one_with_doubled_ids_is_found_out():
     for broken in ({"id": None}, {"outputs": [{}]}, {"execution_count": 1}):
         assert len(notebook_offences({"cells": [blank | broken]})) == 1
     assert len(notebook_offences({"cells": [blank, blank]})) == 1
-
-
-# What is shipped
-
-
-@pytest.mark.slow
-def test_the_wheel_and_the_source_archive_hold_the_library_and_no_solutions(tmp_path):
-    subprocess.run(
-        [sys.executable, "-m", "hatchling", "build", "-d", str(tmp_path)],
-        cwd=PROJECT,
-        check=True,
-        capture_output=True,
-    )
-    (wheel,), (archive,) = tmp_path.glob("*.whl"), tmp_path.glob("*.tar.gz")
-    names = zipfile.ZipFile(wheel).namelist()
-    tops = {name.split("/")[0] for name in names}
-    assert "nao_course/geometry.py" in names
-    assert {top for top in tops if not top.endswith((".dist-info", ".data"))} == {"nao_course"}
-    beside = {"share/jupyter/lab/settings/overrides.d", "etc/jupyter/labconfig/page_config.d"}  # JupyterLab's settings
-    data = {name.split(".data/data/")[1] for name in names if ".data/" in name}
-    assert data == {*(f"{each}/nao_course.json" for each in beside), "etc/ipython/startup/nao_course.py"}
-    listed = subprocess.run(
-        [sys.executable, "-m", "tarfile", "-l", str(archive)], check=True, capture_output=True, text=True
-    ).stdout.split()
-    assert "solutions" not in {part for name in listed for part in name.split("/")}
-    assert any(name.endswith("nao_course/geometry.py") for name in listed)
