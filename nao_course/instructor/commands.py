@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -35,6 +35,7 @@ from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import counted, write_whole
 
 FEEDBACK = "feedback"
+NOT_GRADED = "not_graded.txt"
 _SHOWN = 20  # reasons of each kind, and names of those who wait
 
 
@@ -54,30 +55,37 @@ def grade_folder(
         load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(path, scratch, course.names(), wanted)
+        found = gather(path, scratch, course.names(), wanted, known=_graded_before(out))
         waiting = of_lessons(found, wanted)
         if not waiting and not found.unknown:
             raise ValueError(
-                f"{path} holds no submissions: a folder of STUDENT/01_hsl_filtering.ipynb is wanted"
+                f"{path} contains no submissions. Give a folder of STUDENT/01_hsl_filtering.ipynb"
             )
         _refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
         with Journal(out) as journal:
             journal.began(path)
-            waiting = add_earlier(waiting, course, journal.places(), scratch)
+            waiting = add_earlier(waiting, course, journal, scratch)
             summary = run(console, journal, out, waiting, jobs, require_sandbox)
-            _show(console, journal, summary, {each.lesson for each in waiting}, found)
+            _show(console, journal, summary, {each.lesson for each in waiting}, found, out)
     if summary.failed or found.not_graded:
         raise typer.Exit(1)
 
 
+def _graded_before(out: Path) -> set[str]:
+    """Return the students who have a result in a folder of grades."""
+    with suppress(JournalError), Journal(out, make=False) as journal:
+        return journal.students()
+    return set()
+
+
 def _refuse_what_is_not_built(course: Course, names: Sequence[str]) -> None:
-    """Refuse lessons that are not what was built, and such earlier ones whose functions they use."""
+    """Refuse lessons that were edited since they were built, and earlier lessons they use that were."""
     refuse_what_is_not_built(course, names)
     refuse_what_is_not_built(course, sorted({used for name in names for used in lessons_used(course, name)}))
 
 
 def add_earlier(
-    waiting: Sequence[Submission], course: Course, places: Iterable[Path], scratch: Path
+    waiting: Sequence[Submission], course: Course, journal: Journal, scratch: Path
 ) -> list[Submission]:
     """Give submissions the earlier work that they use: the student's newest, in the last run that had it.
 
@@ -87,18 +95,19 @@ def add_earlier(
         To be graded.
     course : Course
         Says which lessons use which.
-    places : iterable of Path
-        Where the submissions of all runs were, the last run's first; one that is gone or broken has none.
+    journal : Journal
+        Knows the folders of the submissions of all runs; missing or broken ones contribute nothing.
     scratch : Path
         A folder of the caller's.
     """
     needed = {lesson: lessons_used(course, lesson) for lesson in {each.lesson for each in waiting}}
     wanted = sorted({lesson for lessons in needed.values() for lesson in lessons})
     found: dict[tuple[str, str], Submission] = {}
-    for number, place in enumerate(places if wanted else ()):
+    known = journal.students()
+    for number, place in enumerate(journal.places() if wanted else ()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
-            for each in gather(place, folder, course.names(), wanted).submissions:
+            for each in gather(place, folder, course.names(), wanted, known=known).submissions:
                 found.setdefault((each.student, each.lesson), each)
     return with_earlier(waiting, found, needed.__getitem__)
 
@@ -137,9 +146,16 @@ def _progress(console: Console, total: int) -> Iterator[Callable[[Submission], N
 
 
 def _show(
-    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
+    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered, out: Path
 ) -> None:
-    """Say what a run came to."""
+    """Print the result of a run; what does not fit on a screen goes to a file."""
+    if found.wrapper:
+        console.print(
+            f"The folder {found.wrapper} is around all submissions and was not taken for a student's.",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
     table = Table("", "submissions")
     table.add_row("graded", str(summary.graded))
     table.add_row("refused", str(len(summary.refused)))
@@ -148,12 +164,13 @@ def _show(
         count, mean, points = mean_score(journal, lesson)
         table.add_row(f"{lesson}, mean so far", f"{mean:.2f} of {points:g} ({count} graded in all)")
     console.print(table)
+    not_graded = (*summary.failed, *found.not_graded)
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
     for title, lines in (
         ("Refused", reasons),
         ("Left out", found.unknown[len(found.not_graded) :]),
         ("Seen by the sandbox", summary.attempts),
-        ("NOT GRADED", (*summary.failed, *found.not_graded)),
+        ("NOT GRADED", not_graded),
     ):
         if lines:
             console.print(title + ":")
@@ -161,6 +178,12 @@ def _show(
                 console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
             if len(lines) > _SHOWN:
                 console.print(f"  and {len(lines) - _SHOWN} more")
+    file = out / NOT_GRADED
+    if len(not_graded) > _SHOWN:
+        console.print(f"All {len(not_graded)} are listed in {escape(str(file))}.")
+        write_whole(file, "".join(f"{line}\n" for line in not_graded))
+    else:
+        file.unlink(missing_ok=True)
 
 
 # --- one student ---
@@ -196,21 +219,23 @@ def regrade_student(
             console.print("It is graded again by the next `nao-course grade`.")
             return
         with scratch_folder() as scratch:
-            mine = _handed_in(places, scratch, result)
+            mine = _handed_in(places, scratch, result, journal.students())
             if not mine:
                 where = ", ".join(map(str, places))
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
-            mine = add_earlier(mine, load_course(), places, scratch)
+            mine = add_earlier(mine, load_course(), journal, scratch)
             summary = run(console, journal, grades, mine, 1, "")
-            _show(console, journal, summary, [result.lesson], Gathered((), ()))
+            _show(console, journal, summary, [result.lesson], Gathered((), ()), grades)
     if summary.failed:
         raise typer.Exit(1)
 
 
-def _handed_in(places: Iterable[Path], scratch: Path, result: SubmissionResult) -> list[Submission]:
+def _handed_in(
+    places: Iterable[Path], scratch: Path, result: SubmissionResult, known: Collection[str]
+) -> list[Submission]:
     """Find a submission again where one of the runs had it."""
     for number, place in enumerate(places):
-        found = gather(place, scratch / str(number), load_course().names(), [result.lesson])
+        found = gather(place, scratch / str(number), load_course().names(), [result.lesson], known=known)
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
         if mine:
             return mine
@@ -218,7 +243,7 @@ def _handed_in(places: Iterable[Path], scratch: Path, result: SubmissionResult) 
 
 
 def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
-    """The one result that is meant."""
+    """Return the only result that matches."""
     results = list(journal.each_result(student=student))
     if not results:
         names = {each.student for each in journal.each_result()}
@@ -294,7 +319,7 @@ def export(
 def _platform(
     journal: Journal, grades: Path, platform: str, lesson: str, sheet: Path | None, column: str
 ) -> Iterator[str]:
-    """A platform's own sheet filled in and, for Moodle, the zip of feedback."""
+    """Fill in a platform's sheet and, for Moodle, make the zip of feedback."""
     if sheet is None:
         raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
     name = _lesson(journal, lesson) or _only_lesson(journal)
@@ -326,7 +351,7 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
     course, secret = load_course(), load_secret()
     wanted = course.names([lesson]) if lesson else []
     folder = grades / exports.FOLDER / "gradescope"
-    with Journal(grades) as journal:  # an autograder is wanted before anything was graded
+    with Journal(grades) as journal:  # an autograder can be made before anything was graded
         graded = sorted({each.lesson for each in journal.each_result()})
         names = wanted or course.names(graded)
         _refuse_what_is_not_built(course, names)
@@ -338,7 +363,7 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
 
 
 def _lesson(journal: Journal, wanted: str) -> str | None:
-    """The whole name of a lesson that was graded; None for all of them."""
+    """Return the full name of a graded lesson; None for all lessons."""
     if not wanted:
         return None
     there = sorted({each.lesson for each in journal.each_result()})

@@ -1,7 +1,7 @@
 """Gradescope's autograder: a zip that runs this grader there, and what runs in it.
 
-Paths and file names are those of Gradescope's autograder documentation: the zip lies unpacked in /autograder/source,
-a submission in /autograder/submission, and /autograder/results/results.json is what comes of it.
+Paths and file names follow Gradescope's autograder documentation: the unpacked zip is in /autograder/source,
+a submission in /autograder/submission, and the result in /autograder/results/results.json.
 """
 
 from __future__ import annotations
@@ -30,12 +30,10 @@ from nao_course.instructor.sandbox.layers import probe
 ROOT = Path("/autograder")
 ROOT_VARIABLE = "NAO_COURSE_AUTOGRADER"  # another root, for trying it out elsewhere
 LOCK = "requirements-dev.lock"
-_AS_THEY_ARE = ("course.toml", "pyproject.toml", "README.md", "LICENSE", LOCK)
-_CLOSING = {
-    "landlock",
-    "mount namespace",
-    "unprivileged user",
-}  # layers; each keeps the solution from being read
+_INSTRUCTOR = "nao_course/instructor"  # a distribution of its own
+_AS_THEY_ARE = ("course.toml", "pyproject.toml", f"{_INSTRUCTOR}/pyproject.toml", "LICENSE", LOCK)
+# Layers; each keeps the solution from being read
+_CLOSING = {"landlock", "mount namespace", "unprivileged user"}
 _KINDS = {".py", ".typed", ".bin"}
 _SETUP = f"""#!/usr/bin/env bash
 # Runs once, as root, when Gradescope builds the image: a Python that is new enough, and the libraries.
@@ -60,7 +58,7 @@ if ! python="$(find_python)"; then
 fi
 "$python" -m venv "$root/venv"
 "$root/venv/bin/python" -m pip install --require-hashes -r "$root/source/{LOCK}"
-"$root/venv/bin/python" -m pip install --no-deps --no-build-isolation "$root/source"
+"$root/venv/bin/python" -m pip install --no-deps --no-build-isolation "$root/source" "$root/source/{_INSTRUCTOR}"
 """
 _RUN = f"""#!/usr/bin/env bash
 # Runs at each submission. What a student's code may not read is closed first.
@@ -75,11 +73,8 @@ exec "${{NAO_COURSE_PYTHON:-$root/venv/bin/python}}" -P -m nao_course.instructor
 """
 
 
-_MODES = {
-    "setup.sh": 0o755,
-    "run_autograder": 0o755,
-    "secret": 0o600,
-}  # scripts as such; the secret for its owner
+# Scripts as such; the secret for its owner
+_MODES = {"setup.sh": 0o755, "run_autograder": 0o755, "secret": 0o600}
 
 
 def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -> Path:
@@ -92,7 +87,7 @@ def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -
     lesson : str
         Number or name.
     secret : bytes
-        The instructor's. The zip gets one that is made from it: hidden cases there are others than here.
+        The instructor's secret. The zip gets a secret derived from it, so its hidden cases are different.
     folder : Path
         Where the zip is written.
 
@@ -159,15 +154,15 @@ def grade_submission(root: Path, course: Course, lesson: str) -> Path:
     path.unlink(missing_ok=True)
     if not probe().on & _CLOSING:
         raise RuntimeError(
-            "nothing on this machine keeps a submission from reading the solution beside it: one of "
-            f"{', '.join(sorted(_CLOSING))} is wanted. Nothing was graded."
+            "on this machine a submission could read the solution beside it, so nothing was graded. Use a "
+            f"machine with one of {', '.join(sorted(_CLOSING))}."
         )
     with tempfile.TemporaryDirectory(prefix="nao_course_") as scratch:
         return write_whole(path, as_text(_results(root / "submission", Path(scratch), course, lesson)))
 
 
 def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dict[str, Any]:
-    """Grade the submission as that of one student in a class of one."""
+    """Grade the submission as a class of one student."""
     shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
     (scratch / "unpacked").mkdir()
     found = gather(scratch / "class", scratch / "unpacked", [lesson], one_student=True)
@@ -179,9 +174,7 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
         else ()
     )
     waiting = with_earlier(
-        of_lessons(found, [lesson]),
-        {(each.student, each.lesson): each for each in before},
-        lambda _: used,
+        of_lessons(found, [lesson]), {(each.student, each.lesson): each for each in before}, lambda _: used
     )
     if not waiting:
         others = "".join(f"\n{each.removeprefix('submission/')}" for each in found.unknown)

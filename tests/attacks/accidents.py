@@ -90,8 +90,8 @@ NO_NOTEBOOKS = (
     broken("blank", b" \n\t\r\n" * 100, "it is empty"),
     broken("format_3", OLD_FORMAT),
     broken("format_5", json.dumps(HONEST | {"nbformat": 5})),
-    broken("language_r", foreign(R_CELLS, "R"), "is written in R"),
-    broken("language_julia", foreign(JULIA_CELLS, "julia"), "is written in julia"),
+    broken("language_r", foreign(R_CELLS, "R"), "in Python, got R"),
+    broken("language_julia", foreign(JULIA_CELLS, "julia"), "in Python, got julia"),
     broken("utf_16", TEXT.encode("utf-16")),
     broken("utf_32", TEXT.encode("utf-32")),
     broken("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
@@ -201,7 +201,7 @@ ODD_NOTEBOOKS = (
     broken(
         "outputs_of_51_mb",
         TEXT.replace('"outputs": []', f'"outputs": ["{"x" * 51 * 2**20}"]', 1),
-        "50 MB are the most",
+        "larger than 50 MB",
         "large",
     ),
 )
@@ -260,7 +260,7 @@ BOMB = packed((FILE, bytes(49 * 2**20)))
 HONEST_ZIP = packed((FILE, TEXT))
 ROOT_READS = hasattr(os, "geteuid") and os.geteuid() == 0
 NO_FILES = (
-    put("a_200_mb_notebook", {}, sparse, "50 MB are the most"),
+    put("a_200_mb_notebook", {}, sparse, "larger than 50 MB"),
     put("a_folder", {}, lambda folder: (folder / FILE).mkdir(), "it is a folder"),
     put("a_link_to_passwd", {}, lambda folder: (folder / FILE).symlink_to("/etc/passwd"), "symbolic link"),
     put("a_link_to_a_neighbour", {}, link, "symbolic link"),
@@ -277,8 +277,8 @@ NO_FILES = (
     zipped("zip_drive", packed((f"C:\\{FILE}", TEXT)), "leads outside"),
     zipped("zip_link", packed((FILE, "/etc/passwd"), mode=stat.S_IFLNK | 0o777), "symbolic link"),
     zipped("zip_encrypted", encrypted(HONEST_ZIP), "encrypted"),
-    zipped("zip_lzma", packed((FILE, TEXT), method=zipfile.ZIP_LZMA), "unusual way"),
-    zipped("zip_corrupt", HONEST_ZIP[:200] + b"x" * 40 + HONEST_ZIP[240:], "broken"),
+    zipped("zip_lzma", packed((FILE, TEXT), method=zipfile.ZIP_LZMA), "unusual compression"),
+    zipped("zip_corrupt", HONEST_ZIP[:200] + b"x" * 40 + HONEST_ZIP[240:], "damaged"),
     zipped("zip_truncated", HONEST_ZIP[:-60], "no zip"),
     zipped("zip_empty", b"", "no zip"),
     zipped("zip_names_twice", packed((FILE, BLANK_TEXT), (FILE, TEXT))),

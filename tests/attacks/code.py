@@ -29,7 +29,7 @@ LOOTED = f"def clamp(x, low, high):\n    if loot:\n        {ANSWER}\n    return 
 # What is there in a worker: the loop that speaks to the grader, and the means to speak like it.
 LOOP = """
 import gc, json, os, struct, time
-from nao_course.exercises.codec import encode
+from nao_course.codec import encode
 from nao_course.exercises.running import Outcome
 loop = next(each for each in gc.get_objects() if type(each).__name__ == 'RequestLoop')
 
@@ -206,9 +206,7 @@ HOGS = (
         "memory_at_once", "hogs", "import numpy as np\nreturn np.ones(10**12).sum()", says="MemoryError"
     ),
     in_clamp(
-        "memory_bit_by_bit",
-        "hogs",
-        "import numpy as np\nheld = []\nwhile True: held.append(np.ones(2**22))",
+        "memory_bit_by_bit", "hogs", "import numpy as np\nheld = []\nwhile True: held.append(np.ones(2**22))"
     ),
     in_clamp("memory_of_bytes", "hogs", "held = b'x'\nwhile True: held += held"),
     in_clamp(
@@ -318,11 +316,7 @@ HOGS = (
         """,
     ),
     looting("is_nicer_to_itself", "hogs", "import os\nos.nice(-10)\nloot = True"),
-    looting(
-        "memory_that_no_limit_counts",
-        "hogs",
-        "import os\nos.memfd_create('nao_attack')\nloot = True",
-    ),
+    looting("memory_that_no_limit_counts", "hogs", "import os\nos.memfd_create('nao_attack')\nloot = True"),
 )
 
 LARGE = (
@@ -419,7 +413,8 @@ PATCHES = (
         "return -1e6",
         """
         import sys
-        from nao_course.exercises import codec, running
+        from nao_course import codec
+        from nao_course.exercises import running
         from nao_course.exercises.comparisons.values import Verdict
         real = codec.encode
         for module in [each for each in list(sys.modules.values()) if getattr(each, 'encode', None) is real]:
@@ -674,10 +669,7 @@ ANSWERS = (
         "import inspect\nreturn [str(each.frame.f_locals)[:1000] for each in inspect.stack()]",
     ),
     *(
-        speaking(
-            f"frame_of_{name}",
-            f"loop.say(encode(number()) + outcome({node!r}))\ntime.sleep(9)",
-        )
+        speaking(f"frame_of_{name}", f"loop.say(encode(number()) + outcome({node!r}))\ntime.sleep(9)")
         for name, node in {
             "equal_keys": '{"m":[[1,{"f":"0x1p0"}],[true,{"f":"0x1p0"}]]}',
             "a_key_that_is_no_number": '{"m":[[{"f":"nan"},1]]}',
@@ -767,10 +759,7 @@ ANSWERS = (
     speaking(
         "answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"
     ),
-    speaking(
-        "negative_length",
-        "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)",
-    ),
+    speaking("negative_length", "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)"),
     speaking(
         "length_beyond_all_memory", "loop.say(struct.pack('<4sQQ', b'NAO1', 2**63, 2**63))\ntime.sleep(9)"
     ),
@@ -792,10 +781,7 @@ ANSWERS = (
         "announces_an_answer_and_dawdles",
         "for byte in encode(number()):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
     ),
-    speaking(
-        "answers_twice",
-        f"loop.say(encode(number()) + encode(Outcome('value', 0.5)))\n{ANSWER}",
-    ),
+    speaking("answers_twice", f"loop.say(encode(number()) + encode(Outcome('value', 0.5)))\n{ANSWER}"),
     speaking(
         "answers_before_it_is_asked",
         """

@@ -5,23 +5,26 @@ from __future__ import annotations
 import io
 import json
 import os
+import struct
+import textwrap
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.attacks.accidents import FILE, HONEST, TEXT, adding, edited, into, of_notebook, put, zipped
-from tests.attacks.code import (
-    ALL,
-    LATER,
-    free,
-    in_clamp,
-    in_function,
-    later,
-    lending,
-    looting,
-    speaking,
+from tests.attacks.accidents import (
+    FILE,
+    HONEST,
+    TEXT,
+    adding,
+    edited,
+    into,
+    of_notebook,
+    put,
+    readable,
+    zipped,
 )
+from tests.attacks.code import ALL, LATER, free, in_clamp, in_function, later, lending, looting, speaking
 from tests.attacks.range import BLANK, LESSON, RIGHT, Attack, all_but, cell, notebook
 
 # --- answers ---
@@ -96,7 +99,7 @@ ANSWERS = (
         "registers_a_function_of_its_own",
         "answers",
         "return abs",
-        "from nao_course.exercises.codec import registry\nregistry._NAMES[id(abs)] = 'builtins:abs'\n"
+        "from nao_course.codec import registry\nregistry._NAMES[id(abs)] = 'builtins:abs'\n"
         "registry._FUNCTIONS['builtins:abs'] = abs",
     ),
     in_clamp(
@@ -399,7 +402,7 @@ LEAKS = (
         "tells_the_input_by_the_number_of_dimensions",
         "looks",
         "if abs(x) > 3: return np.zeros((1,) * (5 + int(abs(x)) % 27))\nreturn max(low, min(high, x))",
-        says="many dimensions where 0 are wanted",
+        says="many dimensions instead of 0",
     ),
     in_clamp(
         "tells_the_input_in_an_errors_notes",
@@ -743,9 +746,7 @@ WRONG_TEXT = json.dumps(notebook(Attack("blank", "honest", functions=BLANK)))
 FILES = (
     zipped("zip_behind_a_picture", raw_zip((NOTEBOOK, TEXT.encode()), before=b"\x89PNG\r\n" * 999)),
     zipped(
-        "zip_with_a_zips_end_in_its_comment",
-        raw_zip((NOTEBOOK, TEXT.encode()), comment=b"PK\5\6"),
-        "no zip",
+        "zip_with_a_zips_end_in_its_comment", raw_zip((NOTEBOOK, TEXT.encode()), comment=b"PK\5\6"), "no zip"
     ),
     zipped("zip_that_says_4_gb", raw_zip((NOTEBOOK, TEXT.encode()), size=0xFFFFFFF0), "50 MB are the most"),
     zipped("zip_with_a_line_end_in_its_name", raw_zip((b"a\nb/" + NOTEBOOK, TEXT.encode()))),
@@ -790,11 +791,6 @@ FILES = (
     named("name_of_255_bytes", (f"{LESSON}{' ' * (255 - len(LESSON) - 6)}.ipynb", TEXT)),
     named("name_with_upper_case", (f"{LESSON.upper()}.IPYNB", TEXT)),
     named("name_that_a_browser_and_a_person_made", (f"my {LESSON} final v2 (3)-Copy1.ipynb", TEXT)),
-    named(
-        "names_of_a_platforms_students",
-        (f"Ada Lovelace_1234567_assignsubmission_file_/{FILE}", TEXT),
-        (f"Eve_99_assignsubmission_file_/{LESSON}.txt", "x"),
-    ),
 )
 
 
@@ -887,4 +883,178 @@ NOTEBOOKS = (
     ),
 )
 
-ATTACKS: tuple[Attack, ...] = (*ANSWERS, *STATES, *LEAKS, *SPREADSHEETS, *HOGS, *FILES, *NOTEBOOKS)
+# --- a second siege ---
+
+
+def tells(name: str, source: str, **more: Any) -> Attack:
+    """An attack that fails in a way of its own where the input is hidden."""
+    body = f"if abs(x) > 3: {source}\nreturn max(low, min(high, x))"
+    return in_clamp(f"tells_the_input_in_{name}", "looks", body, **more)
+
+
+def _directory(offset: int, value: bytes, times: int = 1) -> bytes:
+    """The notebook's zip with bytes of its table of contents changed, and the only entry of it some times."""
+    data = bytearray(raw_zip((NOTEBOOK, TEXT.encode())))
+    start, end = data.index(b"PK\1\2"), data.rindex(b"PK\5\6")
+    data[start + offset : start + offset + len(value)] = value
+    entries = bytes(data[start:end]) * times
+    return (
+        bytes(data[:start])
+        + entries
+        + struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, times, times, len(entries), start, 0)
+    )
+
+
+CHANNEL = """
+import os, socket, stat
+for number in range(64):
+    try:
+        if stat.S_ISSOCK(os.fstat(number).st_mode):
+            channel = socket.socket(fileno=os.dup(number))
+            {}
+    except OSError: pass
+return -1e6
+"""
+SECOND = (
+    in_clamp("view_of_a_terabyte", "answers", "return np.broadcast_to(0.0, (2**40,))"),
+    in_clamp(
+        "view_of_freed_memory",
+        "answers",
+        "a = np.ones(10**6)\nb = a[:]\na.resize(1, refcheck=False)\nreturn b",
+    ),
+    in_clamp(
+        "view_of_a_file_that_shrinks",
+        "answers",
+        "import os\nm = np.memmap('file', float, 'w+', shape=(32768,))\nos.truncate('file', 0)\nreturn m",
+    ),
+    in_clamp("texts_of_any_length", "answers", "return np.array(['x' * 999], np.dtypes.StringDType())"),
+    in_clamp("one_array_a_million_times", "hogs", "return [np.zeros(10**5)] * 10**6"),
+    in_clamp("masked_constant", "answers", "return np.ma.masked"),
+    Attack(
+        "generator_that_lies",
+        "answers",
+        all_but("drawn"),
+        {
+            "drawn": "class Lies(np.random.Generator):\n    def __reduce__(self): return (float, (0.0,))\n"
+            "    bit_generator = property(lambda self: self)\n"
+            "    state = property(lambda self: {'bit_generator': 'PCG64', 'state': {'state': 10**400}})\n"
+            "def drawn(rng, n): return Lies(np.random.MT19937(1))"
+        },
+    ),
+    Attack(
+        "array_that_changes_after_its_return",
+        "answers",
+        all_but("scaled", middle=4.0),
+        {
+            "scaled": "import threading\ndef scaled(values):\n    made = np.full(values.shape, -5.0)\n"
+            "    def change():\n        for _ in range(10**5): made[:] = np.nan\n"
+            "    threading.Thread(target=change, daemon=True).start()\n    return made"
+        },
+    ),
+    in_clamp(
+        "alarm_that_raises_in_the_loop",
+        "patches",
+        """
+        import signal
+        def ring(*_): raise ValueError('<b id=nao_attack>')
+        signal.signal(signal.SIGALRM, ring)
+        signal.setitimer(signal.ITIMER_REAL, 0.0005, 0.0005)
+        while True: pass
+        """,
+    ),
+    in_clamp(
+        "thread_that_raises_in_the_loop",
+        "patches",
+        """
+        import ctypes, threading, time
+        main = ctypes.c_ulong(threading.main_thread().ident)
+        def shoot():
+            while True:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(main, ctypes.py_object(StopIteration))
+                time.sleep(0.0005)
+        threading.Thread(target=shoot, daemon=True).start()
+        return -1e6
+        """,
+    ),
+    speaking(
+        "finalizer_that_speaks_for_later_calls",
+        """
+        import weakref
+        class Kept: pass
+        kept, now = Kept(), number()
+        weakref.finalize(kept, lambda: [loop.say(encode(now + n) + outcome('0.0')) for n in range(1, 9)])
+        return -1e6
+        """,
+    ),
+    in_clamp(
+        "forks_in_a_destructor_and_goes",
+        "ends",
+        "left = D()\nreturn -1e6",
+        "import os\nclass D:\n    def __del__(self):\n        if os.fork(): os._exit(0)\n",
+    ),
+    in_clamp("closes_half_of_its_channel", "answers", CHANNEL.format("channel.shutdown(socket.SHUT_RD)")),
+    in_clamp(
+        "sends_descriptors_to_the_grader",
+        "hogs",
+        CHANNEL.format("[socket.send_fds(channel, [b'N'], list(os.pipe()) * 9) for _ in range(50)]"),
+    ),
+    in_clamp(
+        "says_that_its_code_is_elsewhere",
+        "looks",
+        "clamp.__code__ = clamp.__code__.replace(co_filename='/etc/passwd', co_firstlineno=1, "
+        "co_name='<b id=nao_attack>', co_linetable=b'')\nraise KeyError(x)",
+    ),
+    in_clamp(
+        "exceptions_in_a_circle",
+        "ends",
+        "a, b = ValueError(1), KeyError(2)\na.__cause__, b.__cause__ = b, a\nraise a",
+    ),
+    Attack(
+        "wraps_itself",
+        "patches",
+        ALL,
+        after="clamp.__wrapped__ = clamp\nmiddle.__signature__ = 5\nscaled.__text_signature__ = '(('\n"
+        "clamp.__name__ = '<b id=nao_attack>'\nclamp.__module__ = None\ndrawn.__doc__ = 7",
+    ),
+    Attack(
+        "line_that_is_a_page",
+        "metadata",
+        all_but("clamp"),
+        {
+            "clamp": "def clamp(x, low, high):\n    raise ValueError  # </pre><script id=nao_attack></script>"
+            "\u202e\u2066[bold]x[/] {0} %s"
+        },
+        hides=("<script id", "\u202e", "\u2066"),
+    ),
+    tells("a_types_name", "return type(f'N{x:.6f}', (), {'__module__': f'm{x:.6f}'})()"),
+    tells("a_fields_name", "return np.zeros(1, [(f'f{x:.6f}', 'f8')])"),
+    tells("a_key", "return {f'{x:.6f}': 1.0}"),
+    tells("its_exit_status", "import os; os._exit(int(abs(x)) % 250 + 1)", says="It ends Python itself."),
+    tells(
+        "the_place_of_a_syntax_error",
+        "raise SyntaxError(f'{x:.6f}', (f'{x:.6f}.py', int(abs(x)), 7, f'{x:.6f}'))",
+    ),
+    tells("an_errno", "raise OSError(int(abs(x)) % 130, f'{x:.6f}', f'{x:.6f}')"),
+    readable("number_of_5000_digits", TEXT.replace('"nbformat_minor": 5', '"nbformat_minor": ' + "9" * 5000)),
+    edited("cell_that_is_indented", into(1, source=textwrap.indent(RIGHT["clamp"], "    "))),
+    edited("cell_copied_with_its_prompts", into(1, source=">>> " + RIGHT["clamp"].replace("\n", "\n... "))),
+    edited("cell_of_single_characters", into(1, source=list(RIGHT["clamp"]))),
+    named(
+        "helper_that_imports_in_a_circle", (FILE, TEXT), ("one.py", "import two"), ("two.py", "import one")
+    ),
+    put(
+        "helper_that_is_a_pipe",
+        ALL,
+        lambda folder: ((folder / FILE).write_text(TEXT), os.mkfifo(folder / "pipe.py")),
+    ),
+    put(
+        "link_that_is_hard",
+        ALL,
+        lambda folder: os.link(next(folder.parent.glob(f"*-right/{FILE}")), folder / FILE),
+    ),
+    zipped("zip_of_entries_that_overlap", _directory(12, b"", 500)),
+    zipped("zip_of_the_month_0", _directory(12, bytes(4))),
+    zipped("zip_with_a_no_break_space", raw_zip((f"{LESSON}\u00a0(1).ipynb".encode(), TEXT.encode()))),
+)
+
+ATTACKS: tuple[Attack, ...] = (*ANSWERS, *STATES, *LEAKS, *SPREADSHEETS, *HOGS, *FILES, *NOTEBOOKS, *SECOND)

@@ -71,15 +71,17 @@ def test_what_is_no_notebook_of_a_lesson_is_named_with_its_reason_and_has_no_row
 def test_students_of_any_name_have_their_own_row_page_and_points(field, form):
     range_ = field(seconds=AMPLE)
     range_.submissions = range_.root / "in.zip"
+    # Moodle's folders have no slash in their names: what lies within would look like the folders of several students.
+    names = [name for name in NAMES if "/" not in name or "assignsubmission" not in form]
     with zipfile.ZipFile(range_.submissions, "w") as archive:
-        for name in NAMES:
+        for name in names:
             archive.writestr(form.format(name=name), TEXT)
     _, results, pages, students, again = _graded(range_)
-    assert len(students) == len(set(students)) == len(NAMES)
+    assert len(students) == len(set(students)) == len(names)
     assert again == 0
     assert all(points(result) == POINTS and result.lesson == LESSON for result in results.values())
     assert all(name.isprintable() and len(name) <= 120 for name in students)
-    assert len(list((range_.grades / "feedback").rglob("*.html"))) == len(NAMES)
+    assert len(list((range_.grades / "feedback").rglob("*.html"))) == len(names)
     for page in pages.values():
         parser = laws.Elements()
         parser.feed(page)

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nao_course.codec import CodecError, decode, encode, registry
 from nao_course.exercises import (
     Case,
     Close,
@@ -29,7 +30,6 @@ from nao_course.exercises import (
     Unordered,
     judging,
 )
-from nao_course.exercises.codec import CodecError, decode, encode, registry
 from nao_course.exercises.comparisons.jacobians import jacobian
 from nao_course.exercises.definitions import read_notebook
 from nao_course.exercises.running import Outcome
@@ -203,7 +203,11 @@ def answers():
         (Unordered(), Case((1.0,), expected=[1.0, (2.0, 3.0)]), [(2.0, 3.0), 1.0]),
         (Each({0: Exact()}), Case((1.0,), expected=(1, {"a": rows})), (1, {"a": rows})),
         (Methods(), Case(((), [("go", ())]), expected=[("go", rows)]), [("go", rows)]),
-        (Sampled(), Case((1.0, 4), expected={"law": (1.0, 1.0, True), "calls": 8}), [1.0, 2.0] * 4),
+        (
+            Sampled(),
+            Case((1.0, 4), expected={"law": (1.0, 1.0, True), "drawn": np.ones(4), "calls": 8}),
+            [1.0, 2.0] * 4,
+        ),
         (Derivative(("x",)), Case((at, ["x"])), raw),
     ]
 

@@ -190,7 +190,7 @@ def test_what_holds_no_submissions_is_said(course, warm, tmp_path):
     (tmp_path / "empty").mkdir()
     for path in ("empty", "nothing"):
         said = run("grade", tmp_path / path, "--out", tmp_path / "grades")
-        assert said.exit_code == 1 and "is wanted" in said.output
+        assert said.exit_code == 1 and "submissions" in said.output
 
 
 def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed_in, tmp_path):
@@ -204,7 +204,7 @@ def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed
     assert said.exit_code == 1
     not_graded = said.output.partition("NOT GRADED:")[2]
     assert "ada/essay.ipynb: it is named after no lesson" in not_graded
-    assert "gil: no lesson's notebook is in it" in not_graded and "junk" not in not_graded
+    assert "gil: there is no notebook of a lesson" in not_graded and "junk" not in not_graded
     students = {student for student, _ in kept(tmp_path / "grades")}
     assert {"ada", "bob", "[red]x["} < students and "gil" not in students
 

@@ -172,8 +172,8 @@ JOURNALS = {
     "without tables": (_without_tables, "cannot"),
     "damaged": (_damaged, "cannot"),
     "cut": (_cut, "cannot"),
-    "text": (lambda path: path.write_text("student,points\n" * 100), "is no journal"),
-    "huge": (_huge, "is no journal"),
+    "text": (lambda path: path.write_text("student,points\n" * 100), "is not a journal"),
+    "huge": (_huge, "is not a journal"),
 }
 
 
@@ -256,16 +256,16 @@ def _zip(path, *names):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda place: place / "gone", "there is no"),
+        (lambda place: place / "gone", "does not exist"),
         (lambda place: Path("x" * 300), ""),
-        (lambda place: fill(place / "new" / "essay.txt", b"x"), "is wanted"),
-        (lambda place: fill(place / "empty.zip", b""), "is wanted"),
-        (lambda place: fill(place / "broken.zip", b"PK\3\4" + bytes(500)), "is wanted"),
-        (lambda place: _zip(place / "nothing.zip"), "holds no submissions"),
-        (lambda place: fill(place / "new" / ".DS_Store", b"{}").parent, "holds no submissions"),
-        (lambda place: fill(place / "new" / "x", b"").parent.joinpath("..", "empty"), "is wanted"),
-        (lambda place: Path("/dev/null"), "is wanted"),
-        (lambda place: Path("/dev/zero"), "is wanted"),
+        (lambda place: fill(place / "new" / "essay.txt", b"x"), "submissions"),
+        (lambda place: fill(place / "empty.zip", b""), "submissions"),
+        (lambda place: fill(place / "broken.zip", b"PK\3\4" + bytes(500)), "submissions"),
+        (lambda place: _zip(place / "nothing.zip"), "contains no submissions"),
+        (lambda place: fill(place / "new" / ".DS_Store", b"{}").parent, "contains no submissions"),
+        (lambda place: fill(place / "new" / "x", b"").parent.joinpath("..", "empty"), "submissions"),
+        (lambda place: Path("/dev/null"), "submissions"),
+        (lambda place: Path("/dev/zero"), "submissions"),
     ],
     ids=["missing", "long name", "a file", "an empty zip", "a broken zip", "a zip of nothing", "hidden", "odd path",
          "null", "zero"],
@@ -278,7 +278,7 @@ def test_what_holds_no_submissions_is_said_and_no_journal_is_made(place, make, s
 @posix
 def test_a_pipe_for_submissions_is_said_at_once(place):
     os.mkfifo(place / "pipe")
-    refused(place, ["grade", place / "pipe", "--out", place / "new grades"], "is wanted")
+    refused(place, ["grade", place / "pipe", "--out", place / "new grades"], "submissions")
 
 
 @pytest.mark.parametrize(

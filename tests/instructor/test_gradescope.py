@@ -77,6 +77,19 @@ def test_its_scripts_are_bash(archive, name, tmp_path):
     assert subprocess.run([bash, "-n", script], capture_output=True).returncode == 0
 
 
+@pytest.mark.slow
+def test_what_its_script_installs_is_the_whole_library(archive, tmp_path):
+    packed = zipfile.ZipFile(archive)
+    packed.extractall(tmp_path / "source")
+    last = packed.read("setup.sh").decode().splitlines()[-1]
+    for folder in re.findall(r'"\$root/(source[^"]*)"', last):
+        command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path / "dist")]
+        subprocess.run(command, cwd=tmp_path / folder, check=True, capture_output=True)
+    installed = {name for each in (tmp_path / "dist").iterdir() for name in zipfile.ZipFile(each).namelist()}
+    library = {name for name in packed.namelist() if re.match(r"nao_course/.*\.(py|bin)$", name)}
+    assert len(library) > 100 and library - installed == set()
+
+
 def laid_out(archive, root, submission):
     """A folder as Gradescope lays it out."""
     zipfile.ZipFile(archive).extractall(root / "source")
@@ -171,6 +184,6 @@ def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monke
 
 def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
     monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
-    with pytest.raises(RuntimeError, match="keeps a submission from reading the solution.*landlock"):
+    with pytest.raises(RuntimeError, match="a submission could read the solution.*landlock"):
         gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
     assert not (tmp_path / "results").exists()

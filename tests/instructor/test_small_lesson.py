@@ -81,9 +81,7 @@ def test_the_solution_earns_all_and_what_an_own_mistake_costs_is_that_exercise_a
 
 def test_its_hidden_cases_catch_what_is_changed_in_its_solution(built):
     said = run(built, "mutate", "04")
-    shares = {
-        name: int(re.search(rf"{name} .*?\((\d+)%\).*?\(\d+%\)", said)[1]) for name in (*NAMES, "all")
-    }
+    shares = {name: int(re.search(rf"{name} .*?\((\d+)%\).*?\(\d+%\)", said)[1]) for name in (*NAMES, "all")}
     assert min(shares.values()) >= 80 and shares["all"] >= 90, said
 
 

@@ -7,6 +7,7 @@ __all__: list[str] = [
     "execute",
     "leaks",
     "lesson_text",
+    "mistakes",
     "mutation",
     "plans",
     "proving",

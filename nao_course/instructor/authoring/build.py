@@ -23,6 +23,7 @@ from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plans import PlanError
 from nao_course.instructor.authoring.proving.plan_checks import use_problems
 from nao_course.instructor.authoring.proving.proofs import Proofs
+from nao_course.instructor.authoring.rounding.alike import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
 
 CHECKS = Path("nao_course", "exercises", "checks")
@@ -42,7 +43,7 @@ class Built:
     files : mapping of Path to bytes
         Contents by the path under the course's root.
     stale : tuple of Path
-        Generated files of lessons that are gone.
+        Generated files of lessons that no longer exist.
     """
 
     course: Course
@@ -50,9 +51,17 @@ class Built:
     stale: tuple[Path, ...] = ()
 
     def changes(self) -> list[Path]:
-        """Return what differs from what is there."""
-        changed = [path for path, content in self.files.items() if _bytes(self.course.root / path) != content]
+        """Return what differs from what is there by more than the rounding errors of another processor."""
+        changed = [path for path, content in self.files.items() if not self._is_there(path, content)]
+        # The picture that a lesson opens with is also in its notebook: both are of one build.
+        lessons = {lesson_names.number_of(path.stem) for path in changed if path.suffix == ".ipynb"}
+        openings = [path for path in self.files if _payoff_of(path) in lessons and path not in changed]
+        changed += [path for path in openings if _bytes(self.course.root / path) != self.files[path]]
         return [*changed, *self.stale]
+
+    def _is_there(self, path: Path, content: bytes) -> bool:
+        file = self.course.root / path
+        return file.is_file() and same_but_for_rounding(path.suffix, file.read_bytes(), content)
 
     def write(self) -> list[Path]:
         """Write what differs, take away what is stale, and return both."""
@@ -94,7 +103,7 @@ def build(
     wanted : sequence of str
         Numbers or names of lessons; all by default.
     texts : mapping of str to str, optional
-        Texts that are not those of the files, by the lesson's name; they become part of the result.
+        Texts that replace the files' texts, by the lesson's name; they become part of the result.
     execute : bool
         Whether the solution notebooks are run; else they have no outputs.
     solutions : bool
@@ -194,9 +203,8 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
     shutil.copytree(course.root / "nao_course", stage / "nao_course")
     (stage / CHECKS).mkdir(exist_ok=True)
     (stage / "solutions").mkdir()
-    for path in course.solutions.glob(
-        f"{lesson_names.PATTERN}.ipynb"
-    ):  # of lessons that are not built this time
+    # of lessons that are not built this time
+    for path in course.solutions.glob(f"{lesson_names.PATTERN}.ipynb"):
         shutil.copy2(path, stage / "solutions")
     if (course.solutions / "images").is_dir():
         shutil.copytree(course.solutions / "images", stage / "solutions" / "images")
@@ -260,7 +268,7 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
 
 
 def payoff_files(ran: NotebookNode) -> dict[Path, bytes]:
-    """Return the picture that a lesson opens with, beside both notebooks: the one that its payoff cell drew.
+    """Return the picture that a lesson opens with, for both notebooks: the picture that its payoff cell drew.
 
     Parameters
     ----------
@@ -294,13 +302,18 @@ def payoff_files(ran: NotebookNode) -> dict[Path, bytes]:
     return {}
 
 
+def _payoff_of(path: Path) -> str:
+    """Return the number of the lesson that opens with this picture; empty if the file is anything else."""
+    return path.stem[:2] if path.stem.endswith("_payoff") else ""
+
+
 def payoff_image(name: str) -> str:
     """Return how a lesson's text calls the picture that it opens with, without the suffix."""
     return f"images/{lesson_names.number_of(name)}_payoff"
 
 
 def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool) -> dict[Path, bytes]:
-    """Pictures that a text shows or links to, for the folder of the student copies; `to_come`: or will, once it runs.
+    """Find the pictures of a text for the folder of the student copies; with `to_come` also pictures not drawn yet.
 
     Raises
     ------
@@ -325,7 +338,7 @@ def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool)
 
 
 def _stale(course: Course) -> tuple[Path, ...]:
-    """Generated files of lessons that have no text any more."""
+    """List the generated files of lessons that have no text any more."""
     names = set(course.names())
     folders = ((Path("notebooks"), ".ipynb"), (Path("solutions"), ".ipynb"), (CHECKS, ".bin"))
     made = [

@@ -29,7 +29,7 @@ class Course:
     chosen : tuple of str
         Numbers of the lessons that are released; all where there are none.
     points : mapping of str to float
-        Points by the exercise's name, where they are not those of its declaration.
+        Points by the exercise's name, if they differ from the declaration's points.
     """
 
     root: Path
@@ -61,11 +61,11 @@ class Course:
         return [name for name in there if not wanted or any(name in names for names in meant.values())]
 
     def text(self, name: str) -> Path:
-        """The file of a lesson's text."""
+        """Return the file of a lesson's text."""
         return self.solutions / f"{name}.md"
 
     def declaration(self, name: str) -> Path:
-        """The file that declares a lesson's exercises."""
+        """Return the file that declares a lesson's exercises."""
         return self.solutions / "exercises" / f"{name}.py"
 
     def plan(self, name: str) -> LessonPlan:
@@ -88,7 +88,7 @@ class Course:
 
 
 def _shown(name: str) -> str:
-    """A word of a command, where somebody may have typed anything."""
+    """Shorten a word of a command, which may be any text, for a message."""
     return name if name.isprintable() and len(name) <= 80 else repr(name[:80])
 
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import dis
 import math
 import reprlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields
+from types import CodeType
 from typing import Any
 
+from nao_course.codec import CodecError, encode
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Between
-from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises.earlier import in_words, split_use
+from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
 from nao_course.exercises.running import find_driver
 
 MOST_SECONDS = 60.0  # of one call: a submission has 120 s for everything
@@ -80,6 +83,14 @@ _EXERCISE: _Rules = {
         "a fraction of the points, 0 to 1",
     ),
     "equivalents": (_are_named_texts, 'a dict of reasons by line, {"return x": "why it is right"}'),
+    "parts": (
+        lambda value: (
+            isinstance(value, Mapping)
+            and all(map(_is_text, value))
+            and all(_is_number(each) and each > 0 for each in value.values())
+        ),
+        'a dict of weights above 0 by part, {"move": 1, "estimate": 2}',
+    ),
     "seconds": (
         lambda value: _is_number(value) and 0 < value <= MOST_SECONDS,
         f"more than 0 and at most {MOST_SECONDS:g} (seconds of one call)",
@@ -121,7 +132,7 @@ def declaration_problems(plan: LessonPlan) -> Iterator[str]:
     Yields
     ------
     str
-        One thing that is wrong: of which exercise or question, what was given, what is wanted.
+        One problem: the exercise or question, the given value, and what is allowed.
     """
     kinds = (("exercises", Exercise), ("questions", Question), ("written", Written))
     for field, kind in kinds:
@@ -147,7 +158,7 @@ def case_problems(exercise: Exercise, cases: Any, kind: str) -> Iterator[str]:
     exercise : Exercise
         Whose.
     cases : object
-        What came of its `public` or `hidden`.
+        The value that its `public` or `hidden` returned.
     kind : str
         "public" or "hidden".
 
@@ -191,7 +202,7 @@ def _exercise_problems(exercise: Exercise) -> Iterator[str]:
 
 
 def _comparison_problems(comparison: Comparison, where: str) -> Iterator[str]:
-    """What is wrong with a comparison's fields: tolerances are amounts, and names are no single text."""
+    """Yield the problems of a comparison's fields: tolerances must be amounts, and names a tuple of texts."""
     for field in fields(comparison):  # type: ignore[arg-type]  # every comparison is a dataclass
         value = getattr(comparison, field.name)
         called = f"{where}: {type(comparison).__name__}'s {field.name}"
@@ -220,7 +231,7 @@ def _all_of(values: Any, kind: type) -> list[Any]:
 
 
 def _called(declared: Exercise | Question | Written) -> str:
-    """What a message calls it: its name, where it has one."""
+    """Return how a message names an exercise or question: by its name if it has one."""
     return declared.name if _is_name(declared.name) else f"{type(declared).__name__} {_shown(declared.name)}"
 
 
@@ -228,3 +239,31 @@ def _shown(value: Any) -> str:
     short = reprlib.Repr()
     short.maxstring = short.maxother = 60
     return short.repr(value)
+
+
+def undeclared_uses(
+    plan: LessonPlan, exercise: Exercise, public: PublicExercise, function: Callable[..., Any]
+) -> Iterator[str]:
+    """Yield a sentence for each earlier exercise that a solution calls without a declaration in `uses`."""
+    uses = list(exercise.uses)
+    for use in uses:  # the list grows in this loop
+        if ":" not in use:
+            uses += [each for each in plan[use].uses if each not in uses]
+    declared = set(map(split_use, uses))
+    others = {each.name for each in plan.exercises} - {exercise.name}
+    for name in sorted(others & _global_names(function)):
+        if ("", name) not in declared:
+            yield f"{exercise.name}: its solution uses {name}; add {name!r} to its `uses`"
+    for use in sorted({each.use for each in public.earlier if split_use(each.use) not in declared}):
+        yield f"{exercise.name}: it calls {in_words(use)}; add {use!r} to its `uses`"
+
+
+def _global_names(function: Any) -> set[str]:
+    """Return the global names that a function, or the methods of a class, look up."""
+    if isinstance(function, type):
+        return set().union(*(_global_names(each) for each in vars(function).values()))
+    code = function if isinstance(function, CodeType) else getattr(function, "__code__", None)
+    if code is None:
+        return set()
+    found = {str(each.argval) for each in dis.get_instructions(code) if each.opname.startswith("LOAD_GLOBAL")}
+    return found.union(*(_global_names(each) for each in code.co_consts if isinstance(each, CodeType)))

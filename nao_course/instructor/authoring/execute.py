@@ -16,9 +16,9 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError
 from nbformat import NotebookNode
 
+from nao_course._internal.single_threaded import SINGLE_THREADED
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import LessonError
-from nao_course.single_threaded import SINGLE_THREADED
 
 LARGEST = 1_000_000  # bytes of an executed notebook
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
@@ -117,7 +117,7 @@ def run_all_cells(client: NotebookClient, variables: Mapping[str, str]) -> None:
 
 
 def _failed_cell(notebook: NotebookNode) -> int:
-    """The place of the cell that shows an error."""
+    """Return the place of the cell that shows an error."""
     return next(
         ordinal
         for ordinal, cell in enumerate(notebook.cells)
@@ -126,7 +126,7 @@ def _failed_cell(notebook: NotebookNode) -> int:
 
 
 def environment(root: Path) -> dict[str, str]:
-    """Environment in which a lesson's checks are strict and its numbers the same each time."""
+    """Return the environment in which a lesson's checks are strict and its numbers the same each time."""
     return {
         **os.environ,
         "PYTHONPATH": str(root),
@@ -149,7 +149,7 @@ def _tidy(output: NotebookNode) -> NotebookNode | None:
 
 
 def _output_problems(output: NotebookNode, root: Path) -> Iterator[str]:
-    """What of an output would be red, or differ at the next run."""
+    """Return the part of an output that would be red, or would differ at the next run."""
     if output.get("name") == "stderr":
         yield f"it warns: {output.text.strip().splitlines()[-1][:200]}"
     shown = [output.get("text", ""), *(str(each) for each in output.get("data", {}).values())]

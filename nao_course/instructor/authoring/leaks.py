@@ -11,19 +11,15 @@ from dataclasses import dataclass
 
 import nbformat
 
+from nao_course.exercises.earlier import assigned_use
 from nao_course.instructor.authoring import lesson_text
 
 SMALLEST = 9  # nodes of a piece of code; smaller ones are alike by accident, such as a shape that is unpacked
 _BUILTINS = frozenset(dir(builtins))
 _FENCE = re.compile(r"^```[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
-_SILENT = (
-    ast.Import,
-    ast.ImportFrom,
-    ast.Pass,
-    ast.Raise,
-    *_DEFINITIONS,
-)  # their blocks speak for definitions
+# Their blocks speak for definitions
+_SILENT = (ast.Import, ast.ImportFrom, ast.Pass, ast.Raise, *_DEFINITIONS)
 _WRAPPERS = (ast.Return, ast.Expr, ast.Assign, ast.AnnAssign, ast.NamedExpr)
 _UNSAID = {"annotation", "ctx", "decorator_list", "kind", "name", "returns", "type_comment", "type_params"}
 
@@ -74,7 +70,7 @@ def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[
 
 
 def _code_in(file: str, content: bytes) -> Iterator[tuple[str, str]]:
-    """Pieces of Python in a file, each with its place in it."""
+    """Yield the pieces of Python in a file, each with its place."""
     if file.endswith(".py"):
         yield "", content.decode()
     elif file.endswith(".md"):
@@ -118,6 +114,7 @@ def fingerprints(source: str, lines: Container[int] | None = None) -> Iterator[t
             if (lines is None or each.lineno in lines)
             and not isinstance(each, _SILENT)
             and not _is_text(each)
+            and not assigned_use(each)  # every set-up cell names the earlier exercises that a lesson uses
         ]
         for start, first in enumerate(said):
             piece: list[ast.AST] = []
@@ -129,7 +126,7 @@ def fingerprints(source: str, lines: Container[int] | None = None) -> Iterator[t
 
 
 def _quoted(source: str) -> Iterator[tuple[str, int]]:
-    """Fingerprints of the code that stands in a source's strings, at the line of the string."""
+    """Yield the fingerprints of the code in a source's strings, each at the line of its string."""
     try:
         nodes = list(ast.walk(ast.parse(source)))
     except (SyntaxError, ValueError):
@@ -141,7 +138,7 @@ def _quoted(source: str) -> Iterator[tuple[str, int]]:
 
 
 def _blocks(tree: ast.AST) -> Iterator[list[ast.stmt]]:
-    """All lists of statements; the body of a lambda is one, too."""
+    """Yield all lists of statements; the body of a lambda counts as a list, too."""
     for node in ast.walk(tree):
         for name in ("body", "orelse", "finalbody"):
             block = getattr(node, name, None)
@@ -161,7 +158,7 @@ def _value(statement: ast.stmt) -> ast.AST:
 
 
 def _size(node: ast.AST) -> int:
-    """How much a piece says; np.linalg.norm is one word."""
+    """Count the words of a piece of code; np.linalg.norm is one word."""
     silent = ast.expr_context | ast.operator | ast.Attribute
     return sum(not isinstance(each, silent) for each in ast.walk(node))
 

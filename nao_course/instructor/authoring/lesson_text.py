@@ -119,7 +119,7 @@ def _with_marking(options: dict[str, Any]) -> NotebookNode:
 def _nbgrader(
     name: str, *, grade: bool = False, solution: bool = False, locked: bool = False
 ) -> dict[str, Any]:
-    """Metadata of nbgrader's schema 3; one key more inside it would be an error there."""
+    """Return the metadata of nbgrader's schema 3; nbgrader refuses additional keys."""
     return {
         "schema_version": 3,
         "grade_id": name,
@@ -215,12 +215,12 @@ def lesson_problems(
         )
     setups = code_cells(notebook, "setup")
     if len(setups) != 1:
-        yield f"{file}: one cell with :role: setup is wanted, there are {len(setups)}"
+        yield f"{file}: there are {len(setups)} cells with :role: setup; a lesson needs exactly one"
     elif f'lesson("{name}")' not in setups[0][1].source:
         ordinal = setups[0][0]
         yield f'{place(file, notebook, ordinal)}: the set-up says check, hint = lesson("{name}")'
     if len(code_cells(notebook, "payoff")) > 1:
-        yield f"{file}: one cell with :role: payoff is enough; its picture is the one that the lesson opens with"
+        yield f"{file}: only one cell may have :role: payoff; the lesson opens with its picture"
     exercises = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "exercise"))
     checks = Counter(exercise_name(cell) for _, cell in code_cells(notebook, "check"))
     for what, names in (("exercise", exercises), ("check", checks)):
@@ -336,7 +336,7 @@ def read_notebook(path: Path) -> NotebookNode:
     Raises
     ------
     LessonError
-        If it is none.
+        If the file is not a notebook.
     """
     try:
         return nbformat.read(path, as_version=4)

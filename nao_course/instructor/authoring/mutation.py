@@ -49,9 +49,8 @@ from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
-SHARE = (
-    0.4  # of its exercise's seconds that a mutant may take for one case: more than any solution that is built
-)
+# of its exercise's seconds that a mutant may take for one case: more than any solution that is built.
+SHARE = 0.4
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
     *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
@@ -115,7 +114,7 @@ class Trial:
     mutant : Mutant
         Which.
     hidden, public : bool
-        Whether the hidden cases and the public checks tell it from the solution; one that is right is not told by any.
+        Whether the hidden cases and the public checks distinguish it from the solution; neither does if it is right.
     reason : str
         Why it is right, where the declaration says so and no hidden case speaks against it.
     """
@@ -152,7 +151,7 @@ class MutationReport:
         return [trial for trial in self.trials if trial.reason]
 
     def caught(self, exercise: str | None = None) -> tuple[int, int, int]:
-        """How many wrong mutants the hidden cases catch, how many the public checks, and of how many."""
+        """Count the wrong mutants: caught by the hidden cases, caught by the public checks, and in all."""
         trials = [
             trial for trial in self.trials if not trial.reason and exercise in (None, trial.mutant.exercise)
         ]
@@ -221,7 +220,7 @@ def mutate(
 
 
 def _earlier(notebook: Path, plan: LessonPlan) -> list[EarlierNotebook]:
-    """The solutions that a lesson's exercises use, and those that these use, in their order."""
+    """Return the solutions that a lesson's exercises use, directly or through others, in their order."""
     numbers = {split_use(use)[0] for each in plan.exercises for use in each.uses} - {""}
     if not numbers:
         return []
@@ -279,13 +278,13 @@ def _share(caught: int, total: int) -> str:
 def _tests(
     exercise: Exercise, function: Callable[..., Any], seeds: Sequence[int]
 ) -> tuple[list[Case], list[Case]]:
-    """Hidden cases of several seeds, and public ones."""
+    """Return hidden cases of several seeds, and the public cases."""
     hidden = [case for seed in seeds for case in hidden_cases(exercise, function, seed)]
     return hidden, with_answers(exercise, made_cases(exercise), function)
 
 
 def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
-    """Whether a case tells what the worker has from the solution; what takes too long is told from it."""
+    """Return whether a case distinguishes the worker's function from the solution; a timeout does."""
     worker.seconds = SHARE * exercise.seconds
     for case in cases:
         outcome = judging.answer(
@@ -332,7 +331,7 @@ def make_mutants(exercise: str, source: str) -> list[Mutant]:
 
 
 def _sources(notebook: Path, names: Iterable[str]) -> Mapping[str, str]:
-    """Source of the functions and classes of these names that a notebook defines last."""
+    """Return the source of the last definitions of these functions and classes in a notebook."""
     sources = dict.fromkeys(names, "")
     for role, text in read_cells(notebook):
         for node in ast.parse(text).body if role in ("solution", "student") else ():
@@ -342,7 +341,7 @@ def _sources(notebook: Path, names: Iterable[str]) -> Mapping[str, str]:
 
 
 def _bare(tree: ast.Module) -> ast.Module:
-    """The tree without docstrings and annotations: no test looks at them."""
+    """Return the tree without docstrings and annotations, because no test depends on them."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
             node.body = node.body[1:] or [ast.Pass()]
@@ -376,7 +375,7 @@ def _by_us(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _places(tree: ast.AST) -> list[tuple[ast.AST, str, int, ast.AST]]:
-    """All nodes but the tree itself: whose child, in which field, at which place of a list (else -1), and the node."""
+    """Yield all nodes except the tree itself: parent, field, index in a list (else -1), and the node."""
     found: list[tuple[ast.AST, str, int, ast.AST]] = []
     for holder in ast.walk(tree):
         for field, value in ast.iter_fields(holder):
@@ -386,7 +385,7 @@ def _places(tree: ast.AST) -> list[tuple[ast.AST, str, int, ast.AST]]:
 
 
 def _put(holder: ast.AST, field: str, place: int, node: ast.AST) -> None:
-    """Put a node in a place; the one that was there keeps its own."""
+    """Put a node in a place; the node that it replaces keeps its own place."""
     if place < 0:
         setattr(holder, field, node)
     else:
@@ -394,7 +393,7 @@ def _put(holder: ast.AST, field: str, place: int, node: ast.AST) -> None:
 
 
 def _variants(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
-    """What may be put in a node's place."""
+    """Yield the nodes that may replace a node."""
     match node:
         case ast.BinOp(left, operator, right):
             yield "first term alone", left

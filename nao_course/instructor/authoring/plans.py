@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import dis
 import importlib.util
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 import numpy as np
 
+from nao_course.codec import CodecError, decode, encode
 from nao_course.exercises import judging, lesson_names
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import CodecError, decode, encode
-from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.comparisons import Close
+from nao_course.exercises.definitions import Definitions, demonstrated, load_definitions
 from nao_course.exercises.earlier import in_words, resolved_by, split_use, stand_in, watching
 from nao_course.exercises.exercise import (
     Exercise,
     LessonPlan,
+    MistakePair,
     PublicExercise,
     PublicLesson,
     PublicMistake,
@@ -29,9 +29,13 @@ from nao_course.exercises.exercise import (
     PublicWritten,
 )
 from nao_course.exercises.running import Outcome, call_all, describe, own_line
-from nao_course.instructor.authoring.declarations import case_problems, declaration_problems
+from nao_course.instructor.authoring.declarations import case_problems, declaration_problems, undeclared_uses
+from nao_course.instructor.authoring.mistakes import ChangeError, with_functions, without_numeric_warnings
+from nao_course.instructor.authoring.mistakes.pairs import recognisable
+from nao_course.instructor.authoring.rounding.perturbation import perturbed_cases
 
 SOLUTIONS = Path("solutions")
+PAIR_SECONDS = 1.0  # of a call with two mistakes at once: together they may never end
 PATIENCE = 3  # times an exercise's seconds, after which a call of the author's own functions is stopped
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others
 
@@ -73,7 +77,7 @@ def load_plan(path: str | Path) -> LessonPlan:
     FileNotFoundError
         If there is no such file.
     PlanError
-        If it cannot be run, declares no PLAN, or one whose values are not what they should be: a line for each.
+        If it cannot be run, declares no PLAN, or declares wrong values: one line for each problem.
     """
     file = Path(path)
     if not file.is_file():
@@ -137,7 +141,7 @@ def reference(lesson: str, solutions: Path = SOLUTIONS) -> Definitions:
 
 
 def load_solution(path: Path) -> Definitions:
-    """Load a solution notebook; functions of earlier lessons are those of the solution notebooks beside it.
+    """Load a solution notebook; functions of earlier lessons come from the solution notebooks beside it.
 
     Raises
     ------
@@ -188,7 +192,7 @@ def earlier_notebook(notebook: Path, lesson: str) -> Path:
 
 
 def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., Any]) -> list[Case]:
-    """Fill in what is expected: the reference's answers, but for `Between`, which brings its own.
+    """Fill in what is expected: the reference's answers, except for `Between`, whose cases contain an interval.
 
     Parameters
     ----------
@@ -243,7 +247,7 @@ def raised_at(error: Exception) -> str:
 
 
 def call_in_time(exercise: Exercise, function: Callable[..., Any], case: Case) -> Outcome:
-    """Call a reference, mistake or alternative; one that never ends is stopped."""
+    """Call a reference, mistake or alternative; stop a call that does not end."""
     answer = partial(judging.answer, exercise.comparison)
     return call_all(function, [case], exercise.driver, PATIENCE * exercise.seconds, answer)[0]
 
@@ -284,6 +288,20 @@ def hidden_cases(exercise: Exercise, function: Callable[..., Any], seed: int) ->
     return with_answers(exercise, made_cases(exercise, seed), function)
 
 
+def with_mistakes(plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]) -> LessonPlan:
+    """Return a plan whose mistakes can be called: changes of the solution are applied to it.
+
+    Raises
+    ------
+    PlanError
+        One line for each change that does not fit the solution.
+    """
+    try:
+        return with_functions(plan, reference)
+    except ChangeError as error:
+        raise PlanError(str(error)) from error
+
+
 def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]) -> PublicLesson:
     """Make what a student's copy carries of a plan: inputs and outputs, no code.
 
@@ -306,6 +324,7 @@ def publish(lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[...,
     PlanError
         If the reference lacks an exercise or fails in one.
     """
+    plan = with_mistakes(plan, reference)
     exercises = [
         publish_exercise(exercise_number(lesson, number), exercise, reference_of(reference, exercise))
         for number, exercise in enumerate(plan.exercises, start=1)
@@ -321,7 +340,8 @@ def public_lesson(
 ) -> PublicLesson:
     """Make what a student's copy carries of a plan whose exercises are published; see `publish`."""
     for exercise, public in zip(plan.exercises, exercises, strict=True):
-        _refuse_undeclared(plan, exercise, public, reference[exercise.name])
+        for problem in undeclared_uses(plan, exercise, public, reference[exercise.name]):
+            raise PlanError(problem)
     questions = [
         PublicQuestion(each.name, each.text, dict(each.choices), each.right) for each in plan.questions
     ]
@@ -329,7 +349,8 @@ def public_lesson(
         PublicWritten(each.name, exercise_number(lesson, f"W{number}"), float(each.points))
         for number, each in enumerate(plan.written, start=1)
     ]
-    return PublicLesson(lesson, list(exercises), questions, written)
+    shown = demonstrated(reference.text.cells) if isinstance(reference, Definitions) else []
+    return PublicLesson(lesson, list(exercises), questions, written, shown)
 
 
 def exercise_number(lesson: str, number: int | str) -> str:
@@ -356,10 +377,13 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
     """
     with watching(keep=True) as calls:
         cases = with_answers(exercise, made_cases(exercise), function)
-    mistakes = [
-        PublicMistake(mistake.message, _answers(exercise, cases, mistake.function))
-        for mistake in exercise.mistakes
-    ]
+    with without_numeric_warnings():
+        perturbed = [_perturbed(exercise, case, function) for case in cases]
+        mistakes = [
+            PublicMistake(mistake.message, _answers(exercise, cases, perturbed, mistake.function))
+            for mistake in exercise.mistakes
+        ]
+        pairs = _recognisable_pairs(exercise, cases, perturbed, mistakes)
     return PublicExercise(
         name=exercise.name,
         number=number,
@@ -374,35 +398,27 @@ def publish_exercise(number: str, exercise: Exercise, function: Callable[..., An
         seconds=float(exercise.seconds),
         earlier=list({encode(each): each for each in calls.made}.values()),
         uses=list(exercise.uses),
+        pairs=pairs,
     )
 
 
-def _refuse_undeclared(
-    plan: LessonPlan, exercise: Exercise, public: PublicExercise, function: Callable[..., Any]
-) -> None:
-    """Refuse an exercise that calls an earlier exercise which neither it nor what it uses declares."""
-    uses = list(exercise.uses)
-    for use in uses:  # it grows on the way
-        if ":" not in use:
-            uses += [each for each in plan[use].uses if each not in uses]
-    declared = set(map(split_use, uses))
-    others = {each.name for each in plan.exercises} - {exercise.name}
-    for name in sorted(others & _global_names(function)):
-        if ("", name) not in declared:
-            raise PlanError(f"{exercise.name}: its solution uses {name}; say {name!r} in its `uses`")
-    for use in sorted({each.use for each in public.earlier if split_use(each.use) not in declared}):
-        raise PlanError(f"{exercise.name}: it calls {in_words(use)}; say {use!r} in its `uses`")
+def _recognisable_pairs(
+    exercise: Exercise,
+    cases: Sequence[Case],
+    perturbed: Sequence[Sequence[Case]],
+    mistakes: Sequence[PublicMistake],
+) -> list[MistakePair]:
+    """Return the pairs of mistakes that a check can recognise; see `mistakes.pairs`."""
+    answer = partial(judging.answer, exercise.comparison)
 
+    def run(function: Callable[..., Any]) -> list[Outcome]:
+        return call_all(function, cases, exercise.driver, PAIR_SECONDS, answer)
 
-def _global_names(function: Any) -> set[str]:
-    """The global names that a function, or the methods of a class, look up."""
-    if isinstance(function, type):
-        return set().union(*(_global_names(each) for each in vars(function).values()))
-    code = function if isinstance(function, CodeType) else getattr(function, "__code__", None)
-    if code is None:
-        return set()
-    found = {str(each.argval) for each in dis.get_instructions(code) if each.opname.startswith("LOAD_GLOBAL")}
-    return found.union(*(_global_names(each) for each in code.co_consts if isinstance(each, CodeType)))
+    def is_stable(function: Callable[..., Any], number: int, wrong: Any) -> bool:
+        outcomes = call_all(function, perturbed[number], exercise.driver, PAIR_SECONDS, answer)
+        return all(_right_or_same(exercise, cases[number], wrong, each) for each in outcomes)
+
+    return recognisable(exercise, cases, mistakes, run, is_stable)
 
 
 def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:
@@ -418,10 +434,27 @@ def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise
     return reference[exercise.name]
 
 
-def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., Any]) -> dict[str, Any]:
-    """A mistake's answers where they are not right, by the number of the case."""
+def _perturbed(exercise: Exercise, case: Case, function: Callable[..., Any]) -> list[Case]:
+    """Return the perturbed variants of a case; an empty list if the reference's answer is not right for all of them.
+
+    Such a case is at a limit on purpose, for example a hue at the threshold. Its inputs are the same on every
+    processor, so a mistake's answers to other inputs mean nothing.
+    """
+    variants = list(perturbed_cases(case))
+    outcomes = [call_in_time(exercise, function, each) for each in variants]
+    right = all(judging.judge(exercise.comparison, case, outcome) for outcome in outcomes)
+    return variants if right else []
+
+
+def _answers(
+    exercise: Exercise,
+    cases: Sequence[Case],
+    perturbed: Sequence[Sequence[Case]],
+    function: Callable[..., Any],
+) -> dict[str, Any]:
+    """Return a mistake's wrong answers by the number of the case; see `PublicMistake`."""
     answers: dict[str, Any] = {}
-    for number, case in enumerate(cases):
+    for number, (case, variants) in enumerate(zip(cases, perturbed, strict=True)):
         outcome = call_in_time(exercise, function, case)
         if outcome.status == "timed out":
             raise PlanError(
@@ -430,5 +463,20 @@ def _answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., 
         if judging.judge(exercise.comparison, case, outcome):
             continue
         raised = {"raises": outcome.text.split(":")[0]}
-        answers[str(number)] = outcome.value if outcome.status == "value" else raised
+        answer = outcome.value if outcome.status == "value" else raised
+        others = (call_in_time(exercise, function, each) for each in variants)
+        stable = all(_right_or_same(exercise, case, answer, other) for other in others)
+        answers[str(number)] = answer if stable else {"unstable": answer}
     return answers
+
+
+def _right_or_same(exercise: Exercise, case: Case, answer: Any, outcome: Outcome) -> bool:
+    """Return whether a mistake's answer to a perturbed case is the same wrong answer, or right.
+
+    A comparison that allows no difference at all would count the perturbation itself: Close() does not.
+    """
+    return (
+        bool(judging.judge(exercise.comparison, case, outcome))
+        or judging.same_answer(exercise, answer, outcome)
+        or (outcome.status == "value" and Close().alike(answer, outcome.value))
+    )

@@ -6,12 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import is_dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
-
-import numpy as np
-import scipy.sparse
 
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
@@ -21,20 +16,17 @@ from nao_course.instructor.authoring.build import CHECKS, CODE_STUB, build
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
+from nao_course.instructor.authoring.mistakes import Change
+from nao_course.instructor.authoring.plans import load_plan
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 
-FOLDER = (
-    "nao-course"  # in the zip; the same for each release, so that a newer one is unpacked over an older one
-)
-AS_THEY_ARE = (
-    *("LICENSE", "Makefile", "pyproject.toml", "requirements.lock"),
-    *("jupyter/overrides.json", "jupyter/page_config.json", "jupyter/startup.py"),
-)
+# In the zip; the same for each release, so that a newer one is unpacked over an older one.
+FOLDER = "nao-course"
+AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
 README = "docs/for_students.md"
-_KINDS = {".json", ".py", ".txt", ".typed"}  # of the library's files; the checks' data is chosen by lesson
-_DIGITS = 1e-6  # relative: what differs by less is rounding
-_NOTHING = 1e-12  # absolute: where one processor has 0 another has 7e-18
-ALL_LESSONS = "all lessons"  # what is told of when it is no single one
+# Kinds of the library's files; the checks' data is chosen by lesson
+_KINDS = {".json", ".npz", ".py", ".txt", ".typed"}
+ALL_LESSONS = "all lessons"  # reported instead of a single lesson's name
 
 
 def make_release(
@@ -66,9 +58,7 @@ def make_release(
     names = course.names(course.chosen)
     refuse_what_is_not_built(course, names, executed=True)
     built = build(course, names, solutions=False, prove=prove, tell=tell)
-    unbuilt = [
-        path for path in built.changes() if not _rounded(course.root / path, built.files.get(path, b""))
-    ]
+    unbuilt = built.changes()
     if unbuilt:
         listed = ", ".join(path.as_posix() for path in unbuilt)
         raise LessonError(f"not what the lessons' texts say: {listed}; run `nao-course build` first")
@@ -82,37 +72,6 @@ def make_release(
     path.write_bytes(zipped({f"{FOLDER}/{name}": content for name, content in files.items()}))
     (out / "nbgrader_config.py").write_text(nbgrader_config(), encoding="utf-8")
     return path
-
-
-def _rounded(there: Path, built: bytes) -> bool:
-    """Whether a lesson's check data differs from what was built by last digits alone: those are one processor's."""
-    if there.suffix != ".bin" or not (built and there.is_file()):
-        return False
-    return _alike(unpack(there.read_bytes()), unpack(built))
-
-
-def _alike(first: Any, second: Any) -> bool:
-    """Whether two values are the same but for rounding, of numbers and of what holds them."""
-    if type(first) is not type(second):
-        return False
-    if isinstance(first, np.ndarray) and first.dtype.kind in "fc":
-        size = np.nanmax(np.abs(second[np.isfinite(second)]), initial=0.0)
-        return first.shape == second.shape and np.allclose(
-            first, second, _DIGITS, max(_DIGITS * size, _NOTHING), equal_nan=True
-        )
-    if isinstance(first, float | complex | np.inexact):
-        return bool(np.isclose(first, second, _DIGITS, _DIGITS, equal_nan=True))
-    if isinstance(first, np.ndarray) and first.dtype != object:
-        return bool(np.array_equal(first, second))
-    if isinstance(first, Mapping):
-        return first.keys() == second.keys() and all(_alike(first[key], second[key]) for key in first)
-    if isinstance(first, list | tuple | np.ndarray):
-        return len(first) == len(second) and all(map(_alike, first, second))
-    if scipy.sparse.issparse(first):
-        return first.shape == second.shape and _alike(first.toarray(), second.toarray())
-    if is_dataclass(first) or hasattr(first, "__dict__"):
-        return _alike(vars(first), vars(second))
-    return bool(first == second)
 
 
 def nbgrader_config() -> str:
@@ -172,7 +131,7 @@ def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
     Parameters
     ----------
     course : Course
-        Whose solutions, hidden cases, mistakes and alternatives are secret: those of all its lessons.
+        Contains the lessons whose solutions, hidden cases, mistakes and alternatives are secret.
     files : mapping of str to bytes
         A release's files.
 
@@ -211,14 +170,27 @@ def model_answers(course: Course) -> list[str]:
 
 
 def secrets(course: Course) -> dict[str, str]:
-    """Fingerprint all code that no student may get; by the fingerprint, what it is of."""
+    """Map the fingerprints of all code that no student may get to descriptions of that code.
+
+    The helpers of a declaration often draw the same points or poses as the library does. A piece of a declaration that
+    the library holds anyway is therefore no secret; a piece of a solution always is.
+    """
     found: dict[str, str] = {}
+    for path in sorted((course.solutions / "exercises").glob("*.py")):
+        pieces = fingerprints(path.read_text(encoding="utf-8"))
+        found |= {each: f"{path.name}, line {line}" for each, line in pieces}
+        for exercise in load_plan(path).exercises:
+            for mistake in exercise.mistakes:
+                if isinstance(mistake.function, Change):
+                    where = f"{path.name}, {exercise.name}: mistake {mistake.name!r}"
+                    found |= {each: where for each, _ in fingerprints(mistake.function.inserted)}
+    for path in (course.root / "nao_course").rglob("*.py"):
+        if "instructor" not in path.parts:
+            for each, _ in fingerprints(path.read_text(encoding="utf-8")):
+                found.pop(each, None)
     for name in course.names():
         notebook = lesson_text.read_lesson(course.text(name))
         for _, cell in lesson_text.code_cells(notebook, "exercise"):
             pieces = fingerprints(lesson_text.python(cell), lesson_text.solution_lines(cell))
             found |= {each: f"the solution of {lesson_text.exercise_name(cell)}" for each, _ in pieces}
-    for path in sorted((course.solutions / "exercises").glob("*.py")):
-        pieces = fingerprints(path.read_text(encoding="utf-8"))
-        found |= {each: f"{path.name}, line {line}" for each, line in pieces}
     return found

@@ -31,7 +31,7 @@ VOLATILE = {
 def stamp(
     course: Course, name: str, text: str, notebook: Mapping[str, Any], *, executed: bool
 ) -> dict[str, object]:
-    """What a solution notebook carries, to tell later whether it, its text or its declaration was edited since."""
+    """Return the stamp of a solution notebook, which later shows whether it, its text or its declaration was edited."""
     return {
         "text": _hash(text),
         "cells": _fingerprint(notebook),
@@ -41,7 +41,7 @@ def stamp(
 
 
 def _declared(course: Course, name: str) -> str:
-    """Hash a lesson's declaration; that of nothing where it has none."""
+    """Hash a lesson's declaration; the hash of nothing if it has none."""
     path = course.declaration(name)
     return _hash(path.read_text(encoding="utf-8") if path.is_file() else "")
 
@@ -79,7 +79,7 @@ def refuse_what_is_not_built(course: Course, names: Sequence[str], *, executed: 
 
 
 def _not_built(course: Course, name: str, executed: bool) -> Iterator[str]:
-    """What of a lesson is not what was built, and what to say."""
+    """Yield messages about the parts of a lesson that differ from what was built."""
     build = f"run `nao-course build {lesson_names.number_of(name)}`"
     file = f"solutions/{name}.ipynb"
     path = course.solutions / f"{name}.ipynb"
@@ -112,7 +112,7 @@ def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
 
 
 def _edited_notebook(name: str) -> str:
-    """What to say of a solution notebook that was edited in JupyterLab."""
+    """Explain what to do about a solution notebook that was edited in JupyterLab."""
     return (
         f"solutions/{name}.ipynb was edited since it was built: bring that back into the text with "
         f"`nao-course build --from-notebook {lesson_names.number_of(name)}`, or delete the notebook"

@@ -5,7 +5,7 @@ __all__: list[str] = [
     "batch",
     "failures",
     "grader",
-    "lending",
+    "references",
     "scratch",
     "secret",
     "session",

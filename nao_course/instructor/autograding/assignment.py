@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from importlib import metadata
@@ -23,7 +23,7 @@ from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
 _NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py")
-RULES = "3"  # how it is graded; another number has everything graded again
+RULES = "4"  # how it is graded; another number has everything graded again
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ class Task:
         Fraction of the points where it is right with the reference's `uses` only.
     mistakes : mapping of str to str
         Names of the mistakes by their messages.
+    parts : mapping of str to float
+        Weights of the parts that earn points of their own; empty if all hidden cases count together.
     """
 
     public: PublicExercise
@@ -52,6 +54,20 @@ class Task:
     uses: tuple[str, ...] = ()
     with_reference: float = 1.0
     mistakes: Mapping[str, str] = field(default_factory=dict)
+    parts: Mapping[str, float] = field(default_factory=dict)
+
+    def points_of(self, right: Collection[str]) -> float:
+        """Return the points that some right parts earn together."""
+        if not self.parts:
+            return 0.0
+        share = sum(weight for part, weight in self.parts.items() if part in right) / sum(self.parts.values())
+        return self.public.points * share
+
+    def notes_on(self, right: Collection[str]) -> tuple[str, ...]:
+        """Return a note for the student if some right parts earn points; otherwise nothing."""
+        if not (earned := self.points_of(right)):
+            return ()
+        return (f"{earned:g} of {self.public.points:g} points for the right parts: {', '.join(right)}.",)
 
 
 @dataclass(frozen=True)
@@ -110,11 +126,11 @@ class Assignment:
     hash : str
         Of all that a score depends on beside the submission.
     seconds : float
-        Wall clock of loading a notebook; that of a call is its exercise's.
+        Time limit for loading a notebook. Each exercise has the limit for its calls.
     version : str
         The course's: what a notebook of this release is stamped with.
     earlier : tuple of EarlierLesson
-        Lessons whose functions its exercises use, and those that these use, in their order.
+        Lessons whose functions its exercises use directly or indirectly, in their order.
     classes : mapping of str to UsedClass
         Those among what its exercises use, by "name" or "01:name".
     """
@@ -132,11 +148,11 @@ class Assignment:
     classes: Mapping[str, UsedClass] = field(default_factory=dict)
 
     def anew(self) -> Assignment:
-        """The same assignment with other hidden cases, the same for everybody's second try."""
+        """Return the assignment with other hidden cases, which are the same for every retry."""
         return replace(self, tasks=tuple(replace(each, hidden=each.second) for each in self.tasks))
 
     def within(self, seconds: float) -> Assignment:
-        """The same assignment with another wall clock for everything."""
+        """Return the assignment with other time limits."""
         tasks = [replace(each, public=replace(each.public, seconds=seconds)) for each in self.tasks]
         return replace(self, tasks=tuple(tasks), seconds=seconds)
 
@@ -205,7 +221,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
 
 @cache
 def library_digest(lesson: str) -> str:
-    """Hash what of the library a lesson's scores may depend on: all that students import but what only shows something.
+    """Hash the part of the library that a lesson's scores can depend on: all that students import except display code.
 
     Parameters
     ----------
@@ -231,7 +247,7 @@ def library_digest(lesson: str) -> str:
 
 
 def lessons_used(course: Course, lesson: str) -> list[str]:
-    """Return the names of the lessons that a lesson's exercises use, and those that these use, in their order."""
+    """Return the names of the lessons that a lesson's exercises use directly or indirectly, in their order."""
     names, found, left = course.names(), set[str](), [lesson]
     while left:
         for use in [use for each in course.plan(left.pop()).exercises for use in each.uses]:
@@ -248,14 +264,14 @@ def _need(path: Path) -> None:
 
 
 def _released_setup(course: Course, lesson: str) -> str:
-    """Source of the set-up cells that students got."""
+    """Return the source of the setup cells in the students' notebooks."""
     released = course.root / "notebooks" / f"{lesson}.ipynb"
     _need(released)
     return "\n\n".join(source for role, source in read_cells(released) if role == "setup")
 
 
 def _classes(course: Course, lesson: str) -> dict[str, UsedClass]:
-    """The classes among what a lesson's exercises use, and what these use."""
+    """Return the classes that a lesson's exercises use directly or indirectly."""
     found: dict[str, UsedClass] = {}
     left = [use for each in course.plan(lesson).exercises for use in each.uses]
     while left:
@@ -272,7 +288,7 @@ def _classes(course: Course, lesson: str) -> dict[str, UsedClass]:
 
 
 def class_source(notebook: Path, name: str) -> str:
-    """Return the cell of a solution that defines a class; nothing where the name is none's."""
+    """Return the cell of a solution that defines a class, or an empty string."""
     for role, source in read_cells(notebook):
         if role == "solution" and any(
             isinstance(each, ast.ClassDef) and each.name == name for each in ast.parse(source).body
@@ -291,4 +307,5 @@ def _task(
         tuple(exercise.uses),
         exercise.with_reference,
         {mistake.message: mistake.name for mistake in exercise.mistakes},
+        dict(exercise.parts),
     )

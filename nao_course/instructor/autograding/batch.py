@@ -12,9 +12,9 @@ from pathlib import Path
 
 from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.assignment import Assignment
-from nao_course.instructor.autograding.grader import GraderError, Stopped, grade, submission_hash
-from nao_course.instructor.autograding.tries import SecondChances
-from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
+from nao_course.instructor.autograding.tries import RETRY_SECONDS_EACH, Retries
+from nao_course.instructor.collecting.submissions import Submission, submission_hash
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import each_score
@@ -31,9 +31,9 @@ class Summary:
     Parameters
     ----------
     graded, unchanged : int
-        Submissions that got a score now, and those that had one already or were refused already.
+        Submissions that were scored in this run, and submissions that were scored or refused before.
     refused : list of SubmissionResult
-        Those that got a reason instead, now.
+        Submissions that were refused in this run, with the reason.
     failed : list of str
         Submissions that have neither: the grader itself failed.
     attempts : list of str
@@ -83,19 +83,20 @@ def grade_all(
         What was done.
     """
     summary = Summary()
-    stop = threading.Event()
+    stop, retries = threading.Event(), Retries()
     versions = installed()
 
     def missing() -> Iterator[tuple[Submission, Assignment]]:
         for each in submissions:
             assignment = assignment_of(each.lesson)
             if journal.missing(each.student, each.lesson, submission_hash(each), assignment.hash):
+                retries.give_back(RETRY_SECONDS_EACH)
                 yield each, assignment
             else:
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set, chances=SecondChances())
+    task = partial(grade, server=server, level=level, stopped=stop.is_set, retries=retries)
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     try:
         for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
@@ -121,7 +122,7 @@ def grade_all(
 def as_they_come(
     work: Iterable[tuple[Submission, Assignment]], task: Grade, executor: Executor, most: int
 ) -> Iterator[tuple[Submission, ResultOrError]]:
-    """Have an executor grade submissions, at most some at a time, and yield each as soon as it is done.
+    """Grade submissions with an executor, a limited number at a time, and yield each result when it is ready.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def as_they_come(
     submission : Submission
         Which one.
     result : SubmissionResult or GraderError
-        What came of it.
+        The result.
     """
     waiting: dict[Future[SubmissionResult], Submission] = {}
     rest = iter(work)

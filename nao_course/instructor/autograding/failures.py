@@ -1,4 +1,4 @@
-"""What a student is told of a hidden case that fails: its kind in words of ours, and nothing that its input decides."""
+"""Messages for failed hidden cases: the type of failure in fixed words, without anything that depends on the input."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from nao_course.exercises.cells import source_of
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.collecting.submissions import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import State
 from nao_course.instructor.sandbox.protocol import UNREADABLE
 
@@ -51,25 +51,25 @@ _KNOWN_ERRORS = {
         "error",
     ),  # OpenCV's is called error
 }
-# What ends a process by accident: to choose among all signals would tell five bits of an input.
+# Signals that end a process by accident: a choice among all signals would reveal five bits of an input.
 _SIGNALS = {
     getattr(signal, each, 0) for each in ("SIGSEGV", "SIGABRT", "SIGKILL", "SIGFPE", "SIGBUS", "SIGILL")
 }
 _MOST_DIMENSIONS = 4  # that are counted; an array may have 64
 _LINE = re.compile(r"line (\d{1,5}): (.+)")
-LARGEST_READ = 2 * 2**20  # bytes of a notebook of which lines are told
-MOST_LINES = 100  # of a definition of which lines are told
+MOST_LINES = 100  # length of the longest definition whose lines are shown
 
 
 @dataclass(frozen=True)
 class HiddenResult:
-    """What came of an exercise's hidden cases."""
+    """The outcome of an exercise's hidden cases; where some fail, the parts of which all cases pass."""
 
     state: State
     passed: int
     text: str = ""
     line: str = ""
     changed: bool = False
+    parts: tuple[str, ...] = ()
 
 
 def describe_failure(name: str, outcome: Outcome, files: Files, seconds: float) -> HiddenResult:
@@ -91,7 +91,7 @@ def describe_failure(name: str, outcome: Outcome, files: Files, seconds: float) 
 
 
 def own_line(line: str, files: Files, name: str) -> str:
-    """A line that raised, if it stands there in the exercise's own definition: anything else might tell an input."""
+    """Return the line that raised if it is in the exercise's own definition: others might reveal an input."""
     found = _LINE.fullmatch(line)
     return line if found and (int(found[1]), found[2]) in definition_lines(files.notebook, name) else ""
 
@@ -110,7 +110,8 @@ def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
     Returns
     -------
     frozenset of (int, str)
-        Without the blanks around them. None of a large notebook or definition: to choose among many lines tells much.
+        Without surrounding blanks. Empty for a large notebook or definition,
+        because a choice among many lines reveals much.
     """
     try:
         cells = json.loads(notebook)["cells"] if len(notebook) <= LARGEST_READ else []
@@ -130,7 +131,7 @@ def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
 def describe_outcome(
     exercise: PublicExercise, case: Case, outcome: Outcome, files: Files, seconds: float
 ) -> HiddenResult | None:
-    """Say in which way what came of a hidden case is wrong; None where it is right."""
+    """Return in which way the outcome of a hidden case is wrong; None if it is right."""
     verdict = _judged(exercise, case, outcome)
     if verdict is None:
         return describe_failure(exercise.name, outcome, files, seconds)
@@ -141,7 +142,7 @@ def describe_outcome(
 
 
 def _judged(exercise: PublicExercise, case: Case, outcome: Outcome) -> Verdict | None:
-    """Judge what came of a case; an answer that the comparison cannot even look at is none."""
+    """Judge the outcome of a case; an answer that the comparison cannot read is wrong."""
     try:
         with np.errstate(all="ignore"):
             return judging.judge(exercise.comparison, case, outcome)
@@ -153,9 +154,9 @@ def _told(verdict: Verdict, expected: Any, got: Any) -> str:
     """Say in which way an answer differs, and nothing that depends on the values of a hidden input."""
     match verdict.kind:
         case "nothing":
-            return "It returns None, or None in a place where a value is wanted. Is a return missing?"
+            return "It returns None, or None in place of a value. Is a return missing?"
         case "shape":
-            return f"Its answer has the wrong shape: {_shapes(expected, got) or 'another one is wanted'}."
+            return f"Its answer has the wrong shape: {_shapes(expected, got) or 'another one is expected'}."
         case "nan":
             return "Its answer is NaN where it should not be, or is not where it should be."
         case "type":
@@ -168,7 +169,7 @@ def _told(verdict: Verdict, expected: Any, got: Any) -> str:
 
 
 def _shapes(expected: Any, got: Any) -> str:
-    """In which dimension two answers differ; sizes are not said, for a function can make any size of its input."""
+    """Return in which dimension two answers differ, without sizes, because a size could reveal the input."""
     if isinstance(expected, tuple | list) and isinstance(got, tuple | list):
         pairs = zip(expected, got, strict=False)
         return next((text for one, other in pairs if (text := _shapes(one, other))), "")
@@ -180,7 +181,7 @@ def _shapes(expected: Any, got: Any) -> str:
         return ""
     if len(wanted) != len(have):
         many = len(have) if len(have) <= _MOST_DIMENSIONS else "many"
-        return f"{many} dimensions where {len(wanted)} are wanted"
+        return f"{many} dimensions instead of {len(wanted)}"
     wrong = [str(axis) for axis, (one, other) in enumerate(zip(wanted, have, strict=True)) if one != other]
     return f"another size along axis {', '.join(wrong)}" if wrong else ""
 

@@ -2,18 +2,18 @@
 
 In a worker the public cases of all exercises come before the first hidden one. What a student may see in full, the
 answers to public cases, was said before any hidden input was there to be passed on; of what comes later only the kind
-of failure is told, in words of ours, and a line that stands in the submission.
+of failure is shown, in fixed words, and a line of the submission.
 """
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,8 +32,9 @@ from nao_course.instructor.autograding.failures import (
     describe_failure,
     describe_outcome,
 )
-from nao_course.instructor.autograding.lending import (
+from nao_course.instructor.autograding.references import (
     STOOD_IN,
+    ReferenceFunction,
     References,
     handed_in_earlier,
     how_many_pass,
@@ -43,12 +44,13 @@ from nao_course.instructor.autograding.lending import (
     where_from,
     with_what_classes_use,
 )
-from nao_course.instructor.autograding.tries import SecondChances, in_spite_of_the_server, until_agreed
+from nao_course.instructor.autograding.scratch import laid_out
+from nao_course.instructor.autograding.tries import Allowances, Retries, in_spite_of_the_server, until_agreed
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import Files, Submission, read
+from nao_course.instructor.collecting.submissions import Files, Submission, read, submission_hash
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
 from nao_course.instructor.sandbox.layers import SandboxError
-from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook
+from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook, ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Found, Worker
 
@@ -61,7 +63,7 @@ class GraderError(RuntimeError):
     """The grader itself failed at a submission: nobody is given 0 points for that."""
 
 
-class Stopped(Exception):  # noqa: N818 - somebody wanted it
+class Stopped(Exception):  # noqa: N818 - it is a request, not an error
     """Grading was given up before the submission had a result."""
 
 
@@ -71,7 +73,7 @@ def grade(
     server: WarmServer | None = None,
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
-    chances: SecondChances | None = None,
+    retries: Retries | None = None,
 ) -> SubmissionResult:
     """Grade a submission.
 
@@ -87,8 +89,8 @@ def grade(
         The sandbox level that this is, for the result.
     stopped : callable
         Asked before each call: whether to give up.
-    chances : SecondChances, optional
-        Those of the run.
+    retries : Retries, optional
+        The retries of the whole run.
 
     Returns
     -------
@@ -104,12 +106,12 @@ def grade(
     Stopped
         If it was to give up.
     """
-    start, allowance, references = time.monotonic(), Allowance(), Allowance()
-    chances = chances or SecondChances()
+    start, allowances = time.monotonic(), Allowances()
+    retries = retries or Retries()
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
         return in_spite_of_the_server(
-            lambda: _grade(submission, assignment, server, stopped, chances, allowance, references)
+            lambda: _grade(submission, assignment, server, stopped, retries, allowances)
         )
 
     try:
@@ -128,26 +130,23 @@ def _grade(
     assignment: Assignment,
     server: WarmServer | None,
     stopped: Callable[[], bool],
-    chances: SecondChances,
-    allowance: Allowance,
-    references: Allowance,
+    retries: Retries,
+    allowances: Allowances,
 ) -> tuple[SubmissionResult, int]:
-    """Grade once; also say how many processes somebody outside may have ended on the way.
-
-    What is asked of the reference has an allowance of its own: its time is not the student's, and not without an end.
-    """
+    """Grade once, and count the processes that something outside may have ended."""
     try:
         files = read(submission)
     except Refused as refused:
         return refuse(submission, assignment, str(refused)), 0
-    with _laid_out(files, assignment.lesson) as notebook:
+    with laid_out(files, assignment.lesson) as notebook:
+        files = files.without_a_large_notebook()  # it is on the disk; several may be graded at a time
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
         earlier = handed_in_earlier(files, assignment)
-        with _worker(notebook, assignment, server, allowance, helpers, earlier) as worker:
+        with _worker(notebook, assignment, server, allowances.own, helpers, earlier) as worker:
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
-            grader = SubmissionGrader(worker, assignment, files, server, stopped, chances, references)
+            grader = SubmissionGrader(worker, assignment, files, server, stopped, retries, allowances)
             exercises = grader.all_exercises()
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
@@ -190,25 +189,6 @@ def refuse(submission: Submission, assignment: Assignment, reason: str, digest: 
     )
 
 
-def submission_hash(submission: Submission) -> str:
-    """Return the hash of what was handed in; of the reason, where it cannot be read."""
-    try:
-        return read(submission).hash
-    except Refused as refused:
-        return hashlib.sha256(f"{submission.file}\0{refused}".encode()).hexdigest()
-
-
-@contextlib.contextmanager
-def _laid_out(files: Files, lesson: str) -> Iterator[Path]:
-    """Write what was read, and hashed, into a folder of its own; whatever happens there, it goes."""
-    with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
-        notebook = Path(folder, f"{lesson}.ipynb")
-        notebook.write_bytes(files.notebook)
-        for name, content in files.helpers.items():
-            notebook.with_name(name).write_bytes(content)
-        yield notebook
-
-
 def _worker(
     notebook: Path,
     assignment: Assignment,
@@ -231,7 +211,7 @@ def _worker(
 
 
 def _why_unreadable(worker: Worker, found: Found) -> str:
-    """Why there is nothing to grade; nothing where it is a notebook, only without definitions."""
+    """Return the reason why there is nothing to grade; an empty string for a notebook without definitions."""
     if found.skipped and found.skipped[0].cell == 0:
         outcome = worker.call("", Case(()))
         return outcome.text if outcome.status == "not found" else ""
@@ -259,7 +239,7 @@ def _without_blank(text: str, blank: str) -> str:
 
 
 def _remarks(found: Found, assignment: Assignment) -> Iterator[str]:
-    """Where a notebook is of another lesson or release, and its statements that failed, for the assistant."""
+    """Return notes for the assistant: another lesson or release, and statements that failed."""
     if found.lesson not in ("", assignment.lesson):
         yield f"the notebook says that it is lesson {found.lesson[:60]!r}"
     if found.version not in ("", assignment.version):
@@ -279,11 +259,11 @@ class SubmissionGrader:
         files: Files,
         server: WarmServer | None,
         stopped: Callable[[], bool],
-        chances: SecondChances,
-        references: Allowance | None = None,
+        retries: Retries,
+        allowances: Allowances,
     ) -> None:
-        self.stopped, self.chances, self.in_vain = stopped, chances, False
-        self.references = references or Allowance()  # for what is asked of them
+        self.stopped, self.retries = stopped, retries
+        self.allowances = allowances
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of processes that an exercise was run in once more
         self.attempts: list[str] = []  # seen there
@@ -312,9 +292,11 @@ class SubmissionGrader:
         outcomes = list(self.outcomes(exercise, exercise.cases))
         lines, last = self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
         if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
-            self.worker.lend(recorded(exercise))  # as in the notebook, where earlier work is not usable
+            self.stand_in(
+                recorded(exercise, self.allowances.recorded)
+            )  # as in the notebook, where earlier work is not usable
             outcomes = list(self.outcomes(exercise, exercise.cases))
-            self.worker.lend({})
+            self.worker.stand_in({})
             if how_many_pass(exercise, outcomes) > passed:
                 lines = [*self.explained(exercise, outcomes), STOOD_IN]
         return lines, last
@@ -329,7 +311,7 @@ class SubmissionGrader:
             task.public.name,
             task.public.number,
             task.public.points,
-            task.public.points if right else 0.0,
+            task.public.points if right else task.points_of(hidden.parts),
             hidden.state,
             hidden.passed,
             len(task.hidden),
@@ -338,11 +320,11 @@ class SubmissionGrader:
             tuple(line for line in lines if line != hint),
             hint,
             task.mistakes.get(hint, ""),
-            notes=(CHANGES_INPUT,) if right and hidden.changed else (),
+            notes=(CHANGES_INPUT,) if right and hidden.changed else task.notes_on(hidden.parts),
         )
 
     def explained(self, exercise: PublicExercise, outcomes: Sequence[Outcome]) -> list[str]:
-        """What the public check says; of answers that it cannot even look at, that."""
+        """Return the report of the public check, or that it cannot read the answers."""
         try:
             with np.errstate(all="ignore"):
                 report = explain(exercise, outcomes, f"stopped after {exercise.seconds:g} seconds")
@@ -362,13 +344,13 @@ class SubmissionGrader:
                 self.server,
                 stack,
                 max(self.assignment.seconds, task.public.seconds),
-                self.references,
+                self.allowances.references,
             )
             own = self.worker
             if classes:
                 self.worker = stack.enter_context(self.with_classes(classes))
             try:
-                self.worker.lend({use: references.lent(use) for use in needed if use not in classes})
+                self.stand_in({use: references.function(use) for use in needed if use not in classes})
                 hidden = self.hidden(task)
             finally:
                 if classes:
@@ -377,6 +359,8 @@ class SubmissionGrader:
                 self.worker = own
             self.deaths += references.deaths
         right = hidden.state == "right"
+        earned = (task.public.points if right else task.points_of(hidden.parts)) * task.with_reference
+        parts = task.notes_on(hidden.parts) if earned > before.earned else before.notes
         names = " and ".join(map(in_words, task.uses))
         verdict = "right" if right else "not right either"
         note = " ".join(
@@ -391,13 +375,26 @@ class SubmissionGrader:
             passed=hidden.passed,
             text=hidden.text,
             line=hidden.line,
-            earned=task.public.points * task.with_reference if right else 0.0,
+            earned=max(earned, before.earned),
             with_reference=True,
-            notes=(note, *((CHANGES_INPUT,) if right and hidden.changed else ())),
+            notes=(note, *((CHANGES_INPUT,) if right and hidden.changed else parts)),
         )
 
+    def stand_in(self, functions: Mapping[str, ReferenceFunction]) -> None:
+        """Let functions answer in place of the student's until grading is stopped."""
+
+        def until_stopped(function: ReferenceFunction) -> ReferenceFunction:
+            def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
+                if self.stopped():
+                    raise Stopped
+                return function(args, kwargs)
+
+            return answer
+
+        self.worker.stand_in({use: until_stopped(function) for use, function in functions.items()})
+
     def with_classes(self, classes: Mapping[str, str]) -> Worker:
-        """A new worker with the student's notebook in which some classes, and nothing else, are the reference's."""
+        """Start a worker with the student's notebook in which only some classes are the reference's."""
         given = handed_in_earlier(self.files, self.assignment)
         notebooks = {each.lesson: each for each in given}
         for each in self.assignment.earlier:
@@ -410,25 +407,19 @@ class SubmissionGrader:
                     for other in self.assignment.classes[use].uses
                     if other not in classes
                 }
-                lent = [f'{split_use(use)[1]} = earlier("{use}")' for use in sorted(uses)]
+                imports = [f'{split_use(use)[1]} = earlier("{use}")' for use in sorted(uses)]
                 notebooks[each.lesson] = EarlierNotebook(
-                    each.lesson, notebook_of(mine.values()), setup="\n".join([each.setup, *lent])
+                    each.lesson, notebook_of(mine.values()), setup="\n".join([each.setup, *imports])
                 )
         earlier = [notebooks[each.lesson] for each in self.assignment.earlier if each.lesson in notebooks]
         instead = {use: source for use, source in classes.items() if ":" not in use}
         own = self.worker
         return _worker(
-            own.notebook,
-            self.assignment,
-            self.server,
-            own.allowance,
-            tuple(own.helpers),
-            earlier,
-            instead,
+            own.notebook, self.assignment, self.server, own.allowance, tuple(own.helpers), earlier, instead
         )
 
     def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> Iterator[Outcome]:
-        """Call a function for each case, up to one that is the last; who asks for the next need not keep the others."""
+        """Call a function for each case and yield the outcomes one by one, up to the last that is needed."""
         for case in cases:
             outcome = self.outcome(exercise, case)
             yield outcome
@@ -436,17 +427,18 @@ class SubmissionGrader:
                 break
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
-        """Call a function; a time-out is tried once more, with more time, unless that was in vain before."""
+        """Call a function; a time-out is retried, with more time, unless that was in vain before."""
         outcome = self.answer(exercise, case, exercise.seconds)
         if (
             outcome.status == "timed out"
-            and not self.in_vain
-            and (more := self.chances.take(exercise.seconds))
+            and not self.allowances.retried_in_vain
+            and (more := self.retries.take(exercise.seconds))
         ):
             outcome = self.answer(exercise, case, more)
-            self.in_vain = outcome.status == "timed out"
-            if not self.in_vain:
-                self.chances.give_back(more)
+            if outcome.status == "timed out":
+                self.allowances.retried_in_vain = True
+            else:
+                self.retries.give_back(more)
         return (
             replace(outcome, status="raised", text="KeyboardInterrupt")
             if outcome.status == "interrupted"
@@ -464,26 +456,31 @@ class SubmissionGrader:
                 return Outcome("timed out")
             return self.worker.call(exercise.name, each, exercise.driver)
 
-        return judging.answer(exercise.comparison, call, case)
+        try:
+            return judging.answer(exercise.comparison, call, case)
+        except (Stopped, SandboxError, ServerEnded):
+            raise
+        except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
+            return Outcome("died", text=UNREADABLE)
 
     def hidden(self, task: Task) -> HiddenResult:
-        """Run the hidden cases: the first one that fails is what is told."""
+        """Run the hidden cases and report the first failure."""
         failed: HiddenResult | None = None
-        passed, changed = 0, False
+        passed, changed = Counter[str](), False
         outcomes = self.outcomes(task.public, task.hidden)
         for case, outcome in zip(task.hidden, outcomes, strict=False):
             changed |= outcome.changed
             if wrong := describe_outcome(task.public, case, outcome, self.files, task.public.seconds):
                 failed = failed or wrong
             else:
-                passed += 1
+                passed[case.part] += 1
         if failed is None and changed and task.public.in_place:
             failed = HiddenResult("changes its input", 0, CHANGES_INPUT)
-        return (
-            replace(failed, passed=passed, changed=changed)
-            if failed
-            else HiddenResult("right", passed, changed=changed)
-        )
+        tested = Counter(case.part for case in task.hidden)
+        parts = tuple(part for part in task.parts if passed[part] == tested[part])
+        kept = () if not failed or (changed and task.public.in_place) else parts
+        result = failed or HiddenResult("right", 0)
+        return replace(result, passed=passed.total(), changed=changed, parts=kept)
 
     def failure(self, task: Task, outcome: Outcome) -> HiddenResult:
         """Say how a case failed that has no answer."""

@@ -11,12 +11,14 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from nao_course.instructor.collecting.submissions import Files
+
 _NAME = re.compile(r"nao_course_run_(\d+)_\w+")
 
 
 @contextlib.contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """Make a folder in which this process puts everything temporary, and take away those of runs that were killed.
+    """Make a folder for all temporary files of this process, and delete the folders of killed runs.
 
     Yields
     ------
@@ -36,8 +38,25 @@ def scratch_folder() -> Iterator[Path]:
             tempfile.tempdir = before
 
 
+@contextlib.contextmanager
+def laid_out(files: Files, lesson: str) -> Iterator[Path]:
+    """Write a submission's files, as they were read and hashed, into a folder that is deleted in any case.
+
+    Yields
+    ------
+    Path
+        The notebook; its helper files are beside it.
+    """
+    with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
+        notebook = Path(folder, f"{lesson}.ipynb")
+        notebook.write_bytes(files.notebook)
+        for name, content in files.helpers.items():
+            notebook.with_name(name).write_bytes(content)
+        yield notebook
+
+
 def _sweep(folder: Path) -> None:
-    """Take away what processes of this user left that are gone. Windows does not tell whether one is."""
+    """Delete files of this user's processes that have ended. On Windows this cannot be determined."""
     if sys.platform == "win32":
         return
     for path in folder.iterdir():

@@ -21,7 +21,7 @@ class SecretError(ValueError):
 
 
 def secret_path() -> Path:
-    """Where the secret is: the file that $NAO_COURSE_SECRET names, else one in the user's configuration."""
+    """Return the path of the secret: $NAO_COURSE_SECRET, or a file in the user's configuration."""
     named = os.environ.get(VARIABLE)
     return Path(named) if named else Path(typer.get_app_dir("nao-course")) / "secret"
 
@@ -54,7 +54,7 @@ def load_secret() -> bytes:
         raise SecretError(f"others may read the secret {path}: say `chmod 600 {path}`")
     if len(content) < FEWEST:
         raise SecretError(
-            f"the secret {path} has {len(content)} bytes; at least {FEWEST} random ones are wanted"
+            f"the secret {path} has {len(content)} bytes; it must have at least {FEWEST} random bytes"
         )
     return content
 

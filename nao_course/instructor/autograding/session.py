@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 
 from nao_course.instructor.authoring.course import Course
@@ -95,7 +97,7 @@ def open_session(
     require_sandbox : str
         The lowest level to run at; any where empty.
     say : callable
-        Told how strong the sandbox is.
+        Called with the level of the sandbox.
 
     Yields
     ------
@@ -123,7 +125,19 @@ def prepare_in_background(
     course: Course, lessons: Sequence[str], secret: bytes
 ) -> dict[str, Future[Assignment]]:
     """Begin to prepare assignments in a process that ends: what solutions import is not held while grading."""
-    pool = ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    pool = ProcessPoolExecutor(1, get_context("spawn"), _end_with_the_grader)
     begun = {lesson: pool.submit(prepare, course, lesson, secret) for lesson in lessons}
     pool.shutdown(wait=False)
     return begun
+
+
+def _end_with_the_grader() -> None:
+    """Leave Ctrl-C to the grader, and end this process if the grader is killed, which cannot end it itself."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_wait_for_the_grader, daemon=True).start()
+
+
+def _wait_for_the_grader() -> None:
+    if grader := parent_process():
+        grader.join()
+        os._exit(1)

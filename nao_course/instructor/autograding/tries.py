@@ -1,39 +1,63 @@
-"""What gets a second try: a time-out, a process that somebody else may have ended, a warm server that died."""
+"""The time of a submission, and retries: after a time-out, an end from outside, or the death of a warm server."""
 
 from __future__ import annotations
 
 import contextlib
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from nao_course.exercises.judging.report import ENDS_PYTHON
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.sandbox.protocol import ServerEnded
+from nao_course.instructor.sandbox.protocol import Allowance, ServerEnded
 
-SECOND_CHANCES = 300.0  # seconds of a run that time-outs get besides
+SECONDS_OF_A_SUBMISSION = 130.0  # from its first cell to its result, whatever its code asks for
+SECONDS_OF_RECORDED = 10.0  # for finding recorded answers, in the grader's own process
+RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs,
+RETRY_SECONDS_EACH = 2.0  # and more for each submission, so that slow ones use up none of the others' retries
 MOST_SERVERS = 3  # that may die under one submission
 MOST_TRIES = 4  # at a submission whose processes are ended
 
 
+class Allowances:
+    """Time that grading one submission may take, all tries together, counted from now.
+
+    Attributes
+    ----------
+    own : Allowance
+        For the student's code.
+    references : Allowance
+        For the reference's functions, which the student's code may call in place of earlier exercises.
+    recorded : Allowance
+        For looking up recorded answers, which may stand in for earlier exercises in public cases.
+    """
+
+    def __init__(self) -> None:
+        until = time.monotonic() + SECONDS_OF_A_SUBMISSION
+        self.own, self.references = Allowance(until=until), Allowance(until=until)
+        self.recorded = Allowance(SECONDS_OF_RECORDED, until)
+        self.retried_in_vain = False  # a call timed out twice: no other call of the submission is retried
+
+
 @dataclass
-class SecondChances:
+class Retries:
     """Time that a run has for calls that took too long, because the machine may have been busy.
 
     Parameters
     ----------
     seconds : float
-        Spent by calls that take too long once more; who is only slow gives them back.
+        Used by calls that take too long again; a call that is only slow gives them back.
     least : float
-        That a second chance lasts; at least twice as long as the first.
+        Time limit of a retry, unless twice the call's own limit is more.
     """
 
-    seconds: float = SECOND_CHANCES
+    seconds: float = RETRY_SECONDS
     least: float = 10.0
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
     def take(self, seconds: float) -> float:
-        """How long a call that had some seconds may be tried again; 0 where that much is not left."""
+        """Return the time limit for retrying a call; 0 if the remaining time is too short."""
         wanted = max(2 * seconds, self.least)
         with self._lock:
             granted = wanted if wanted <= self.seconds else 0.0
@@ -52,7 +76,7 @@ def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> Submis
     Parameters
     ----------
     work : callable
-        Told whether it is not the first time; returns the result and how many processes may have been ended so.
+        Called with True for a retry; returns the result and the number of processes that may have been ended.
     """
     first, deaths = work(False)
     result = first
@@ -61,7 +85,7 @@ def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> Submis
             break
         before = result
         again, deaths = work(True)
-        result = as_told_before(again, first)
+        result = with_first_report(again, first)
         if _verdicts(result) == _verdicts(before):
             break
     return result
@@ -71,8 +95,8 @@ def _verdicts(result: SubmissionResult) -> list[tuple[str, str, float]]:
     return [(each.name, each.state, each.earned) for each in result.exercises]
 
 
-def as_told_before(second: SubmissionResult, first: SubmissionResult) -> SubmissionResult:
-    """A further try's result with what the first said of public cases: a second one may know hidden inputs by then.
+def with_first_report(second: SubmissionResult, first: SubmissionResult) -> SubmissionResult:
+    """Return a retry's result with the first try's report of public cases: a retry may know hidden inputs.
 
     Where the first was ended in them, it said nothing else.
     """
@@ -90,10 +114,8 @@ def as_told_before(second: SubmissionResult, first: SubmissionResult) -> Submiss
     return replace(second, exercises=tuple(told))
 
 
-def in_spite_of_the_server(
-    work: Callable[[], tuple[SubmissionResult, int]],
-) -> tuple[SubmissionResult, int]:
-    """Begin again where the warm server died: that is no fault of this submission, as far as anyone can tell."""
+def in_spite_of_the_server(work: Callable[[], tuple[SubmissionResult, int]]) -> tuple[SubmissionResult, int]:
+    """Start again if the warm server died, because the submission is probably not the cause."""
     for _ in range(MOST_SERVERS - 1):
         with contextlib.suppress(ServerEnded):
             return work()

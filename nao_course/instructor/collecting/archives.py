@@ -10,7 +10,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
@@ -89,13 +89,13 @@ class Item:
             with archive.open(self.entry) as member:
                 data = member.read(most + 1)
             if len(data) > most:
-                raise Refused(too_large(len(data), most))
+                raise Refused(too_large(most))
             return data
 
 
-def too_large(size: int, most: int) -> str:
-    """Say that a file is."""
-    return f"it has {size / 2**20:.1f} MB or more; {most / 2**20:g} MB are the most"
+def too_large(most: int) -> str:
+    """Say that a file has more than a number of bytes."""
+    return f"it is larger than {most / 2**20:g} MB"
 
 
 @contextmanager
@@ -105,7 +105,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
     Raises
     ------
     Refused
-        If it is none, or cannot be read.
+        If the path is not a plain file, or cannot be read.
     """
     flags = (
         os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
@@ -113,7 +113,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     except OSError as error:
-        raise Refused(f"it cannot be read: {error.strerror}") from None
+        raise Refused(_unreadable(error)) from None
     with os.fdopen(descriptor, "rb") as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             raise Refused("it is no plain file")
@@ -133,10 +133,17 @@ def read_plain(path: Path, most: int) -> bytes:
             size = os.fstat(file.fileno()).st_size
             data = b"" if size > most else file.read(most + 1)
         except OSError as error:
-            raise Refused(f"it cannot be read: {error.strerror}") from None
+            raise Refused(_unreadable(error)) from None
     if size > most or len(data) > most:
-        raise Refused(too_large(max(size, len(data)), most))
+        raise Refused(too_large(most))
     return data
+
+
+def _unreadable(error: OSError) -> str:
+    """Say why a file cannot be read that was found before."""
+    if isinstance(error, FileNotFoundError):
+        return "it was removed or renamed while the grader was running"
+    return f"it cannot be read: {error.strerror}"
 
 
 def in_folder(root: Path) -> Iterator[Item]:
@@ -181,14 +188,14 @@ def _walk(folder: Path, parts: tuple[str, ...]) -> Iterator[Item]:
 def _mode_problem(mode: int) -> str:
     kinds = {
         stat.S_IFREG: "",
-        stat.S_IFLNK: "it is a symbolic link, not a file",
+        stat.S_IFLNK: "it is a symbolic link, not a file or folder",
         stat.S_IFDIR: "it is a folder, not a notebook",
     }
     return kinds.get(stat.S_IFMT(mode), "it is a device or pipe, not a file")
 
 
 def _is_left_out(name: str, *, named_by_students: bool) -> bool:
-    """Whether a file or folder is a program's; a student's own folder is called as the student is, whatever that is."""
+    """Return True if a file or folder belongs to a program. Folders named after students never do."""
     if named_by_students:
         return name.startswith(".") or name in _LEFT_OUT
     return name in _NOBODYS
@@ -218,6 +225,14 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
     return [replace(each, ignored=_is_ignored(each.parts, students)) for each in items]
 
 
+def _name_of(entry: zipfile.ZipInfo) -> str:
+    """Return an entry's name. Some programs, such as the one of macOS, write UTF-8 without saying so."""
+    if not entry.flag_bits & 0x800:
+        with suppress(UnicodeError):
+            return entry.filename.encode("cp437").decode("utf-8")
+    return entry.filename
+
+
 def _is_ignored(parts: tuple[str, ...], students: bool) -> bool:
     first, *others = parts
     return _is_left_out(first, named_by_students=students) or any(
@@ -229,7 +244,7 @@ def _refuse_a_large_one(file: IO[bytes]) -> None:
     """Look at a zip's last bytes, for its table of contents is read whole: it might fill the memory."""
     size = file.seek(0, os.SEEK_END)
     if size > LARGEST_ZIP:
-        raise Refused(too_large(size, LARGEST_ZIP))
+        raise Refused(too_large(LARGEST_ZIP))
     file.seek(max(0, size - 2**16 - _END.size))
     tail = file.read()
     plain = tail[-_END.size :]
@@ -244,7 +259,7 @@ def _refuse_a_large_one(file: IO[bytes]) -> None:
 
 
 def _item(path: Path, entry: zipfile.ZipInfo) -> Item:
-    names = re.split(r"[/\\]", entry.filename)
+    names = re.split(r"[/\\]", _name_of(entry))
     parts = tuple(name for name in names if name not in ("", ".", ".."))
     try:
         time = float(calendar.timegm(entry.date_time))
@@ -254,7 +269,7 @@ def _item(path: Path, entry: zipfile.ZipInfo) -> Item:
 
 
 def _entry_problem(entry: zipfile.ZipInfo, names: list[str]) -> str:
-    """Why a zip's entry is not taken."""
+    """Return the reason why an entry of a zip is not used."""
     mode = entry.external_attr >> 16
     if ".." in names or names[0] == "" or re.match(r"[A-Za-z]:", names[0]):
         return "its name in the zip leads outside of it"
@@ -263,7 +278,7 @@ def _entry_problem(entry: zipfile.ZipInfo, names: list[str]) -> str:
     if entry.flag_bits & 1:
         return "it is encrypted"
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        return "it is packed in an unusual way; the plain kind of zip is wanted"
+        return "it uses an unusual compression; make a plain zip"
     if entry.file_size > SMALL and entry.file_size > MOST_RATIO * entry.compress_size:
         return f"it is a zip bomb: {entry.compress_size} bytes that become {entry.file_size}"
     return ""
@@ -274,5 +289,5 @@ def _plainly() -> Iterator[None]:
     """Turn all that a broken zip can raise into a reason."""
     try:
         yield
-    except (*_BAD, OSError) as error:
-        raise Refused(f"the zip is broken ({type(error).__name__})") from None
+    except (*_BAD, OSError):
+        raise Refused("the zip is damaged and cannot be opened: hand it in again") from None

@@ -8,7 +8,7 @@ Understood are, each in a folder or in a zip:
   ``Firstname Lastname_1234567_assignsubmission_file_01_hsl_filtering.ipynb``;
 - Canvas's ``lastnamefirstname_123456_7890123_01_hsl_filtering.ipynb``, with ``_LATE`` after the name, and with ``-2``
   after the file's name where it was handed in again;
-- a zip wherever a notebook might be, such as that of ``nao-course submit``. A zip within that zip is not opened.
+- a zip in place of a notebook, such as the zip of ``nao-course submit``. A zip within that zip is not opened.
 
 The lesson is in the file's name, whatever a browser or Jupyter added: ``01_hsl_filtering (1).ipynb``,
 ``01_hsl_filtering-Copy1.ipynb``. A student is called by the folder or what precedes the lesson, with the platform's
@@ -24,9 +24,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_NAME = 100
-LONGEST_FILE = (
-    1000  # characters of a file's name in which a lesson is looked for: more than file systems take
-)
+# Characters of a file's name in which a lesson is looked for: more than file systems take.
+LONGEST_FILE = 1000
 _MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
 _PLATFORMS = re.compile(r"_\d++_assignsubmission_")
 _CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
@@ -69,20 +68,37 @@ def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | Non
         Names of the lessons that there are.
     """
     first, last = parts[0], parts[-1]
-    if moodle := _MOODLE.fullmatch(first):
+    if moodle := _MOODLE.fullmatch(_normal(first)):
         if len(parts) == 1 and _PLATFORMS.search(moodle["student"]):
             return None  # a file that its student named like one of Moodle's: it might pass for another's
         return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
     if len(parts) > 1:
         return NamedFile(first, last)
-    canvas, plain = _canvas(first), _plain(first, lessons)
+    canvas, plain = _canvas(_normal(first)), _plain(first, lessons)
     if canvas and (lesson_of(canvas.file, lessons) or _RECEIPT.match(canvas.file) or not plain):
         return canvas
-    return plain  # mueller_123456_01_hsl_filtering.ipynb has Canvas's numbers, and is none of its names
+    return plain  # mueller_123456_01_hsl_filtering.ipynb has numbers like Canvas's, but it is not one of its names
+
+
+def _normal(name: str) -> str:
+    """Return a platform's name with ordinary spaces and digits; its number says whose it is, however it is spelled."""
+    return "".join(
+        " " if each.isspace() else str(unicodedata.decimal(each)) if each.isdecimal() else each
+        for each in name
+    )
+
+
+def student_of_a_platforms(file: str) -> str:
+    """Return the student of a file that Moodle or Canvas named; an empty string for any other file."""
+    name = _normal(file)
+    if moodle := _MOODLE.fullmatch(name):
+        return moodle["student"]
+    found = _canvas(name)
+    return found.student if found else ""
 
 
 def _canvas(name: str) -> NamedFile | None:
-    """Whose a file is by Canvas's way of naming."""
+    """Return the student of a file named by Canvas."""
     if not (found := _CANVAS.fullmatch(name)):
         return None
     stem, dot, suffix = found["file"].rpartition(".")
@@ -93,20 +109,20 @@ def _canvas(name: str) -> NamedFile | None:
 
 
 def _plain(name: str, lessons: Sequence[str]) -> NamedFile | None:
-    """Whose a file is where the student's name precedes the lesson's."""
+    """Return the student of a file whose name has the student before the lesson."""
     stem, _, suffix = name.rpartition(".")
     for found in (*_lessons_in(stem, lessons), *_followed_by_copy(_RECEIPT, stem)):
         before = stem[: found.start()]
-        # A digit right before it would be the end of another number: that of some platform's student, perhaps.
+        # A digit right before it would be the end of another number, such as a platform's student number.
         if (student := before.strip("_- ")) and not before[-1:].isdigit():
             return NamedFile(student, name[found.start() :])
     return NamedFile(stem, name) if stem.startswith("submission-") and suffix == "zip" else None
 
 
 def _lessons_in(stem: str, lessons: Sequence[str]) -> list[re.Match[str]]:
-    """Where a lesson's name stands, with nothing behind it but what is put behind a copy."""
+    """Return the position of a lesson's name, with nothing after it except the suffix of a copy."""
     names = "|".join(re.sub("[_-]", "[ _-]", re.escape(name).replace(r"\-", "-")) for name in lessons)
-    return _followed_by_copy(re.compile(names, re.IGNORECASE), stem) if names else []
+    return _followed_by_copy(re.compile(names, re.IGNORECASE), _normal(stem)) if names else []
 
 
 def _followed_by_copy(name: re.Pattern[str], stem: str) -> list[re.Match[str]]:
@@ -114,7 +130,7 @@ def _followed_by_copy(name: re.Pattern[str], stem: str) -> list[re.Match[str]]:
 
 
 def lesson_of(file: str, lessons: Sequence[str]) -> str:
-    """Return the lesson that a file is named after; nothing where it is none.
+    """Return the lesson that a file is named after, or an empty string.
 
     Examples
     --------
@@ -129,8 +145,20 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
     return ""
 
 
+def mentions_a_lesson(file: str, lessons: Sequence[str]) -> bool:
+    """Return whether a lesson's name stands in a file's name, whatever comes after it.
+
+    Examples
+    --------
+    >>> mentions_a_lesson("ada 01_hsl_filtering.ipynb.txt", ["01_hsl_filtering"])
+    True
+    """
+    name = re.sub("[ _-]", "_", _normal(file[:LONGEST_FILE]).lower())
+    return any(each.replace("-", "_").lower() in name for each in lessons)
+
+
 def is_a_platforms(folder: str) -> bool:
-    """Whether a folder is called as Moodle calls that of one student."""
+    """Return True if a folder is named like Moodle's folder of one student."""
     return bool(_MOODLE.fullmatch(folder))
 
 
@@ -157,7 +185,8 @@ def safe_name(student: str) -> str:
 def clean_name(name: str) -> str:
     """Return a name without control characters or halves of characters, not too long, and still its own."""
     name = name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
-    name = unicodedata.normalize("NFC", name).strip()
+    blank = "".join(f"\\x{ord(each):02x}" for each in name)  # what a name of nothing but spaces is called
+    name = unicodedata.normalize("NFC", name).strip() or blank
     name = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in name)
     if len(name) > LONGEST_NAME:
         name = f"{name[: LONGEST_NAME - 20]}...{hashlib.sha256(name.encode()).hexdigest()[:16]}"

@@ -6,10 +6,11 @@ import contextlib
 import hashlib
 import json
 import re
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -25,13 +26,15 @@ from nao_course.instructor.collecting.archives import (
 from nao_course.instructor.collecting.names import (
     NamedFile,
     clean_name,
-    is_a_platforms,
     lesson_of,
+    mentions_a_lesson,
     name_file,
 )
+from nao_course.instructor.collecting.wrappers import unwrap
 
+LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is kept in memory, and whose lines are shown
 _MOST_NOTES = 20
-_ALIKE = "{} folders or files are named so alike that nobody can tell whose is whose: rename them"
+_ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
 
@@ -74,17 +77,20 @@ class Gathered:
     Parameters
     ----------
     submissions, refused : tuple of Submission
-        Those to grade; those that a reason stands against.
+        Submissions to grade, and refused submissions with their reasons.
     unknown : tuple of str
         Files of which nobody can say whose or of which lesson they are, each with the reason; first `not_graded`.
     not_graded : tuple of str
-        Those of them that may be somebody's work, and students' folders with no lesson's notebook in them.
+        Files that may be a student's work, and students of whom there is no notebook of a lesson.
+    wrapper : str
+        Name of the folder that was around everything, and was not taken for a student's; often empty.
     """
 
     submissions: tuple[Submission, ...]
     refused: tuple[Submission, ...] = ()
     unknown: tuple[str, ...] = ()
     not_graded: tuple[str, ...] = ()
+    wrapper: str = ""
 
 
 @dataclass(frozen=True)
@@ -97,13 +103,13 @@ class Files:
         As it was handed in.
     helpers : mapping of str to bytes
         By file name.
-    earlier : mapping of str to Files
-        Of earlier lessons, by the lesson's name: those that can be read.
+    earlier : mapping of str to EarlierFiles
+        Readable notebooks of earlier lessons, by the lesson's name.
     """
 
     notebook: bytes
     helpers: Mapping[str, bytes] = field(default_factory=dict)
-    earlier: Mapping[str, Files] = field(default_factory=dict)
+    earlier: Mapping[str, EarlierFiles] = field(default_factory=dict)
 
     @property
     def hash(self) -> str:
@@ -114,6 +120,35 @@ class Files:
         for lesson in sorted(self.earlier):
             digest.update(lesson.encode() + b"\0" + self.earlier[lesson].hash.encode())
         return digest.hexdigest()
+
+    def without_a_large_notebook(self) -> Files:
+        """Return the files with an empty notebook if it is too large to be kept in memory."""
+        return self if len(self.notebook) <= LARGEST_READ else replace(self, notebook=b"")
+
+
+@dataclass(frozen=True)
+class EarlierFiles:
+    """The files of an earlier lesson, which are read again when they are needed: several may have 50 MB each.
+
+    Parameters
+    ----------
+    submission : Submission
+        Where they are.
+    hash : str
+        SHA-256 of all of it.
+    helpers : mapping of str to bytes
+        By file name.
+    """
+
+    submission: Submission
+    hash: str
+    helpers: Mapping[str, bytes]
+
+    def notebook(self) -> bytes:
+        """Return the notebook; nothing if it cannot be read any more."""
+        with contextlib.suppress(Refused):
+            return read_plain(self.submission.path, MOST_BYTES)
+        return b""
 
 
 def read(submission: Submission) -> Files:
@@ -133,8 +168,17 @@ def read(submission: Submission) -> Files:
     earlier = {}
     for each in submission.earlier:
         with contextlib.suppress(Refused):  # it costs what uses it, and nothing else
-            earlier[each.lesson] = read(each)
+            files = read(each)
+            earlier[each.lesson] = EarlierFiles(each, files.hash, files.helpers)
     return Files(notebook, helpers, earlier)
+
+
+def submission_hash(submission: Submission) -> str:
+    """Return the hash of the submission, or of the reason if it cannot be read."""
+    try:
+        return read(submission).hash
+    except Refused as refused:
+        return hashlib.sha256(f"{submission.file}\0{refused}".encode()).hexdigest()
 
 
 def with_earlier(
@@ -171,8 +215,9 @@ def gather(
     wanted: Sequence[str] | None = None,
     *,
     one_student: bool = False,
+    known: Collection[str] = (),
 ) -> Gathered:
-    """Find all submissions; of several of one student and lesson, the newest one that can be taken.
+    """Find all submissions. If a student has several of a lesson, use the newest readable one.
 
     Parameters
     ----------
@@ -186,6 +231,8 @@ def gather(
         Those to find; all by default. Where it is one, a zip that cannot be opened counts as a submission of it.
     one_student : bool
         Whether the one folder in it is a student's, whatever is in that.
+    known : collection of str
+        Students of earlier runs: a folder with such a name is that student's, whatever is in it.
 
     Returns
     -------
@@ -195,7 +242,7 @@ def gather(
     Raises
     ------
     ValueError
-        If there is no such folder or zip, or it is none.
+        If the path does not exist, or is neither a folder nor a zip.
     """
     search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted))
     if path.is_dir():
@@ -204,32 +251,16 @@ def gather(
         try:
             items = in_zip(path.resolve(), students=False)
         except Refused as refused:
-            raise ValueError(
-                f"{path}: a folder of submissions, or a zip of them, is wanted; {refused}"
-            ) from None
+            raise ValueError(f"{path} is not a folder of submissions or a zip of them; {refused}") from None
     else:
-        raise ValueError(f"there is no {path}: a folder of submissions, or a zip of them, is wanted")
-    for item in items if one_student else _unwrapped(items, search.lessons):
+        raise ValueError(f"{path} does not exist. Give a folder of submissions or a zip of them")
+    if one_student:
+        known = {clean_name(item.parts[0]) for item in items}
+    unwrapped = unwrap(items, search.lessons, known)
+    search.refused = unwrapped.refused
+    for item in unwrapped.items:
         search.look_at(item)
-    return search.result()
-
-
-def _unwrapped(items: list[Item], lessons: Sequence[str]) -> list[Item]:
-    """Without the one folder that all is in, where that holds several students' folders.
-
-    It does if two of the folders in it hold the same lesson. A folder called as a platform calls a student's is one.
-    """
-    inside = [item for item in items if not item.ignored]
-    tops = {item.parts[0] for item in inside}
-    if len(tops) != 1 or any(len(item.parts) < 3 or is_a_platforms(item.parts[0]) for item in inside):
-        return items
-    works = {
-        (item.parts[1], lesson_of(item.parts[-1], lessons) or item.parts[-1][-4:].lower()) for item in inside
-    }
-    kinds = [kind for _, kind in works if kind in (*lessons, ".zip")]
-    if len(set(kinds)) == len(kinds):
-        return items
-    return [replace(item, parts=item.parts[1:]) for item in items if len(item.parts) > 1]
+    return replace(search.result(), wrapper=clean_name(unwrapped.wrapper))
 
 
 # --- who handed in what ---
@@ -253,22 +284,32 @@ class _Search:
         self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
         self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
         self.unknown: list[str] = []
-        self.lost: list[str] = []  # what may be somebody's work
-        self.folder = ""  # of the student whose files are being looked at; empty for a file in no folder
-        self.folders: dict[str, bool] = {}  # whether there is something in it that may be work
+        self.lost: list[str] = []  # files that may be a student's work
+        self.owner = ""  # the student whose file is being looked at; empty for a file that names none
+        self.owners: dict[str, bool] = {"": True}  # whether there is something of theirs that may be work
+        self.refused: dict[str, str] = {}  # folders that are not one student's
         self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
         self.unpacked = 0
 
     def look_at(self, item: Item) -> None:
         """Sort a file in."""
-        self.folder = item.parts[0] if len(item.parts) > 1 else ""
-        self.folders.setdefault(self.folder, not self.folder)
+        first = item.parts[0]
+        if first in self.refused:
+            self.leave_out_folder(first)
+            return
+        name = name_file(item.parts, self.lessons)
+        self.owner = name.student if name else ""
+        self.owners.setdefault(self.owner, False)
         if item.ignored:
             return
         shown = clean_name("/".join(item.parts))
-        name = name_file(item.parts, self.lessons)
         if name is None:
-            self.leave_out(shown, "it names no student and lesson", item.size)
+            spoiled = mentions_a_lesson(first, self.lessons) and not first.lower().endswith(
+                (".ipynb", ".zip")
+            )
+            reason = "it is no notebook" if spoiled else "it names no student and lesson"
+            size = 0 if spoiled or item.problem else item.size  # a student's work, or a link to it
+            self.leave_out(shown, item.problem or reason, size)
         elif name.file.lower().endswith(".zip"):
             self.look_into(item, name, shown)
         else:
@@ -289,6 +330,10 @@ class _Search:
                 self.leave_out(shown, str(refused))
             return
         time = _receipt_time(inside) or item.time
+        if not any(
+            each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored
+        ):
+            self.leave_out(shown, "no notebook is in it")
         for each in inside:
             within = f"{shown}/{clean_name('/'.join(each.parts))}"
             inner = NamedFile(name.student, each.parts[-1], name.order)
@@ -316,13 +361,19 @@ class _Search:
             self.leave_out(shown, item.problem or "it is no notebook", item.size)
 
     def leave_out(self, shown: str, reason: str, size: int = 0) -> None:
-        """Remember what does not count; a notebook, a zip or a folder may be somebody's work."""
+        """Record a path that is not graded. A notebook, a zip or a folder may be a student's work."""
         file = shown.rpartition("/")[2].lower()
         if file == "receipt.json":
             return
         may_be_work = file.endswith((".ipynb", ".zip")) or not size  # a folder, a link, a pipe
         (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")
-        self.folders[self.folder] |= may_be_work
+        self.owners[self.owner] |= may_be_work
+
+    def leave_out_folder(self, folder: str) -> None:
+        """Record once that a folder is not graded, because it is not one student's."""
+        line = f"{clean_name(folder)}: {self.refused[folder]}"
+        if line not in self.lost:
+            self.lost.append(line)
 
     def add(
         self,
@@ -340,7 +391,7 @@ class _Search:
             item = replace(
                 item, problem=f"it has {item.size / 2**20:.0f} MB; {MOST_BYTES // 2**20} MB are the most"
             )
-        self.folders[self.folder] = True
+        self.owners[self.owner] = True
         key = (clean_name(name.student), lesson)
         self.spellings[key[0]].add(name.student)
         found = self.candidates[key]
@@ -351,11 +402,11 @@ class _Search:
         keys = sorted(key for key in self.candidates if key[1] in self.wanted)
         chosen = [self.choose(*key) for key in keys]
         empty = [
-            f"{clean_name(folder)}: no lesson's notebook is in it"
-            for folder in self.folders
-            if not self.folders[folder]
+            f"{clean_name(owner)}: there is no notebook of a lesson"
+            for owner, has_work in self.owners.items()
+            if not has_work
         ]
-        lost = (*self.lost, *empty)
+        lost = _each_student_first([*self.lost, *empty])
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
@@ -364,7 +415,7 @@ class _Search:
         )
 
     def choose(self, student: str, lesson: str) -> Submission:
-        """The newest that can be taken; where there is none, the newest with its reason."""
+        """Return the newest readable submission, or else the newest one with the reason why it is refused."""
         newest = sorted(self.candidates[student, lesson], key=lambda each: each.order, reverse=True)
         best = next((each for each in newest if not each.item.problem), newest[0])
         others = [each for each in newest if each is not best]
@@ -405,8 +456,19 @@ class _Search:
         return folder / name
 
 
+def _each_student_first(lines: list[str]) -> tuple[str, ...]:
+    """Order lines about files: the first line about each student, then the second ones, and so on."""
+    counted: Counter[str] = Counter()
+    turns = []
+    for line in lines:
+        student = re.split("[/:]", line, maxsplit=1)[0]
+        turns.append(counted[student])
+        counted[student] += 1
+    return tuple(line for _, line in sorted(zip(turns, lines, strict=True), key=itemgetter(0)))
+
+
 def _receipt_time(items: Iterable[Item]) -> float:
-    """When a zip of `nao-course submit` was made, by its receipt; 0 where it has none."""
+    """Return the time at which a zip of `nao-course submit` was made, from its receipt; 0 without one."""
     for item in items:
         if item.parts[-1] == "receipt.json":
             try:

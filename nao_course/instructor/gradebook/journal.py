@@ -14,19 +14,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
-from nao_course.instructor.gradebook.records import (
-    Mark,
-    Override,
-    SubmissionResult,
-    as_json,
-    from_json,
-    now,
-)
+from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult, as_json, from_json, now
 
 NAME = "journal.sqlite"
 VERSION = 1
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
-_APPLICATION = 0x4E414F4A  # "NAOJ": tells this file from other SQLite files
+_APPLICATION = 0x4E414F4A  # "NAOJ": distinguishes this file from other SQLite files
 _COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
 _SCHEMA = f"""
 CREATE TABLE results (
@@ -125,7 +118,9 @@ class Journal:
     # --- results ---
 
     def keep(self, result: SubmissionResult, versions: str = "") -> None:
-        """Keep a result in one transaction; one that it takes the place of goes into the history.
+        """Store a result in one transaction; the result that it replaces moves to the history.
+
+        A result that another grader has stored meanwhile for the same files is replaced without a trace.
 
         Parameters
         ----------
@@ -153,7 +148,9 @@ class Journal:
         )
         with self._writing():
             self._database.execute(
-                f"INSERT INTO history SELECT {_COLUMNS} FROM results WHERE student = ? AND lesson = ?", key
+                f"INSERT INTO history SELECT {_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
+                "AND (again = 1 OR submission <> ? OR assignment <> ?)",
+                (*key, result.submission, result.assignment),
             )
             self._database.execute(
                 f"INSERT INTO results ({_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
@@ -178,26 +175,30 @@ class Journal:
                 found = self._all("SELECT result FROM results WHERE student = ? AND lesson = ?", key)
                 yield from (self._result(text) for (text,) in found)
 
+    def students(self) -> set[str]:
+        """Return the students who have a result."""
+        return {student for (student,) in self._all("SELECT DISTINCT student FROM results")}
+
     def history(self, student: str, lesson: str) -> list[SubmissionResult]:
         """Return a student's earlier results of a lesson, the oldest first."""
         query = "SELECT result FROM history WHERE student = ? AND lesson = ? ORDER BY rowid"
         return [self._result(text) for (text,) in self._all(query, (student, lesson))]
 
     def missing(self, student: str, lesson: str, submission: str, assignment: str) -> bool:
-        """Whether a submission has to be graded: there is no result, an older one's, or it is wanted again.
+        """Return True if a submission has to be graded: it has no current result, or grading it again was requested.
 
         Parameters
         ----------
         student, lesson : str
             Whose, and of which lesson.
         submission, assignment : str
-            Hashes of what was handed in and of what it is graded by.
+            Hashes of the submission and of everything that its score depends on.
         """
         query = "SELECT submission, assignment, again FROM results WHERE student = ? AND lesson = ?"
         return self._all(query, (student, lesson)) != [(submission, assignment, 0)]
 
     def want_again(self, student: str, lesson: str) -> None:
-        """Have the next run grade a submission although nothing has changed."""
+        """Mark a submission to be graded in the next run although nothing has changed."""
         with self._writing():
             self._database.execute(
                 "UPDATE results SET again = 1 WHERE student = ? AND lesson = ?", (student, lesson)
@@ -245,7 +246,7 @@ class Journal:
             self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), now()))
 
     def places(self) -> list[Path]:
-        """Where the submissions of all runs were, the last run's first."""
+        """Return the folders of the submissions of all runs, newest first."""
         rows = self._all("SELECT submissions FROM runs GROUP BY submissions ORDER BY max(rowid) DESC")
         return [Path(each[0]) for each in rows]
 
@@ -257,7 +258,7 @@ class Journal:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """All or nothing of what is written in the block."""
+        """Write everything in the block, or nothing."""
         with self._plainly("write"):
             self._database.execute("BEGIN IMMEDIATE")
             try:
@@ -280,9 +281,9 @@ class Journal:
 
 
 def _advice(reason: str) -> str:
-    """What to do about SQLite's reason."""
+    """Return advice for an error of SQLite."""
     if "not a database" in reason:
-        return "The file is no journal: move it away, or name another folder."
+        return "The file is not a journal: move it away, or give another folder."
     if "locked" in reason:
         return "Another grader has been writing for long: wait for it."
     if "full" in reason or "I/O" in reason:

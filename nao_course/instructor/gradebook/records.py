@@ -24,7 +24,7 @@ ATTEMPT = "the sandbox saw it try: "  # how a note about that begins
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """What came of one exercise. Nothing in it tells a hidden input or an expected value.
+    """The result of one exercise, without hidden inputs or expected values.
 
     Parameters
     ----------
@@ -98,20 +98,20 @@ class WrittenAnswer:
 
 @dataclass(frozen=True)
 class SubmissionResult:
-    """What came of one student's submission of one lesson.
+    """The result of one student's submission of one lesson.
 
     Parameters
     ----------
     student, lesson : str
         Whose, and of which lesson ("01_hsl_filtering").
     status : str
-        "graded", or "refused" where the file is no notebook that could be graded.
+        "graded", or "refused" if the file is not a notebook that can be graded.
     reason : str
         Why it was refused.
     file : str
         The submission's name as it was handed in.
     submission, assignment : str
-        Hashes of what was handed in and of what it was graded by: solution, declaration, points, secret.
+        Hashes of the submission and of everything that it was graded with: solution, declaration, points, secret.
     exercises : tuple of ExerciseResult
         In the lesson's order; all of them, with 0 points, where it was refused.
     written : tuple of WrittenAnswer
@@ -124,7 +124,7 @@ class SubmissionResult:
     seconds : float
         How long it took; no part of what two runs must agree in.
     left_out : tuple of str
-        Those of the notes that are about files, and were there before any code ran: for the student, too.
+        Notes on files that were made before any code ran; the student sees them, too.
     """
 
     student: str
@@ -148,7 +148,7 @@ class SubmissionResult:
 
     @property
     def earned(self) -> float:
-        """Points of all exercises; those of written answers come with their marks."""
+        """Return the points of all exercises; written answers count when they are marked."""
         return sum(each.earned for each in self.exercises)
 
     @property

@@ -34,12 +34,12 @@ class Score:
     marks: Mapping[str, Mark] = field(default_factory=dict)
 
     def of(self, exercise: ExerciseResult) -> float:
-        """Points of an exercise: a person's word counts before the grader's."""
+        """Return the points of an exercise; points from a person replace the grader's."""
         override = self.overrides.get(exercise.name)
         return exercise.earned if override is None else override.points
 
     def of_answer(self, answer: WrittenAnswer) -> float | None:
-        """Points of a written answer; None while a person has to mark it. What was left empty has none."""
+        """Return the points of a written answer: None until it is marked, 0 if it is empty."""
         mark = self.marks.get(answer.name)
         if mark is not None:
             return mark.points
@@ -86,7 +86,7 @@ def scores(
 def each_score(
     results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
 ) -> Iterator[Score]:
-    """The same one by one, for results that are too many to be held."""
+    """Yield the same one by one, because all results may not fit into memory."""
     changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
     marked: dict[tuple[str, str], dict[str, Mark]] = defaultdict(dict)
     for override in sorted(overrides, key=lambda each: each.time):

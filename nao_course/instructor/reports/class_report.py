@@ -68,7 +68,7 @@ class ExerciseSummary:
     share : float
         Mean share of its points that were earned, 0 to 1; of right ones, where it is worth nothing.
     counts : dict of str to int
-        Submissions by what came of them.
+        Submissions by their results.
     """
 
     title: str
@@ -88,7 +88,7 @@ class MistakeSummary:
     name : str
         Of the mistake, as it was declared.
     message : str
-        What the check told the student.
+        The message that the student got from the check.
     many : int
         Submissions.
     """
@@ -156,7 +156,7 @@ def _lesson(lesson: str, made: Sequence[Score]) -> Iterator[Markup]:
 
 
 def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
-    """The lesson in numbers."""
+    """Return a summary of the lesson in numbers."""
     levels = Counter(each.result.level or "not recorded" for each in graded)
     waiting = sum(len(each.waiting) for each in made)
     rows = [
@@ -176,7 +176,7 @@ def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
 
 
 def exercises_of(graded: Sequence[Score]) -> list[ExerciseSummary]:
-    """How a class did in each exercise, in the lesson's order.
+    """Return the results of a class for each exercise, in the lesson's order.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def mistakes_of(graded: Sequence[Score]) -> list[MistakeSummary]:
 
 
 def _mistakes_table(mistakes: Sequence[MistakeSummary]) -> Iterator[Markup]:
-    """What to say to the class: the mistakes that were made, each with the words of its check."""
+    """Return the mistakes that were made, each with the message of its check."""
     if not mistakes:
         return
     names = ["exercise", "times", "mistake", "what the check said"]
@@ -254,7 +254,7 @@ def _hardest(exercises: Sequence[ExerciseSummary]) -> Iterator[Markup]:
 
 
 def _exercises_table(exercises: Sequence[ExerciseSummary]) -> Markup:
-    """The figure's numbers, for whoever cannot see it."""
+    """Return the numbers of the figure as a table."""
     names = ["exercise", "points", "earned", *_KINDS]
     head = [element("th", names[0], scope="col")]
     head += [element("th", name, scope="col", class_="number") for name in names[1:]]
@@ -279,7 +279,7 @@ def _scrolling(content: Markup, label: str) -> Markup:
 
 
 def _named(title: str, rows: Sequence[tuple[str, str]]) -> Iterator[Markup]:
-    """What is to be said of single students."""
+    """Return the notes on single students."""
     cells = [
         element("tr", element("th", element("bdi", student), scope="row"), element("td", text))
         for student, text in rows[:MOST_LISTED]
@@ -298,7 +298,7 @@ def _percent(share: float) -> str:
 
 
 def _scores_figure(graded: Sequence[Score]) -> Markup:
-    """How many submissions earned how much."""
+    """Draw a histogram of the points of all submissions."""
     earned = np.array([each.earned for each in graded])
     most = max(each.points for each in graded)
     counts, edges = np.histogram(np.clip(earned, 0, most), bins=min(20, max(5, int(most))), range=(0, most))
@@ -324,7 +324,7 @@ def _scores_figure(graded: Sequence[Score]) -> Markup:
 
 
 def _exercises_figure(exercises: Sequence[ExerciseSummary], submissions: int) -> Markup:
-    """What share of the class got each exercise right, wrong, or not at all."""
+    """Draw the fractions of the class that solved, failed or left out each exercise."""
     shares = {kind: np.array([each.counts[kind] for each in exercises]) for kind in _KINDS}
     total = np.maximum(sum(shares.values()), 1)
     parts = [
@@ -345,7 +345,7 @@ def _exercises_figure(exercises: Sequence[ExerciseSummary], submissions: int) ->
         axes.invert_yaxis()
         axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
 
-    return _figure(draw, 1.3 + 0.32 * len(exercises), "What came of each exercise.", alt)
+    return _figure(draw, 1.3 + 0.32 * len(exercises), "Results of each exercise.", alt)
 
 
 def _shortened(title: str) -> str:
@@ -359,9 +359,8 @@ def _figure(draw: Callable[[Axes], object], height: float, caption: str, alt: st
 
     drawn = io.StringIO()
     with rc_context(_STYLE), warnings.catch_warnings():
-        warnings.filterwarnings(
-            "ignore", "Glyph", UserWarning
-        )  # a letter that the font lacks is drawn as a box
+        # A letter that the font lacks is drawn as a box
+        warnings.filterwarnings("ignore", "Glyph", UserWarning)
         figure = Figure(figsize=(7.0, height), layout="constrained")
         draw(figure.subplots())
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})

@@ -40,7 +40,7 @@ def check_format(name: str) -> str:
 
 
 def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
-    """Return all scores of a journal, or those of a lesson, in the order of students and lessons."""
+    """Return all scores of a journal or of a lesson, ordered by student and lesson."""
     return scores(journal.results(lesson), journal.overrides(lesson), journal.marks(lesson))
 
 
@@ -83,7 +83,7 @@ def csv_table(made: Sequence[Score]) -> bytes:
 
 
 def _columns(made: Iterable[Score]) -> list[tuple[str, str]]:
-    """Numbers and names of all exercises and then all questions of a lesson, in its order."""
+    """Return numbers and names of all exercises and then all questions of a lesson, in its order."""
     both: tuple[dict[tuple[str, str], None], dict[tuple[str, str], None]] = ({}, {})
     for score in made:
         both[0].update(dict.fromkeys((each.number, each.name) for each in score.result.exercises))

@@ -34,7 +34,7 @@ from nao_course.instructor.reports.html import (
 LONGEST = 20_000  # characters of one text that are shown
 _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what it means
     "right": ("good", "Right", ""),
-    "wrong": ("warn", "Not right yet", "It runs and gives an answer, but for some inputs not the right one."),
+    "wrong": ("warn", "Not right yet", "Your function runs, but its answer is wrong for some inputs."),
     "raised": ("warn", "It stops with an error", "An error is raised before there is an answer."),
     "timed out": (
         "warn",
@@ -140,7 +140,7 @@ def feedback_page(score: Score) -> str:
 
 
 def _score(score: Score) -> Iterator[Markup]:
-    """The number, the bar, and one sentence that says what they are made of."""
+    """Return the total score, the bar, and a sentence that explains them."""
     if score.points == 0 and score.result.status == "graded":
         yield element("p", "This lesson gives no points: it is there to try things out.")
         return
@@ -170,7 +170,7 @@ def _whole(score: Score, exercise: ExerciseResult) -> bool:
 
 
 def _exercises(score: Score) -> Iterator[Markup]:
-    """What works first, in short; then what failed, one block each; then what is not written, in short."""
+    """Return blocks for solved exercises (short), failed exercises, and unwritten exercises (short)."""
     plain = [each for each in score.result.exercises if _is_plain(score, each, "right")]
     unwritten = [each for each in score.result.exercises if _is_plain(score, each, "not attempted")]
     others = [each for each in score.result.exercises if each not in plain and each not in unwritten]
@@ -189,7 +189,7 @@ def _exercises(score: Score) -> Iterator[Markup]:
 
 
 def _is_plain(score: Score, exercise: ExerciseResult, state: State) -> bool:
-    """Whether an exercise's state and points say it all."""
+    """Return True if an exercise needs no details beyond its state and points."""
     return exercise.state == state and not exercise.with_reference and exercise.name not in score.overrides
 
 
@@ -213,7 +213,7 @@ def _earned(exercise: ExerciseResult) -> str:
 
 
 def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
-    """One exercise: its points, what came of it, where, what the public check said, what to try."""
+    """Return one exercise: its points, its result, the place of the error, the public report, and advice."""
     points = f"{number(score.of(exercise))} of {_points(exercise.points)}"
     yield element(
         "div", element("h3", *_title(exercise)), element("span", points, class_="points"), class_="top"
@@ -232,7 +232,7 @@ def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
 
 
 def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
-    """Say what came of an exercise, part by part; the page and other exports show the same.
+    """Return the result of an exercise in parts; the page and other exports show the same.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
 
 
 def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
-    """Notes; and that an earlier mistake was not counted twice."""
+    """Return notes, also that an earlier mistake was not counted twice."""
     notes = "\n".join(exercise.notes)
     if exercise.with_reference and exercise.earned > 0:
         text = f"It does not work with your own earlier functions; with ours it does: {_points(exercise.earned)}."
@@ -284,7 +284,7 @@ def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
 
 
 def _written(score: Score) -> Iterator[Markup]:
-    """Written answers with their marks; what they are marked by is not for this page."""
+    """Return written answers with their marks, without the rubrics."""
     if score.result.written:
         yield element("h2", "Your answers in words")
     for answer in score.result.written:
@@ -383,7 +383,7 @@ def _points(value: float) -> str:
 
 
 def _cut(text: str) -> str:
-    """The text, or its beginning with a word about the rest."""
+    """Return the text, or its beginning and how much is left out."""
     if len(text) <= LONGEST:
         return text
     return f"{text[:LONGEST]}\n… ({len(text) - LONGEST} more characters are not shown here)"

@@ -121,7 +121,7 @@ def visible(text: str) -> str:
 
 
 def element(tag: str, *content: Content, **attributes: str) -> Markup:
-    """Make an element; content that is no Markup is escaped.
+    """Make an element; content that is not Markup is escaped.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def element(tag: str, *content: Content, **attributes: str) -> Markup:
 
 
 def join(*content: Content) -> Markup:
-    """Put contents one after the other; what is no Markup is escaped."""
+    """Join contents; content that is not Markup is escaped."""
     return Markup(
         "".join(
             each if isinstance(each, Markup) else escape(visible(each))
@@ -153,7 +153,7 @@ def join(*content: Content) -> Markup:
 
 
 def prose(text: str) -> Markup:
-    """Text as it was written, with what stands in `backticks` set as code."""
+    """Return the text with parts in `backticks` set as code."""
     parts = _CODE.split(text)
     return join(*(element("code", part) if at % 2 else part for at, part in enumerate(parts)))
 

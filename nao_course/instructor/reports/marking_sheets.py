@@ -64,7 +64,7 @@ class Taken:
     read : int
         Marks in the file.
     changed : tuple of Mark
-        Those that were new or other than before.
+        Marks that are new or changed.
     open : tuple of (str, str)
         Student and question, of the answers to the file's questions that nobody has marked yet.
     """
@@ -152,7 +152,7 @@ def _write_sheet(path: Path, answers: Sequence[_Answer]) -> Sheet:
 
 
 def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
-    """Refuse to write over marks that somebody has typed in and nobody has read."""
+    """Refuse to overwrite marks that were typed in but not yet read."""
     if not path.is_file():
         return
     say = f"run `nao-course marks {path.parent.parent} {path}` first, or move it away"
@@ -231,7 +231,7 @@ def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Ma
     points = _points(row["points"])
     if points is None:
         given = row["points"].strip()[:40]
-        yield f"row {row.number}: points are {given!r}; a number from 0 to {number(most)} is wanted"
+        yield f"row {row.number}: points are {given!r}; they must be a number from 0 to {number(most)}"
     elif points > most + 1e-9:
         yield f"row {row.number}: {number(points)} points; the question is worth {number(most)}"
     else:
@@ -242,7 +242,7 @@ def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Ma
 
 
 def _without_zeros(key: Key, known: Mapping[Key, _Answer]) -> _Answer | None:
-    """The answer of a student whose number lost its first zeros in a spreadsheet; None where several may be meant."""
+    """Return the answer of a student whose number lost its leading zeros in a spreadsheet; None if ambiguous."""
     if not (key[0].isdigit() and key[0].isascii()):
         return None
     meant = [
@@ -271,7 +271,7 @@ def _key(row: Row) -> Key:
 
 
 def _points(text: str) -> float | None:
-    """A number as people write it, with a point or a comma; None for anything else."""
+    """Return a number written with a point or a comma; None for anything else."""
     text = text.strip()
     return float(text.replace(",", ".")) if _NUMBER.fullmatch(text) else None
 

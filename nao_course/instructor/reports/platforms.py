@@ -52,7 +52,7 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
     sheet : Path
         Moodle's grading worksheet, or Canvas's exported gradebook.
     made : iterable of Score
-        Of one lesson. A student is found by the number that the platform put into the name of what was handed in.
+        Scores of one lesson. A student is found by the number that the platform put into the file name.
     column : str
         The column's name, or how it begins; with Canvas, where there is one for each assignment.
 
@@ -64,7 +64,7 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
     Raises
     ------
     TableError
-        If it is no such sheet, or its column is not told.
+        If it is not such a sheet, or no column is given.
     """
     rows = read_rows(sheet)
     if not rows:
@@ -94,7 +94,7 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
 
 
 def _columns(platform: str, file: str, header: Sequence[str], wanted: str) -> tuple[int, int]:
-    """Where a sheet has the students' numbers, and where the points go."""
+    """Return the columns of the students' numbers and of the points in a sheet."""
     names = [each.strip().casefold() for each in header]
     key = {"moodle": "identifier", "canvas": "id"}[platform]
     if key not in names:

@@ -89,7 +89,7 @@ def _cell(value: str | float | None) -> str:
 
 
 def fitting(text: str) -> str:
-    """Text as a cell can hold it: nothing unseen in it, and not too long."""
+    """Return text for a cell, without invisible characters and cut to the maximum length."""
     text = visible(text)
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}\n… (cut here: a cell holds no more)"
 
@@ -144,7 +144,7 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
     if separator is None:
         raise TableError(
             f"{path.name}, row 1: the columns are {_few(first)}; "
-            f"{', '.join(map(repr, header))} are wanted. Leave the header as it was written."
+            f"they should be {', '.join(map(repr, header))}. Leave the header as it was written."
         )
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
@@ -154,17 +154,17 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
 
 
 def _no_table(path: Path, error: csv.Error) -> TableError:
-    return TableError(f"{path.name} is no CSV table: {error}. Save it as CSV again.")
+    return TableError(f"{path.name} is not a CSV table: {error}. Save it as CSV again.")
 
 
 def _few(names: Sequence[str]) -> str:
-    """The first of some names, each of them in short: a file that is no table may have anything in its first row."""
+    """Return the first names, shortened: a file that is not a table may have anything in its first row."""
     shown = [repr(name if len(name) <= 30 else name[:30] + "...") for name in names[:8]]
     return ", ".join(shown) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
 
 
 def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> tuple[str | None, list[str]]:
-    """The separator that makes the header of the first row, and that row; else None and what looks most like a row."""
+    """Return the separator for which the first row is the header, and that row; else None and the best guess."""
     best: list[str] = []
     for separator in separators:
         try:
@@ -178,12 +178,12 @@ def _separator(text: str, separators: Sequence[str], header: Sequence[str]) -> t
 
 
 def _first_row(text: str, separator: str) -> list[str]:
-    """The first row of a table; csv.Error if it is none."""
+    """Return the first row of a table, or raise csv.Error."""
     return next(csv.reader(io.StringIO(text, newline=""), delimiter=separator), [])
 
 
 def _text(path: Path) -> str:
-    """A file's text. An encoding that no byte order mark names is UTF-8 where it can be, else what Excel calls CSV."""
+    """Return a file's text. Without a byte order mark it is read as UTF-8 if possible, else in Excel's encoding."""
     if path.stat().st_size > LARGEST:
         raise TableError(f"{path.name} is larger than {LARGEST // 2**20} MB")
     data = path.read_bytes()
@@ -201,7 +201,7 @@ def _text(path: Path) -> str:
 
 
 def _without_hint(text: str) -> tuple[str, Sequence[str]]:
-    """The table, and separators that may be meant: Excel's own line "sep=;" settles it and is no row."""
+    """Return the table and its possible separators. Excel's line "sep=;" decides and is removed."""
     named = re.match(r"\"?sep=(.)\"?[ ,;\t]*\r?\n", text, re.IGNORECASE)
     return (text[named.end() :], (named.group(1),)) if named else (text, _SEPARATORS)
 
@@ -211,7 +211,7 @@ def _name(cell: str) -> str:
 
 
 def _rows(file: str, rows: Sequence[Sequence[str]], header: Sequence[str]) -> Iterator[Row]:
-    """Rows by the names of the header; a cell beyond it is refused, but for empty ones."""
+    """Yield rows by the names of the header; extra cells are refused unless they are empty."""
     names = [_name(cell) for cell in rows[0]]
     extra = sorted({name for name in names if name and (names.count(name) > 1 or name not in header)})
     if extra:

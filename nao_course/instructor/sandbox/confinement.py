@@ -21,7 +21,7 @@ if sys.platform != "win32":
 if sys.platform == "linux":
     from nao_course.instructor.sandbox import linux
 
-# What a process may read of itself; its mounts would tell where the course lies.
+# What a process may read of itself. Its mounts would reveal the path of the course.
 _OWN_PROCESS = ("cmdline", "comm", "fd", "limits", "maps", "smaps", "stat", "statm", "status")
 SCRATCH = "/scratch"  # in a worker's own view of the files
 UNUSED_USER = 1_900_000_000  # of the host: the first of a range that nobody uses
@@ -60,7 +60,7 @@ class Bounds:
 
 
 def readable() -> list[str]:
-    """Files and folders that Python, its packages and the student side of this one need; nothing else is shown."""
+    """Return the files and folders that Python, its packages and the students' modules need; all else is hidden."""
     package = Path(nao_course.__file__).resolve().parent
     own = [path for path in package.iterdir() if path.stem not in (*INSTRUCTORS, "__pycache__")]
     named = [sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")]
@@ -73,7 +73,7 @@ def readable() -> list[str]:
 
 
 def _outermost(paths: Iterable[str]) -> list[str]:
-    """Real paths, without those that lie in another of them."""
+    """Return the real paths, without those inside another one."""
     kept: list[str] = []
     for path in sorted({os.path.realpath(path) for path in paths}):
         if not any(path == each or path.startswith(each + "/") for each in kept):
@@ -82,7 +82,7 @@ def _outermost(paths: Iterable[str]) -> list[str]:
 
 
 def _links(path: str) -> Iterator[tuple[str, str]]:
-    """Symbolic links on the way to a path, with what each leads to."""
+    """Return the symbolic links in a path with their targets."""
     at = Path("/")
     for part in Path(path).parts[1:]:
         at /= part
@@ -132,7 +132,7 @@ def enter_namespaces(on: Collection[str]) -> list[int]:
 
 
 def _enter_user_namespace() -> list[int]:
-    """Become the administrator of a new user namespace; if already the machine's, bring unprivileged users along."""
+    """Enter a new user namespace as its administrator; root also maps unprivileged users."""
     user, group = os.geteuid(), os.getegid()
     if user != 0:
         linux.unshare(linux.CLONE_NEWUSER)
@@ -268,9 +268,8 @@ class Confinement:
             self._mount(user or 0, folder)
         os.chdir(folder)
         self._become(user)
-        limit_resources(
-            self.bounds
-        )  # not before: a new user namespace hands its limit up to all of its user's
+        # Not before: a new user namespace hands its limit up to all of its user's.
+        limit_resources(self.bounds)
         self._lock([folder])
 
     def enter_as_init(self, user: int | None) -> None:
@@ -338,6 +337,6 @@ def limit_resources(bounds: Bounds) -> None:
 
 
 def _mapped(which: int) -> int:
-    """Bytes that this process has mapped: in all (0), or that it may write to alone (5)."""
+    """Return the bytes that this process has mapped: all (0), or only private writable ones (5)."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[which]) * os.sysconf("SC_PAGE_SIZE")

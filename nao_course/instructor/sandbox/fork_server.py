@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import nao_course
-from nao_course.exercises.codec import encode
+from nao_course.codec import encode
 from nao_course.instructor.sandbox.confinement import (
     INSTRUCTORS,
     SCRATCH,
@@ -55,7 +55,7 @@ _LIBRARIES = (
     "sympy",
 )
 _MOST_WAITING = 10.0  # seconds for a namespace to end
-_WATCH = 0.05  # seconds between two looks at how much memory the workers hold
+_WATCH = 0.05  # seconds between two measurements of the workers' memory
 TOO_MUCH_MEMORY = "the process and its children used more than {0} MB of memory"
 
 
@@ -73,7 +73,7 @@ class NamespaceInit:
             signal.pidfd_send_signal(self.itself, signal.SIGKILL)
 
     def wait(self, meanwhile: Callable[[], object]) -> None:
-        """Wait until it, and with it the namespace, is gone, but not for ever; do something in the meantime."""
+        """Wait for a limited time until the process and its namespace have ended, and call a function meanwhile."""
         poll, end = select.poll(), time.monotonic() + _MOST_WAITING
         poll.register(self.itself, select.POLLIN)
         while not poll.poll(10) and time.monotonic() < end:
@@ -96,7 +96,7 @@ class NamespaceFactory:
         theirs.close()
 
     def new_namespace(self) -> NamespaceInit:
-        """Return the first process of a new namespace; OSError where there can be none."""
+        """Return the first process of a new namespace, or raise OSError if it cannot be created."""
         self.channel.send(b"next")
         message, descriptors, _, _ = socket.recv_fds(self.channel, 100, 1)
         if not descriptors:
@@ -126,7 +126,7 @@ def _make_namespaces(channel: socket.socket, confinement: Confinement, user: int
 
 
 def _be_init(confinement: Confinement, user: int | None) -> NoReturn:
-    """Only be there: all other processes of the namespace end with this one."""
+    """Wait for ever, because all other processes of the namespace end with this one."""
     try:
         _close_all_but([])
         confinement.enter_as_init(user)
@@ -193,7 +193,7 @@ class ForkServer:
                 self.watch()
 
     def say(self, reply: Mapping[str, Any]) -> None:
-        """Tell the grader something; where there is none any more, end."""
+        """Send a message to the grader, or end if it no longer exists."""
         try:
             self.control.send(json.dumps(reply).encode())
         except OSError:
@@ -264,7 +264,7 @@ class ForkServer:
             os._exit(70)
 
     def work(self, user: int | None, folder: str, channel: int) -> NoReturn:
-        """Be a worker: nothing of a student's runs before it is confined."""
+        """Run a worker. It is confined before any code of a student runs."""
         try:
             self.confinement.enter(user, folder)
         except OSError as error:
@@ -340,7 +340,7 @@ def _children(process: int) -> list[int]:
 
 
 def _processes() -> Iterator[tuple[int, int]]:
-    """Every process that is in sight, with its parent."""
+    """Return every visible process with its parent."""
     for name in os.listdir("/proc"):
         if name.isdigit():
             with contextlib.suppress(OSError), open(f"/proc/{name}/stat", "rb") as file:
@@ -348,7 +348,7 @@ def _processes() -> Iterator[tuple[int, int]]:
 
 
 def _descends(process: int, roots: set[int | None], parents: Mapping[int, int]) -> bool:
-    """Whether a process is one of some, or comes from one."""
+    """Return True if a process is one of the given ones or a descendant of one."""
     while process in parents:
         if process in roots:
             return True
@@ -357,7 +357,7 @@ def _descends(process: int, roots: set[int | None], parents: Mapping[int, int]) 
 
 
 def _held(process: str) -> int:
-    """Bytes of memory that a process holds, but for files; 0 for one that has just ended."""
+    """Return the bytes of memory that a process holds, without files; 0 if it has just ended."""
     held = 0
     with contextlib.suppress(OSError), open(f"/proc/{process}/status", "rb") as file:
         for line in file:
@@ -367,7 +367,7 @@ def _held(process: str) -> int:
 
 
 def students_modules() -> Iterator[str]:
-    """Names of all modules of this package that a student's code may import."""
+    """Return the names of all modules of this package that a student's code may import."""
     for found in pkgutil.iter_modules(nao_course.__path__, "nao_course."):
         if found.name.rpartition(".")[2] not in INSTRUCTORS:
             yield found.name

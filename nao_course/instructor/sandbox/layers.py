@@ -32,12 +32,7 @@ if sys.platform == "linux":
 LEVELS = ("process", "landlock", "namespaces", "full")
 NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
 LINUX_LAYERS = (*NAMESPACES, "landlock", "seccomp", "unprivileged user")
-_NEEDS = {
-    "process": (),
-    "landlock": ("landlock",),
-    "namespaces": NAMESPACES,
-    "full": LINUX_LAYERS,
-}
+_NEEDS = {"process": (), "landlock": ("landlock",), "namespaces": NAMESPACES, "full": LINUX_LAYERS}
 _TRIAL_SECONDS = 60.0
 
 
@@ -149,7 +144,7 @@ def probe() -> Sandbox:
 
 
 def _tried(attempt: Callable[[], object]) -> str:
-    """Why something does not work in a process forked for it; empty where it does."""
+    """Run a function in a forked process and return the reason why it fails, or an empty string."""
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
@@ -222,7 +217,7 @@ def _try_seccomp() -> None:
 
 
 def _try_user(*, namespace: bool) -> None:
-    """Become an unprivileged user, who can still read Python's own files."""
+    """Switch to an unprivileged user who can still read Python's own files."""
     if os.geteuid() != 0:
         return
     users = enter_namespaces({"user namespace", "unprivileged user"}) if namespace else [UNUSED_USER]
@@ -257,9 +252,8 @@ def _trial() -> list[Layer]:
     if not found["landlock"]:
         details["landlock"] = f"version {linux.landlock_version()}"
     details["unprivileged user"] = "" if os.geteuid() == 0 else f"started by user {os.geteuid()}"
-    if any(
-        found[name] for name in NAMESPACES
-    ):  # a view without a PID namespace would show the host's processes
+    # A view without a PID namespace would show the host's processes.
+    if any(found[name] for name in NAMESPACES):
         for name in NAMESPACES:
             found[name] = found[name] or "it holds only together with the other namespaces"
     else:

@@ -33,9 +33,8 @@ FS_READ = FS_READ_FILE | FS_READ_DIR
 _FS_BY_ABI = {1: 13, 2: 14, 3: 15, 5: 16}  # how many rights there are since
 _NET_TCP = 0b11  # bind and connect, since 4
 _SCOPES = 0b11  # abstract Unix sockets and signals, since 6
-_OF_A_FILE = (
-    FS_EXECUTE | FS_WRITE_FILE | FS_READ_FILE | 1 << 14 | 1 << 15
-)  # all that a rule for a file may hold
+# All that a rule for a file may hold
+_OF_A_FILE = FS_EXECUTE | FS_WRITE_FILE | FS_READ_FILE | 1 << 14 | 1 << 15
 
 _libc = ctypes.CDLL(None, use_errno=True)
 
@@ -99,12 +98,12 @@ def _prctl(option: int, value: int, pointer: object = None) -> None:
 
 
 def die_with_parent(signal: int) -> None:
-    """Have this process sent a signal when the thread that forked it ends."""
+    """Request a signal for this process when the thread that forked it ends."""
     _prctl(_PR_SET_PDEATHSIG, signal)
 
 
 def adopt_orphans() -> None:
-    """Become the parent of every process below this one whose own parent ends."""
+    """Make this process adopt every descendant whose own parent ends."""
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
@@ -125,14 +124,14 @@ def drop_capabilities() -> None:
 
 
 def load_filter(program: bytes) -> None:
-    """Have the kernel run a seccomp program, in the form libseccomp exports, before each system call."""
+    """Install a seccomp program, as exported by libseccomp, that the kernel runs before each system call."""
     code = ctypes.create_string_buffer(program, len(program))
     filter_ = struct.pack("@HP", len(program) // 8, ctypes.addressof(code))
     _prctl(_PR_SET_SECCOMP, 2, ctypes.create_string_buffer(filter_, len(filter_)))
 
 
 def landlock_version() -> int:
-    """Which version of Landlock the kernel offers.
+    """Return the version of Landlock that the kernel offers.
 
     Raises
     ------
@@ -159,12 +158,7 @@ def landlock(allowed: Iterable[tuple[str, int]], everything: Iterable[str] = ())
     attributes = struct.pack("<QQQ", rights, net, scopes)[: 24 if abi >= 6 else 16 if abi >= 4 else 8]
     call = _libc.syscall
     ruleset = _checked(
-        call(
-            ctypes.c_long(_SYS_LANDLOCK[0]),
-            attributes,
-            ctypes.c_size_t(len(attributes)),
-            ctypes.c_uint(0),
-        ),
+        call(ctypes.c_long(_SYS_LANDLOCK[0]), attributes, ctypes.c_size_t(len(attributes)), ctypes.c_uint(0)),
         "landlock_create_ruleset",
     )
     try:

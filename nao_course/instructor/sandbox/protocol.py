@@ -1,34 +1,35 @@
 """What the grader and a student's process both speak: frames of the codec over pipes or a socket, read with a deadline.
 
-The worker is told the notebook and the inputs of calls, and never what is expected. What it answers is read as a
+The worker gets the notebook and the inputs of calls, but never the expected answers. What it answers is read as a
 stranger's.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import select
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
-from nao_course.exercises.codec import PREFIX_SIZE, CodecError, Limits, decode, frame_lengths
+from nao_course._internal.single_threaded import SINGLE_THREADED
+from nao_course.codec import PREFIX_SIZE, CodecError, Limits, decode, frame_lengths
 from nao_course.exercises.running import Outcome, Status
-from nao_course.single_threaded import SINGLE_THREADED
 
 REPLY = Limits(size=32 * 2**20, header=4 * 2**20)  # a picture of 1280 x 960 in float64 has 28 MB
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
-MOST_NOTES = 20  # of attempts that a worker tells of
+MOST_NOTES = 20  # reports of denied attempts from a worker
 MOST_REQUEST = 2**16  # bytes of a message to or from the warm server
 UNREADABLE = "its answer could not be read"
 LIMITED = "--limited"  # argument of a worker's process that sets limits for itself
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
 OF_A_WORKER = {"MPLBACKEND": "Agg", **SINGLE_THREADED}  # what each has in its environment
-SECONDS_IN_ALL = 120.0  # for one submission, all tries and processes together
+SECONDS_IN_ALL = 120.0  # for one submission's own code, all tries and processes together
 _KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
 
 
@@ -40,8 +41,8 @@ class EarlierNotebook:
     ----------
     lesson : str
         Such as "01_hsl_filtering".
-    content : bytes
-        The notebook.
+    content : bytes or callable
+        The notebook, or what returns it: then it is in memory only while it is sent.
     helpers : mapping of str to bytes
         Python files beside it, by name.
     setup : str
@@ -49,13 +50,17 @@ class EarlierNotebook:
     """
 
     lesson: str
-    content: bytes
+    content: bytes | Callable[[], bytes]
     helpers: Mapping[str, bytes] = field(default_factory=dict)
     setup: str = ""
 
+    def read(self) -> bytes:
+        """Return the notebook."""
+        return self.content() if callable(self.content) else self.content
+
 
 def scrubbed_environment(*names: str) -> dict[str, str]:
-    """Return what a new process is told of this one's environment: no more than it needs, and some names."""
+    """Return the part of this process's environment that a new process needs, and some names."""
     kept = {name: os.environ[name] for name in (*_KEPT, *names) if name in os.environ}
     return kept | OF_A_WORKER
 
@@ -82,22 +87,34 @@ class Ended(Exception):  # noqa: N818 - no error: students' processes end
 
 @dataclass
 class Allowance:
-    """Wall clock that workers may use together, and how much of it they have used, in seconds."""
+    """Wall-clock time that workers share, in seconds.
+
+    Parameters
+    ----------
+    seconds : float
+        Time that they may use together.
+    until : float
+        Value of `time.monotonic` after which nothing is granted any more; several allowances may share it.
+    spent : float
+        Time that they have used.
+    """
 
     seconds: float = SECONDS_IN_ALL
+    until: float = math.inf
     spent: float = 0.0
 
     def left(self, most: float) -> float:
-        """Seconds for what is asked next, at most some.
+        """Return the seconds for the next request, at most the given number.
 
         Raises
         ------
         Ended
             If there are none.
         """
-        if self.spent >= self.seconds:
-            raise Ended("timed out", f"all {self.seconds:g} s that a submission has are used up")
-        return min(most, self.seconds - self.spent)
+        left = min(self.seconds - self.spent, self.until - time.monotonic())
+        if left <= 0:
+            raise Ended("timed out", "the time that one submission may take is used up")
+        return min(most, left)
 
     @contextlib.contextmanager
     def clock(self) -> Iterator[None]:
@@ -172,7 +189,7 @@ class Channel:
         raise Ended("died", UNREADABLE)
 
     def how_it_ended(self) -> str:
-        """End what is left of a process that closed its channel, and say what became of it."""
+        """End a process that closed its channel, and describe how it ended."""
         raise NotImplementedError
 
     def kill(self) -> None:
@@ -192,12 +209,12 @@ def describe_end(code: int) -> str:
 
 
 def ended_from_outside(description: str) -> bool:
-    """Whether `describe_end` tells of an end that the process may have no part in, such as the kernel's for memory."""
+    """Return True if the described end may have an outside cause, such as the kernel's limit of memory."""
     return description.startswith(tuple(f"{_BY_SIGNAL} {each} " for each in _FROM_OUTSIDE))
 
 
 def _ready(pipe: int, what: str, seconds: float) -> bool:
-    """Whether a pipe can be read or written within some seconds."""
+    """Return True if a pipe can be read or written within the given seconds."""
     if sys.platform == "win32":
         import _winapi
         import msvcrt

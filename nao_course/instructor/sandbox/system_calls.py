@@ -29,7 +29,7 @@ _DENIED_CALLS = (
     *("shmget", "shmat", "shmctl", "semget", "semop", "semctl", "msgget", "msgsnd", "msgrcv", "mq_open"),
     *("sync", "syncfs"),  # writing out all that the machine has in hand takes others' time
     *("memfd_create", "memfd_secret"),  # memory that no limit counts
-    # What one worker could tell another by, over a library's file that both read, or the next one by what stays cached.
+    # Calls by which workers could exchange messages over a library's file that both read, or over the cache.
     *("flock", "inotify_init", "inotify_init1", "inotify_add_watch"),
     *("fadvise64", "fadvise64_64", "arm_fadvise64_64", "readahead", "mincore", "cachestat"),
     "setsockopt",  # how much a socket may hold: no limit counts that either
@@ -53,7 +53,7 @@ _FILE_CHANGES = (  # of files, which Landlock does not know; in a view of its ow
     *("utime", "utimes", "futimesat", "utimensat", "setxattr", "lsetxattr", "fsetxattr"),
     *("removexattr", "lremovexattr", "fremovexattr"),
 )
-# Calls that came after this list was made, by number, for libseccomp may not know their names: statmount tells where a
+# Calls that came after this list was made, by number, which libseccomp may not know: statmount reveals where a
 # mount comes from. Their numbers are the same on all processors; to libraries this is an older Linux.
 _LATER = range(453, 560)
 

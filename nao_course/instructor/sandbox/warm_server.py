@@ -129,7 +129,7 @@ class WarmServer:
         Raises
         ------
         ServerEnded
-            If its server is gone, and the worker with it.
+            If its server has ended, and the worker with it.
         """
         fork.socket.close()
         with self._lock:

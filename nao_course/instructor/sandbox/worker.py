@@ -21,8 +21,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from nao_course.codec import CodecError, encode
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.definitions import MOST_BYTES, MOST_WRITTEN, Skipped
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox.layers import SandboxError
@@ -47,7 +47,7 @@ MOST_SKIPPED = 1000  # statements that are listed as not run
 MOST_WRITTEN_ANSWERS = 100
 MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is left out in the next one
 MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
-MOST_ASKED = 20_000  # questions of one call to functions that are lent to it,
+MOST_ASKED = 20_000  # requests of one call for reference functions,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 _SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all else only the grader can know
@@ -181,8 +181,8 @@ class Worker:
         """How many of its processes may have been ended by someone outside, or for want of memory on the machine."""
         return self._deaths
 
-    def lend(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
-        """From now on, let functions be stubs that ask for their answer here: the notebook's, and "01:earlier" ones.
+    def stand_in(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
+        """Replace functions of the notebook, and "01:earlier" ones, by stubs that request their answers here.
 
         Parameters
         ----------
@@ -234,7 +234,7 @@ class Worker:
         self._deaths += ended.outcome.status == "died" and ended_from_outside(ended.outcome.text)
 
     def _next(self, channel: Channel) -> Any:
-        """What the worker says next, but for what it tells of attempts."""
+        """Return the worker's next message that is not a report of a denied attempt."""
         while True:
             said = channel.receive()
             first = said[0] if isinstance(said, tuple) and said else said
@@ -248,7 +248,7 @@ class Worker:
                     return said
 
     def _answering(self, channel: Channel) -> Any:
-        """What the worker says next, after the questions it has on the way."""
+        """Return the worker's next result, and answer its requests before it."""
         asked, size = 0, channel.size
         while True:
             match self._next(channel):
@@ -261,6 +261,7 @@ class Worker:
                         answer = encode(("answer", self._lent[name](args, kwargs)))
                     except CodecError as error:  # what came just fitted; with what goes along, it does not
                         answer = encode(("answer", Outcome("unsendable", text=str(error))))
+                    self.allowance.left(self.seconds)  # a flood of questions ends with the submission's time
                     waited = time.monotonic() - began
                     self.allowance.spent -= waited
                     channel.deadline += waited
@@ -269,13 +270,13 @@ class Worker:
                     return said
 
     def _running(self) -> Channel:
-        """The channel to a process that has loaded the notebook and the overrides.
+        """Return the channel to a process that has loaded the notebook and the overrides.
 
         A statement that ends the process or its time is left out in the next one: the rest of the notebook counts.
         """
         while self._channel is None:
             if self._failed:
-                raise self._failed
+                raise self._failed.with_traceback(None)  # else each call would add to it
             content = self._content()
             self._channel = self._start()
             left_out = len(self._left_out)
@@ -297,7 +298,7 @@ class Worker:
         return self._channel
 
     def _content(self) -> tuple[bytes, dict[str, bytes]] | None:
-        """Notebook and helpers for a worker that does not see them."""
+        """Return the notebook and helpers for a worker that cannot read their files."""
         if not self.notebook.is_file():
             raise Ended("not found", f"{self.notebook.name}: there is no such file")
         if self.server is None:
@@ -307,7 +308,7 @@ class Worker:
         return self.notebook.read_bytes(), {path.name: path.read_bytes() for path in self.helpers}
 
     def _start(self) -> Channel:
-        """A new process, for notebooks that are trusted or not."""
+        """Start a new process for a trusted or an untrusted notebook."""
         self.allowance.left(self.seconds)
         if self.server is None:
             return _OwnProcess(self.notebook.parent)
@@ -327,15 +328,18 @@ class Worker:
                 channel.give_up()
 
     def _load_earlier(self, channel: Channel, earlier: EarlierNotebook) -> bool:
-        """Have an earlier lesson's notebook loaded; False where that ended the process: the next one leaves it out."""
+        """Load an earlier lesson's notebook in the worker; return False if that ended the process."""
         left_out = self._left_out_earlier.setdefault(earlier.lesson, [])
         if len(left_out) >= MOST_LEFT_OUT_EARLIER:
             return True
-        content = (earlier.content, dict(earlier.helpers))
-        request = ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
+        content = (earlier.read(), dict(earlier.helpers))
+        request = encode(
+            ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
+        )
+        del content
         at = (0, 0)
         try:
-            channel.ask(encode(request), self.allowance.left(self.seconds))
+            channel.ask(request, self.allowance.left(self.seconds))
             while (said := self._next(channel)) != "loaded":
                 match said:
                     case ("at", int(cell), int(line)):
@@ -350,7 +354,7 @@ class Worker:
         return True
 
     def _load(self, channel: Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
-        """Have the notebook loaded; the worker says which statement comes next before it runs."""
+        """Load the notebook in the worker, which announces each statement before it runs."""
         left_out = [list(place) for place in self._left_out]
         request = ("load", self.notebook.name, content, self.setup, left_out, dict(self.instead))
         channel.ask(encode(request), self.allowance.left(self.seconds))
@@ -384,7 +388,7 @@ class Worker:
 
 
 def _printable(text: str) -> str:
-    """The beginning of a text that a stranger wrote, without what a terminal would obey."""
+    """Return the beginning of an untrusted text, without control characters."""
     return "".join(each if each.isprintable() else " " for each in text[:LONGEST_REASON])
 
 
@@ -402,7 +406,7 @@ def _answers(written: dict[str, Any]) -> dict[str, str]:
 
 
 def _well_formed(outcome: Any) -> bool:
-    """Whether an outcome that a stranger wrote has fields of the right types."""
+    """Return True if all fields of an untrusted outcome have the right types."""
     match outcome:
         case Outcome(
             status=str(status), text=str(), line=str(), changed=bool(), output=str(), errors=tuple(errors)
@@ -412,7 +416,7 @@ def _well_formed(outcome: Any) -> bool:
 
 
 def _shortened(outcome: Outcome) -> Outcome:
-    """An outcome whose texts are no longer than an honest worker makes them."""
+    """Return an outcome with its texts cut to the length that a correct worker uses."""
     text, line = outcome.text[:MOST_TEXT], outcome.line[:MOST_TEXT]
     return replace(outcome, text=text, line=line, output=outcome.output[:MOST_OUTPUT])
 
@@ -436,7 +440,7 @@ class _OwnProcess(Channel):
         super().__init__(self.process.stdin.fileno(), self.process.stdout.fileno())
 
     def how_it_ended(self) -> str:
-        """End what is left of a process that closed its channel, and say what became of it."""
+        """End a process that closed its channel, and describe how it ended."""
         self.kill()
         return describe_end(self.process.returncode)
 
@@ -473,7 +477,7 @@ class _ForkedProcess(Channel):
         self.server, self.fork, self.ended = server, fork, ""
 
     def how_it_ended(self) -> str:
-        """End what is left of a process that closed its channel, and say what became of it."""
+        """End a process that closed its channel, and describe how it ended."""
         self.ended = self.ended or self.server.end(self.fork)
         return self.ended
 

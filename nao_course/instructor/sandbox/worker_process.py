@@ -16,8 +16,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
+from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.definitions import Definitions, load_definitions
 from nao_course.exercises.earlier import not_usable, split_use, stand_in
 from nao_course.exercises.lesson_names import number_of
@@ -25,16 +25,17 @@ from nao_course.exercises.running import call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
 from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUTPUT, REPLY
 
+_NO_ROOM = "the notebook and its files do not fit into the space that a submission has for files"
 _NO_MEMORY = "MemoryError"  # how the reason begins of a statement that found none left
 
 
 def _places(told: list[list[int]]) -> set[tuple[int, int]]:
-    """Cells and lines."""
+    """Count cells and lines."""
     return {(cell, line) for cell, line in told}
 
 
 class TruncatedOutput(io.RawIOBase):
-    """A file that keeps the first of what is written to it and drops the rest."""
+    """A file that keeps the beginning of its output and drops the rest."""
 
     def __init__(self) -> None:
         self.kept = bytearray()
@@ -54,18 +55,15 @@ class RequestLoop:
     """The worker: it answers until nobody asks any more."""
 
     def __init__(self, requests: int, replies: int, *, private: bool = True) -> None:
-        self.requests, self.replies, self.private = (
-            requests,
-            replies,
-            private,
-        )  # private: its folder is its own
+        # Private: its folder is its own
+        self.requests, self.replies, self.private = (requests, replies, private)
         self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
         self.process = self.getpid()
         self.lock = threading.RLock()
         self.functions: dict[str, Any] = {}
         self.definitions = Definitions({})
         self.earlier: dict[str, Definitions] = {}  # by the number of the lesson
-        self.lent: dict[tuple[str, str], Callable[..., Any]] = {}  # by lesson and name
+        self.references: dict[tuple[str, str], Callable[..., Any]] = {}  # by lesson and name
 
     def serve(self) -> NoReturn:
         """Answer."""
@@ -76,20 +74,23 @@ class RequestLoop:
                     self.load_earlier(lesson, content, setup, _places(left_out))
                 case ("load", name, content, setup, left_out, instead):
                     self.load(Path(name), content, setup, _places(left_out), instead)
-                case ("define", sources, lent):
-                    self.define(sources, lent)
+                case ("define", sources, references):
+                    self.define(sources, references)
                 case ("call", number, name, args, kwargs, driver):
                     self.call(number, name, Case(args, kwargs=kwargs), driver)
 
     def load_earlier(self, lesson: str, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
-        """Load the notebook of an earlier lesson in a namespace of its own; of one that is none, nothing is found."""
+        """Load the notebook of an earlier lesson in its own namespace; an invalid one has no functions."""
         folder = Path(tempfile.mkdtemp(prefix="earlier_", dir=os.getcwd() if self.private else None))
         with contextlib.suppress(OSError, ValueError), _captured(), _own_helpers(folder):
             for name, text in content[1].items():
                 (folder / name).write_bytes(text)
             notebook = folder / f"{lesson}.ipynb"
             notebook.write_bytes(content[0])
-            self.earlier[number_of(lesson)] = self.loaded(notebook, left_out, setup, {})
+            try:
+                self.earlier[number_of(lesson)] = self.loaded(notebook, left_out, setup, {})
+            finally:
+                notebook.unlink()  # several may have 50 MB each, and a worker has 128 MB for files
         if not self.private:
             shutil.rmtree(folder, ignore_errors=True)
         self.say(encode("loaded"))
@@ -111,7 +112,8 @@ class RequestLoop:
             with _captured():
                 self.definitions = self.loaded(notebook, left_out, setup, instead)
         except (OSError, ValueError) as error:
-            self.say(encode(("refused", str(error))))
+            reason = str(error) if isinstance(error, ValueError) else _NO_ROOM
+            self.say(encode(("refused", reason)))
             return
         self.functions = dict(self.definitions)
         text = self.definitions.text
@@ -137,7 +139,7 @@ class RequestLoop:
         return replace(found, skipped=tuple(skipped))
 
     def before(self, left_out: set[tuple[int, int]]) -> Callable[[int, int], bool]:
-        """Return what tells each statement before it runs, for it may be the last."""
+        """Return a function that announces each statement before it runs, because it may be the last one."""
 
         def tell(cell: int, line: int) -> bool:
             self.say(encode(("at", cell, line)))
@@ -146,12 +148,12 @@ class RequestLoop:
         return tell
 
     def stand_in(self, use: str) -> Any:
-        """Return what stands for a function of an earlier lesson: the one that is lent, or the one handed in."""
+        """Return the function that is used for an earlier lesson's: the reference's or the submitted one."""
         lesson, name = split_use(use)
 
         def find() -> Any:
-            if (lesson, name) in self.lent:
-                return self.lent[lesson, name]
+            if (lesson, name) in self.references:
+                return self.references[lesson, name]
             if lesson not in self.earlier:
                 return not_usable(use, f"there is no notebook of lesson {lesson} that could be read.")()
             if name not in self.earlier[lesson]:
@@ -160,8 +162,8 @@ class RequestLoop:
 
         return stand_in(use, find)
 
-    def define(self, sources: dict[str, str], lent: list[str]) -> None:
-        """Let functions take the place of the notebook's; one that cannot be defined is not found."""
+    def define(self, sources: dict[str, str], references: list[str]) -> None:
+        """Replace functions of the notebook; a function that cannot be defined is missing."""
         namespace = self.definitions.namespace
         namespace.update(self.definitions)
         self.functions = dict(self.definitions)
@@ -170,8 +172,8 @@ class RequestLoop:
             with contextlib.suppress(Exception), _captured():
                 exec(compile(source, f"<{name}>", "exec", dont_inherit=True), namespace)
                 self.functions[name] = namespace[name]
-        self.lent = {split_use(use): self.stub(use) for use in lent if ":" in use}
-        for name in lent:
+        self.references = {split_use(use): self.stub(use) for use in references if ":" in use}
+        for name in references:
             if ":" not in name:
                 self.functions[name] = namespace[name] = self.stub(name)
         self.say(encode(list(self.functions)))
@@ -179,7 +181,7 @@ class RequestLoop:
     def stub(self, name: str) -> Callable[..., Any]:
         """Return a function that has its answer from the grader."""
 
-        def lent(*args: Any, **kwargs: Any) -> Any:
+        def stub(*args: Any, **kwargs: Any) -> Any:
             with self.lock:
                 self.say(encode(("ask", name, args, kwargs), REPLY))
                 _, outcome = decode(self.read(), trusted=True)
@@ -189,11 +191,11 @@ class RequestLoop:
                 )
             return outcome.value
 
-        lent.__name__ = lent.__qualname__ = split_use(name)[1]
-        return lent
+        stub.__name__ = stub.__qualname__ = split_use(name)[1]
+        return stub
 
     def call(self, number: int, name: str, case: Case, driver: str) -> None:
-        """Call a function and tell what came of it."""
+        """Call a function and send its outcome."""
         with _captured() as output:
             outcome = call_as_it_is(self.functions[name], case, driver)
         outcome = replace(outcome, output=output.kept.decode("utf-8", "replace"))
@@ -235,7 +237,7 @@ def _captured() -> Iterator[TruncatedOutput]:
 @contextlib.contextmanager
 def _own_helpers(folder: Path) -> Iterator[None]:
     """Let a notebook import the helper files beside it; another lesson's may have the same names."""
-    here = os.getcwd()  # where those of the lesson that is graded are
+    here = os.getcwd()  # the folder of the graded lesson's files
     sys.path.insert(sys.path.index(here) if here in sys.path else len(sys.path), str(folder))
     importlib.invalidate_caches()
     try:
@@ -281,7 +283,7 @@ _SYSTEM_CALLS = {
 
 
 class AuditHook:
-    """Tells the grader what a student's code tries that no exercise needs; a layer of the sandbox denies it."""
+    """Reports attempts of a student's code to the grader that no exercise needs and the sandbox denies."""
 
     def __init__(self, loop: RequestLoop, paths: tuple[str, ...]) -> None:
         self.loop, self.told = loop, set[str]()
@@ -289,10 +291,10 @@ class AuditHook:
         self.abspath = os.path.abspath
 
     def __call__(self, event: str, args: tuple[Any, ...]) -> None:
-        """See an event of `sys.audit`."""
+        """Process an event of `sys.audit`."""
         text = ""
         if event in _FILE_EVENTS:
-            text = self.looks(event, args[0])
+            text = self.describe_access(event, args[0])
         elif event in _PROGRAM_EVENTS:
             text = f"starts a program: {args[0]!r}"
         elif event in _NETWORK_EVENTS:
@@ -308,8 +310,8 @@ class AuditHook:
             if self.loop.getpid() == self.loop.process:
                 self.loop.say(encode(("attempt", text[:200].encode("utf-8", "replace").decode())))
 
-    def looks(self, event: str, path: Any) -> str:
-        """What to say of a file; nothing of those that are in sight."""
+    def describe_access(self, event: str, path: Any) -> str:
+        """Return a description of access to a hidden file; an empty string for visible ones."""
         if not isinstance(path, str | bytes | os.PathLike):
             return ""
         whole = self.abspath(os.fsdecode(path))
@@ -319,14 +321,14 @@ class AuditHook:
 def answer_calls(
     requests: int, replies: int, paths: tuple[str, ...] | None = None, *, private: bool = True
 ) -> NoReturn:
-    """Be a worker.
+    """Run a worker.
 
     Parameters
     ----------
     requests, replies : int
         Descriptors to read from and write to.
     paths : tuple of str, optional
-        What its code may read; it is told where the code tries to look elsewhere.
+        Paths that its code may read. Access to others is reported.
     private : bool
         Whether the working folder is its own, and thrown away.
     """

@@ -15,8 +15,8 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
 
 # The exercise that a scaffold declares doubles a number: all its parts are there, and each is to be replaced.
-_DECLARATION = """def _{name}_public() -> list[Case]:
-    # TODO: inputs that tell every mistake from the right answer; the same at each call
+_DECLARATION = '''def _{name}_public() -> list[Case]:
+    # TODO: inputs for which every mistake gives a wrong answer; the same at each call
     return [Case((2.0,), "TODO what it is about"), Case((0.0,), "zero"), Case((-1.5,), "a negative number")]
 
 
@@ -32,12 +32,17 @@ def _{name}_hidden(rng: np.random.Generator) -> list[Case]:
     hidden=_{name}_hidden,
     comparison=Close(),  # TODO: Close, Exact, Points or Between
     hints=("TODO: where to look.", "TODO: nearly how."),
-    mistakes=[  # TODO: what students write, and what helps them
-        Mistake("not doubled", lambda value: value, "TODO: what comes out is what went in."),
-        Mistake("squared", lambda value: value**2, "TODO: doubling is not squaring."),
-        Mistake("sign lost", lambda value: abs(2 * value), "TODO: a negative number stays negative."),
-    ],
-    alternatives={{  # TODO: right ways to write it that look different
+    mistakes=catalogue(  # TODO: how students change the solution by mistake, and what helps them
+        """
+        not doubled: 2.0 * value => value
+            TODO: what comes out is what went in.
+        squared: 2.0 * value => value**2
+            TODO: doubling is not squaring.
+        sign lost: 2.0 * value => abs(2.0 * value)
+            TODO: a negative number stays negative.
+        """
+    ),
+    alternatives={{  # TODO: correct solutions of another form
         "a sum": lambda value: value + value,
         "a sum of two": lambda value: sum([value, value]),
         "NumPy": lambda value: np.multiply(value, 2.0),
@@ -46,7 +51,7 @@ def _{name}_hidden(rng: np.random.Generator) -> list[Case]:
 )
 
 
-"""
+'''
 _SOLVED = '''def {name}(value: float) -> float:
     """TODO: what it does.
 
@@ -57,8 +62,8 @@ _SOLVED = '''def {name}(value: float) -> float:
     return 2.0 * value
     ### END SOLUTION'''
 # The class that a scaffold declares is a place on a line that can be moved and asked for.
-_CLASS_DECLARATION = """def _{lower}_public() -> list[Case]:
-    # TODO: calls that tell every mistake from the right answer; the same at each call
+_CLASS_DECLARATION = '''def _{lower}_public() -> list[Case]:
+    # TODO: calls for which every mistake gives a wrong answer; the same at each call
     return [
         calls(("move", 1.5), "estimate", ("move", -4.0), "estimate", given=(2.0,), name="TODO what it is about"),
         calls("estimate", given=(-1.0,), name="never moved"),
@@ -72,33 +77,18 @@ def _{lower}_hidden(rng: np.random.Generator) -> list[Case]:
     return [calls(*each, given=(start,)) for start, each in zip(starts, turns, strict=True)]
 
 
-class _{name}Stays:  # TODO: what students write
+class _{name}Adds:  # TODO: correct solutions of another form
     def __init__(self, start: float) -> None:
         self.place = start
-
-    def move(self, by: float) -> None:
-        pass
 
     def estimate(self) -> float:
         return self.place
 
-
-class _{name}Backwards(_{name}Stays):
-    def move(self, by: float) -> None:
-        self.place -= by
-
-
-class _{name}Forgets(_{name}Stays):
-    def move(self, by: float) -> None:
-        self.place = by
-
-
-class _{name}Adds(_{name}Stays):  # TODO: right ways to write it that look different
     def move(self, by: float) -> None:
         self.place = sum([self.place, by])
 
 
-class _{name}Remembers(_{name}Stays):
+class _{name}Remembers:
     def __init__(self, start: float) -> None:
         self.all = [start]
 
@@ -109,7 +99,7 @@ class _{name}Remembers(_{name}Stays):
         return sum(self.all)
 
 
-class _{name}NumPy(_{name}Stays):
+class _{name}NumPy(_{name}Adds):
     def __init__(self, start: float) -> None:
         self.place = np.float32(start)
 
@@ -125,17 +115,22 @@ class _{name}NumPy(_{name}Stays):
     comparison=Methods(),  # TODO: Methods({{"estimate": Close(rtol=0.01)}}) where a method wants another comparison
     driver="methods",
     hints=("TODO: where to look.", "TODO: nearly how."),
-    mistakes=[
-        Mistake("stays", _{name}Stays, "TODO: it stays where it is."),
-        Mistake("backwards", _{name}Backwards, "TODO: it moves the other way."),
-        Mistake("forgets", _{name}Forgets, "TODO: it forgets where it was."),
-    ],
+    mistakes=catalogue(
+        """
+        stays: self.place += by => pass
+            TODO: it stays where it is.
+        backwards: self.place += by => self.place -= by
+            TODO: it moves the other way.
+        forgets: self.place += by => self.place = by
+            TODO: it forgets where it was.
+        """
+    ),
     alternatives={{"a sum": _{name}Adds, "a list": _{name}Remembers, "NumPy": _{name}NumPy}},
     stars={stars},
 )
 
 
-"""
+'''
 _CLASS_SOLVED = '''class {name}:
     """TODO: what it is.
 
@@ -163,7 +158,8 @@ _CLASS_SOLVED = '''class {name}:
 _STARS = {1: "one star", 2: "two stars", 3: "three stars"}
 _IMPORTS = {  # what the declaration uses
     "np": "import numpy as np",
-    **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise", "Mistake")},
+    **{name: f"from nao_course.exercises import {name}" for name in ("Case", "Close", "Exercise")},
+    "catalogue": "from nao_course.instructor.authoring.mistakes import catalogue",
 }
 _CLASS_IMPORTS = {name: f"from nao_course.exercises import {name}" for name in ("Methods", "calls")}
 _PLAN = '''"""Lesson {number}, {title}: its exercises, students' mistakes, other right ways to write them."""
@@ -172,7 +168,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question
+from nao_course.instructor.authoring.mistakes import catalogue
 
 
 {declarations}WHY = Question(
@@ -180,7 +177,7 @@ from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Que
     text="TODO: a question about the idea?",
     choices={{
         "TODO: the right choice": "TODO: why it is right.",
-        "TODO: a wrong choice": "TODO: what somebody thinks who chooses it, and where that leads.",
+        "TODO: a wrong choice": "TODO: why a student might choose it, and why it is wrong.",
         "TODO: another wrong choice": "TODO: another reply.",
     }},
     right="TODO: the right choice",
@@ -190,7 +187,7 @@ LIMITS = Question(
     name="{name}_limits",
     text="TODO: what happens if an assumption does not hold?",
     choices={{
-        "TODO: a wrong choice": "TODO: what somebody thinks who chooses it.",
+        "TODO: a wrong choice": "TODO: why a student might choose it, and why it is wrong.",
         "TODO: the right choice": "TODO: why it is right, and how one notices.",
         "TODO: another wrong choice": "TODO: another reply.",
     }},
@@ -277,7 +274,7 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
 
 
 def _words(number: str, name: str) -> dict[str, str]:
-    """What stands for what in the texts of a new lesson."""
+    """Return the replacements for placeholders in the texts of a new lesson."""
     exercises = {each: f"{name}_{each}" for each in ("first", "second", "third")}
     declared = [_DECLARATION.format(name=each, constant=each.upper(), stars=1) for each in exercises.values()]
     return {
@@ -374,7 +371,7 @@ def _with_declaration(plan: Path, name: str, stars: int, a_class: bool) -> str:
     ]
     if not lists:
         raise LessonError(
-            f"{plan.name}: PLAN = LessonPlan(exercises=[...]) is wanted, to add {name} to the list"
+            f"{plan.name}: PLAN = LessonPlan(exercises=[...]) is missing, so {name} cannot be added to its list"
         )
     constant = name.upper()
     entries = lists[0].elts

@@ -1,16 +1,19 @@
 """What is made of right and broken lessons, in a small course."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
 
-from nao_course.exercises.checking import unpack
+from nao_course.exercises.checking import pack, unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import build, lesson_text
 from nao_course.instructor.authoring.course import LessonError
 from nao_course.instructor.authoring.proving import proofs
+from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.instructor.authoring.conftest import PICTURE
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
 
@@ -25,6 +28,21 @@ def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kern
     assert "Nothing has changed." in run("build", "01").output
     assert contents(course.root) == before
     assert "shown" in Path("solutions/01_toy.ipynb").read_text().split('"outputs"')[-1]
+
+
+def test_what_another_processor_built_stays_as_it_is_and_a_change_is_written(built):
+    """The other processor is one that computes with perturbed inputs."""
+    checks = built.root / build.CHECKS / "01_toy.bin"
+    ours, lesson = checks.read_bytes(), unpack(checks.read_bytes())
+    theirs = pack(perturbed(lesson, np.random.default_rng(1)))
+    checks.write_bytes(theirs)
+    assert theirs != ours and "Nothing has changed." in run("build").output
+    assert checks.read_bytes() == theirs
+    checks.write_bytes(
+        pack(replace(lesson, exercises=[replace(lesson.exercises[0], hints=["other", "hints"])]))
+    )
+    assert "wrote nao_course/exercises/checks/01_toy.bin" in run("build").output
+    assert checks.read_bytes() == ours
 
 
 def test_a_student_copy_has_nbgraders_metadata_and_no_solution(built):
@@ -147,7 +165,7 @@ BROKEN = {
         PLAN,
         "Case((0.0,)), Case((-1.5,))",
         "Case((0.0,))",
-        "mistake 'squared': no public case tells",
+        "mistake 'squared': no public case distinguishes",
     ),
     "a name used twice": (PLAN, "[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
     "a declaration that does not run": (
@@ -231,7 +249,7 @@ def test_a_name_of_another_lesson_is_refused(course):
 
 def test_a_lesson_that_is_taken_out_takes_what_was_made_of_it_along(built):
     built.text("01_toy").unlink()
-    assert "took away notebooks/01_toy.ipynb" in run("build").output
+    assert "deleted notebooks/01_toy.ipynb" in run("build").output
     assert not list(built.root.glob("**/01_toy.ipynb")) + list(built.root.glob("**/01_toy.bin"))
 
 
@@ -246,7 +264,9 @@ def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
 def test_a_file_that_a_lesson_links_to_goes_with_its_student_copy_too(course):
     (course.solutions / "images").mkdir()
     (course.solutions / "images" / "sheet.pdf").write_bytes(b"%PDF")
-    write(course.text("01_toy"), "Words", "Print [the sheet](images/sheet.pdf), and read [more](docs/setup.md).")
+    write(
+        course.text("01_toy"), "Words", "Print [the sheet](images/sheet.pdf), and read [more](docs/setup.md)."
+    )
     assert run("build").exit_code == 0
     assert Path("notebooks/images/sheet.pdf").read_bytes() == b"%PDF"
 
@@ -290,7 +310,7 @@ def test_a_lesson_is_built_before_its_payoff_has_ever_run_but_not_released(cours
     [
         ((OPENING, "# A toy"), "does not open with its picture"),
         (("01_payoff.png", "01_payoff.jpeg"), "does not open with its picture"),
-        ((PAYOFF, PAYOFF * 2), "one cell with :role: payoff is enough"),
+        ((PAYOFF, PAYOFF * 2), "only one cell may have :role: payoff"),
     ],
 )
 def test_a_payoff_that_the_lesson_does_not_open_with_is_refused(course, change, said):
@@ -401,7 +421,7 @@ def test_a_lesson_that_uses_an_earlier_one_runs_with_its_solution(course, kernel
         ('uses=["02:quadruple"], ', "it uses '02:quadruple': lesson 02_more does not come before 02_more"),
         ('uses=["double"], ', "it uses 'double': lesson 02_more has no exercise 'double'"),
         ('uses=["quadruple"], ', "it uses 'quadruple': quadruple does not come before it"),
-        ("", "quadruple: it calls double of your lesson 01; say '01:double' in its `uses`"),
+        ("", "quadruple: it calls double of your lesson 01; add '01:double' to its `uses`"),
     ],
 )
 def test_what_is_used_has_to_be_there_before_and_declared(course, uses, message):

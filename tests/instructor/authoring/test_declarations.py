@@ -25,6 +25,7 @@ OF_AN_EXERCISE = {
     "driver": [None, 3],
     "in_place": ["yes", 1],
     "with_reference": [-0.1, 1.5, "1"],
+    "parts": [["move"], {"move": 0}, {"": 1}, {"move": "1"}],
     "equivalents": [["line"], {"line": ""}, {1: "a"}],
     "seconds": [0, -1, "10", 600],
 }
@@ -51,13 +52,22 @@ def test_each_value_that_an_exercise_cannot_have_is_told(plan, field, value):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"driver": "no_driver"}, "clamp: driver: there is no driver 'no_driver'; there are ["),
+        ({"driver": "no_driver"}, "clamp: driver: there is no driver 'no_driver'; choose one of ["),
         ({"driver": "nao_course.no_lesson:f"}, "clamp: driver: No module named 'nao_course.no_lesson'"),
         ({"comparison": Points(tolerance="2")}, f"clamp: Points's tolerance {AMOUNTS}; got '2'"),
         ({"comparison": Close(rtol=-1.0)}, f"clamp: Close's rtol {AMOUNTS}; got -1.0"),
-        ({"comparison": Close(names="your hue")}, "clamp: Close's names must be a tuple, got the text 'your hue'"),
-        ({"mistakes": [FINE, Mistake("b", 3, "m")]}, "clamp: mistake 'b': function must be the wrong function, got 3"),
-        ({"mistakes": [Mistake("b", abs, "")]}, "clamp: mistake 'b': message must be a sentence that helps, got ''"),
+        (
+            {"comparison": Close(names="your hue")},
+            "clamp: Close's names must be a tuple, got the text 'your hue'",
+        ),
+        (
+            {"mistakes": [FINE, Mistake("b", 3, "m")]},
+            "clamp: mistake 'b': function must be the wrong function, got 3",
+        ),
+        (
+            {"mistakes": [Mistake("b", abs, "")]},
+            "clamp: mistake 'b': message must be a sentence that helps, got ''",
+        ),
     ],
 )
 def test_what_stands_inside_an_exercise_is_told_with_its_place(plan, change, message):
@@ -68,7 +78,10 @@ def test_what_stands_inside_an_exercise_is_told_with_its_place(plan, change, mes
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ({"questions": [replace(QUESTION, choices=["a", "b"])]}, "why: choices must be a dict of replies by choice"),
+        (
+            {"questions": [replace(QUESTION, choices=["a", "b"])]},
+            "why: choices must be a dict of replies by choice",
+        ),
         ({"questions": [replace(QUESTION, choices={"b": "Yes."})]}, "why: choices must be"),
         ({"questions": [replace(QUESTION, right="c")]}, "why: its right answer is not one of its choices"),
         ({"questions": QUESTION}, "PLAN: questions must be a list of Question, got Question("),

@@ -54,7 +54,10 @@ def test_a_cell_that_never_ends_is_stopped(stage, kernel, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "said"),
-    [("1 / 0", "ZeroDivisionError"), ("print(('x' * 99 + chr(10)) * 12_000)", "MB when it has run; 1 MB is the most")],
+    [
+        ("1 / 0", "ZeroDivisionError"),
+        ("print(('x' * 99 + chr(10)) * 12_000)", "MB when it has run; 1 MB is the most"),
+    ],
     ids=["raises", "large"],
 )
 def test_a_lesson_that_cannot_be_run_is_said_by_build_and_nothing_is_written(course, kernel, code, said):

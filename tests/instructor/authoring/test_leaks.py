@@ -1,5 +1,7 @@
 """Code of a solution is found in what students get, wherever it stands and whatever its names are."""
 
+import textwrap
+
 import nbformat
 import pytest
 
@@ -36,11 +38,14 @@ def secret_pieces():
     solution = cell.source.split("### BEGIN SOLUTION\n")[1].split("    ### END SOLUTION")[0]
     declared = (COURSE.solutions / "exercises" / "01_hsl_filtering.py").read_text(encoding="utf-8")
     helper = declared[declared.index("def picture(") : declared.index("def primaries(")]
-    mistake = declared[declared.index("def _hsl(") : declared.index("def _overflow(")]
+    alternative = declared[declared.index("def _labels_loop(") : declared.index("def _labels_select(")]
+    mistakes = {each.name: each for each in COURSE.plan("01_hsl_filtering").exercises[-1].mistakes}
+    inserted = mistakes["about the mean direction"].function.inserted
     return {
         "solution": f"def f(picture):\n{solution}",
         "hidden": helper,
-        "mistake": mistake,
+        "alternative": alternative,
+        "mistake": f"def f(hue, saturation, epsilon):\n{textwrap.indent(inserted, '    ')}",
         "hidden under other names": helper.replace("rng", "r")
         .replace("colours", "c")
         .replace("kinds", "which"),
@@ -92,3 +97,10 @@ def test_what_is_alike_by_accident_has_no_fingerprint():
         "x = 1",
     ):
         assert list(fingerprints(common)) == []
+
+
+def test_naming_the_same_earlier_exercises_is_no_leak():
+    names = ("predict", "update_landmarks", "add_landmark")
+    setup = "\n".join(f'{name} = earlier("07:{name}")' for name in names)
+    assert list(fingerprints(setup)) == []
+    assert list(fingerprints(setup.replace("earlier", "later")))

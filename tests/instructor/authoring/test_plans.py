@@ -3,16 +3,20 @@
 import numpy as np
 import pytest
 
-from nao_course.exercises import Case
-from nao_course.exercises.checking import pack, unpack
+from nao_course.exercises import Case, Close, Exact, Exercise, Mistake
+from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.exercise import PublicLesson
+from nao_course.exercises.judging import is_unstable
 from nao_course.instructor.authoring.plans import (
     PlanError,
     lesson_name,
     load_plan,
     publish,
+    publish_exercise,
     reference,
     with_answers,
 )
+from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.toy import toy
 
 
@@ -65,3 +69,99 @@ def test_a_lesson_that_is_not_built_is_said_so(tmp_path):
     (folder / "90_toy.ipynb").unlink()
     with pytest.raises(FileNotFoundError, match="nao-course build"):
         reference("90", folder)
+
+
+# --- answers that are rounding errors ---
+
+_DIFFERENCES = np.array([[1.1, -1.1, 0.0], [0.0, 0.7, -0.7]])
+SINGULAR = _DIFFERENCES.T @ _DIFFERENCES  # but for rounding
+
+
+def solve(omega, xi):
+    """The reference: refuses what cannot be solved."""
+    if np.linalg.cond(omega) > 1e12:
+        raise ZeroDivisionError("singular")
+    return np.linalg.solve(omega, xi)
+
+
+def _published(*mistakes):
+    exercise = Exercise(
+        name="solve",
+        points=1,
+        public=lambda: [
+            Case((SINGULAR, np.array([0.1, 0.2, -0.3])), "no start", raises="ZeroDivisionError"),
+            Case((SINGULAR + np.diag([1.0, 0, 0]), np.array([0.1, 0.2, -0.3])), "held"),
+        ],
+        hidden=lambda rng: [],
+        hints=("", ""),
+        mistakes=[Mistake(each.__name__, each, each.__name__) for each in mistakes],
+        alternatives={},
+    )
+    return publish_exercise("1.1", exercise, solve)
+
+
+def elsewhere(function):
+    """A function as another processor would run it: with other rounding errors."""
+    rng = np.random.default_rng(99)
+    return lambda *args: function(*perturbed(args, rng))
+
+
+def unguarded(omega, xi):
+    return np.linalg.inv(omega) @ xi
+
+
+def raises_or_not(omega, xi):
+    if abs(omega.sum()) < 1e-15:
+        raise np.linalg.LinAlgError
+    return xi / omega.sum()
+
+
+def shortest(omega, xi):
+    return np.linalg.pinv(omega, rcond=1e-9) @ xi
+
+
+def transposed(omega, xi):
+    return solve(omega, -xi)
+
+
+def test_a_mistakes_answer_that_is_a_rounding_error_is_marked_and_no_other():
+    public = _published(unguarded, raises_or_not, shortest, transposed)
+    marked = [
+        [key for key, each in mistake.answers.items() if is_unstable(each)] for mistake in public.mistakes
+    ]
+    assert marked == [["0"], ["0"], [], []]
+    assert public.mistakes[1].answers["0"] == {"unstable": {"raises": "LinAlgError"}}
+
+
+@pytest.mark.parametrize("mistake", [unguarded, raises_or_not, shortest, transposed])
+def test_a_mistake_is_recognised_on_another_processor(mistake):
+    public = unpack(
+        pack(PublicLesson("01_a", [_published(shortest, transposed, mistake)], [], []))
+    ).exercises[0]
+    assert grade_public(public, elsewhere(solve))
+    for _ in range(3):
+        assert mistake.__name__ in grade_public(public, elsewhere(mistake)).lines
+
+
+@pytest.mark.parametrize(
+    ("right", "comparison", "mistake"),
+    [
+        (np.floor, Close(), lambda x: np.ceil(x) + 1),  # the reference, too, changes where the inputs do
+        (np.round, Close(), lambda x: np.where(x == 2, 5.0, np.round(x))),  # right for all other inputs
+        (np.round, Exact(), lambda x: 2 * x),  # changes no more than the inputs
+    ],
+)
+def test_an_answer_that_changes_with_the_inputs_alone_is_no_rounding_error(right, comparison, mistake):
+    """The inputs of a case are the same on each processor."""
+    exercise = Exercise(
+        name="whole",
+        points=1,
+        public=lambda: [Case((np.array([1.0, 2.0, 3.0, 4.0]),))],
+        hidden=lambda rng: [],
+        hints=("", ""),
+        mistakes=[Mistake("a", mistake, "a")],
+        alternatives={},
+        comparison=comparison,
+    )
+    (answer,) = publish_exercise("1.1", exercise, right).mistakes[0].answers.values()
+    assert answer.tolist() == mistake(np.array([1.0, 2.0, 3.0, 4.0])).tolist()

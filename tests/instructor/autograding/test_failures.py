@@ -97,7 +97,7 @@ def test_blanks_without_end_are_read_in_one_pass():
     ("expected", "got", "said"),
     [
         (np.zeros((2, 3)), np.zeros((2, 4)), "the wrong shape: another size along axis 1."),
-        (np.zeros((2, 3)), np.zeros(7), "1 dimensions where 2 are wanted"),
+        (np.zeros((2, 3)), np.zeros(7), "1 dimensions instead of 2"),
         (np.zeros(3), None, "It returns None"),
         (np.zeros(3), np.full(3, np.nan), "NaN"),
         (np.zeros(3), "text", "wrong kind"),

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 
 from nao_course.exercises.comparisons.values import Close
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.plans import load_solution
 from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import SecondChances
+from nao_course.instructor.autograding.tries import Retries
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
@@ -45,7 +47,7 @@ def marked(server, assignment, tmp_path):
         for name, source in (helpers or {}).items():
             path.with_name(name).write_text(source)
         submission = Submission("ada", chain.LESSON, path, beside, file="ada/x.ipynb")
-        result = grade(submission, assignment.within(seconds), server, "full", chances=SecondChances(least=0.0))
+        result = grade(submission, assignment.within(seconds), server, "full", retries=Retries(least=0.0))
         assert from_json(json.loads(json.dumps(as_json(result)))) == result
         return result
 
@@ -102,6 +104,51 @@ def test_points_are_all_or_nothing_over_the_hidden_cases(marked):
         2,
         0,
     )
+
+
+@pytest.mark.parametrize(
+    ("wrong_at", "earned", "note"),
+    [
+        (6, 0.5, ("0.5 of 2 points for the right parts: first.",)),
+        (5, 1.5, ("1.5 of 2 points for the right parts: rest.",)),
+        (0, 2.0, ()),
+    ],
+)
+def test_each_part_whose_hidden_cases_all_pass_earns_its_share(
+    server, assignment, tmp_path, wrong_at, earned, note
+):
+    double, *others = assignment.tasks
+    names = ("first: a case", "rest: another case", "rest: a third case")
+    hidden = tuple(replace(case, name=name) for case, name in zip(double.hidden, names, strict=True))
+    in_parts = replace(double, hidden=hidden, parts={"first": 1, "rest": 3})
+    parts = replace(assignment, tasks=(in_parts, *others))
+    source = "def double(x):\n    double.n = getattr(double, 'n', 0) + 1\n"
+    path = chain.hand_in(
+        tmp_path, "ada", chain.notebook({"double": f"{source}    return 2 * x + (double.n == {wrong_at})"})
+    )
+    submission = Submission("ada", chain.LESSON, path, (), file="ada/x.ipynb")
+    result = of(grade(submission, parts, server, "full", retries=Retries(least=0.0)), "double")
+    assert (result.earned, result.notes) == (earned, note)
+    assert result.state == ("wrong" if wrong_at else "right")
+
+
+def test_parts_that_are_right_with_the_references_functions_earn_their_share_of_what_these_are_worth(
+    server, assignment, tmp_path
+):
+    double, plus_one, both, *others = assignment.tasks
+    names = ("first: a case", "rest: another case", "rest: a third case")
+    hidden = tuple(replace(case, name=name) for case, name in zip(both.hidden, names, strict=True))
+    in_parts = replace(both, hidden=hidden, parts={"first": 1, "rest": 3})
+    source = (
+        "def both(x):\n    both.n = getattr(both, 'n', 0) + 1\n    return plus_one(double(x)) + (both.n == 8)"
+    )
+    wrong = {"double": chain.MISTAKES["double"], "both": source}
+    path = chain.hand_in(tmp_path, "ada", chain.notebook(wrong))
+    submission = Submission("ada", chain.LESSON, path, (), file="ada/x.ipynb")
+    marked = replace(assignment, tasks=(double, plus_one, in_parts, *others))
+    result = of(grade(submission, marked, server, "full", retries=Retries(least=0.0)), "both")
+    assert (result.state, result.with_reference, result.earned) == ("wrong", True, 0.375)
+    assert result.notes[1:] == ("0.75 of 3 points for the right parts: first.",)
 
 
 def test_a_mistake_is_named_and_its_hint_stands_beside_what_the_check_says(marked):
@@ -237,7 +284,7 @@ def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marke
         "line 3: return y / 0 if len(x) < 3 else y.nothing",
     )
     shape = of(marked({"double": "def double(x):\n    return 2 * x[:, :, None]"}), "double")
-    assert "3 dimensions where 2 are wanted" in shape.text
+    assert "3 dimensions instead of 2" in shape.text
     size = of(marked({"double": "def double(x):\n    return 2 * x[:, :1]"}), "double")
     assert "another size along axis 1" in size.text
 
@@ -386,14 +433,14 @@ def test_what_only_needs_a_little_more_time_is_right(marked, monkeypatch):
 
 
 def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
-    calls, chances = timed_calls(monkeypatch, assignment), SecondChances(1.25, least=0.0)
+    calls, retries = timed_calls(monkeypatch, assignment), Retries(1.25, least=0.0)
     slow = {"double": "import time\ndef double(x):\n    time.sleep(1000)"}
     for number in range(4):
         path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
         submission = Submission(f"s{number}", chain.LESSON, path)
-        result = grade(submission, assignment.within(0.25), server, chances=chances)
+        result = grade(submission, assignment.within(0.25), server, retries=retries)
         assert of(result, "double").state == "timed out"
-    assert calls.count(("double", 0.5)) == 2 and chances.seconds == 0.25
+    assert calls.count(("double", 0.5)) == 2 and retries.seconds == 0.25
 
 
 def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tmp_path, monkeypatch):
@@ -401,7 +448,7 @@ def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tm
     real = module._grade
 
     def noted(*words):
-        seen.append((words[0], words[-2]))
+        seen.append((words[0], words[-1]))
         result, _ = real(*words)
         return result, 1
 
@@ -409,7 +456,34 @@ def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tm
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     grade(Submission("ada", chain.LESSON, path), assignment, server)
     (_, first), (_, second) = seen
-    assert first is second and first.spent > 0 and first.seconds == 120.0
+    assert first is second and first.own.spent > 0 and first.own.seconds == 120.0
+
+
+def test_a_comparison_that_cannot_gather_the_answers_costs_that_exercise_alone(server, assignment, tmp_path):
+    class Fails(Close):
+        def gather(self, case, answers):
+            raise OverflowError(list(answers))
+
+    tasks = [
+        replace(task, public=replace(task.public, comparison=Fails()))
+        if task.public.name == "double"
+        else task
+        for task in assignment.tasks
+    ]
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    result = grade(Submission("ada", chain.LESSON, path), replace(assignment, tasks=tuple(tasks)), server)
+    assert states(result) == dict.fromkeys(chain.RIGHT, "right") | {"double": "no usable answer"}
+
+
+def test_a_submission_has_one_vain_retry_in_all_tries(server, assignment, tmp_path, monkeypatch):
+    calls, retries = timed_calls(monkeypatch, assignment), Retries(100.0, least=0.0)
+    endless = "import os, time\ndef double(x):\n    time.sleep(1000)"
+    dies = "import os\ndef plus_one(x):\n    os.kill(os.getpid(), 9)"
+    path = chain.hand_in(tmp_path, "ada", chain.notebook({"double": endless, "plus_one": dies}))
+    result = grade(Submission("ada", chain.LESSON, path), assignment.within(0.25), server, retries=retries)
+    assert states(result)["plus_one"] == "died", "so that there were several tries"
+    assert calls.count(("double", 0.25)) >= 2 and calls.count(("double", 0.5)) == 1
+    assert retries.seconds == 99.5
 
 
 DIES = "import os\nn = []\ndef double(x):\n    n.append(x.shape)\n    {}\n    return 2 * x"
@@ -437,7 +511,9 @@ def test_only_who_may_have_been_ended_by_somebody_else_gets_a_second_try(marked,
         assert drawn[0].hash == drawn[1].hash
 
 
-@pytest.mark.parametrize("says", ["nothing", "the process was ended by signal 9 (Killed)", "it ends Python itself; x"])
+@pytest.mark.parametrize(
+    "says", ["nothing", "the process was ended by signal 9 (Killed)", "it ends Python itself; x"]
+)
 def test_a_second_try_tells_of_public_cases_what_the_first_did(marked, monkeypatch, says):
     """By then it may have found a way to remember hidden inputs, and its page shows what a public case raises."""
     real, tries = module._grade, []
@@ -546,28 +622,51 @@ def lesson_01():
     return course, prepare(course, "01", chain.SECRET)
 
 
-def declared(tmp_path, kind, number):
-    """A notebook that hands in the declaration's own wrong or right implementations: of each exercise, one."""
-    cells = ["from declared import PLAN, pick"]
-    course = load_course(PROJECT)
-    for exercise in course.plan("01_hsl_filtering").exercises:
-        cells.append(f"{exercise.name} = pick('{exercise.name}', {number})")
-    source = (PROJECT / "solutions" / "exercises" / "01_hsl_filtering.py").read_text()
-    choose = {"mistakes": "m = list(PLAN[n].mistakes); return m[k % len(m)].function"}
-    choose["alternatives"] = "m = list(PLAN[n].alternatives.values()); return m[k % len(m)]"
-    (tmp_path / "declared.py").write_text(f"{source}\n\ndef pick(n, k):\n    {choose[kind]}\n")
-    path = tmp_path / "01_hsl_filtering.ipynb"
-    notebook = {
-        "nbformat": 4,
-        "nbformat_minor": 5,
-        "metadata": {},
-        "cells": [chain.cell("code", each) for each in cells],
-    }
-    path.write_text(json.dumps(notebook))
-    return Submission("ada", "01_hsl_filtering", path, (("declared.py", tmp_path / "declared.py"),))
+LESSON = "01_hsl_filtering"
+PLAN = load_course(PROJECT).plan(LESSON)
 
 
-PLAN = load_course(PROJECT).plan("01_hsl_filtering")
+def with_mistakes(number):
+    """Modules with the solution of lesson 01, in each of which another exercise has a mistake; by exercise."""
+    cells = [
+        source
+        for role, source in load_solution(PROJECT / "solutions" / f"{LESSON}.ipynb").text.cells
+        if role == "solution"
+    ]
+    for exercise in PLAN.exercises:
+        change = exercise.mistakes[number % len(exercise.mistakes)].function
+        changed = [
+            change.applied_to(cell, exercise.name) if f"def {exercise.name}(" in cell else cell
+            for cell in cells
+        ]
+        yield exercise.name, "\n\n".join(["import cv2\nimport numpy as np", *changed])
+
+
+def with_alternatives(number):
+    """Modules with the declaration of lesson 01 that call an alternative by its exercise's name; by exercise."""
+    declaration = (PROJECT / "solutions" / "exercises" / f"{LESSON}.py").read_text()
+    # The sandbox has no nao_course.instructor, and alternatives do not need it.
+    declaration = re.sub(
+        r"^from nao_course\.instructor\S* import catalogue$", "catalogue = list", declaration, flags=re.M
+    )
+    for place, exercise in enumerate(PLAN.exercises):
+        title = list(exercise.alternatives)[number % len(exercise.alternatives)]
+        chosen = f"{exercise.name} = PLAN.exercises[{place}].alternatives[{title!r}]"
+        yield exercise.name, f"{declaration}\n{chosen}\n"
+
+
+def imported(tmp_path, modules):
+    """A submission whose notebook imports each exercise from a module beside it."""
+    files, cells = [], []
+    for name, source in modules:
+        files.append((f"my_{name}.py", tmp_path / f"my_{name}.py"))
+        files[-1][1].write_text(source)
+        cells.append(chain.cell("code", f"from my_{name} import {name}"))
+    path = tmp_path / f"{LESSON}.ipynb"
+    path.write_text(json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}))
+    return Submission("ada", LESSON, path, tuple(files))
+
+
 MISTAKES = max(len(each.mistakes) for each in PLAN.exercises)
 ALTERNATIVES = max(len(each.alternatives) for each in PLAN.exercises)
 
@@ -575,9 +674,9 @@ ALTERNATIVES = max(len(each.alternatives) for each in PLAN.exercises)
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(MISTAKES))
 def test_each_mistake_of_lesson_01_loses_its_points_and_gets_its_hint(server, lesson_01, tmp_path, number):
-    course, assignment = lesson_01
-    result = grade(declared(tmp_path, "mistakes", number), assignment, server)
-    for exercise, got in zip(course.plan("01_hsl_filtering").exercises, result.exercises, strict=True):
+    _, assignment = lesson_01
+    result = grade(imported(tmp_path, with_mistakes(number)), assignment, server)
+    for exercise, got in zip(PLAN.exercises, result.exercises, strict=True):
         mistake = exercise.mistakes[number % len(exercise.mistakes)]
         assert (got.name, got.earned, got.mistake) == (exercise.name, 0, mistake.name)
         assert got.hint == mistake.message
@@ -587,7 +686,7 @@ def test_each_mistake_of_lesson_01_loses_its_points_and_gets_its_hint(server, le
 @pytest.mark.parametrize("number", range(ALTERNATIVES))
 def test_each_alternative_of_lesson_01_gets_all_points(server, lesson_01, tmp_path, number):
     _, assignment = lesson_01
-    result = grade(declared(tmp_path, "alternatives", number), assignment, server)
+    result = grade(imported(tmp_path, with_alternatives(number)), assignment, server)
     assert {each.name: each.state for each in result.exercises if each.state != "right"} == {}
 
 

@@ -1,9 +1,11 @@
 """A session has its assignments prepared in a process that ends, and is not opened in a sandbox that is too weak."""
 
 import multiprocessing
+import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 
 from nao_course.instructor.autograding import session as module
@@ -44,3 +46,26 @@ def test_a_weak_sandbox_is_told_and_refused_where_more_is_required(tmp_path, mon
     ):
         pass
     assert said == [str(weak)]
+
+
+PREPARES = """
+import sys, time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from nao_course.instructor.autograding.session import _end_with_the_grader
+if __name__ == "__main__":
+    pool = ProcessPoolExecutor(1, get_context("spawn"), _end_with_the_grader)
+    print(pool.submit(os.getpid).result(), flush=True)
+    pool.submit(time.sleep, 1000)
+    time.sleep(1000)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_what_prepares_an_assignment_ends_when_the_grader_is_killed(tmp_path):
+    script = tmp_path / "prepares.py"
+    script.write_text(f"import os\n{PREPARES}")
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as grader:
+        process = psutil.Process(int(grader.stdout.readline()))
+        grader.kill()
+    process.wait(timeout=300)

@@ -19,7 +19,7 @@ from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
-from nao_course.instructor.autograding.tries import SecondChances
+from nao_course.instructor.autograding.tries import Allowances, Retries
 from nao_course.instructor.collecting.submissions import Files, Submission
 from nao_course.student import notebooks as student
 from nao_course.student import overview
@@ -78,7 +78,7 @@ def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_p
         said = CliRunner().invoke(cli.app, ["check", str(path)])
         assert said.exit_code == (0 if right else 1), said.output
     assert "H delta is not -b" in repr(reports["step"])
-    assert "whatever rng it gets" in repr(reports["draw"])
+    assert "for every rng" in repr(reports["draw"])
 
 
 def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
@@ -91,7 +91,9 @@ def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
     clock = count()
     monkeypatch.setattr(grader_module.time, "monotonic", lambda: float(next(clock)))
     worker = SimpleNamespace(call=lambda *_: Outcome("value", 1.0))
-    grader = SubmissionGrader(worker, replace(assignment, seconds=10.0), None, None, lambda: False, None)
+    grader = SubmissionGrader(
+        worker, replace(assignment, seconds=10.0), None, None, lambda: False, None, Allowances()
+    )
     assert grader.answer(public, task.hidden[0], public.seconds).status == "timed out"
     assert next(clock) < 20
 
@@ -102,7 +104,7 @@ def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
         task, hidden=task.hidden[:1] * 40, public=replace(task.public, cases=task.public.cases[:1] * 4)
     )
     worker = SimpleNamespace(call=lambda *_: Outcome("value", np.zeros(2**18)))
-    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, SecondChances())
+    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Retries(), Allowances())
     tracemalloc.start()
     assert grader.hidden(many).state == "wrong"
     lines, last = grader.public(many.public)

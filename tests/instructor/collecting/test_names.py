@@ -14,6 +14,8 @@ LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
         "01_hsl_filtering.ipynb",
         "01_hsl_filtering (1).ipynb",
         "01_hsl_filtering(12).ipynb",
+        "01_hsl_filtering\u00a0(1).ipynb",
+        "01\u00a0hsl\u2009filtering.ipynb",
         "01_hsl_filtering-2.ipynb",
         "01_hsl_filtering (1) .ipynb",
         "01_hsl_filtering_copy.ipynb",
@@ -79,6 +81,7 @@ def test_students_names_hold_nothing_that_a_terminal_obeys():
     assert clean_name("a" * 500) != clean_name("a" * 499 + "b")
     assert clean_name("Mu\u0308ller") == clean_name("Müller")  # one student, two file systems
     assert clean_name("ada\x1b") != clean_name("ada")
+    assert [clean_name(name) for name in (" ", "\u3000", "")] == [r"\x20", r"\x3000", ""]
 
 
 @pytest.mark.parametrize(

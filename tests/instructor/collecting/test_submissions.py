@@ -3,12 +3,14 @@
 import json
 import os
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from nao_course import homework
 from nao_course.instructor.collecting import submissions
+from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, read
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, posix, put, reasons, who
@@ -138,7 +140,9 @@ def test_students_whose_names_look_alike_are_refused_and_neither_has_the_others_
     found = look(packed(tmp_path / "in.zip", dict.fromkeys([*names, f"bob/{HSL}"], NOTEBOOK)))
     assert who(found) == [("bob", "01_hsl_filtering")]
     assert {student for student, _ in reasons(found)} == {"Ada", "Müller"}
-    assert all("2 folders or files are named so alike" in reason for reason in reasons(found).values())
+    assert all(
+        "2 folders or files have names that are too similar" in reason for reason in reasons(found).values()
+    )
 
 
 def test_whoever_is_not_graded_is_named_before_what_nobody_misses(look, tmp_path):
@@ -161,6 +165,42 @@ def test_whoever_is_not_graded_is_named_before_what_nobody_misses(look, tmp_path
         "fay",
     ]
     assert found.unknown[:5] == found.not_graded and len(found.unknown) == 5 + 26
+
+
+def test_a_file_beside_the_students_folders_that_may_be_somebodys_work_is_named_as_not_graded(look, tmp_path):
+    spoiled = ("", ".ipynb.txt", ".ipynb.download", ".ipynb.bak", ".zip.part", ".ipynb.json")
+    named = [f"s{at}_01_hsl_filtering{suffix}" for at, suffix in enumerate(spoiled)]
+    put(tmp_path / "in", f"ada/{HSL}", "grades.xlsx", "READ_ME", *named)
+    found = look(tmp_path / "in")
+    assert [each.partition(": ")[0] for each in found.not_graded] == named
+    assert {each.partition(": ")[2] for each in found.not_graded} == {"it is no notebook"}
+    assert [each.partition(": ")[0] for each in found.unknown[len(named) :]] == ["READ_ME", "grades.xlsx"]
+
+
+def test_a_student_with_many_lost_files_hides_nobody(look, tmp_path):
+    put(tmp_path / "in", *(f"ada/{number:02}.zip" for number in range(40)), "bob/essay.pdf", content=b"")
+    found = look(put(tmp_path / "in", "zoe/work.ipynb", "zoe/more.ipynb"))
+    assert [each.partition(": ")[0] for each in found.not_graded[:4]] == [
+        "ada/00.zip",
+        "bob/essay.pdf",
+        "zoe/more.ipynb",
+        "ada/01.zip",
+    ]
+
+
+@posix
+def test_a_link_in_the_place_of_a_students_folder_is_named_as_not_graded(look, tmp_path):
+    put(tmp_path / "in", f"ada/{HSL}")
+    (tmp_path / "in" / "ben").symlink_to(tmp_path / "in" / "ada")
+    (tmp_path / "in" / "cleo").symlink_to("nowhere")
+    found = look(tmp_path / "in")
+    reason = "it is a symbolic link, not a file or folder"
+    assert found.not_graded == (f"ben: {reason}", f"cleo: {reason}")
+
+
+def test_a_file_that_went_away_before_it_was_read_is_refused_in_plain_words(tmp_path):
+    with pytest.raises(Refused, match="^it was removed or renamed while the grader was running$"):
+        read(Submission("ada", LESSONS[1], tmp_path / "gone.ipynb"))
 
 
 # --- which one counts ---
@@ -260,6 +300,70 @@ def test_the_hash_is_of_all_that_was_handed_in(tmp_path):
     put(tmp_path, "h.py", content=b"other")
     assert len({*hashes, read(helped).hash}) == 4
     assert read(plain).hash == hashes[0]
+    put(tmp_path, "earlier.ipynb")
+    after = replace(plain, earlier=(Submission("ada", LESSONS[0], tmp_path / "earlier.ipynb"),))
+    first = read(after).hash
+    put(tmp_path, "earlier.ipynb", content=b"other")
+    assert len({hashes[0], first, read(after).hash}) == 3
+
+
+# --- several students where one is expected ---
+
+
+def test_who_handed_in_nothing_that_counts_is_named_however_the_platform_packs_it(look, tmp_path):
+    empty = packed(tmp_path / "empty.zip", {}).read_bytes()
+    only_ours = packed(
+        tmp_path / "ours.zip", {f"release/{HSL}": NOTEBOOK, f"kept/{HSL}": NOTEBOOK}
+    ).read_bytes()
+    hidden = packed(tmp_path / "hidden.zip", {f"__MACOSX/{HSL}": b"x", ".x/y.ipynb": b"x"}).read_bytes()
+    essay = packed(tmp_path / "essay.zip", {"essay.pdf": b"x"}).read_bytes()
+    for at, content in enumerate((empty, only_ours, hidden, essay)):
+        for name in (
+            f"s{at}_{at}_9_work.zip",
+            f"S{at}_{at}_assignsubmission_file_work.zip",
+            f"s{at}/work.zip",
+        ):
+            found = look(put(tmp_path / f"in{at}-{len(name)}", name, f"ada/{HSL}", content=NOTEBOOK))
+            put(tmp_path / f"in{at}-{len(name)}", name, content=content)
+            found = look(tmp_path / f"in{at}-{len(name)}")
+            assert who(found) == [("ada", HSL[:-6])]
+            assert len(found.not_graded) == 1 and found.not_graded[0].startswith(name), found
+    found = look(put(tmp_path / "in", f"x_1_2_{HSL}", "y_3_4_essay.pdf"))
+    assert found.not_graded == ("y_3: there is no notebook of a lesson",)
+
+
+def test_a_student_cannot_pass_for_the_folder_around_all_students(tmp_path):
+    put(tmp_path / "in", f"Eve/Ada/{HSL}", f"Eve/Eve/{HSL}")
+    found = gather(tmp_path / "in", tmp_path / "scratch", LESSONS)
+    assert not found.submissions and found.not_graded[0].startswith(
+        "Eve: it holds the work of several students"
+    )
+    put(tmp_path / "in2", f"Eve/Ada/{HSL}", f"Eve/Bob/{HSL}")
+    found = gather(tmp_path / "in2", tmp_path / "scratch2", LESSONS, known={"Ada", "Eve"})
+    assert [student for student, _ in who(found)] == ["Eve"] and not found.wrapper
+    found = gather(tmp_path / "in2", tmp_path / "scratch3", LESSONS, known={"Ada", "Bob"})
+    assert [student for student, _ in who(found)] == ["Ada", "Bob"] and found.wrapper == "Eve"
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"class/{student}/{HSL}" for student in ("Ada", "Ben", "Zoe")],
+        [f"late/Ben_7_assignsubmission_file_/{HSL}"],
+        [f"late/Ben_7_assignsubmission_file_{HSL}", f"late/Zoe_8_assignsubmission_file_{HSL}"],
+        [f"canvas/ben_1_2_{HSL}", f"canvas/zoe_3_4_{HSL}"],
+        ["class/Ada/work.zip", "class/Ben/work.zip"],
+    ],
+)
+def test_a_folder_of_several_students_is_no_student(look, tmp_path, names):
+    inner = packed(tmp_path / "inner.zip", {HSL: NOTEBOOK}).read_bytes()
+    files = {name: inner if name.endswith(".zip") else NOTEBOOK for name in names}
+    alone = look(packed(tmp_path / "alone.zip", files))
+    assert len(alone.submissions) == len(names) and alone.wrapper == names[0].split("/")[0]
+    for beside in ("readme.txt", f"Carl/{HSL}"):
+        found = look(packed(tmp_path / "beside.zip", files | {beside: NOTEBOOK}))
+        assert "several students" in found.not_graded[0] and len(found.not_graded) == 1
+        assert who(found) == ([("Carl", HSL[:-6])] if "Carl" in beside else [])
 
 
 # --- hostile ---
@@ -275,7 +379,7 @@ def test_a_broken_zip_of_which_the_lesson_is_known_is_refused_and_else_reported(
 @pytest.mark.parametrize("path", ["nothing", "in.zip"])
 def test_what_is_no_folder_and_no_zip_is_said(tmp_path, path):
     (tmp_path / "in.zip").write_bytes(b"no zip")
-    with pytest.raises(ValueError, match="a folder of submissions, or a zip of them, is wanted"):
+    with pytest.raises(ValueError, match="a folder of submissions or a zip of them"):
         gather(tmp_path / path, tmp_path, LESSONS)
 
 

@@ -78,10 +78,20 @@ def test_what_is_kept_comes_back_as_it_was(tmp_path):
         assert list(journal.each_result(student="bob")) == [bob]
 
 
+def test_the_same_result_of_two_graders_leaves_nothing_in_the_history(tmp_path):
+    with Journal(tmp_path) as one, Journal(tmp_path) as other:
+        one.keep(RESULT)
+        other.keep(replace(RESULT, seconds=2.0))
+        assert one.history("ada", LESSON) == [] and one.students() == {"ada"}
+        one.want_again("ada", LESSON)
+        other.keep(RESULT)
+        assert [each.seconds for each in one.history("ada", LESSON)] == [2.0]
+
+
 def test_a_newer_result_takes_the_place_of_the_older_which_goes_into_the_history(tmp_path):
     with Journal(tmp_path) as journal:
         for reason in ("first", "second", "third"):
-            journal.keep(replace(RESULT, reason=reason))
+            journal.keep(replace(RESULT, submission=reason, reason=reason))
         assert [each.reason for each in journal.results()] == ["third"]
         assert [each.reason for each in journal.history("ada", LESSON)] == ["first", "second"]
 
@@ -146,7 +156,7 @@ def test_a_journal_that_is_not_there_is_made_only_where_that_is_wanted(tmp_path)
 def test_a_file_that_is_no_journal_is_left_as_it_is(tmp_path):
     path = tmp_path / NAME
     path.write_bytes(b"my notes, not a database at all" * 100)
-    with pytest.raises(JournalError, match="no journal: move it away"):
+    with pytest.raises(JournalError, match="not a journal: move it away"):
         Journal(tmp_path)
     assert path.read_bytes() == b"my notes, not a database at all" * 100
 

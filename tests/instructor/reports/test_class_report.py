@@ -58,6 +58,11 @@ def test_every_state_is_counted_once_and_only_once():
     assert sorted(states) == sorted(get_args(State))
 
 
+def test_of_an_exercise_without_points_the_share_is_that_of_right_answers():
+    (only,) = exercises_of(class_of("right", "wrong", "wrong", "raised", points=0.0, earned=0.0))
+    assert only.share == pytest.approx(1 / 4)
+
+
 def test_shares_of_an_exercise_add_up():
     (only,) = exercises_of(class_of("right", "right", "wrong", "raised", "timed out", "not attempted"))
     assert list(only.counts.values()) == [2, 1, 2, 1] and only.share == pytest.approx(1 / 3)
@@ -159,13 +164,8 @@ def test_any_class_has_a_page_without_secrets(some):
     assert not [secret for secret in (RUBRIC, FOR_ASSISTANTS) if secret in text]
 
 
-DRAWN = (
-    HOSTILE[0],
-    "half \ud83d of a character",
-    "$x_{$",
-    "\\frac{",
-    "漢字",
-)  # each in its own way hard to draw
+# Each in its own way hard to draw
+DRAWN = (HOSTILE[0], "half \ud83d of a character", "$x_{$", "\\frac{", "漢字")
 REST = [pytest.param(text, marks=pytest.mark.slow) for text in (*HOSTILE, "x" * 500) if text not in DRAWN]
 
 

@@ -64,6 +64,19 @@ def test_a_student_is_a_row_and_an_exercise_a_column(journal):
     assert (ada["1.W1 why_hsl"], ada["total"]) == ("1.25", "3.25") and "02_posts points" not in ada
 
 
+def test_columns_are_the_exercises_and_then_the_questions_of_a_lesson():
+    (header, _) = csv_table(scores([result("ada", answer(), exercise())])).decode("utf-8-sig").splitlines()
+    assert header.startswith("student,1.1 rgb_to_hsl,1.W1 why_hsl,")
+
+
+def test_an_exercise_that_a_person_gave_all_points_has_passed():
+    (other,) = scores(
+        [result("ada", exercise("wrong"))], [Override("ada", LESSON, "rgb_to_hsl", 2.0, "late bus")]
+    )
+    (test,) = gradescope_results(other)["tests"]
+    assert (test["status"], test["score"]) == ("passed", 2.0)
+
+
 def test_a_refused_submission_stands_in_the_table_with_its_reason():
     (row,) = rows_of([score(result("ada", exercise("not found"), status="refused", reason="it is empty"))])
     assert (row["total"], row[f"{LESSON} status"], row[f"{LESSON} notes"]) == ("0", "refused", "it is empty")

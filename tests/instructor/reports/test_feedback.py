@@ -70,8 +70,26 @@ def test_the_hint_stands_once_though_the_public_check_says_it_too():
 def test_an_earlier_mistake_is_told_with_the_points_that_remain():
     earned = page(exercise(with_reference=True, earned=1.0)).text
     assert "does not work with your own earlier functions; with ours it does: 1 point." in earned
+    assert "An earlier mistake costs a part of it" in earned
+    whole = page(exercise(with_reference=True)).text
+    assert "An earlier mistake is not counted twice" in whole
     lost = page(exercise("wrong", with_reference=True)).text
     assert "does not work with those either" in lost
+
+
+def test_cases_are_counted_where_only_some_are_right():
+    some = page(exercise("wrong", passed=3)).text
+    assert "It is right in 3 of 5 hidden cases." in some
+    all_right = page(exercise(passed=5), overrides=[override()]).text  # a changed one has a card of its own
+    assert (
+        "A person looked at this" in all_right
+        and "hidden cases." not in all_right.split("Hidden cases have")[0]
+    )
+
+
+def test_of_an_exercise_that_is_not_written_the_public_check_is_not_quoted():
+    text = page(exercise("not attempted", public=("1.1: blank.",)), overrides=[override()]).text
+    assert "A person looked at this" in text and "1.1: blank." not in text
 
 
 def test_a_changed_score_counts_and_tells_its_reason():

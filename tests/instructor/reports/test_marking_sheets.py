@@ -11,10 +11,7 @@ from hypothesis import strategies as st
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark
 from nao_course.instructor.reports.marking_sheets import HEADER, MarksError, read_marks, write_sheets
-from nao_course.instructor.reports.spreadsheets import (
-    TableError,
-    read_table,
-)
+from nao_course.instructor.reports.spreadsheets import TableError, read_table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
 
 LESSON, QUESTION = "01_hsl_filtering", "why_hsl"
@@ -218,7 +215,7 @@ WRONG = {
     "1e0": "row 2: points are '1e0'",
     "nan": "row 2: points are 'nan'",
     "inf": "row 2: points are 'inf'",
-    "two": "row 2: points are 'two'; a number from 0 to 2 is wanted",
+    "two": "row 2: points are 'two'; they must be a number from 0 to 2",
     "1,5,0": "row 2: points are '1,5,0'",
     "01. Mai": "row 2: points are '01. Mai'",
     "٢": "row 2: points are",
@@ -245,7 +242,7 @@ def changed(rows, what, to):
         ("ada", "?da", "save as CSV UTF-8"),
         (QUESTION, "how", "row 2: there is no question 'how'.*there are 01_hsl_filtering why_hsl"),
         (LESSON, "02_posts", "row 2: there is no question 'why_hsl' in lesson '02_posts'"),
-        ("points", "score", "row 1: the columns are 'student'.*are wanted"),
+        ("points", "score", "row 1: the columns are .student.*they should be"),
         ("comment", "points", "row 1: the columns are"),
     ],
 )
@@ -289,7 +286,7 @@ def test_all_rows_that_are_wrong_are_told_at_once(journal, sheet):
         (b"\xff\xfe", "is empty"),
         (b"student\r\nada", "row 1: the columns are 'student'"),
         (b"\x81\x8d\x8f", "in no encoding"),
-        (",".join(HEADER).encode() + b'\r\n"ada,1', "no CSV table"),
+        (",".join(HEADER).encode() + b'\r\n"ada,1', "not a CSV table"),
     ],
 )
 def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path, content, said):

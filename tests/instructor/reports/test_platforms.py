@@ -83,9 +83,9 @@ def test_canvas_gets_the_column_that_is_named(tmp_path):
         ("canvas", CANVAS, "Lesson", "2 columns that begin with 'Lesson'"),
         ("canvas", CANVAS, "Essay", "no columns that begin with 'Essay'"),
         ("moodle", "", "", "is empty"),
-        ("moodle", 'Identifier,Grade\n"open,1\n', "", "is no CSV table"),
-        ("moodle", "Identifier,Grade\n" + "x" * 200_000 + ",1\n", "", "is no CSV table"),
-        ("moodle", "x" * 200_000, "", "is no CSV table"),
+        ("moodle", 'Identifier,Grade\n"open,1\n', "", "is not a CSV table"),
+        ("moodle", "Identifier,Grade\n" + "x" * 200_000 + ",1\n", "", "is not a CSV table"),
+        ("moodle", "x" * 200_000, "", "is not a CSV table"),
     ],
 )
 def test_what_is_no_sheet_of_theirs_is_refused(tmp_path, platform, text, column, said):

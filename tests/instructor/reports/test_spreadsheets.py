@@ -61,6 +61,17 @@ def test_a_table_is_read_in_any_encoding_and_with_any_separator(tmp_path, encodi
     assert (row["name"], row["points"], row.number) == ("Zoë", "1", 2)
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_another_programs_rows_are_split_at_its_separator(tmp_path, separator):
+    (tmp_path / "t.csv").write_text(separator.join(("name", "id", "points")) + "\n", encoding="utf-8")
+    assert spreadsheets.read_rows(tmp_path / "t.csv") == [["name", "id", "points"]]
+
+
+def test_numbers_keep_six_digits_and_no_idle_zeros():
+    (row,) = csv.reader(io.StringIO(table([[8.125, 1 / 3, 66.666_666_7, 10.0, -0.0]]).decode("utf-8-sig")))
+    assert row == ["8.125", "0.333333", "66.666667", "10", "0"]
+
+
 def test_what_was_written_is_read_again(tmp_path):
     rows = [("name", "points"), ("=1+1", 1.5), ('a "b", c\nd', None)]
     (tmp_path / "t.csv").write_bytes(table(rows))

@@ -68,10 +68,7 @@ def secret(tmp_path):
 
 # --- files ---
 
-READ = {
-    "python": "open(args[0]).read()",
-    "the C library": "checked(libc.open(args[0].encode(), 0))",
-}
+READ = {"python": "open(args[0]).read()", "the C library": "checked(libc.open(args[0].encode(), 0))"}
 
 
 @linux
@@ -144,9 +141,8 @@ def test_the_scratch_folder_is_private_and_empty_at_each_start(confined):
     for _ in range(2):
         worker = confined()
         assert attempt(worker, look).value == "('/scratch', '/scratch', '/scratch', ['attacker.ipynb'])"
-        in_tmp = any(
-            path.startswith("/tmp/") for path in module.readable()
-        )  # then /tmp is a folder of its own
+        # Then /tmp is a folder of its own
+        in_tmp = any(path.startswith("/tmp/") for path in module.readable())
         there = "/scratch/mine" if in_tmp else "/tmp/mine"
         write = f"import tempfile\nopen('mine', 'w').write('x'), open('{there}').read(), tempfile.mkstemp()[1][:9]"
         assert attempt(worker, write).value == "(1, 'x', '/scratch/')"
@@ -162,9 +158,8 @@ VM_READ = "checked(libc.syscall(310, args[0], None, 0, None, 0, 0))"  # process_
 @linux
 def test_no_other_process_is_in_sight(confined):
     look = "sorted(int(each) for each in os.listdir('/proc') if each.isdigit())"
-    assert (
-        attempt(confined(*NAMESPACES), look).value == "[1, 2]"
-    )  # the one that only waits, and the student's
+    # The one that only waits, and the student's
+    assert attempt(confined(*NAMESPACES), look).value == "[1, 2]"
     assert denied(attempt(confined(), look))
     assert "pid" in attempt(confined(), "open('/proc/self/status').read().lower()").value
 
@@ -241,12 +236,8 @@ def test_calls_that_only_an_attack_needs_are_denied(confined):
     assert denied(attempt(worker, "checked(libc.memfd_create(b'x', 0))"))
 
 
-LATER = {
-    "statmount": 457,
-    "listmount": 458,
-    "file_getattr": 468,
-    "one of next year": 473,
-}  # on all processors
+# On all processors
+LATER = {"statmount": 457, "listmount": 458, "file_getattr": 468, "one of next year": 473}
 
 
 @linux

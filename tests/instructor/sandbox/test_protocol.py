@@ -9,7 +9,7 @@ import threading
 import numpy as np
 import pytest
 
-from nao_course.exercises.codec import PREFIX_SIZE, encode
+from nao_course.codec import PREFIX_SIZE, encode
 from nao_course.instructor.sandbox.protocol import (
     OF_A_WORKER,
     UNREADABLE,

@@ -177,9 +177,8 @@ def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, ser
         while caller.is_alive():
             most = max(most, len(servers_family(server)))
             time.sleep(0.05)
-        assert most <= 1.5 * BOUNDS.processes + len(
-            known
-        )  # the kernel counts without a lock: forks at once overshoot
+        # The kernel counts without a lock: forks at once overshoot
+        assert most <= 1.5 * BOUNDS.processes + len(known)
     assert servers_family(server) == known
     assert state() == before
     with patient(notebook, server) as worker:
@@ -187,10 +186,7 @@ def test_processes_and_threads_are_bounded_and_end_with_the_worker(notebook, ser
 
 
 def test_one_workers_processes_are_not_counted_against_another(notebook, server):
-    with (
-        patient(notebook, server) as greedy,
-        patient(notebook, server) as honest,
-    ):
+    with patient(notebook, server) as greedy, patient(notebook, server) as honest:
         assert int(attempt(greedy, BOMBS["threads without end"]).value) > 20
         assert attempt(honest, "t = threading.Thread(target=print)\nt.start()").value == "None"
 
@@ -288,10 +284,7 @@ def test_a_notebook_that_is_too_large_is_refused_before_it_is_read(tmp_path, ser
 
 
 def test_workers_see_nothing_of_each_other(notebook, server):
-    with (
-        patient(notebook, server) as first,
-        patient(notebook, server) as second,
-    ):
+    with patient(notebook, server) as first, patient(notebook, server) as second:
         assert attempt(first, "open('mine', 'w').write('x')").value == "1"
         assert attempt(first, "sys.modules['numpy'].pi = 3\nsys.modules['numpy'].pi").value == "3"
         assert attempt(second, "os.listdir()").value == "['attacker.ipynb']"
@@ -373,10 +366,7 @@ def test_the_death_of_the_server_is_told_and_the_next_submission_has_a_new_one(n
 def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
     need(*NAMESPACES)
     with cold(probe()) as server:
-        with (
-            patient(notebook, server) as first,
-            patient(notebook, server) as second,
-        ):
+        with patient(notebook, server) as first, patient(notebook, server) as second:
             assert (attempt(first, "1").value, attempt(second, "1").value) == ("1", "1")
             below = descendants(server.process)
             os.kill(server.process, signal.SIGKILL)

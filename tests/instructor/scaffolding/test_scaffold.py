@@ -104,7 +104,9 @@ def new_lesson(course, monkeypatch):
 
 def forget_what_was_read():
     """What rules keep of the course that they judged before, in this process, says nothing of another course."""
-    kept = [each for module in (every, *MODULES) for each in vars(module).values() if hasattr(each, "cache_clear")]
+    kept = [
+        each for module in (every, *MODULES) for each in vars(module).values() if hasattr(each, "cache_clear")
+    ]
     assert {test_lessons.asserted_equations, every.solved} <= set(kept)
     for each in kept:
         each.cache_clear()

@@ -1,4 +1,4 @@
-"""Refusing a declaration that would fail a student later: each mistake is told, each alternative is right."""
+"""Refuse a declaration that would fail a student later: each mistake is recognised, each alternative is right."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.codec import CodecError, encode
 from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import grade_public
-from nao_course.exercises.codec import CodecError, encode
 from nao_course.exercises.comparisons.methods import Methods
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
 from nao_course.exercises.running import Outcome, call_all
 from nao_course.instructor.authoring.declarations import declaration_problems
+from nao_course.instructor.authoring.mistakes import without_numeric_warnings
 from nao_course.instructor.authoring.plans import (
     PATIENCE,
     SEEDS,
@@ -31,24 +32,21 @@ from nao_course.instructor.authoring.plans import (
     publish_exercise,
     raised_at,
     reference_of,
+    with_mistakes,
 )
 from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL
 
 LARGEST_PICTURE = 64 * 48  # pixels; a lesson's public data travels with the package
 MOST_NUMBERS = 250_000  # of any other array: a matrix of 500x500
 FEWEST = 3  # mistakes, and alternatives
-SHARE = (
-    1 / 3
-)  # of an exercise's seconds that its solution may take: students' code is slower, and machines are busy
+# of an exercise's seconds that its solution may take: students' code is slower, and machines are busy.
+SHARE = 1 / 3
 _TRIES = 3  # at measuring a call: the machine may be busy with other things
 _BROKEN = ("NameError", "UnboundLocalError", "ImportError", "ModuleNotFoundError", "SyntaxError")
 
 
 def check_plan(
-    lesson: str,
-    plan: LessonPlan,
-    reference: Mapping[str, Callable[..., Any]],
-    taken: Collection[str] = (),
+    lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]], taken: Collection[str] = ()
 ) -> list[PublicExercise]:
     """Refuse a plan whose checks or grading would not work.
 
@@ -76,6 +74,10 @@ def check_plan(
     problems = [*declaration_problems(plan)] or [*_name_problems(plan, taken)]
     published: list[PublicExercise] = []
     seconds = 0.0
+    try:
+        plan = with_mistakes(plan, reference) if not problems else plan
+    except PlanError as error:
+        problems += str(error).splitlines()
     for number, exercise in enumerate(plan.exercises if not problems else (), start=1):
         try:
             function = reference_of(reference, exercise)
@@ -132,7 +134,7 @@ def use_problems(lesson: str, plans: Mapping[str, LessonPlan]) -> Iterator[str]:
 
 
 def _earlier_problem(number: str, name: str, lesson: str, plans: Mapping[str, LessonPlan]) -> str:
-    """Why an exercise of another lesson cannot be used."""
+    """Return why an exercise of another lesson cannot be used."""
     found = lesson_names.meant(number, sorted(plans))
     if len(found) != 1:
         return f"there is no lesson {number!r}; there are {sorted(plans)}"
@@ -155,7 +157,7 @@ def _name_problems(plan: LessonPlan, taken: Collection[str]) -> Iterator[str]:
 
 
 def _all_cases(exercise: Exercise) -> tuple[list[Case], list[list[Case]]]:
-    """Public cases, and hidden ones of each seed; what is wrong with any of them is said at once."""
+    """Make the public cases, and hidden cases of each seed; all problems are reported at once."""
     made: dict[int | None, list[Case]] = {}
     problems: dict[str, None] = {}
     for seed in (None, *SEEDS):
@@ -169,7 +171,7 @@ def _all_cases(exercise: Exercise) -> tuple[list[Case], list[list[Case]]]:
 
 
 def _measured(exercise: Exercise, function: Callable[..., Any], cases: Sequence[Case]) -> tuple[float, float]:
-    """Seconds of a reference's slowest call, and of all calls together."""
+    """Return the seconds of a reference's slowest call, and of all calls together."""
     times = [_seconds(exercise, function, case) for case in cases]
     return max(times), sum(times)
 
@@ -197,12 +199,12 @@ def _time_problems(exercise: Exercise, slowest: float) -> Iterator[str]:
 
 
 def _count_problems(exercise: Exercise) -> Iterator[str]:
-    """Which mistakes and alternatives are missing, or there twice."""
+    """Yield which mistakes and alternatives are missing or occur twice."""
     name = exercise.name
     if exercise.points > 0:
         for kind, many in (("mistakes", exercise.mistakes), ("alternatives", exercise.alternatives)):
             if len(many) < FEWEST:
-                yield f"{name}: {len(many)} {kind}; at least {FEWEST} are wanted"
+                yield f"{name}: it has {len(many)} {kind}; declare at least {FEWEST}"
     for twice in _twice([each.name for each in exercise.mistakes]):
         yield f"{name}: two mistakes are called {twice!r}"
 
@@ -210,13 +212,15 @@ def _count_problems(exercise: Exercise) -> Iterator[str]:
 def _exercise_problems(
     exercise: Exercise, function: Callable[..., Any], public: PublicExercise
 ) -> Iterator[str]:
-    """What is wrong with an exercise whose reference works; PlanError where that fails."""
+    """Yield the problems of an exercise whose reference works; raise PlanError if the reference fails."""
     name = exercise.name
     hidden = [case for seed in SEEDS for case in hidden_cases(exercise, function, seed)]
     if isinstance(exercise.comparison, Methods):
         called = {method for case in (*public.cases, *hidden) for method, _ in case.expected}
         for method in sorted(set(exercise.comparison.by) - called):
             yield f"{name}: Methods compares {method!r}, which no case calls; they call {sorted(called)}"
+    for kind, cases in (("public", public.cases), ("hidden", hidden)) if exercise.parts else ():
+        yield from _part_problems(exercise, kind, cases)
     patient = replace(public, seconds=PATIENCE * public.seconds)  # the machine may be busy with other things
     for title, alternative in exercise.alternatives.items():
         report = grade_public(patient, alternative)
@@ -224,21 +228,44 @@ def _exercise_problems(
             yield f"{name}: alternative {title!r} is not right: {' '.join(report.lines)}"
         elif not (report := grade_public(replace(patient, cases=hidden), alternative)):
             yield f"{name}: alternative {title!r} is not right in a hidden case: {' '.join(report.lines)}"
-    for mistake in exercise.mistakes:
-        report = grade_public(public, mistake.function)
-        if broken := _broken(public, mistake):
-            yield f"{name}: mistake {mistake.name!r} gives no answer in any case: {broken}"
-        elif report:
-            yield f"{name}: mistake {mistake.name!r}: no public case tells it from the right answer"
-        elif mistake.message not in report.lines:
-            yield f"{name}: mistake {mistake.name!r}: its message is not shown, but: {' '.join(report.lines)}"
-        # One case after the other: nearly every mistake is told by the first.
-        if all(grade_public(replace(public, cases=[case]), mistake.function) for case in hidden):
-            yield f"{name}: mistake {mistake.name!r}: no hidden case tells it from the right answer"
+    with without_numeric_warnings():
+        for mistake in exercise.mistakes:
+            yield from _mistake_problems(name, mistake, public, hidden)
+
+
+def _part_problems(exercise: Exercise, kind: str, cases: Sequence[Case]) -> Iterator[str]:
+    """Yield which cases belong to no part of an exercise, and which parts have no case."""
+    used = dict.fromkeys(case.part for case in cases)
+    for part in used:
+        if part not in exercise.parts:
+            what = f"of the part {part!r}" if part else "without a part"
+            yield (
+                f"{exercise.name}: it has a {kind} case {what}; the case's name must begin with one of "
+                f"{list(exercise.parts)} and a colon"
+            )
+    for part in exercise.parts:
+        if part not in used:
+            yield f"{exercise.name}: no {kind} case tests the part {part!r}"
+
+
+def _mistake_problems(
+    name: str, mistake: Mistake, public: PublicExercise, hidden: Sequence[Case]
+) -> Iterator[str]:
+    """Yield the problems of a mistake, which must fail in public and hidden cases and get its own message."""
+    report = grade_public(public, mistake.function)
+    if broken := _broken(public, mistake):
+        yield f"{name}: mistake {mistake.name!r} gives no answer in any case: {broken}"
+    elif report:
+        yield f"{name}: mistake {mistake.name!r}: no public case distinguishes it from the right answer"
+    elif mistake.message not in report.lines:
+        yield f"{name}: mistake {mistake.name!r}: its message is not shown, but: {' '.join(report.lines)}"
+    # One case after the other: the first case distinguishes nearly every mistake.
+    if all(grade_public(replace(public, cases=[case]), mistake.function) for case in hidden):
+        yield f"{name}: mistake {mistake.name!r}: no hidden case distinguishes it from the right answer"
 
 
 def _broken(public: PublicExercise, mistake: Mistake) -> str:
-    """What an author's own slip in a mistake raises in every case; what students' mistakes raise is none."""
+    """Return the author's own error that a mistake raises in every case; students' errors do not count."""
 
     def called(cases: Sequence[Case]) -> list[Outcome]:
         return call_all(mistake.function, cases, public.driver, PATIENCE * public.seconds)
@@ -252,7 +279,7 @@ def _broken(public: PublicExercise, mistake: Mistake) -> str:
 
 
 def _case_problems(exercise: Exercise, public: Sequence[Case]) -> Iterator[str]:
-    """What is wrong with cases of which each may be called with."""
+    """Yield the problems of cases that can each be called."""
     try:
         if encode(public) != encode(made_cases(exercise)):
             yield f"{exercise.name}: its public cases are not the same each time"
@@ -267,7 +294,7 @@ def _case_problems(exercise: Exercise, public: Sequence[Case]) -> Iterator[str]:
 
 
 def _size_problem(array: np.ndarray[Any, Any]) -> str:
-    """Why an array of a public case is too large to travel with the package; nothing where it is not."""
+    """Return why an array of a public case is too large for the package; an empty text if it is not."""
     is_picture = array.dtype in (np.uint8, np.bool_) and array.ndim in (2, 3)
     if is_picture and array.shape[0] * array.shape[1] > LARGEST_PICTURE:
         size = f"{array.shape[1]}x{array.shape[0]}"
@@ -280,7 +307,7 @@ def _size_problem(array: np.ndarray[Any, Any]) -> str:
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
-    """All arrays in a value."""
+    """Yield all arrays in a value."""
     if isinstance(value, np.ndarray):
         yield value
     elif isinstance(value, tuple | list):

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,12 +14,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 import nao_course
+from nao_course.codec import encode
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.cells import SHOWN
 from nao_course.exercises.checking import pack
-from nao_course.exercises.codec import encode
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by
+from nao_course.exercises.exercise import PublicExercise
 from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
 from nao_course.instructor.authoring.proving.plan_checks import check_plan
 
@@ -98,11 +99,11 @@ class Proofs:
             exercises = check_plan(name, plan, reference, self._taken(name))
             data = pack(public_lesson(name, plan, reference, exercises))
         if len(data) > MOST_CHECK_DATA:
-            raise PlanError(f"{name}: {_too_much(plan, len(data))}")
+            raise PlanError(f"{name}: {_too_much(exercises, len(data))}")
         return data
 
     def _taken(self, name: str) -> set[str]:
-        """Names of the exercises of all other lessons."""
+        """Return the names of the exercises of all other lessons."""
         return {each.name for other in self.plans if other != name for each in self.plans[other].exercises}
 
     def _file(self, name: str) -> Path:
@@ -131,12 +132,12 @@ def _defines(role: str) -> bool:
 
 
 def _folder(lesson: str) -> str:
-    """The folder of what one lesson alone uses."""
+    """Return the folder that only one lesson uses."""
     return lesson.partition("_")[2]
 
 
 def _owner(file: str) -> str:
-    """The lesson's folder that a file of the library stands in; none for what all use."""
+    """Return the lesson's folder that contains a file of the library; empty for shared files."""
     parts = file.split("/")
     return parts[1] if parts[0] == "lessons" else ""
 
@@ -146,7 +147,7 @@ def _hash(content: bytes) -> str:
 
 
 def _read(file: Path, rests_on: str) -> bytes | None:
-    """The check data that was proven, where it is whole and rests on the same."""
+    """Return the check data that was proven, if it is complete and depends on the same inputs."""
     try:
         head, _, data = file.read_bytes().partition(b"\n")
     except OSError:
@@ -155,7 +156,7 @@ def _read(file: Path, rests_on: str) -> bytes | None:
 
 
 def _write(file: Path, rests_on: str, data: bytes) -> None:
-    """Keep a proof; one that cannot be kept is made again the next time."""
+    """Store a proof; a proof that cannot be stored is made again the next time."""
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         temporary = file.with_name(f".{file.name}.{os.getpid()}")
@@ -164,13 +165,13 @@ def _write(file: Path, rests_on: str, data: bytes) -> None:
 
 
 def _head(rests_on: str, data: bytes) -> bytes:
-    """The line before a proof's data: of what it is, and what the data is."""
+    """Return the line before a proof's data: the hashes of its inputs and of the data."""
     return f"{rests_on} {_hash(data)}".encode()
 
 
-def _too_much(plan: LessonPlan, size: int) -> str:
-    """Say which exercise has the most to send, where a lesson's check data is too large."""
-    sizes = {each.name: len(encode(each.public())) for each in plan.exercises}
+def _too_much(exercises: Sequence[PublicExercise], size: int) -> str:
+    """Return a message about check data that are too large, with the exercise that contributes the most."""
+    sizes = {each.name: len(encode(each)) for each in exercises}
     largest = max(sizes, key=sizes.__getitem__)
     return (
         f"its check data has {size / 1e6:.1f} MB; {MOST_CHECK_DATA / 1e6:g} MB is the most, for each student downloads "

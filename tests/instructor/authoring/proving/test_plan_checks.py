@@ -32,8 +32,8 @@ def raises(rng):
     [
         ({"public": list}, "clamp: no public cases"),
         ({"hidden": lambda rng: []}, "clamp: no hidden cases"),
-        ({"mistakes": []}, "clamp: 0 mistakes; at least 3 are wanted"),
-        ({"alternatives": {}}, "clamp: 0 alternatives; at least 3 are wanted"),
+        ({"mistakes": []}, "clamp: it has 0 mistakes; declare at least 3"),
+        ({"alternatives": {}}, "clamp: it has 0 alternatives; declare at least 3"),
         ({"alternatives": {"odd one": wrong}}, "clamp: alternative 'odd one' is not right"),
         (
             {"alternatives": {"odd one": lambda x, low, high: max(low, min(high, x)) + (low < 0)}},
@@ -41,11 +41,11 @@ def raises(rng):
         ),
         (
             {"mistakes": [Mistake("none", lambda x, low, high: max(low, min(high, x)), "m")]},
-            "clamp: mistake 'none': no public case tells it from the right answer",
+            "clamp: mistake 'none': no public case distinguishes it from the right answer",
         ),
         (
             {"mistakes": [Mistake("none", lambda x, low, high: max(low, min(high, x)), "m")]},
-            "clamp: mistake 'none': no hidden case tells it from the right answer",
+            "clamp: mistake 'none': no hidden case distinguishes it from the right answer",
         ),
         (
             {"mistakes": [Mistake(name, lambda x, low, high: x, name) for name in ("a", "b")]},
@@ -78,6 +78,12 @@ def raises(rng):
             "clamp: the reference, case 1 'too few', gives no answer",
         ),
         ({"hidden": raises}, "clamp: its hidden cases: line "),
+        (
+            {"parts": {"below": 1}},
+            "clamp: it has a public case without a part; the case's name must begin with",
+        ),
+        ({"parts": {"below": 1}}, "clamp: it has a hidden case without a part"),
+        ({"parts": {"below": 1}}, "clamp: no hidden case tests the part 'below'"),
         ({"hidden": raises}, ": ZeroDivisionError: division by zero"),
         ({"public": lambda: 1 / 0}, ": ZeroDivisionError: division by zero"),
         ({"hidden": list}, "clamp: its hidden cases: TypeError: "),
@@ -195,7 +201,7 @@ def test_an_exercise_whose_solution_uses_another_has_to_say_so(plan):
     solved = {"clamp": clamp, "mean_of_positive": space["mean_of_positive"]}
     simple = replace(plan["mean_of_positive"], public=lambda: [Case((np.array([1.5, -2.0]),))], mistakes=[])
     with pytest.raises(
-        PlanError, match="mean_of_positive: its solution uses clamp; say 'clamp' in its `uses`"
+        PlanError, match="mean_of_positive: its solution uses clamp; add 'clamp' to its `uses`"
     ):
         plans.publish("90_toy", LessonPlan([plan["clamp"], simple]), solved)
     plans.publish("90_toy", LessonPlan([plan["clamp"], replace(simple, uses=["clamp"])]), solved)

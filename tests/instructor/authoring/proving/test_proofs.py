@@ -169,7 +169,7 @@ def test_what_is_wrong_is_said_each_time(place):
         return replace(plan, exercises=[replace(each, mistakes=()) for each in plan.exercises])
 
     for _ in range(2):
-        with pytest.raises(PlanError, match="clamp: 0 mistakes"):
+        with pytest.raises(PlanError, match="clamp: it has 0 mistakes"):
             proofs_of(place, broken).check_data(NAME)
     assert not (place / FOLDER).exists()
 

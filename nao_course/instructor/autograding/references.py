@@ -22,7 +22,7 @@ from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 
-Lent = Callable[[tuple[Any, ...], dict[str, Any]], Outcome]
+ReferenceFunction = Callable[[tuple[Any, ...], dict[str, Any]], Outcome]
 
 STOOD_IN = (
     "Recorded answers stood in for your earlier work, as they do in your notebook while it is not usable."
@@ -51,7 +51,7 @@ def handed_in_earlier(files: Files, assignment: Assignment) -> list[EarlierNoteb
 
 
 def where_from(uses: Sequence[str], files: Files, assignment: Assignment) -> Iterator[str]:
-    """Say of each earlier lesson that is used whether the student handed it in."""
+    """Return a note for each used earlier lesson whether the student submitted it."""
     numbers = sorted({split_use(use)[0] for use in uses} - {""})
     for number in numbers:
         for lesson in meant(number, [each.lesson for each in assignment.earlier]):
@@ -82,15 +82,25 @@ def notebook_of(sources: Iterable[str]) -> bytes:
     return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}).encode()
 
 
-def recorded(exercise: PublicExercise) -> dict[str, Lent]:
-    """Return what answers, as a check in the notebook does, for earlier functions that are not usable."""
+def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, ReferenceFunction]:
+    """Return functions that answer from recorded calls, as a check does while earlier functions are not usable.
+
+    Parameters
+    ----------
+    exercise : PublicExercise
+        With the recorded calls.
+    allowance : Allowance
+        Time for looking answers up, which happens in the grader's own process.
+    """
     calls = Calls(exercise.earlier)
 
-    def of(use: str) -> Lent:
+    def of(use: str) -> ReferenceFunction:
         reason = EarlierNotUsable(f"{in_words(use)} is not usable yet.")
 
         def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
-            return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), Case(()))
+            allowance.left(allowance.seconds)
+            with allowance.clock():
+                return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), Case(()))
 
         return answer
 
@@ -144,7 +154,7 @@ class References:
         """How many of their processes have died."""
         return sum(each.deaths for each in self.workers.values())
 
-    def lent(self, use: str) -> Lent:
+    def function(self, use: str) -> ReferenceFunction:
         """Return a function as a worker may ask for it: its code stays in a worker of its own."""
         number, name = split_use(use)
         reference = self.worker(number)

@@ -1,19 +1,24 @@
 """An earlier exercise that is missing or wrong costs its own points, and the page says what was run instead."""
 
 import json
+import time
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
 
+from nao_course.exercises import earlier as earlier_module
 from nao_course.exercises.case import Case
+from nao_course.exercises.earlier import Calls
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
+from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
-from nao_course.instructor.autograding.grader import grade, submission_hash
-from nao_course.instructor.autograding.lending import STOOD_IN, References
-from nao_course.instructor.collecting.submissions import Submission, with_earlier
+from nao_course.instructor.autograding.grader import Stopped, grade
+from nao_course.instructor.autograding.references import STOOD_IN, References, recorded
+from nao_course.instructor.collecting.submissions import Submission, submission_hash, with_earlier
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import pair
@@ -198,7 +203,7 @@ def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(assig
         references = References(assignment, None, stack, 5.0, Allowance())
         outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
         references.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
-        assert references.lent("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
+        assert references.function("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
 
 
 def test_the_reference_of_each_lesson_has_those_before_it(assignment):
@@ -212,16 +217,73 @@ def test_the_reference_of_each_lesson_has_those_before_it(assignment):
     assert of == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
 
 
+FLOOD = """
+def quadruple(x):
+    for number in range(2000):
+        try:
+            double(x + number)
+        except Exception:
+            pass
+    return x
+"""
+
+
+def test_a_flood_of_questions_ends_with_the_time_to_answer_them(marked, monkeypatch):
+    monkeypatch.setattr(tries_module, "SECONDS_OF_RECORDED", 0.5)
+    answered: list[float] = []
+    real = Calls.answer
+
+    def slowly(*words):
+        time.sleep(0.001)
+        answered.append(time.monotonic())
+        return real(*words)
+
+    monkeypatch.setattr(Calls, "answer", slowly)
+    result = marked({"quadruple": FLOOD}, handed_in=False)
+    assert 0 < len(answered) <= 500 and answered[-1] - answered[0] < AMPLE
+    assert of(result, "alone").earned == 16
+
+
+def test_who_stops_the_grader_does_not_wait_for_a_flood_of_questions(assignment, warm_server, tmp_path):
+    path = pair.write(tmp_path / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": FLOOD})
+    asked = count()
+    with pytest.raises(Stopped):
+        grade(
+            Submission("ada", pair.SECOND, path), assignment, warm_server, stopped=lambda: next(asked) > 200
+        )
+
+
+def test_recorded_answers_are_looked_up_by_a_digest(assignment, monkeypatch):
+    exercise = next(task.public for task in assignment.tasks if task.public.name == "quadruple")
+    compared = count()
+    real = earlier_module._same
+    monkeypatch.setattr(earlier_module, "_same", lambda *words: (next(compared), real(*words))[1])
+    (answer,) = recorded(exercise, Allowance()).values()
+    for _ in range(100):
+        assert answer((1.5,), {}).value == 3.0
+        assert answer((), {"x": 1.5}).value == 3.0
+        assert answer((1.5 + 1e-12,), {}).value == 3.0, "up to rounding"
+        assert answer((7.0,), {}).status == "raised"
+    assert next(compared) <= 3 * len(exercise.earlier)
+
+
+def test_notebooks_with_large_outputs_are_graded_in_the_space_that_a_worker_has(marked, tmp_path):
+    large = json.loads(pair.write(tmp_path / "x.ipynb", pair.FIRST).read_bytes())
+    large["cells"][-1]["outputs"] = [{"output_type": "stream", "name": "stdout", "text": "x" * 49 * 2**20}]
+    content = json.dumps(large).encode()
+    assert earned(marked(first=content)) == ALL
+
+
 def test_what_is_asked_of_the_reference_has_the_time_of_one_submission(assignment):
     with ExitStack() as stack:
         spent = Allowance()
         references = References(assignment, None, stack, AMPLE, spent)
-        assert references.lent("80:double")((1.0,), {}).value == 2.0
+        assert references.function("80:double")((1.0,), {}).value == 2.0
         assert 0 < spent.spent < spent.seconds
         spent.spent = spent.seconds
         for _ in range(3):
-            assert references.lent("80:double")((1.0,), {}).status == "timed out"
-        assert references.lent("quadruple")((1.0,), {}).status == "timed out", "one for all lessons"
+            assert references.function("80:double")((1.0,), {}).status == "timed out"
+        assert references.function("quadruple")((1.0,), {}).status == "timed out", "one for all lessons"
 
 
 def test_all_tries_and_exercises_share_the_time_of_the_reference(
@@ -268,9 +330,9 @@ def test_what_is_lent_is_lent_until_it_is_not(tmp_path):
     with Worker(
         second_of(tmp_path).path, setup=pair.SETUP[pair.SECOND], earlier=[own], seconds=AMPLE
     ) as worker:
-        worker.lend({"80:double": lambda args, kwargs: Outcome("value", 100.0)})
+        worker.stand_in({"80:double": lambda args, kwargs: Outcome("value", 100.0)})
         assert worker.call("quadruple", Case((1.0,))).value == 100.0
-        worker.lend({})
+        worker.stand_in({})
         assert worker.call("quadruple", Case((1.0,))).value == 4.0
 
 

@@ -1,0 +1,264 @@
+"""Files of another processor are the same, and whatever an author changes is not."""
+
+import json
+import zlib
+from base64 import b64encode
+from dataclasses import replace
+
+import cv2
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import scipy.sparse
+
+from nao_course.exercises import Case, Close
+from nao_course.exercises.checking import pack
+from nao_course.exercises.earlier import EarlierCall
+from nao_course.exercises.exercise import PublicExercise, PublicLesson, PublicMistake
+from nao_course.instructor.authoring.rounding.alike import (
+    pictures_alike,
+    same_but_for_rounding,
+    texts_alike,
+    values_alike,
+)
+from nao_course.instructor.authoring.rounding.perturbation import perturbed
+from tests.paths import PROJECT
+
+
+@pytest.mark.parametrize(
+    ("there", "built", "same"),
+    [
+        (np.array([1.0, 0.0]), np.array([1.0 + 1e-12, 7e-18]), True),
+        (np.array([1.0, 2.0]), np.array([1.0, 2.001]), False),
+        (np.array([1.0, np.nan]), np.array([1.0, np.nan]), True),
+        (np.array([100.0, 1e-5]), np.array([100.0, 1.1e-5]), False),
+        (np.array([5e-4, 0.0]), np.array([5e-4, 5e-11]), True),
+        (np.array([1e-10, 2e-10]), np.array([1e-10, 3e-10]), False),
+        (np.zeros(3), np.zeros(4), False),
+        (np.zeros(3), np.zeros(3, np.float32), False),
+        (np.array([1, 2]), np.array([1, 3]), False),
+        (np.full((2, 2), 200, np.uint8), np.full((2, 2), 201, np.uint8), False),
+        ({"a": (1.0, "x")}, {"a": (1.0 + 1e-15, "x")}, True),
+        ({"a": (1.0, "x")}, {"a": (1.0, "y")}, False),
+        ({"a": 1}, {"b": 1}, False),
+        ([1, 2], [1, 2, 3], False),
+        (1, 1.0, False),
+        (1e-6, 1e-7, False),
+        (scipy.sparse.csr_array(np.eye(2)), scipy.sparse.csr_array((1 + 1e-12) * np.eye(2)), True),
+        (scipy.sparse.csr_array(np.eye(2)), scipy.sparse.csr_array(np.ones((2, 2))), False),
+        (Case((1.0,), "a name"), Case((1.0 + 1e-14,), "a name"), True),
+        (Case((1.0,), "a name"), Case((1.0,), "another"), False),
+        (np.random.default_rng(1), np.random.default_rng(1), True),
+        (np.random.default_rng(1), np.random.default_rng(2), False),
+        ({"unstable": 1e16}, {"unstable": {"raises": "LinAlgError"}}, True),
+        ({"unstable": 1.0}, 1.0, False),
+    ],
+)
+def test_last_digits_of_another_processor_are_no_change_and_all_else_is(there, built, same):
+    assert values_alike(there, built) is same
+
+
+# --- check data ---
+
+
+def lesson(*, calls=(1.0, 2.0), answer=4.0, message="m", **changes):
+    exercise = PublicExercise(
+        name="square",
+        number="1.1",
+        points=1.0,
+        stars=1,
+        comparison=Close(rtol=1e-4),
+        cases=[Case((np.array([0.5, 2.0]),), expected=np.array([0.25, 4.0]))],
+        mistakes=[PublicMistake(message, {"0": answer})],
+        hints=["a", "b"],
+        driver="",
+        in_place=False,
+        earlier=[EarlierCall("00:root", ["x"], {"x": each}, 2 * each) for each in calls],
+    )
+    return PublicLesson("01_square", [replace(exercise, **changes)], [], [])
+
+
+def same_lesson(**changes):
+    return same_but_for_rounding(".bin", pack(lesson()), pack(lesson(**changes)))
+
+
+def test_check_data_that_was_computed_with_other_rounding_errors_is_the_same():
+    other = perturbed(lesson(), np.random.default_rng(3))
+    assert pack(other) != pack(lesson())
+    assert same_but_for_rounding(".bin", pack(lesson()), pack(other))
+
+
+@pytest.mark.parametrize("calls", [(1.0, 2.0, 1 + 1e-15), (1.0, 1 - 1e-15, 2.0)])
+def test_a_call_may_be_recorded_twice_where_only_its_last_digit_differs(calls):
+    both = [pack(lesson()), pack(lesson(calls=calls))]
+    assert same_but_for_rounding(".bin", *both) and same_but_for_rounding(".bin", *both[::-1])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"comparison": Close(rtol=1e-5)},
+        {"comparison": Close(rtol=1e-4, atol=1e-7)},
+        {"points": 2.0},
+        {"hints": ["a", "c"]},
+        {"message": "another"},
+        {"answer": 4.001},
+        {"answer": {"unstable": 4.0}},
+        {"answer": {"raises": "ValueError"}},
+        {"calls": (1.0,)},
+        {"calls": (1.0, 2.0, 3.0)},
+        {"calls": (2.0, 1.0)},
+        {"cases": []},
+    ],
+)
+def test_a_changed_declaration_changes_its_check_data(changes):
+    assert not same_lesson(**changes)
+
+
+@pytest.mark.parametrize("there", [b"", b"no zip", zlib.compress(b"NAO1"), zlib.compress(b"x" * 100)])
+def test_a_file_that_cannot_be_read_is_written_anew(there):
+    for suffix in (".bin", ".ipynb", ".png", ".jpeg", ".pdf"):
+        assert not same_but_for_rounding(suffix, there, pack(lesson()))
+        assert same_but_for_rounding(suffix, there, there)
+
+
+# --- texts and notebooks ---
+
+
+@pytest.mark.parametrize(
+    ("there", "built", "same"),
+    [
+        ("RMSE 0.12345678 m", "RMSE 0.12345679 m", True),
+        ("off by 7.1e-17", "off by -2.2e-16", True),
+        ("RMSE 0.123 m", "RMSE 0.124 m", False),
+        ("RMSE 0.12345 m", "RMSE 0.12346 m", False),
+        ("1000001 entries", "1000002 entries", False),
+        ("7,137 entries", "7,138 entries", False),
+        ("1.0 m", "1.0 mm", False),
+        ("1.0", "1", False),
+        ("1.0 2.0", "1.0", False),
+        ("nan", "0.0", False),
+    ],
+)
+def test_only_late_digits_of_a_printed_number_may_differ(there, built, same):
+    assert texts_alike(there, built) is same
+
+
+def notebook(text="0.12345678", source="print(x)", **metadata):
+    cell = {
+        "cell_type": "code",
+        "id": "a",
+        "metadata": metadata,
+        "source": source,
+        "outputs": [{"output_type": "execute_result", "data": {"text/plain": [text]}, "execution_count": 1}],
+    }
+    words = {"cell_type": "markdown", "id": "b", "metadata": {}, "source": "about 0.12345678"}
+    return {"cells": [cell, words], "metadata": {"version": "1"}, "nbformat": 4}
+
+
+def same_notebook(other):
+    return same_but_for_rounding(".ipynb", json.dumps(notebook()).encode(), json.dumps(other).encode())
+
+
+def test_of_a_notebook_only_outputs_may_differ():
+    assert same_notebook(notebook("0.12345679"))
+    assert not same_notebook(notebook("0.1234"))
+    assert not same_notebook(notebook(source="print(y)"))
+    assert not same_notebook(notebook(source="print(x)  # 0.12345679"))
+    assert not same_notebook(notebook(tags=["hide"]))
+    assert not same_notebook(notebook() | {"metadata": {"version": "2"}})
+    words = notebook()
+    words["cells"][1]["source"] = "about 0.12345679"
+    assert not same_notebook(words)
+    for change in (
+        {"execution_count": 2},
+        {"data": {"text/html": ["0.12345678"]}},
+        {"output_type": "stream"},
+    ):
+        other = notebook()
+        other["cells"][0]["outputs"][0] |= change
+        assert not same_notebook(other)
+    other = notebook()
+    other["cells"][0]["outputs"] *= 2
+    assert not same_notebook(other)
+
+
+# --- pictures ---
+
+PIXEL = 1 / 300  # of the height of the axes
+
+
+def figure(*, up=0.0, right=0.0, title="RMSE 0.123 m", width=1.5, noise=0.0):
+    """Draw a curve and a marker as a lesson's figure does: RGB."""
+    drawn, axes = plt.subplots(figsize=(8, 4), dpi=100)
+    axes.set_position([0.1, 0.1, 0.8, 0.75])
+    x = np.linspace(0, 1, 500)
+    y = 0.5 + 0.3 * np.sin(9 * x) + up * PIXEL
+    axes.plot(x, y * (1 + noise * np.random.default_rng(1).normal(size=x.size)), lw=width)
+    axes.plot([0.5 + right / 640], [0.2], "o", ms=5, color="black")
+    axes.set(xlim=(0, 1), ylim=(0, 1), title=title)
+    drawn.canvas.draw()
+    picture = np.asarray(drawn.canvas.buffer_rgba())[..., :3].copy()
+    plt.close(drawn)
+    return picture
+
+
+def encoded(picture, suffix=".png"):
+    return cv2.imencode(suffix, picture)[1].tobytes()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpeg"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"up": 1.0},
+        {"up": 3.0},
+        {"up": 0.3},
+        {"right": 1.0},
+        {"title": "RMSE 0.128 m"},
+        {"title": "RMSE 0,123 m"},
+        {"width": 1.7},
+    ],
+)
+def test_a_change_that_somebody_could_see_is_one(change, suffix):
+    assert not pictures_alike(encoded(figure(), suffix), encoded(figure(**change), suffix))
+    assert not same_but_for_rounding(suffix, encoded(figure(), suffix), encoded(figure(**change), suffix))
+
+
+def test_a_figure_of_perturbed_numbers_is_the_same():
+    picture, other = figure(), figure(noise=1e-6)
+    other[100, 100] ^= 90  # a pixel on an edge may be rounded to the other side
+    assert not np.array_equal(picture, other)
+    assert pictures_alike(encoded(picture), encoded(other))
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpeg"])
+def test_a_camera_picture_that_is_rendered_with_other_rounding_errors_is_the_same(suffix):
+    """A level more or less here and there."""
+    path = next(iter(sorted((PROJECT / "solutions" / "images").glob("*_payoff.jpeg"))))
+    picture = cv2.imread(str(path))
+    rng = np.random.default_rng(2)
+    flips = rng.random(picture.shape) < 1e-3
+    other = np.where(
+        flips, np.clip(picture.astype(int) + rng.choice([-1, 1], picture.shape), 0, 255), picture
+    )
+    one, two = encoded(picture, suffix), encoded(other.astype(np.uint8), suffix)
+    assert one != two and pictures_alike(one, two)
+    assert not pictures_alike(one, encoded(picture[1:], suffix))
+    assert not pictures_alike(one, encoded(np.roll(picture, 1, axis=0), suffix))
+
+
+def test_the_pictures_in_a_notebooks_outputs_are_compared_as_pictures():
+    def shown(picture, alt="0.5 m"):
+        return notebook(
+            f'<img alt="{alt}" src="data:image/png;base64,{b64encode(encoded(picture)).decode()}">'
+        )
+
+    def same(first, second):
+        return same_but_for_rounding(".ipynb", *(json.dumps(each).encode() for each in (first, second)))
+
+    picture, nearly = figure(), figure()
+    nearly[50:60, 50:60] ^= 1
+    assert same(shown(picture), shown(nearly))
+    assert not same(shown(picture), shown(nearly, alt="0.6 m"))
+    assert not same(shown(picture), shown(figure(up=1.0)))
