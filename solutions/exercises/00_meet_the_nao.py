@@ -6,68 +6,47 @@ import math
 
 import numpy as np
 
-from nao_course.exercises import Case, Exercise, LessonPlan, Mistake
+from nao_course.exercises import Case, Exercise, LessonPlan
+from nao_course.instructor.authoring.mistakes import catalogue
 
-
-def _public() -> list[Case]:
-    angles = {"a quarter turn": 90.0, "no turn": 0.0, "a turn to the right": -30.0, "a whole turn": 360.0}
-    return [Case((angle,), name) for name, angle in angles.items()]
-
-
-def _hidden(rng: np.random.Generator) -> list[Case]:
-    return [Case((float(angle),)) for angle in rng.uniform(-720, 720, 6)]
-
-
+ANGLES = {"a quarter turn": 90.0, "no turn": 0.0, "a turn to the right": -30.0, "a whole turn": 360.0}
 TO_RADIANS = Exercise(
     name="to_radians",
     points=0,
-    public=_public,
-    hidden=_hidden,
+    public=lambda: [Case((angle,), name) for name, angle in ANGLES.items()],
+    hidden=lambda rng: [Case((float(angle),)) for angle in rng.uniform(-720, 720, 6)],
     hints=(
-        "A full turn is 360 degrees, and it is 2 pi radians. How many radians is one degree?",
+        "A full turn is 360 degrees or 2 pi radians. How many radians is one degree?",
         "Multiply by pi and divide by 180; `np.pi` is pi.",
     ),
-    mistakes=[
-        Mistake(
-            "inverted fraction",
-            lambda angle_deg: angle_deg * 180.0 / np.pi,
-            "The fraction is upside down: that turns radians into degrees. There are fewer radians than degrees in a turn.",
-        ),
-        Mistake(
-            "degrees returned",
-            lambda angle_deg: angle_deg,
-            "What comes out is what went in, still in degrees.",
-        ),
-        Mistake(
-            "half a turn for a whole one",
-            lambda angle_deg: angle_deg * np.pi / 360.0,
-            "It is half of what it should be: a full turn is 2 pi radians, not pi.",
-        ),
-        Mistake(
-            "wrapped",
-            lambda angle_deg: (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi,
-            "You have put it into (-pi, pi]. That is for directions; this is an amount of turning, and a whole turn is 2 pi.",
-        ),
-        Mistake(
-            "pi is about 3",
-            lambda angle_deg: angle_deg * 3 / 180.0,
-            "That is nearly right. Take pi with all its digits: np.pi.",
-        ),
-        Mistake(
-            "pi is about 3.14",
-            lambda angle_deg: angle_deg * 3.14 / 180.0,
-            "3.14 is pi with three digits, and an answer has to be right to four: np.pi has sixteen.",
-        ),
-        Mistake(
-            "sign lost",
-            lambda angle_deg: abs(angle_deg) * np.pi / 180.0,
-            "Turns to the right are negative, and stay negative.",
-        ),
-    ],
+    mistakes=catalogue("""
+        inverted fraction: np.pi / 180.0 => 180.0 / np.pi
+            Your fraction is inverted, so it converts radians to degrees. A turn has fewer radians than degrees.
+        degrees returned: * np.pi / 180.0 =>
+            You return the angle as it was given, in degrees. Multiply it by pi / 180.
+        multiplied by pi only: / 180.0 =>
+            Your results are 180 times too large. Divide by 180 as well, because 180 degrees are pi radians.
+        divided by 180 only: * np.pi / 180.0 => / 180.0
+            Your results are fractions of half a turn. Multiply them by pi, because half a turn is pi radians.
+        sign reversed: return angle_deg => return -angle_deg
+            Your results have the wrong sign. A turn to the left is positive in degrees and in radians.
+        half a turn instead of a whole one: 180.0 => 360.0
+            Your results are half as large as they should be. A full turn is 2 pi radians, not pi.
+        wrapped: angle_deg * np.pi / 180.0 => (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi
+            You wrap the result to (-pi, pi]. That is right for directions, but this is an amount of turning: a whole turn is 2 pi, not 0.
+        modulo a whole turn: / 180.0 => / 180.0 % (2 * np.pi)
+            You take the result modulo 2 pi, which changes amounts of turning: -30 degrees become +330, and a whole turn becomes 0.
+        pi is about 3: np.pi => 3
+            You use 3 for pi, so your results are 5 % too small. Use np.pi.
+        pi is about 3.14: np.pi => 3.14
+            You use 3.14 for pi, but the result has to be right to four digits. Use np.pi, which has sixteen.
+        sign lost: return angle_deg => return abs(angle_deg)
+            You drop the sign. Turns to the right are negative and stay negative.
+    """),
     alternatives={
         "math.radians": math.radians,
         "np.deg2rad": np.deg2rad,
-        "a share of a turn": lambda angle_deg: angle_deg / 360 * math.tau,
+        "a fraction of a turn": lambda angle_deg: angle_deg / 360 * math.tau,
     },
 )
 

@@ -1,25 +1,26 @@
-"""Lesson 01, HSL filtering: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Exercises of lesson 01, HSL filtering, with common mistakes and alternative correct solutions."""
 
 from __future__ import annotations
 
 import colorsys
-from itertools import count
 from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Mistake, Question, Sampled, Written
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Question, Sampled, Written
+from nao_course.instructor.authoring.mistakes import catalogue
 
 Array = npt.NDArray[Any]
+Seed = int | np.random.Generator
+Limits = tuple[float, float]
 
 
-# --- pictures and hues to try things on ---
-
-
-def picture(rng: np.random.Generator, rows: int, columns: int) -> Array:
-    """A picture of patches that look like grass, goal, line, shadow, wall and nothing in particular."""
+# --- pictures and hues for the cases ---
+def picture(seed: Seed, rows: int, columns: int) -> Array:
+    """Return a picture of noisy pixels in the colours of grass, goal, line, shadow and wall, and of random pixels."""
+    rng = np.random.default_rng(seed)
     colours = np.array(
         [(60, 130, 70), (85, 145, 88), (205, 190, 45), (250, 251, 249), (20, 22, 21), (150, 150, 150)]
     )
@@ -30,153 +31,24 @@ def picture(rng: np.random.Generator, rows: int, columns: int) -> Array:
 
 
 def primaries() -> Array:
-    """The corners of the colour cube, some greys, and pinks whose hue is just below 360 degrees."""
+    """Return the corners of the colour cube, some greys, and pinks with a hue just below 360 degrees."""
     rows = [
-        [(255, 0, 0), (255, 255, 0), (0, 255, 0), (0, 255, 255)],
-        [(0, 0, 255), (255, 0, 255), (0, 0, 0), (255, 255, 255)],
-        [(128, 128, 128), (200, 10, 60), (255, 0, 30), (130, 90, 110)],
+        [(255, 0, 0), (255, 255, 0), (0, 255, 0), (0, 255, 255), (0, 0, 255), (255, 0, 255)],
+        [(0, 0, 0), (255, 255, 255), (128, 128, 128), (200, 10, 60), (255, 0, 30), (130, 90, 110)],
     ]
-    return np.array(rows, dtype=np.uint8)
+    return np.array(rows, dtype=np.uint8).reshape(3, 4, 3)
 
 
-def hues(rng: np.random.Generator, middle: float, width: float, size: tuple[int, int]) -> Array:
-    """Hues in half degrees about a middle, on the circle."""
-    return np.round(2 * (middle + rng.uniform(-width, width, size))) / 2 % 360
-
-
-# --- 1.1 rgb_to_hsl ---
-
-
-def _hsl(picture: Array, **changed: Any) -> tuple[Array, Array, Array]:
-    """The conversion, with one thing done in another way."""
-    rgb = picture.astype(float) / 255
-    red, green, blue = rgb[..., 0], rgb[..., 1], rgb[..., 2]
-    top, bottom = rgb.max(axis=2), rgb.min(axis=2)
-    spread = top - bottom
-    safe = np.where(spread == 0, 1, spread)
-    hue = np.where(
-        top == red,
-        (green - blue) / safe,
-        np.where(top == green, 2 + (blue - red) / safe, 4 + (red - green) / safe),
-    )
-    hue = np.where(spread == 0, 0, 60 * hue)
-    if not changed.get("negative"):
-        hue = hue % 360
-    lightness = (top + bottom) / 2
-    room = 1 - np.abs(2 * lightness - 1)
-    saturation = np.where(spread == 0, 0, spread / np.where(room == 0, 1, room))
-    if changed.get("hsv"):
-        saturation = spread / np.where(top == 0, 1, top)
-        lightness = top
-    if changed.get("luma"):
-        lightness = rgb @ [0.299, 0.587, 0.114]
-    if changed.get("half"):
-        hue = hue / 2
-    return hue, saturation, lightness * (1.0 if changed.get("unit") else 255.0)
-
-
-def _no_red_line(picture: Array) -> tuple[Array, Array, Array]:
-    """The scaffold's two lines alone."""
-    _, saturation, lightness = _hsl(picture)
-    red, green, blue = np.moveaxis(picture / 255, -1, 0)
-    top, bottom = picture.max(axis=2) / 255, picture.min(axis=2) / 255
-    spread = np.where(top > bottom, top - bottom, 1.0)
-    by_green, by_blue = 2 + (blue - red) / spread, 4 + (red - green) / spread
-    return 60 * np.where(green == top, by_green, by_blue) % 360, saturation, lightness
-
-
-def _overflow(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, _ = _hsl(picture)
-    return hue, saturation, ((picture.max(axis=2) + picture.min(axis=2)) // 2).astype(float)
-
-
-def _grey_nan(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    grey = picture.max(axis=2) == picture.min(axis=2)
-    hue[grey] = np.nan
-    saturation[grey & np.isin(lightness, (0.0, 255.0))] = np.nan
-    return hue, saturation, lightness
-
-
-def _two_at_once(picture: Array) -> tuple[Array, Array, Array]:
-    """No modulo, and 0 divided by 0 where a pixel is grey."""
-    _, saturation, lightness = _grey_nan(picture)
-    return _hsl(picture, negative=True)[0], saturation, lightness
-
-
-def _two_at_once_in_grey(picture: Array) -> tuple[Array, Array, Array]:
-    """The same without the scaffold's divisor: a grey pixel's hue is 0 / 0, too."""
-    _, saturation, lightness = _grey_nan(picture)
-    grey = picture.max(axis=2) == picture.min(axis=2)
-    return np.where(grey, np.nan, _hsl(picture, negative=True)[0]), saturation, lightness
-
-
-def _divisor_above(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return hue, np.where(picture.max(axis=2) == picture.min(axis=2), 1.0, saturation), lightness
-
-
-def _divisor_above_and_nothing_below(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    grey = picture.max(axis=2) == picture.min(axis=2)
-    room = 1 - np.abs(2 * lightness / 255 - 1)
-    with np.errstate(divide="ignore"):
-        return hue, np.where(grey, 1.0 / room, saturation), lightness
-
-
-def _hue_divisor(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return hue, (saturation > 0).astype(float), lightness
-
-
-def _grey_blue(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return np.where(picture.max(axis=2) == picture.min(axis=2), 240.0, hue), saturation, lightness
-
-
-def _divided_by_nothing(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return hue, np.where(np.isin(lightness, (0.0, 255.0)), np.nan, saturation), lightness
-
-
-def _hsv_saturation(picture: Array) -> tuple[Array, Array, Array]:
-    hue, _, lightness = _hsl(picture)
-    return hue, _hsl(picture, hsv=True)[1], lightness
-
-
-def _mean_of_three(picture: Array) -> tuple[Array, Array, Array]:
-    return *_hsl(picture)[:2], picture.astype(float).mean(axis=2)
-
-
-def _bytes_subtracted(picture: Array) -> tuple[Array, Array, Array]:
-    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
-    top, spread = picture.max(axis=2), picture.max(axis=2) - picture.min(axis=2)
-    safe = np.where(spread == 0, 1, spread)
-    hue = np.where(
-        top == red,
-        (green - blue) / safe,
-        np.where(top == green, 2 + (blue - red) / safe, 4 + (red - green) / safe),
-    )
-    return np.where(spread == 0, 0.0, 60 * hue % 360), *_hsl(picture)[1:]
-
-
-def _opencv_bytes(picture: Array) -> tuple[Array, Array, Array]:
-    hls = cv2.cvtColor(picture, cv2.COLOR_RGB2HLS)
-    return hls[..., 0], hls[..., 1], hls[..., 2]
-
-
-def _opencv_order(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return hue, lightness, saturation
+def hues(seed: Seed, centre: float, width: float, size: tuple[int, int]) -> Array:
+    """Return random hues around a centre on the circle, rounded to half degrees."""
+    rng = np.random.default_rng(seed)
+    return np.round(2 * (centre + rng.uniform(-width, width, size))) / 2 % 360
 
 
 def _hsl_loop(picture: Array) -> tuple[Array, Array, Array]:
-    out = np.zeros((3, *picture.shape[:2]))
-    for i in range(picture.shape[0]):
-        for j in range(picture.shape[1]):
-            h, l, s = colorsys.rgb_to_hls(*(float(c) / 255 for c in picture[i, j]))  # noqa: E741
-            out[:, i, j] = h * 360, s, l * 255
-    return out[0], out[1], out[2]
+    hls = [[colorsys.rgb_to_hls(*pixel) for pixel in row] for row in (picture / 255).tolist()]
+    hue, lightness, saturation = np.moveaxis(np.array(hls), -1, 0)
+    return 360 * hue, saturation, 255 * lightness
 
 
 def _hsl_opencv(picture: Array) -> tuple[Array, Array, Array]:
@@ -184,168 +56,102 @@ def _hsl_opencv(picture: Array) -> tuple[Array, Array, Array]:
     return hls[..., 0], hls[..., 2], hls[..., 1] * 255
 
 
-def _hsl_float32(picture: Array) -> tuple[Array, Array, Array]:
-    hue, saturation, lightness = _hsl(picture)
-    return hue.astype(np.float32), saturation.astype(np.float32), lightness.astype(np.float32)
-
-
 RGB_TO_HSL = Exercise(
     name="rgb_to_hsl",
     points=2,
-    stars=1,
-    public=lambda: [
-        Case((primaries(),), "pure colours and greys"),
-        Case((picture(np.random.default_rng(11), 8, 10),), "a picture"),
-    ],
+    public=lambda: [Case((primaries(),), "pure colours and greys"), Case((picture(11, 8, 10),), "a picture")],
     hidden=lambda rng: [Case((primaries()[:, ::-1],)), *(Case((picture(rng, 24, 32),)) for _ in range(3))],
     comparison=Close(rtol=1e-3, atol=2e-3, names=("your hue", "your saturation", "your lightness")),
     hints=(
-        "largest == red says where equation 1.3's first line holds. Write that line with divisor below the fraction, and take it there "
-        "with np.where; elsewhere stay the sixths of the scaffold. Sixths of a circle are 60 degrees each.",
-        "np.where(largest == red, ..., sixths), times 60, modulo 360. For the saturation, the denominator of equation 1.2 is 0 for black "
-        "and white: np.where(grey, 1.0, ...) there, as in divisor.",
+        "The first line of equation 1.3 applies where largest == red. Write its fraction with divisor as the denominator, and select it there with np.where; elsewhere keep the given sixths. Each sixth of the circle is 60 degrees.",
+        "The hue is np.where(largest == red, ..., sixths), times 60, modulo 360. The denominator of equation 1.2 is 0 for black and white, so replace it by 1 there: np.where(grey, 1.0, ...), as in divisor.",
     ),
-    mistakes=[
-        Mistake(
-            "half degrees",
-            lambda picture: _hsl(picture, half=True),
-            "Your hues are half of what they should be: OpenCV stores them in units of 2 degrees so that they fit into "
-            "a byte. This course has degrees, 0 to 360.",
-        ),
-        Mistake(
-            "OpenCV's order",
-            _opencv_order,
-            "Saturation and lightness have changed places. OpenCV's HLS has lightness second; here the order is hue, "
-            "saturation, lightness.",
-        ),
-        Mistake(
-            "luma",
-            lambda picture: _hsl(picture, luma=True),
-            "That is the luma, a weighted mean of the three channels. The lightness of HSL is halfway between the "
-            "largest and the smallest channel.",
-        ),
-        Mistake(
-            "uint8 overflow",
-            _overflow,
-            "Bright pixels come out dark: two bytes were added, and 200 + 200 is 144 in a byte. Turn the picture into "
-            "floats before you calculate.",
-        ),
-        Mistake(
-            "negative hue",
-            lambda picture: _hsl(picture, negative=True),
-            "Some hues are negative. Pinks lie just below 360 degrees: take the hue modulo 360.",
-        ),
-        Mistake(
-            "the red line left out",
-            _no_red_line,
-            "Where red is the largest channel your hues are those of another line: the scaffold has the lines for green and blue, and "
-            "the first line of equation 1.3, for M = r, is yours.",
-        ),
-        Mistake(
-            "grey divided by zero",
-            _grey_nan,
-            "Some hues or saturations are NaN: for a grey pixel the largest and the smallest channel are equal, and you divide 0 by "
-            "0. Grey gets hue 0 and saturation 0.",
-        ),
-        Mistake(
-            "bytes subtracted",
-            _bytes_subtracted,
-            "Differences of the channels go wrong: 10 - 20 is 246 in a byte. Turn the picture into floats before you calculate.",
-        ),
-        Mistake(
-            "OpenCV's bytes",
-            _opencv_bytes,
-            "That is OpenCV's conversion of bytes: hue in units of 2 degrees, then lightness, then saturation in 0..255. Here it is "
-            "degrees, saturation in 0..1, lightness in 0..255, in this order.",
-        ),
-        Mistake(
-            "blue first",
-            lambda picture: _hsl(picture[..., ::-1]),
-            "Red and blue have changed places. OpenCV reads files as blue, green, red; this course's pictures are red, green, blue.",
-        ),
-        Mistake(
-            "radians",
-            lambda picture: (np.radians(_hsl(picture)[0]), *_hsl(picture)[1:]),
-            "Your hues are in radians. Hues are the one kind of angle that this course has in degrees, 0 to 360, as the field does.",
-        ),
-        Mistake(
-            "no modulo, and 0 divided by 0",
-            _two_at_once,
-            "Two things. Some hues are negative: take the hue modulo 360. And the saturation of black and white is NaN: their divisor "
-            "1 - |M + m - 1| is 0, so put a 1 there where a pixel is grey.",
-        ),
-        Mistake(
-            "no modulo, and grey divided by zero",
-            _two_at_once_in_grey,
-            "Two things. Some hues are negative: take the hue modulo 360. And hues or saturations of grey pixels are NaN: you divide 0 "
-            "by 0. The divisor of the scaffold has a 1 there, and equation 1.2 needs the like.",
-        ),
-        Mistake(
-            "the scaffold's divisor in the numerator",
-            _divisor_above,
-            "Grey pixels have the saturation 1. In divisor a grey pixel has a 1, so that one can divide by it: it stands below the "
-            "fraction of the hue. Above the fraction of equation 1.2 stands largest - smallest itself.",
-        ),
-        Mistake(
-            "the scaffold's divisor in the numerator, and 0 below",
-            _divisor_above_and_nothing_below,
-            "Grey pixels have a saturation of 1 and more. In divisor a grey pixel has a 1, so that one can divide by it: above the "
-            "fraction of equation 1.2 stands largest - smallest itself. Below it put a 1 where a pixel is grey.",
-        ),
-        Mistake(
-            "the hue's divisor",
-            _hue_divisor,
-            "That is divided by divisor, M - m. The saturation has a denominator of its own: 1 - |M + m - 1|, equation 1.2.",
-        ),
-        Mistake(
-            "60 forgotten",
-            lambda picture: (_hsl(picture)[0] / 60, *_hsl(picture)[1:]),
-            "Your hues go from 0 to 6: these are sixths of the circle. One sixth is 60 degrees.",
-        ),
-        Mistake(
-            "grey is blue",
-            _grey_blue,
-            "Grey has the hue 0. Yours is that of another line of equation 1.3, for all three channels are the largest: look at red first.",
-        ),
-        Mistake(
-            "black and white divided by zero",
-            _divided_by_nothing,
-            "Black and white: their divisor 1 - |M + m - 1| is 0. Put a 1 there, too, where a pixel is grey.",
-        ),
-        Mistake(
-            "HSV's saturation",
-            _hsv_saturation,
-            "That is the saturation of HSV, (M - m) / M. HSL's is equation 1.2: (M - m) / (1 - |M + m - 1|).",
-        ),
-        Mistake(
-            "the mean of three channels",
-            _mean_of_three,
-            "That is the mean of all three channels. The lightness of HSL is halfway between the largest and the smallest.",
-        ),
-        Mistake(
-            "HSV",
-            lambda picture: _hsl(picture, hsv=True),
-            "That is HSV: its value is the largest channel and its saturation is relative to that. HSL's lightness is "
-            "halfway between the largest and the smallest.",
-        ),
-        Mistake(
-            "lightness in 0..1",
-            lambda picture: _hsl(picture, unit=True),
-            "Your lightness lies in 0..1. Equation 1.4 has 255 as its maximum, so this course's lightness "
-            "goes from 0 to 255.",
-        ),
-    ],
+    mistakes=catalogue("""
+        half degrees: 60 * sixths % 360 => 30 * sixths % 180
+            Your hues are half as large as expected. OpenCV stores hues of bytes in units of 2 degrees; this course uses degrees, 0 to 360.
+        OpenCV's order: saturation, lightness => lightness, saturation
+            Saturation and lightness are exchanged. OpenCV's HLS has lightness second; the order here is hue, saturation, lightness.
+        luma: 255 * (largest + smallest) / 2 => 255 * (0.299 * red + 0.587 * green + 0.114 * blue)
+            Your lightness is the luma, a weighted mean of the three channels. The lightness of HSL is the mean of the largest and the smallest channel.
+        uint8 overflow: 255 * (largest + smallest) / 2 => ((picture.max(axis=2) + picture.min(axis=2)) // 2).astype(float)
+            Bright pixels become dark, because you add bytes and 200 + 200 overflows to 144. Convert the picture to floats first.
+        negative hue: 60 * sixths % 360 => 60 * sixths
+            Some of your hues are negative. Take the hue modulo 360; pinks are just below 360 degrees.
+        the red line left out: sixths = np.where(largest == red, (green - blue) / divisor, sixths) => pass
+            Where red is the largest channel, your hues come from another line of equation 1.3. The given code has the lines for green and blue; add the first line, for M = r.
+        the red line reversed: (green - blue) / divisor, sixths => (blue - green) / divisor, sixths
+            Where red is the largest channel, your hues run the wrong way round the circle. The numerator of the first line is g - b.
+        only the red line: (green - blue) / divisor, sixths => (green - blue) / divisor, 0.0
+            Your hue is 0 wherever red is not the largest channel. Keep the given sixths there, as the third argument of np.where.
+        60 degrees twice: (green - blue) / divisor, sixths => 60 * (green - blue) / divisor, sixths
+            Where red is the largest channel, your hues are 60 times too large. All three lines are in sixths of the circle; multiply by 60 once, at the end.
+        grey divided by zero: (green - blue) / divisor, sixths => (green - blue) / (largest - smallest), sixths
+            np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
+            Some hues or saturations are NaN. In a grey pixel the largest and the smallest channel are equal, so you divide 0 by 0. Grey must get hue 0 and saturation 0.
+        bytes subtracted: largest == red, (green - blue) / divisor => largest == red, (picture[..., 1] - picture[..., 2]) / 255 / divisor
+            (blue - red) => (picture[..., 2] - picture[..., 0]) / 255
+            (red - green) => (picture[..., 0] - picture[..., 1]) / 255
+            You subtract bytes, and 10 - 20 overflows to 246. Convert the picture to floats first.
+        no absolute value: np.abs(largest + smallest - 1) => (largest + smallest - 1)
+            The saturation of your dark pixels is too small, because M + m - 1 is negative there. Equation 1.2 has its absolute value.
+        divided by M + m: 1 - np.abs(largest + smallest - 1) => largest + smallest
+            The saturation of your bright pixels is too small, because you divide by M + m. This is the denominator of equation 1.2 for dark pixels only.
+        lightness in the denominator: np.abs(largest + smallest - 1) => np.abs(lightness - 1)
+            Your saturation has the lightness (0 to 255) in its denominator. Equation 1.2 has M + m, which is between 0 and 2.
+        numerator without brackets: (largest - smallest) / => largest - smallest /
+            Your saturation is wrong because only m is divided: / is computed before -. Put M - m in brackets.
+        percent: (largest - smallest) / => 100 * (largest - smallest) /
+            Your saturation is in percent. In this course it is between 0 and 1.
+        OpenCV's bytes: + import cv2
+            + hls = cv2.cvtColor(picture, cv2.COLOR_RGB2HLS)
+            + return hls[..., 0], hls[..., 1], hls[..., 2]
+            Your result is OpenCV's conversion of bytes: hue in units of 2 degrees, then lightness, then saturation in 0..255. Return hue in degrees, saturation in 0..1 and lightness in 0..255, in this order.
+        blue first: + picture = picture[..., ::-1]
+            Red and blue are exchanged. OpenCV reads files as blue, green, red, but the pictures of this course are red, green, blue.
+        radians: 60 * sixths % 360 => np.radians(60 * sixths % 360)
+            Your hues are in radians. Hues are the only angles that this course gives in degrees, 0 to 360.
+        no modulo, and 0 divided by 0: 60 * sixths % 360 => 60 * sixths
+            np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
+            There are two errors. Some hues are negative: take the hue modulo 360. And the saturation of black and white is NaN, because their denominator 1 - |M + m - 1| is 0: replace it by 1 where a pixel is grey.
+        the red line left out, and 0 divided by 0: sixths = np.where(largest == red, (green - blue) / divisor, sixths) => pass
+            np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
+            There are two errors. The first line of equation 1.3, for M = r, has no effect in your code: assign the result of np.where to sixths. And the saturation of black and white is NaN: replace its denominator by 1 where a pixel is grey.
+        the scaffold's divisor in the numerator: (largest - smallest) / np.where(grey, 1.0, => divisor / np.where(grey, 1.0,
+            Your grey pixels have saturation 1, because divisor is 1 there. It is meant for denominators only. The numerator of equation 1.2 is largest - smallest.
+        the hue's divisor: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => divisor
+            Your saturation is 1 for every colour, because its denominator equals M - m. The denominator of equation 1.2 is 1 - |M + m - 1|, with a plus sign.
+        60 forgotten: 60 * sixths % 360 => sixths % 6
+            Your hues are between 0 and 6, in sixths of the circle. Multiply them by 60 degrees.
+        60 forgotten before the modulo: 60 * sixths % 360 => sixths % 360
+            You take sixths modulo 360, but sixths counts sixths of the circle. Multiply by 60 degrees before you take the modulo.
+        modulo before 60: 60 * sixths % 360 => 60 * (sixths % 360)
+            Some of your hues are far above 360. Multiply by 60 first, and then take the modulo.
+        grey is blue
+            sixths = np.where(largest == red, (green - blue) / divisor, sixths) => sixths = np.where(grey, 4.0, np.where(largest == red, (green - blue) / divisor, sixths))
+            Your grey pixels do not have hue 0. All their channels are equal, so the condition for red has to be tested first.
+        black and white divided by zero: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
+            The saturation of black and white is NaN, because their denominator 1 - |M + m - 1| is 0. Replace it by 1 where a pixel is grey.
+        HSV's saturation: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => np.where(largest == 0, 1, largest)
+            You compute the saturation of HSV, (M - m) / M. The saturation of HSL is (M - m) / (1 - |M + m - 1|), equation 1.2.
+        the mean of three channels: 255 * (largest + smallest) / 2 => 255 * (red + green + blue) / 3
+            Your lightness is the mean of all three channels. The lightness of HSL is the mean of the largest and the smallest.
+        HSV: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => np.where(largest == 0, 1, largest)
+            255 * (largest + smallest) / 2 => 255 * largest
+            Your result is HSV, with the largest channel as its value. The lightness of HSL is the mean of the largest and the smallest channel, and its saturation is equation 1.2.
+        lightness in 0..1: 255 * (largest + smallest) / 2 => (largest + smallest) / 2
+            Your lightness is between 0 and 1. In this course lightness goes from 0 to 255 (equation 1.1).
+    """),
     alternatives={
         "a loop with colorsys": _hsl_loop,
         "OpenCV in floats": _hsl_opencv,
-        "float32": _hsl_float32,
+        "float32": lambda picture: [each.astype(np.float32) for each in _hsl_loop(picture)],
     },
     equivalents={
         "grey = largest <= smallest": "a largest value is never below a smallest one",
         "sixths = np.where(largest <= green, 2 + (blue - red) / divisor, 4 + (red - green) / divisor)": "no channel is above the largest one, so at most it equals it",
         "sixths = np.where(largest <= red, (green - blue) / divisor, sixths)": "no channel is above the largest one, so at most it equals it",
         "divisor = np.where(grey, 2.0, largest - smallest)": "a grey pixel's numerators are 0, whatever they are divided by",
-        "saturation = (largest - smallest) / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's spread is 0, whatever it is divided by",
+        "saturation = (largest - smallest) / np.where(grey, 2.0, 1 - np.abs(largest + smallest - 1))": "a grey pixel's numerator is 0, whatever it is divided by",
         "largest = np.maximum(blue, np.maximum(red, green))": "the largest of three numbers does not depend on their order",
         "largest = np.maximum(np.maximum(green, red), blue)": "the largest of three numbers does not depend on their order",
         "smallest = np.minimum(blue, np.minimum(red, green))": "the smallest of three numbers does not depend on their order",
@@ -355,54 +161,26 @@ RGB_TO_HSL = Exercise(
 )
 
 
-# --- 1.2 average_lightness ---
-
-
-def _sample(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    return float(rng.choice(lightness.ravel(), n_samples).mean())
-
-
-def _patchy(rng: np.random.Generator, rows: int, columns: int) -> Array:
-    """A skewed picture, bright at its top: mean, median and first rows all differ."""
+def _patchy(seed: Seed, rows: int, columns: int) -> Array:
+    """Return a skewed picture, bright at its top, so that mean, median and first rows all differ."""
+    rng = np.random.default_rng(seed)
     light = rng.uniform(0, 90, (rows, columns))
     light[: rows // 4] = rng.uniform(180, 255, (rows // 4, columns))
     return light
 
 
-_CALLS = count()
-
-
-def _sample_of_its_own(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    """As np.random would: other pixels at each call. Sampled calls 140 times, or 280: each case sees the same ones."""
-    return _sample(lightness, n_samples, np.random.default_rng(1000 + next(_CALLS) % 140))
-
-
 def _sample_loop(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    total = 0.0
-    for _ in range(n_samples):
-        row, column = rng.integers(lightness.shape[0]), rng.integers(lightness.shape[1])
-        total += lightness[row, column]
-    return total / n_samples
-
-
-def _sample_apart(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    rows = rng.integers(0, lightness.shape[0], n_samples)
-    columns = rng.integers(0, lightness.shape[1], n_samples)
-    return float(np.mean(lightness[rows, columns]))
-
-
-def _sample_without_replacement(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
-    chosen = rng.permutation(lightness.size)[:n_samples]
-    return float(lightness.reshape(-1)[chosen].mean())
+    rows, columns = lightness.shape
+    return sum(lightness[rng.integers(rows), rng.integers(columns)] for _ in range(n_samples)) / n_samples
 
 
 AVERAGE_LIGHTNESS = Exercise(
     name="average_lightness",
     points=1,
-    stars=1,
     public=lambda: [
-        Case((_patchy(np.random.default_rng(12), 40, 32).T.copy(), 40, 120), "120 samples of 40 pixels"),
+        Case((_patchy(12, 40, 32).T.copy(), 40, 120), "120 samples of 40 pixels"),
         Case((np.array([[250.0, 0.0]]), 1, 260), "a picture of two pixels"),
+        Case((_patchy(31, 24, 32), 40, 120), "a picture with a bright top"),
     ],
     hidden=lambda rng: [
         Case((_patchy(rng, 48, 64), 50, 120)),
@@ -412,85 +190,55 @@ AVERAGE_LIGHTNESS = Exercise(
     comparison=Sampled(),
     driver="each_seed",
     hints=(
-        "The generator draws for you: rng.integers(0, n, size=k) gives k whole numbers from 0 to n - 1, and "
-        "rng.choice(values, k) gives k of the values.",
-        "lightness.ravel() is the picture as one long row. Draw n_samples of its elements and take their mean.",
+        "Use the generator: rng.integers(0, n, size=k) returns k integers from 0 to n - 1, and rng.choice(values, k) returns k of the values.",
+        "lightness.ravel() has all pixels in one row. Draw n_samples of its elements and return their mean.",
     ),
-    mistakes=[
-        Mistake(
-            "all pixels",
-            lambda lightness, n_samples, rng: float(lightness.mean()),
-            "Your answer is the mean of all pixels. The paper draws a random sample: n_samples of them.",
-        ),
-        Mistake(
-            "the last pixel never drawn",
-            lambda lightness, n_samples, rng: float(
-                lightness.ravel()[rng.integers(0, max(lightness.size - 1, 1), n_samples)].mean()
-            ),
-            "The last pixel is never drawn: the upper end of rng.integers is not included, so it is lightness.size itself.",
-        ),
-        Mistake(
-            "the first pixel never drawn",
-            lambda lightness, n_samples, rng: float(
-                lightness.ravel()[rng.integers(1, max(lightness.size, 2), n_samples)].mean()
-            ),
-            "The first pixel is never drawn: Python counts from 0, and so does rng.integers(0, n).",
-        ),
-        Mistake(
-            "one index too many",
-            lambda lightness, n_samples, rng: float(
-                lightness.ravel()[rng.integers(0, lightness.size + 1, n_samples)].mean()
-            ),
-            "The last index of n pixels is n - 1, and rng.integers(0, n) draws 0 to n - 1 by itself: say lightness.size, without + 1.",
-        ),
-        Mistake(
-            "whole rows drawn",
-            lambda lightness, n_samples, rng: float(rng.choice(lightness, n_samples).mean()),
-            "Whole rows of the picture are drawn, not pixels: its first axis counts rows. Draw from one long row of all its pixels.",
-        ),
-        Mistake(
-            "np.random",
-            _sample_of_its_own,
-            "Draw with the rng that is handed in, not with np.random or a generator of your own: then an experiment can be repeated.",
-        ),
-        Mistake(
-            "the first pixels",
-            lambda lightness, n_samples, rng: float(lightness.ravel()[:n_samples].mean()),
-            "Those are always the first pixels. Draw them at random, all over the picture.",
-        ),
-        Mistake(
-            "the sum",
-            lambda lightness, n_samples, rng: n_samples * _sample(lightness, n_samples, rng),
-            "Your answers are n_samples times too large: a sum where a mean is wanted.",
-        ),
-        Mistake(
-            "one pixel",
-            lambda lightness, n_samples, rng: float(rng.choice(lightness.ravel())),
-            "Your answers scatter like a single pixel's. Draw n_samples of them and average.",
-        ),
-        Mistake(
-            "the median",
-            lambda lightness, n_samples, rng: float(np.median(rng.choice(lightness.ravel(), n_samples))),
-            "That is the median. On a picture with a bright wall above dark grass, mean and median are far apart.",
-        ),
-    ],
+    mistakes=catalogue("""
+        all pixels: .ravel()[chosen] =>
+            You return the mean of all pixels. The paper uses a random sample of n_samples pixels.
+        the last pixel never drawn: lightness.size => lightness.size - 1
+            The last pixel is never drawn. rng.integers does not include its upper end, so pass lightness.size.
+        the first pixel never drawn: integers(0 => integers(1
+            The first pixel is never drawn. Indices start at 0, so use rng.integers(0, n).
+        one index too many: lightness.size => lightness.size + 1
+            Your indices are too large. The last index of n pixels is n - 1, so pass n = lightness.size itself to rng.integers. Use the result as an index of lightness.ravel(), because lightness[i] is a whole row.
+        only the first row: lightness.size => len(lightness)
+            You draw only from the first pixels, because len(lightness) is the number of rows. The number of pixels is lightness.size.
+        only ten pixels: lightness.size => 10
+            You draw only from the first ten pixels, as in the example in the text. Pass lightness.size instead of 10.
+        the indices: lightness.ravel()[chosen].mean() => chosen.mean()
+            You return the mean of the indices that you drew. Use them as an index of lightness.ravel(), and return the mean of those pixels.
+        always 1000: size=n_samples => size=1000
+            Your sample always has 1000 pixels. Draw n_samples pixels.
+        whole rows drawn: + return float(rng.choice(lightness, n_samples).mean())
+            You draw whole rows of the picture, because its first axis counts rows. Draw from lightness.ravel(), which has all pixels in one row.
+        np.random: + calls = average_lightness.calls = getattr(average_lightness, "calls", -1) + 1
+            + rng = np.random.default_rng(1000 + calls % 140)  # other pixels at each call, the same ones in each case
+            You do not use the argument rng. With np.random or a generator of your own, the result is different each time, and nobody can repeat the experiment.
+        the first pixels: [chosen] => [:n_samples]
+            You always use the first pixels. Draw them at random from the whole picture.
+        the sum: mean() => sum()
+            Your results are n_samples times too large. Return the mean instead of the sum.
+        one pixel: size=n_samples => size=1
+            Your results vary as much as the lightness of a single pixel, because you draw only one. Draw n_samples pixels and return their mean.
+        the mean and noise: lightness.ravel()[chosen].mean() => lightness.mean() + rng.normal(0, lightness.std() / np.sqrt(n_samples))
+            You add noise to the mean of all pixels. Draw n_samples pixels and return their mean. This is the purpose of a sample: the other pixels are not needed.
+        the median: lightness.ravel()[chosen].mean() => np.median(lightness.ravel()[chosen])
+            You return the median of the sample. Return its mean; in a picture with a bright wall above dark grass the two are far apart.
+    """),
     alternatives={
         "a loop": _sample_loop,
-        "rows and columns apart": _sample_apart,
-        "without replacement": _sample_without_replacement,
+        "rows and columns drawn separately": lambda lightness, n, rng: np.mean(
+            lightness[*(rng.integers(0, size, n) for size in lightness.shape)]
+        ),
+        "without replacement": lambda lightness, n, rng: rng.permutation(lightness.ravel())[:n].mean(),
     },
-    equivalents={
-        "return lightness.ravel()[chosen].mean()": "NumPy's float64 is a float",
-    },
+    equivalents={"return lightness.ravel()[chosen].mean()": "NumPy's float64 is a float"},
 )
-
-
-# --- 1.3 white_threshold ---
 
 WHITE_THRESHOLD = Exercise(
     name="white_threshold",
     points=1,
-    stars=1,
     public=lambda: [
         Case((100.0,), "mean 100"),
         Case((0.0,), "a black picture"),
@@ -499,105 +247,63 @@ WHITE_THRESHOLD = Exercise(
     ],
     hidden=lambda rng: [
         *(Case((float(rng.uniform(20, 230)),)) for _ in range(3)),
-        *(
-            Case((float(rng.uniform(20, 180)), float(rng.uniform(90, 150)), float(rng.uniform(190, 255))))
-            for _ in range(4)
-        ),
+        *(Case(tuple(map(float, rng.uniform((20, 90, 190), (180, 150, 255))))) for _ in range(4)),
         Case((90.0,), kwargs={"max_lightness": 240.0}),
     ],
     hints=(
-        "It is one line: equation 1.4 with mean_lightness for the average and max_lightness for the maximum.",
-        "The mean decides how far the threshold climbs from beta towards the maximum: beta plus a fraction of (max_lightness "
-        "- beta).",
+        "It is one line: equation 1.4 with mean_lightness as L_avg and max_lightness as L_max.",
+        "The threshold is beta plus a fraction of (max_lightness - beta). The fraction is the mean divided by the maximum.",
     ),
-    mistakes=[
-        Mistake(
-            "beta not added",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                (max_lightness - beta) * mean_lightness / max_lightness
-            ),
-            "A black picture must give beta itself, and you give 0: beta is not added.",
-        ),
-        Mistake(
-            "missing brackets",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                beta + max_lightness - beta * mean_lightness / max_lightness
-            ),
-            "Brackets are missing: the fraction multiplies (max_lightness - beta), not beta alone.",
-        ),
-        Mistake(
-            "inverted fraction",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                beta + (max_lightness - beta) * max_lightness / max(mean_lightness, 1e-9)
-            ),
-            "The fraction is upside down: it is the mean over the maximum, between 0 and 1.",
-        ),
-        Mistake(
-            "255 in the fraction",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                beta + (max_lightness - beta) * mean_lightness / 255.0
-            ),
-            "In the fraction, too, the maximum is the argument max_lightness, not 255.",
-        ),
-        Mistake(
-            "120 and 135",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: 120.0 + 135.0 * mean_lightness / 255.0,
-            "That is the worked example. Use the arguments beta and max_lightness instead of 120, 255 and their difference 135.",
-        ),
-        Mistake(
-            "255 for the maximum",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                beta + (255.0 - beta) * mean_lightness / 255.0
-            ),
-            "It is right as long as max_lightness is 255. Use the argument instead of the number.",
-        ),
-        Mistake(
-            "120 for beta",
-            lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-                120.0 + (max_lightness - 120.0) * mean_lightness / max_lightness
-            ),
-            "It is right as long as beta is 120. Use the argument instead of the number.",
-        ),
-    ],
+    mistakes=catalogue("""
+        beta not added: return beta + => return
+            For a black picture the threshold is beta, but you return 0. Add beta.
+        missing brackets: (max_lightness - beta) => max_lightness - beta
+            You multiply only beta by the fraction. It multiplies (max_lightness - beta), so brackets are missing.
+        inverted fraction: mean_lightness / max_lightness => max_lightness / mean_lightness
+            Your fraction is inverted. It is the mean divided by the maximum, so it is between 0 and 1.
+        not divided: mean_lightness / max_lightness => mean_lightness
+            Your threshold is far above 255, because you do not divide. The fraction is mean_lightness / max_lightness.
+        difference reversed: (max_lightness - beta) => (beta - max_lightness)
+            Your threshold falls when the mean rises, because you exchange the two terms of the difference. It is max_lightness - beta.
+        beta inside the brackets: + return (beta + (max_lightness - beta)) * mean_lightness / max_lightness
+            You return the mean itself, because you multiply beta by the fraction, too. Add beta after the multiplication.
+        a comparison: + return mean_lightness > beta + (max_lightness - beta) * mean_lightness / max_lightness
+            You return True or False. Return the threshold itself; later code compares each pixel with it.
+        whole numbers: + return int(beta + (max_lightness - beta) * mean_lightness / max_lightness)
+            You round the threshold to a whole number. Return it as a float.
+        120 and 135: + return 120.0 + 135.0 * mean_lightness / 255.0
+            You use the numbers of the example. Use the arguments beta and max_lightness instead of 120, 255 and 135.
+        always 255: + max_lightness = 255.0
+            Your result is right only if max_lightness is 255. Use the argument instead of the number.
+        always 120: + beta = 120.0
+            Your result is right only if beta is 120. Use the argument instead of the number.
+    """),
     alternatives={
-        "a weighted mean": lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-            beta * (1 - mean_lightness / max_lightness) + mean_lightness
+        "a weighted mean": lambda mean, beta=120.0, max_lightness=255.0: (
+            beta * (1 - mean / max_lightness) + mean
         ),
-        "interpolation": lambda mean_lightness, beta=120.0, max_lightness=255.0: np.interp(
-            mean_lightness, [0, max_lightness], [beta, max_lightness]
+        "interpolation": lambda mean, beta=120.0, max_lightness=255.0: np.interp(
+            mean, [0, max_lightness], [beta, max_lightness]
         ),
-        "float32": lambda mean_lightness, beta=120.0, max_lightness=255.0: (
-            np.float32(beta) + np.float32(max_lightness - beta) * np.float32(mean_lightness / max_lightness)
+        "float32": lambda mean, beta=120.0, max_lightness=255.0: (
+            np.float32(beta) + np.float32(max_lightness - beta) * np.float32(mean / max_lightness)
         ),
     },
 )
 
 
-# --- 1.4 hue_mask ---
-
-
-def _mask_about_0(hue: Array, low: float, high: float) -> Array:
-    """What works where the interval through 0 ends before 180: hues above 180 become negative."""
-    if low > high:
-        hue, low = np.where(hue > 180, hue - 360, hue), low - 360
-    return (hue >= low) & (hue <= high)
-
-
 def _mask(hue: Array, low: float, high: float) -> Array:
-    if low <= high:
-        return (hue >= low) & (hue <= high)
-    return (hue >= low) | (hue <= high)
+    return (hue - low) % 360 <= (high - low) % 360
 
 
 HUE_MASK = Exercise(
     name="hue_mask",
     points=2,
-    stars=1,
     public=lambda: [
-        Case((hues(np.random.default_rng(17), 120, 60, (8, 10)), 100.0, 140.0), "green"),
+        Case((hues(17, 120, 60, (8, 10)), 100.0, 140.0), "green"),
         Case((np.array([[39.5, 40.0, 50.0, 60.0, 60.5]]), 40.0, 60.0), "at the limits"),
         Case((np.array([[59.5, 60.0, 60.5, 240.0]]), 60.0, 60.0), "one hue, from 60 to 60"),
-        Case((hues(np.random.default_rng(18), 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
+        Case((hues(18, 0, 60, (8, 10)), 340.0, 20.0), "limits on both sides of 0"),
         Case(
             (np.array([[90.0, 165.0, 170.0, 175.0, 300.0, 0.0, 10.0, 15.0]]), 170.0, 10.0),
             "more than half the circle",
@@ -613,157 +319,76 @@ HUE_MASK = Exercise(
     ],
     comparison=Exact(),
     hints=(
-        "Two comparisons joined by & (and), each in brackets: (hue >= ...) & (hue <= ...). Both limits belong to it.",
-        "If low is larger than high, the interval goes through 0: then a hue belongs to it if it is above low *or* below "
-        "high.",
+        "Join two comparisons with &, each in brackets: (hue >= ...) & (hue <= ...). Both limits are included.",
+        "If low is larger than high, the interval goes through 0. Then a hue is inside if it is above low *or* below high.",
     ),
-    mistakes=[
-        Mistake(
-            "no wrap",
-            lambda hue, low, high: (hue >= low) & (hue <= high),
-            "With low above high your mask is empty. Such limits go through 0: above low *or* below high.",
-        ),
-        Mistake(
-            "limits excluded",
-            lambda hue, low, high: (hue > low) & (hue < high) if low <= high else (hue > low) | (hue < high),
-            "Pixels that lie exactly on a limit are left out. Equations 1.6 and 1.7 include both.",
-        ),
-        Mistake(
-            "equal limits for all hues",
-            lambda hue, low, high: (
-                (hue >= low) & (hue <= high) if low < high else (hue >= low) | (hue <= high)
-            ),
-            "Equal limits are one hue, not all of them: only where low is *larger* than high does the interval go through 0.",
-        ),
-        Mistake(
-            "hues above 180 moved",
-            _mask_about_0,
-            "Right for narrow intervals through 0. One from 170 through 0 to 10 is allowed, too: its hues of 175 are above low.",
-        ),
-        Mistake(
-            "low minus 360",
-            lambda hue, low, high: (hue >= (low - 360 if low > high else low)) & (hue <= high),
-            "With low - 360 the hues from 0 to high are in, but those from low to 359 are not: they were not moved with it. No limit "
-            "needs to move: above low *or* below high.",
-        ),
-        Mistake(
-            "high plus 360",
-            lambda hue, low, high: (hue >= low) & (hue <= (high + 360 if low > high else high)),
-            "With high + 360 the hues from low to 359 are in, but those from 0 to high are not: they were not moved with it. No limit "
-            "needs to move: above low *or* below high.",
-        ),
-        Mistake(
-            "limits swapped",
-            lambda hue, low, high: (hue >= min(low, high)) & (hue <= max(low, high)),
-            "Where low is above high you have swapped them: that marks what lies between them the other way round, through 180. "
-            "Such limits go through 0: above low *or* below high.",
-        ),
-        Mistake(
-            "or for and",
-            lambda hue, low, high: (hue >= low) | (hue <= high),
-            "Your mask lets everything through: each hue is above low or below high. Both must hold.",
-        ),
-        Mistake(
-            "bytes",
-            lambda hue, low, high: _mask(hue, low, high).astype(np.uint8) * 255,
-            "Your mask has 0 and 255, as OpenCV's do. True and False are wanted: they can be used as an index.",
-        ),
-        Mistake(
-            "ones and zeros",
-            lambda hue, low, high: np.where(_mask(hue, low, high), 1, 0),
-            "Your mask has 1 and 0. A comparison such as hue >= low gives True and False by itself: leave the rest away.",
-        ),
-        Mistake(
-            "inverted",
-            lambda hue, low, high: ~_mask(hue, low, high),
-            "Your mask is exactly the opposite.",
-        ),
-    ],
+    mistakes=catalogue("""
+        no wrap: if low <= high else above | below =>
+            If low is larger than high, your mask is empty. Such an interval goes through 0: a hue is inside if it is above low *or* below high.
+        limits excluded: >= low, hue <= high => > low, hue < high
+            You leave out hues that are equal to a limit. Equations 1.6 and 1.7 include both limits.
+        equal limits for all hues: if low <= high => if low < high
+            If both limits are equal, only that one hue is inside, but you return all hues. The interval goes through 0 only if low is *larger* than high.
+        hues above 180 moved: + if low > high:
+            +     hue, low = np.where(hue > 180, hue - 360, hue), low - 360
+            This works for narrow intervals through 0 only. An interval from 170 through 0 to 10 is allowed as well, and a hue of 175 is inside.
+        low minus 360: + low = low - 360 if low > high else low
+            With low - 360 you find the hues from 0 to high but not those from low to 359, because they are not moved. Leave the limits as they are: a hue is inside if it is above low *or* below high.
+        high plus 360: + high = high + 360 if low > high else high
+            With high + 360 you find the hues from low to 359 but not those from 0 to high, because they are not moved. Leave the limits as they are: a hue is inside if it is above low *or* below high.
+        limits swapped: + low, high = min(low, high), max(low, high)
+            If low is larger than high you swap them, which selects the interval through 180. It goes through 0: a hue is inside if it is above low *or* below high.
+        no wrap, limits excluded: + return (hue > low) & (hue < high)
+            There are two errors. Both limits belong to the interval, so use >= and <=. And if low is larger than high, your mask is empty: then a hue is inside if it is above low *or* below high.
+        complement with its ends: else above | below => else ~((hue >= high) & (hue <= low))
+            If low is larger than high, you leave out hues that are equal to a limit. The hues outside the interval are strictly between high and low.
+        the hues themselves: + return hue[(hue >= low) & (hue <= high)]
+            You return the hues inside the interval. Return the mask itself, which has one True or False for each hue.
+        or for and: above & below if low <= high else =>
+            Your mask is True everywhere, because each hue is above low or below high. Both conditions must hold: use &.
+        bytes: return above & below if low <= high else above | below => return np.uint8(255) * (above & below if low <= high else above | below)
+            Your mask has 0 and 255, like OpenCV's. Return True and False, which can be used as an index.
+        ones and zeros: return above & below if low <= high else above | below => return np.where(above & below if low <= high else above | below, 1, 0)
+            Your mask has 1 and 0. A comparison such as hue >= low already returns True and False, so return it directly.
+        inverted: return above & below if low <= high else above | below => return ~(above & below if low <= high else above | below)
+            Your mask is inverted: it is True outside the interval.
+    """),
     alternatives={
-        "modulo": lambda hue, low, high: (np.asarray(hue) - low) % 360 <= (high - low) % 360,
+        "modulo": _mask,
         "a loop": lambda hue, low, high: np.array(
-            [low <= h <= high if low <= high else h >= low or h <= high for h in hue.ravel()], dtype=bool
+            [low <= h <= high if low <= high else not high < h < low for h in hue.ravel()]
         ).reshape(hue.shape),
-        "without a branch": lambda hue, low, high: np.logical_or(
-            np.logical_and(hue >= low, hue <= high), (low > high) & ((hue >= low) | (hue <= high))
-        ),
+        "without a branch": lambda hue, low, high: (hue >= low) ^ (hue <= high) ^ (low <= high),
     },
     equivalents={
         "return above & below if low <= high else above + below": "+ of two boolean arrays is their |",
         "return above & below if low <= high else above ^ below": "where low > high no hue is both above low and below high, and only there ^ differs from |",
         "return above * below if low <= high else above | below": "* of two boolean arrays is their &",
-        "above, below = (hue <= high, hue >= low)": "the names are swapped, and & and | do not mind",
+        "above, below = (hue <= high, hue >= low)": "the names are swapped, and & and | are symmetric",
     },
 )
 
 
-# --- 1.5 color_labels ---
-
-
-def _labels(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-    order: str = "gyw",
-    floored: str = "gy",
-    white_is_grey: bool = False,
-    hls: bool = False,
-    luma: bool = False,
-) -> Array:
-    """The labels, with one thing done in another way: `floored` says which of green, yellow and white need the floor."""
-    hue, saturation, lightness = _hsl(picture, luma=luma)
-    if hls:
-        saturation, lightness = lightness, saturation
-    coloured = saturation >= min_saturation
-    masks = {
-        "g": _mask(hue, *green),
-        "y": _mask(hue, *yellow),
-        "w": (lightness > threshold) & (~coloured if white_is_grey else True),
-    }
-    labels = np.zeros(picture.shape[:2], dtype=np.uint8)
-    for kind in order:
-        labels[masks[kind] & (coloured if kind in floored else True)] = 1 + "gyw".index(kind)
-    return labels
-
-
 def _labels_loop(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
-) -> list[list[int]]:
-    hue, saturation, lightness = _hsl(picture)
-    rows = []
-    for i in range(picture.shape[0]):
-        row = []
-        for j in range(picture.shape[1]):
-            label = 0
-            if lightness[i, j] > threshold:
-                label = 3
-            elif saturation[i, j] >= min_saturation and _mask(hue[i, j], *yellow):
-                label = 2
-            elif saturation[i, j] >= min_saturation and _mask(hue[i, j], *green):
-                label = 1
-            row.append(label)
-        rows.append(row)
-    return rows
+    picture: Array, green: Limits, yellow: Limits, threshold: float, min_saturation: float = 0.16
+) -> Array:
+    def label(hue: Any, saturation: float, lightness: float) -> int:
+        if lightness > threshold:
+            return 3
+        if saturation < min_saturation:
+            return 0
+        return 2 if _mask(hue, *yellow) else int(_mask(hue, *green))
+
+    return np.vectorize(label)(*_hsl_loop(picture))
 
 
 def _labels_select(
-    picture: Array,
-    green: tuple[float, float],
-    yellow: tuple[float, float],
-    threshold: float,
-    min_saturation: float = 0.16,
+    picture: Array, green: Limits, yellow: Limits, threshold: float, min_saturation: float = 0.16
 ) -> Array:
-    hls = cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS)
-    hue, lightness, coloured = hls[..., 0], hls[..., 1] * 255, hls[..., 2] >= min_saturation
-    return np.select(
-        [lightness > threshold, coloured & _mask(hue, *yellow), coloured & _mask(hue, *green)], [3, 2, 1], 0
-    ).astype(np.uint8)
+    hue, saturation, lightness = _hsl_opencv(picture)
+    coloured = saturation >= min_saturation
+    kinds = [lightness > threshold, coloured & _mask(hue, *yellow), coloured & _mask(hue, *green)]
+    return np.select(kinds, [3, 2, 1], 0).astype(np.uint8)
 
 
 _GREEN, _YELLOW = (90.0, 150.0), (45.0, 95.0)  # they overlap: yellow wins
@@ -774,16 +399,13 @@ COLOR_LABELS = Exercise(
     stars=2,
     uses=("rgb_to_hsl", "hue_mask"),
     public=lambda: [
-        Case((picture(np.random.default_rng(19), 12, 16), _GREEN, _YELLOW, 180.0), "a picture"),
+        Case((picture(19, 12, 16), _GREEN, _YELLOW, 180.0), "a picture"),
+        Case((picture(20, 12, 16), _GREEN, _YELLOW, 180.0, 0.4712), "a high minimum saturation"),
+        Case((picture(21, 12, 16), (350.0, 60.0), (40.0, 70.0), 120.0), "green through 0"),
         Case(
-            (picture(np.random.default_rng(20), 12, 16), _GREEN, _YELLOW, 180.0, 0.4712),
-            "a high saturation floor",
+            (primaries(), (60.0, 180.0), (0.0, 50.0), 130.0, 1.0),
+            "a minimum saturation that only pure colours reach",
         ),
-        Case(
-            (picture(np.random.default_rng(21), 12, 16), (350.0, 60.0), (40.0, 70.0), 120.0),
-            "green through 0",
-        ),
-        Case((primaries(), (60.0, 180.0), (0.0, 50.0), 130.0, 1.0), "a floor that only pure colours reach"),
         Case((primaries(), (60.0, 180.0), (0.0, 50.0), 255.0, 0.5), "no pixel is above 255"),
     ],
     hidden=lambda rng: [
@@ -796,108 +418,54 @@ COLOR_LABELS = Exercise(
     ],
     comparison=Exact(allowed=0.006),
     hints=(
-        "Begin with np.zeros of the picture's height and width, dtype uint8, and write the labels into it: labels[mask] = 1. "
-        "What is written last wins.",
-        "Your own rgb_to_hsl and hue_mask give three masks: green hue and enough saturation, yellow hue and enough "
-        "saturation, lightness above the threshold. The floor is not for white, which has no colour.",
+        "Start with np.zeros of the picture's height and width, dtype uint8, and write the labels into it: labels[mask] = 1. Later assignments replace earlier ones.",
+        "With rgb_to_hsl and hue_mask you get three masks: green hue and enough saturation, yellow hue and enough saturation, lightness above the threshold. White needs no minimum saturation.",
     ),
-    mistakes=[
-        Mistake(
-            "green wins",
-            lambda *args: _labels(*args, order="wyg"),
-            "The order of precedence is upside down: white wins over yellow, and yellow over green. Write green first.",
-        ),
-        Mistake(
-            "yellow wins over white",
-            lambda *args: _labels(*args, order="gwy"),
-            "Bright yellow pixels must become white: white is written last.",
-        ),
-        Mistake(
-            "white first",
-            lambda *args: _labels(*args, order="wgy"),
-            "White is written first, and green and yellow go over it. What is written last wins: that must be white.",
-        ),
-        Mistake(
-            "green last",
-            lambda *args: _labels(*args, order="ywg"),
-            "Green is written last and wins over all. Write green first, then yellow, then white.",
-        ),
-        Mistake(
-            "floor excluded",
-            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
-                picture, green, yellow, threshold, min_saturation + 1e-9
-            ),
-            "A pixel that is exactly as saturated as min_saturation counts: at least means >=.",
-        ),
-        Mistake(
-            "green wins over yellow",
-            lambda *args: _labels(*args, order="ygw"),
-            "Where green's and yellow's hues overlap, yellow wins: write it after green.",
-        ),
-        Mistake(
-            "floor for white",
-            lambda *args: _labels(*args, floored="gyw"),
-            "White lines are missing: they have hardly any saturation. The floor is for green and yellow only.",
-        ),
-        Mistake(
-            "no floor",
-            lambda *args: _labels(*args, floored=""),
-            "Grey pixels get a colour: min_saturation is not used.",
-        ),
-        Mistake(
-            "floor fixed",
-            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
-                picture, green, yellow, threshold
-            ),
-            "It is right as long as the floor is 0.16. Use the argument min_saturation.",
-        ),
-        Mistake(
-            "white only where grey",
-            lambda *args: _labels(*args, white_is_grey=True),
-            "White lines are missing: near white a little noise is a high saturation. The floor is for green and yellow only.",
-        ),
-        Mistake(
-            "white and green exchanged",
-            lambda *args: np.array([0, 3, 2, 1], dtype=np.uint8)[_labels(*args)],
-            "White and green have changed places: green is 1, white is 3.",
-        ),
-        Mistake(
-            "floor for green only",
-            lambda *args: _labels(*args, floored="g"),
-            "Yellow needs the minimal saturation, too: nearly grey pixels have any hue.",
-        ),
-        Mistake(
-            "white at the threshold",
-            lambda picture, green, yellow, threshold, min_saturation=0.16: _labels(
-                picture, green, yellow, threshold - 1e-9, min_saturation
-            ),
-            "Equation 1.4 has >, not >=: a pixel exactly at the threshold is not white.",
-        ),
-        Mistake(
-            "labels swapped",
-            lambda *args: np.array([0, 2, 1, 3], dtype=np.uint8)[_labels(*args)],
-            "Green and yellow have changed places: green is 1, yellow is 2.",
-        ),
-        Mistake(
-            "OpenCV's order",
-            lambda *args: _labels(*args, hls=True),
-            "Saturation and lightness have changed places: your rgb_to_hsl gives hue, saturation, lightness, in this order.",
-        ),
-        Mistake(
-            "labels with a point",
-            lambda *args: _labels(*args).astype(float),
-            "Your labels are right, but they are whole numbers: say dtype=np.uint8 where you make the array.",
-        ),
-        Mistake(
-            "luma",
-            lambda *args: _labels(*args, luma=True),
-            "Your white is decided by the luma. Use the lightness of your rgb_to_hsl.",
-        ),
-    ],
+    mistakes=catalogue("""
+        green wins: labels[lightness > threshold] => labels[(lightness > threshold) & (labels == 0)]
+            + labels[hue_mask(hue, *green) & coloured] = 1
+            Your order of precedence is reversed. White takes precedence over yellow, and yellow over green: assign green first.
+        yellow wins over white: *yellow) & coloured => *yellow) & coloured & (lightness <= threshold)
+            labels[lightness > threshold] = 3 => labels[lightness > threshold] = 3
+            + labels[hue_mask(hue, *yellow) & coloured] = 2
+            Bright yellow pixels have to become white. Assign white last.
+        white first: labels[lightness > threshold] => labels[(lightness > threshold) & (labels == 0)]
+            You assign white first, and green and yellow replace it. Assign white last.
+        minimum excluded: >= min_saturation => > min_saturation + 1e-9
+            A pixel with a saturation of exactly min_saturation counts as coloured. Use >=.
+        green wins over yellow: *yellow) & coloured => *yellow) & coloured & (labels == 0)
+            Where the intervals of green and yellow overlap, yellow takes precedence. Assign it after green.
+        minimum for white: lightness > threshold => (lightness > threshold) & coloured
+            Your white lines are missing. They have almost no saturation, so min_saturation applies to green and yellow only.
+        no minimum: saturation >= min_saturation => saturation >= 0
+            Grey pixels become green or yellow, because you do not use min_saturation.
+        minimum fixed: saturation >= min_saturation => saturation >= 0.16
+            Your result is right only for a minimum saturation of 0.16. Use the argument min_saturation.
+        white only where grey: lightness > threshold => (lightness > threshold) & ~coloured
+            Some white pixels are missing. Near white, a little noise gives a high saturation, so do not test the saturation of white.
+        white and green exchanged: coloured] = 1 => coloured] = 3
+            labels[lightness > threshold] = 3 => labels[lightness > threshold] = 1
+            White and green are exchanged. Green is 1 and white is 3.
+        minimum for green only: *yellow) & coloured => *yellow)
+            Yellow needs the minimum saturation as well, because the hue of nearly grey pixels is random.
+        white at the threshold: lightness > threshold => lightness >= threshold - 1e-9
+            A pixel exactly at the threshold is not white. Equation 1.4 has >, not >=.
+        labels swapped: coloured] = 1 => coloured] = 2
+            *yellow) & coloured] = 2 => *yellow) & coloured] = 1
+            Green and yellow are exchanged. Green is 1 and yellow is 2.
+        OpenCV's order: hue, saturation, lightness = => hue, lightness, saturation =
+            You exchange saturation and lightness. rgb_to_hsl returns hue, saturation and lightness, in this order.
+        no white: labels[lightness > threshold] = 3 => pass
+            No pixel is labelled white. Assign 3 where the lightness is above the threshold, after green and yellow.
+        labels as floats: dtype=np.uint8 => dtype=float
+            Your labels are right, but they are floats. Pass dtype=np.uint8 when you create the array.
+        luma: lightness > threshold => picture @ [0.299, 0.587, 0.114] > threshold
+            You compare the luma with the threshold. Use the lightness from rgb_to_hsl.
+    """),
     alternatives={
-        "a loop": _labels_loop,
+        "a loop": lambda *args: _labels_loop(*args).tolist(),
         "np.select and OpenCV": _labels_select,
-        "int64": lambda *args: _labels(*args).astype(np.int64),
+        "int64": _labels_loop,
     },
     equivalents={
         "labels[hue_mask(hue, *green) * coloured] = 1": "* of two boolean arrays is their &",
@@ -906,74 +474,41 @@ COLOR_LABELS = Exercise(
 )
 
 
-# --- 1.6 calibrate_hue ---
-
-
-def _limits(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    """Limits on the circle: the widest gap between neighbouring hues is outside."""
-    coloured = np.unique(hue[saturation > 0])
-    gaps = np.diff(coloured, append=coloured[0] + 360)
-    widest = int(gaps.argmax())
-    low, high = coloured[(widest + 1) % len(coloured)], coloured[widest]
-    return float((low - epsilon) % 360), float((high + epsilon) % 360)
-
-
-def _limits_by_steps(hue: Array, saturation: Array, epsilon: float, end: float) -> tuple[float, float]:
-    """With a last step that ends at `end`; with end 0 it goes backwards and is never the largest."""
-    coloured = np.unique(hue[saturation > 0])
-    gaps = np.diff(coloured, append=end)
-    last = int(gaps.argmax())
-    low, high = coloured[(last + 1) % len(coloured)], coloured[last]
-    return float((low - epsilon) % 360), float((high + epsilon) % 360)
-
-
-def _limits_without_modulo(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    coloured = np.unique(hue[saturation > 0])
-    last = int(np.diff(coloured, append=coloured[0] + 360).argmax())
-    return float((coloured[last + 1] - epsilon) % 360), float((coloured[last] + epsilon) % 360)
-
-
-def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
+def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> Limits:
     there = sorted({float(h) for h, s in zip(hue.ravel(), saturation.ravel(), strict=True) if s > 0})
     best, answer = -1.0, (0.0, 0.0)
-    for i, high in enumerate(there):
-        low = there[(i + 1) % len(there)]
+    for high, low in zip(there, [*there[1:], there[0]], strict=True):
         gap = (low - high) % 360 or 360.0
         if gap > best:
             best, answer = gap, ((low - epsilon) % 360, (high + epsilon) % 360)
     return answer
 
 
-def _limits_from_each_start(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    """An arc from each hue, as long as it must be to hold all; the shortest of them."""
-    there = np.asarray(hue, dtype=float)[np.asarray(saturation) > 0]
-    low = min(set(there.tolist()), key=lambda start: float(np.max((there - start) % 360)))
-    return (low - epsilon) % 360, (low + float(np.max((there - low) % 360)) + epsilon) % 360
+def _limits_from_each_start(hue: Array, saturation: Array, epsilon: float = 0.0) -> Limits:
+    """Return the shortest of the arcs that start at one hue and contain all others."""
+    there = hue[saturation > 0]
+    low = min(there, key=lambda start: np.ptp((there - start) % 360))
+    return (low - epsilon) % 360, (low + np.max((there - low) % 360) + epsilon) % 360
 
 
-def _limits_about_mean(hue: Array, saturation: Array, epsilon: float = 0.0) -> tuple[float, float]:
-    angles = np.radians(hue[saturation > 0])
-    middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
-    offset = (np.degrees(angles) - middle + 180) % 360 - 180
-    return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
-
-
-def _limits_list(hue: Array, saturation: Array, epsilon: float = 0.0) -> list[np.float32]:
-    return [np.float32(limit) for limit in _limits(hue, saturation, epsilon)]
-
-
-def _grass(rng: np.random.Generator, middle: float, width: float) -> tuple[Array, Array]:
-    """Hues about a middle, with grey pixels whose hue, 0, means nothing."""
-    hue, saturation = hues(rng, middle, width, (8, 10)), rng.uniform(0.1, 0.9, (8, 10))
+def _grass(seed: Seed, centre: float, width: float) -> tuple[Array, Array]:
+    """Return hues around a centre, and grey pixels with the meaningless hue 0."""
+    rng = np.random.default_rng(seed)
+    hue, saturation = hues(rng, centre, width, (8, 10)), rng.uniform(0.1, 0.9, (8, 10))
     grey = rng.random((8, 10)) < 0.2
     grey[0, 0] = True
     hue[grey], saturation[grey] = 0.0, 0.0
     return hue, saturation
 
 
-def _turned(rng: np.random.Generator, hues: tuple[float, ...]) -> Array:
-    """Hues, all turned on the circle by the same angle."""
-    return (np.array([hues]) + rng.integers(1, 720) / 2) % 360
+def _row(hues: Any, saturation: Any = 0.8) -> tuple[Array, Array]:
+    """Return a row of hues and their saturations."""
+    return np.array([hues], dtype=float), np.broadcast_to(saturation, (1, len(hues))).astype(float)
+
+
+def _turned(rng: np.random.Generator, *hues: float) -> Array:
+    """Return hues that are all turned by the same random angle."""
+    return (np.array(hues) + rng.integers(1, 720) / 2) % 360
 
 
 CALIBRATE_HUE = Exercise(
@@ -981,167 +516,83 @@ CALIBRATE_HUE = Exercise(
     points=4,
     stars=3,
     public=lambda: [
-        Case((*_grass(np.random.default_rng(13), 125, 20), 0.0), "green grass"),
-        Case((*_grass(np.random.default_rng(14), 125, 20), 5.0), "green grass, epsilon 5"),
-        Case((*_grass(np.random.default_rng(15), 2, 15), 0.0), "a red ball: hues on both sides of 0"),
-        Case((*_grass(np.random.default_rng(16), 4, 12), 3.0), "a red ball, epsilon 3"),
-        Case((np.array([[2.0, 10.0, 20.0]]), np.array([[0.5, 0.4, 0.01]]), 5.0), "epsilon reaches over 0"),
-        Case((np.array([[200.0, 330.0]]), np.array([[0.5, 0.4]]), 0.0), "two hues, 200 and 330"),
-        Case(
-            (np.array([[0.0, 5.0, 10.0]]), np.array([[0.5, 0.4, 0.3]]), 1.0),
-            "pure red, which has the hue 0, and no grey",
-        ),
-        Case(
-            (np.array([[350.0, 355.0, 5.0, 10.0]]), np.full((1, 4), 0.8), 2.0), "the example of the docstring"
-        ),
-        Case((np.array([[0.0, 0.0, 0.0, 170.0, 200.0]]), np.full((1, 5), 0.8), 0.0), "hues 0, 170 and 200"),
+        Case((*_grass(13, 125, 20), 0.0), "green grass"),
+        Case((*_grass(14, 125, 20), 5.0), "green grass, epsilon 5"),
+        Case((*_grass(15, 2, 15), 0.0), "a red ball: hues on both sides of 0"),
+        Case((*_grass(16, 4, 12), 3.0), "a red ball, epsilon 3"),
+        Case((*_row([2, 10, 20], [0.5, 0.4, 0.01]), 5.0), "epsilon moves a limit past 0"),
+        Case((*_row([200, 330], [0.5, 0.4]), 0.0), "two hues, 200 and 330"),
+        Case((*_row([0, 5, 10], [0.5, 0.4, 0.3]), 1.0), "pure red, which has the hue 0, and no grey"),
+        Case((*_row([350, 355, 5, 10]), 2.0), "the example of the docstring"),
+        Case((*_row([0, 0, 0, 170, 200]), 0.0), "hues 0, 170 and 200"),
     ],
     hidden=lambda rng: [
-        *(
-            Case((*_grass(rng, float(rng.uniform(60, 300)), float(rng.uniform(8, 30))), e))
-            for e in (0.0, 4.0, 7.5)
-        ),
-        *(Case((*_grass(rng, float(rng.uniform(-6, 6)), float(rng.uniform(10, 30))), e)) for e in (0.0, 4.0)),
-        Case((np.array([[1.0, 8.0, 30.0]]), np.array([[0.5, 0.9, 0.01]]), 5.0)),
-        Case((np.array([[350.0, 358.0, 300.0]]), np.array([[0.5, 0.9, 0.2]]), 5.0)),
-        Case((np.array([[90.0, 90.0, 10.0]]), np.array([[0.5, 0.9, 0.0]]), 2.0)),
+        *(Case((*_grass(rng, *rng.uniform((60, 8), (300, 30))), e)) for e in (0.0, 4.0, 7.5)),
+        *(Case((*_grass(rng, *rng.uniform((-6, 10), (6, 30))), e)) for e in (0.0, 4.0)),
+        Case((*_row([1, 8, 30], [0.5, 0.9, 0.01]), 5.0)),
+        Case((*_row([350, 358, 300], [0.5, 0.9, 0.2]), 5.0)),
+        Case((*_row([90, 90, 10], [0.5, 0.9, 0.0]), 2.0)),
         Case(_grass(rng, 55.0, 10.0)),
-        Case((np.array([[float(rng.uniform(185, 215)), 340.0]]), np.array([[0.3, 0.02]]))),
-        Case((np.array([[0.0, 7.0, 14.0]]), np.array([[0.5, 0.4, 0.3]]), 2.0)),
-        Case((np.array([[351.0, 356.0, 6.0, 11.0]]), np.full((1, 4), 0.7), 1.5)),
-        Case((_turned(rng, (0.0, 0.0, 0.0, 170.0, 200.0)), np.full((1, 5), 0.6))),
-        Case((_turned(rng, (0.0, 100.0, 210.0, 215.0)), np.full((1, 4), 0.6), 3.0)),
-        *(
-            Case((np.array([[3.0, 3.0 + gap]]), np.full((1, 2), 0.5))) for gap in (179.6, 180.4)
-        ),  # a close race
+        Case(_row([rng.uniform(185, 215), 340], [0.3, 0.02])),
+        Case((*_row([0, 7, 14], [0.5, 0.4, 0.3]), 2.0)),
+        Case((*_row([351, 356, 6, 11], 0.7), 1.5)),
+        Case(_row(_turned(rng, 0, 0, 0, 170, 200), 0.6)),
+        Case((*_row(_turned(rng, 0, 100, 210, 215), 0.6), 3.0)),
+        *(Case(_row([3, 3 + gap], 0.5)) for gap in (179.6, 180.4)),  # two gaps of nearly equal width
     ],
     comparison=Close(rtol=0, atol=0.02, names=("low", "high")),
     hints=(
-        "Go once around the circle, from each hue to the next; behind the last comes the first again. An arc that holds all hues leaves "
-        "out exactly one of these steps. Which one makes it smallest? (np.unique sorts, and drops what is there twice.)",
-        "np.diff(hues, append=hues[0] + 360) has the step behind each hue, and argmax() the place of the widest. High is the hue before "
-        "it, low the one behind: index (k + 1) % len(hues). Then epsilon, outwards, and both modulo 360.",
+        "Go once around the circle from each hue to the next one, and from the last to the first. An arc that contains all hues leaves out exactly one of these gaps. Which one should it be? (np.unique sorts and removes duplicates.)",
+        "np.diff(hues, append=hues[0] + 360) has the gap after each hue, and argmax() finds the widest one, k. high is the hue before this gap, and low the hue after it, at index (k + 1) % len(hues). Widen both by epsilon and take them modulo 360.",
     ),
-    mistakes=[
-        Mistake(
-            "epsilon inwards",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, -epsilon),
-            "Your limits are narrower than the picture's hues. Make low smaller and high larger by epsilon.",
-        ),
-        Mistake(
-            "grey included",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, np.ones_like(saturation), epsilon),
-            "One of your limits comes from grey pixels. They have saturation 0 and no hue: leave them out.",
-        ),
-        Mistake(
-            "no wrap",
-            lambda hue, saturation, epsilon=0.0: (
-                float((hue[saturation > 0].min() - epsilon) % 360),
-                float((hue[saturation > 0].max() + epsilon) % 360),
-            ),
-            "Right for green. Red lies on both sides of 0: there, smallest and largest hue are neighbours, and everything "
-            "but red is between them.",
-        ),
-        Mistake(
-            "no wrap, no modulo",
-            lambda hue, saturation, epsilon=0.0: (
-                float(hue[saturation > 0].min() - epsilon),
-                float(hue[saturation > 0].max() + epsilon),
-            ),
-            "Smallest and largest hue are right for green. Red lies on both sides of 0, where they are neighbours: between your "
-            "limits lies nearly the whole circle. And limits below 0 or above 360 are taken modulo 360.",
-        ),
-        Mistake(
-            "no wrap, grey included",
-            lambda hue, saturation, epsilon=0.0: (float(hue.min() - epsilon), float(hue.max() + epsilon)),
-            "These are the smallest and largest hue of all pixels. Grey ones have no hue: leave them out. And hues live on a circle, "
-            "where red is on both sides of 0, and its hues are neighbours.",
-        ),
-        Mistake(
-            "no wrap, no epsilon",
-            lambda hue, saturation, epsilon=0.0: (
-                float(hue[saturation > 0].min()),
-                float(hue[saturation > 0].max()),
-            ),
-            "Smallest and largest hue are right for green and no epsilon. Red lies on both sides of 0, where its hues are neighbours. "
-            "And epsilon widens the limits.",
-        ),
-        Mistake(
-            "about the mean direction",
-            _limits_about_mean,
-            "Right for hues that are close together. Where they are far apart, what lies opposite their mean need not be the widest gap: "
-            "of 0, 0, 0, 170 and 200 it is between 170 and 200. Look for the gap itself.",
-        ),
-        Mistake(
-            "the last step left out",
-            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 0.0),
-            "Between which neighbours did you look? On a circle the last hue has one, too, and from there on it goes upwards through 360.",
-        ),
-        Mistake(
-            "the last step ends at 360",
-            lambda hue, saturation, epsilon=0.0: _limits_by_steps(hue, saturation, epsilon, 360.0),
-            "From the last hue it is not 360 that comes next, but the first hue, one turn later.",
-        ),
-        Mistake(
-            "behind the last nothing",
-            _limits_without_modulo,
-            "Behind the last hue comes the first: take the index (k + 1) % len(hues).",
-        ),
-        Mistake(
-            "epsilon for low only",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation, epsilon)[0],
-                _limits(hue, saturation)[1],
-            ),
-            "Epsilon widens the interval on both sides: high becomes larger, too.",
-        ),
-        Mistake(
-            "epsilon on one side",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0],
-                _limits(hue, saturation, epsilon)[1],
-            ),
-            "Epsilon widens the interval on both sides: low becomes smaller, too.",
-        ),
-        Mistake(
-            "swapped before epsilon",
-            lambda hue, saturation, epsilon=0.0: (
-                (_limits(hue, saturation)[1] - epsilon) % 360,
-                (_limits(hue, saturation)[0] + epsilon) % 360,
-            ),
-            "Low and high have changed places: the widest gap is what is outside. Low comes behind it, high before it.",
-        ),
-        Mistake(
-            "swapped",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation, epsilon)[::-1],
-            "Low and high have changed places: the widest gap is what is outside, and low comes behind it.",
-        ),
-        Mistake(
-            "epsilon forgotten",
-            lambda hue, saturation, epsilon=0.0: _limits(hue, saturation),
-            "The limits are those of the picture itself: epsilon is not used.",
-        ),
-        Mistake(
-            "modulo forgotten",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0] - epsilon,
-                _limits(hue, saturation)[1] + epsilon,
-            ),
-            "With epsilon a limit leaves [0, 360): take both modulo 360, or hue_mask will miss what lies beyond 0.",
-        ),
-        Mistake(
-            "half degrees",
-            lambda hue, saturation, epsilon=0.0: (
-                _limits(hue, saturation)[0] / 2 - epsilon,
-                _limits(hue, saturation)[1] / 2 + epsilon,
-            ),
-            "Your limits are half of what they should be: degrees from 0 to 360, not OpenCV's units of 2 degrees.",
-        ),
-    ],
+    mistakes=catalogue("""
+        epsilon inwards: + epsilon = -epsilon
+            Your limits are narrower than the hues of the example. Subtract epsilon from low and add it to high.
+        grey included: [saturation > 0] =>
+            One of your limits comes from grey pixels. They have saturation 0 and no hue, so leave them out.
+        no wrap: hues[(last + 1) % len(hues)], hues[last] => hues[0], hues[-1]
+            This works for green but not for red, which lies on both sides of 0. There the smallest and the largest hue are neighbours, and everything except red is between them.
+        no wrap, no modulo: hues[(last + 1) % len(hues)], hues[last] => hues[0], hues[-1]
+            (low - epsilon) % 360 => low - epsilon
+            (high + epsilon) % 360 => high + epsilon
+            The smallest and the largest hue work for green but not for red, which lies on both sides of 0. There they are neighbours, and nearly the whole circle is between them. Also take both limits modulo 360.
+        no wrap, grey included: + return hue.min() - epsilon, hue.max() + epsilon
+            You return the smallest and the largest hue of all pixels. Leave out grey pixels, which have no hue. And hues lie on a circle: red is on both sides of 0, where the smallest and the largest hue are neighbours.
+        about the mean direction: + angles = np.radians(hue[saturation > 0])
+            + middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
+            + offset = (np.degrees(angles) - middle + 180) % 360 - 180
+            + return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
+            This works only for hues that are close together. The widest gap is not always opposite to their mean direction, for example with 0, 0, 0, 170 and 200. Find the widest gap itself.
+        the last gap left out: append=hues[0] + 360 => append=0
+            You leave out the gap from the last hue to the first one. On a circle this is a gap like all others; it goes through 360.
+        the last gap ends at 360: append=hues[0] + 360 => append=360
+            Your last gap ends at 360. It ends at the first hue, one turn later: hues[0] + 360.
+        index past the end: % len(hues) =>
+            Your index can be len(hues), which does not exist. After the last hue comes the first: use (k + 1) % len(hues).
+        the narrowest gap: gaps.argmax() => gaps.argmin()
+            Your arc leaves out the narrowest gap between neighbouring hues. The smallest arc leaves out the widest one: use argmax.
+        the narrowest gap of equal hues: np.unique(hue[saturation > 0]) => np.sort(hue[saturation > 0])
+            gaps.argmax() => gaps.argmin()
+            Your arc leaves out the narrowest gap, whose width is 0 because the example contains equal hues. The smallest arc leaves out the widest gap: use argmax.
+        gaps before the hues: np.diff(hues, append=hues[0] + 360) => np.diff(hues, prepend=hues[-1] - 360)
+            Your limits are beside the wrong gap. With prepend, gap k is before hue k; with append, it is after hue k.
+        epsilon for low only: high + epsilon => high
+            You widen only low. Add epsilon to high as well.
+        swapped before epsilon: low, high = => high, low =
+            low and high are exchanged. The widest gap is outside the arc, so low is the hue after it and high the hue before it.
+        epsilon forgotten: + epsilon = 0
+            You do not use epsilon. Subtract it from low and add it to high.
+        modulo forgotten: (low - epsilon) % 360 => low - epsilon
+            (high + epsilon) % 360 => high + epsilon
+            With epsilon a limit can be below 0 or above 360. Take both modulo 360.
+        half degrees: (low - epsilon) % 360 => low / 2 - epsilon
+            (high + epsilon) % 360 => high / 2 + epsilon
+            Your limits are half as large as expected. Use degrees from 0 to 360, not OpenCV's units of 2 degrees.
+    """),
     alternatives={
         "a loop": _limits_loop,
         "from each start": _limits_from_each_start,
-        "a list of float32": _limits_list,
+        "a list of float32": lambda *args: [np.float32(limit) for limit in _limits_from_each_start(*args)],
     },
     equivalents={
         "low, high = (hues[last + 1 - len(hues)], hues[last])": "an index below 0 counts from the end: last + 1 - n and (last + 1) % n are the same element",
@@ -1157,42 +608,32 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "why_hsl",
-            "The sun goes behind a cloud, and every channel of every pixel is halved. Which of the three survive on the sunlit carpet?",
+            "The sun goes behind a cloud, and every channel of every pixel is halved. Which of the three values stay the same on the bright carpet?",
             {
-                "All three: the colour is the same.": "Lightness is (M + m) / 2, so it is halved. That is what one sees first of a "
-                "cloud.",
-                "Hue and saturation.": "Saturation does so only in dark pixels, where equation 1.2 is (M - m) / (M + m). The carpet is "
-                "brighter than half: there it divides by 2 - (M + m), which grows. From 0.41 it falls to 0.27.",
-                "Hue alone.": "The ratio (g - b) / (M - m) does not notice a common factor. Lightness is halved, and saturation falls "
-                "from 0.41 to 0.27: on a bright pixel it is divided by 2 - (M + m). That is why the paper filters by hue.",
-                "None: all three are halved.": "Hue is a ratio of differences of channels: (g - b) / (M - m). Halve them all, and the "
-                "halves cancel.",
+                "All three, because the colour is the same.": "Lightness is (M + m) / 2, so it is halved.",
+                "Hue and saturation.": "The saturation stays the same only in dark pixels, where equation 1.2 is (M - m) / (M + m). The carpet is bright, so the denominator is 2 - (M + m) before the cloud, and the saturation falls from 0.41 to 0.27.",
+                "Only hue.": "A common factor cancels in (g - b) / (M - m). Lightness is halved, and the saturation of a bright pixel falls from 0.41 to 0.27, because its denominator is 2 - (M + m). This is why the paper filters by hue.",
+                "None, because all three are halved.": "Hue is a ratio of differences, (g - b) / (M - m), so the factor 1/2 cancels.",
             },
-            "Hue alone.",
+            "Only hue.",
         ),
         Question(
             "why_epsilon",
-            "Why does the paper widen green by epsilon, and yellow not?",
+            "Why does the paper widen the limits of green by epsilon, but not the limits of yellow?",
             {
-                "The carpet is everywhere, and its example shows only one place.": "It is seen near and far, in shadow and in glare, and "
-                "its hue differs a little from place to place. A goal is small, in one place and one light.",
-                "Yellow's example has more pixels, so it shows all of its hues.": "It is the smaller one. What counts is not how many "
-                "pixels an example has, but whether it shows the colour in every light that will occur.",
-                "A wider yellow would take in the carpet's hues.": "It has room: from yellow, at 60 degrees, to the carpet it is some "
-                "50 degrees. You can try it in the panel below.",
+                "The carpet is everywhere, but its example shows only one place.": "The robot sees the carpet near and far, in shadow and in glare, and its hue varies a little. The goal is small, in one place and in one light.",
+                "Yellow's example has more pixels, so it contains all of its hues.": "Yellow's example is the smaller one. The number of pixels does not matter, but the example has to show the colour in every light that occurs.",
+                "A wider yellow would include hues of the carpet.": "There is enough room between them: yellow is at 60 degrees, and the hues of the carpet begin about 50 degrees further on. You can try it in the panel below.",
             },
-            "The carpet is everywhere, and its example shows only one place.",
+            "The carpet is everywhere, but its example shows only one place.",
         ),
     ],
     written=[
         Written(
             "explain_stray_pixel",
             points=2,
-            question="Why can one stray pixel among so many turn the carpet yellow, and which rule for the limits would not mind it?",
-            rubric="1 point: the smallest and largest value are each decided by a single pixel, however many others there are; the "
-            "interval reaches from yellow to the grass pixel's hue and so covers hues of the carpet (bonus insight: yellow wins over "
-            "green). 1 point: a rule that one pixel cannot move, such as quantiles or the median and a fixed width, with its price or "
-            "the reason why it works.",
+            question="Why can a single stray pixel make the carpet yellow, and which rule for the limits would not be affected by it?",
+            rubric="1 point: the smallest and largest value are each decided by a single pixel, however many others there are; the interval reaches from yellow to the grass pixel's hue and so covers hues of the carpet (bonus insight: yellow takes precedence over green). 1 point: a rule that one pixel cannot move, such as quantiles or the median and a fixed width, with its price or the reason why it works.",
         )
     ],
 )

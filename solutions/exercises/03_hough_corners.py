@@ -1,4 +1,4 @@
-"""Lesson 03, Hough corners: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Lesson 03, Hough corners: its exercises with their cases, common mistakes and alternative solutions."""
 
 from __future__ import annotations
 
@@ -16,30 +16,28 @@ from nao_course.exercises import (
     Exact,
     Exercise,
     LessonPlan,
-    Mistake,
     Points,
     Property,
     Question,
     Written,
 )
+from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.hough_corners.segments import Segments, of_bytes
 
 Array = npt.NDArray[Any]
+Lines = list[tuple[float, float, float, float]]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 SIZE = (48, 64)  # rows and columns of public pictures
 
 
-# --- labels and pictures to try things on ---
+def columns(columns: str) -> Array:
+    """Return labels from columns written from the top: o other, g green, y yellow, w white."""
+    return np.array([["ogyw".index(letter) for letter in each] for each in columns.split()], dtype=np.uint8).T
 
 
-def columns(*columns: str) -> Array:
-    """Labels written as columns from the top: o other, g green, y yellow, w white."""
-    return np.array([["ogyw".index(letter) for letter in column] for column in columns], dtype=np.uint8).T
-
-
-def scattered(rng: np.random.Generator, rows: int, width: int) -> Array:
-    """Labels in runs of all four in each column, green the most."""
-    labels = np.zeros((rows, width), dtype=np.uint8)
+def scattered(seed: int | np.random.Generator, rows: int, width: int) -> Array:
+    """Return random labels in which each column consists of short runs; green is twice as likely as the others."""
+    rng, labels = np.random.default_rng(seed), np.zeros((rows, width), dtype=np.uint8)
     for u in range(width):
         v = 0
         while v < rows:
@@ -49,221 +47,114 @@ def scattered(rng: np.random.Generator, rows: int, width: int) -> Array:
     return labels
 
 
-def drawn(lines: list[tuple[float, float, float, float]], thickness: int = 5, shape: Any = SIZE) -> Array:
-    """A picture of white lines on black."""
+def drawn(lines: Lines, thickness: int = 5, shape: Any = SIZE) -> Array:
+    """Return a picture of white lines on black."""
     picture = np.zeros(shape, dtype=np.uint8)
     for u1, v1, u2, v2 in lines:
         cv2.line(picture, (round(u1), round(v1)), (round(u2), round(v2)), 255, thickness)
     return picture
 
 
-def field(
-    lines: list[tuple[float, float, float, float]], horizon: int, thickness: int = 5, shape: Any = SIZE
-) -> Array:
-    """Labels of white lines on carpet, below a wall."""
+def field(lines: Lines, horizon: int, thickness: int = 5, shape: Any = SIZE) -> Array:
+    """Return labels of white lines on carpet below a wall."""
     labels = np.full(shape, GREEN, dtype=np.uint8)
     labels[drawn(lines, thickness, shape) > 0] = WHITE
     labels[:horizon] = OTHER
     return labels
 
 
-# --- 3.1 line_picture ---
-
-
-def _lines_public() -> list[Case]:
-    return [
-        Case((columns("owgy", "wwoo", "ygow"),), "three columns of 4 pixels"),
+LINE_PICTURE = Exercise(
+    name="line_picture",
+    points=1,
+    public=lambda: [
+        Case((columns("owgy wwoo ygow"),), "three columns of 4 pixels"),
         Case((field([(5, 20, 60, 26), (30, 24, 20, 46)], 14),), "lines on carpet below a wall"),
-        Case((columns("oggy", "gyog"),), "nothing white"),
-        Case((scattered(np.random.default_rng(30), 40, 30),), "labels by chance"),
-    ]
-
-
-def _lines_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+        Case((columns("oggy gyog"),), "nothing white"),
+        Case((scattered(30, 40, 30),), "labels by chance"),
+    ],
+    hidden=lambda rng: [
         *(Case((scattered(rng, int(rng.integers(4, 60)), int(rng.integers(4, 60))),)) for _ in range(4)),
         Case((np.full((5, 7), WHITE, dtype=np.uint8),)),
         Case((np.full((6, 3), int(rng.choice([OTHER, GREEN, YELLOW])), dtype=np.uint8),)),
         Case((np.zeros((0, 4), dtype=np.uint8),)),
-    ]
-
-
-LINE_PICTURE = Exercise(
-    name="line_picture",
-    points=1,
-    stars=1,
-    public=_lines_public,
-    hidden=_lines_hidden,
+    ],
     comparison=All((Property(of_bytes), Exact())),
     hints=(
-        "labels == 3 is true where a pixel is white. How does true become 255?",
-        "np.where takes what is asked, what holds where it is true, and what holds elsewhere. The result counts in int64: .astype(np.uint8) makes a picture of it.",
+        "labels == 3 is True where a pixel is white. How do you turn True into 255 and False into 0?",
+        "np.where(condition, a, b) takes a where the condition holds and b elsewhere. Its result is int64 here, so convert it with .astype(np.uint8).",
     ),
-    mistakes=[
-        Mistake(
-            "true and false",
-            lambda labels: np.asarray(labels) == WHITE,
-            "You return true and false. A picture is wanted: 255 and 0, as np.uint8.",
-        ),
-        Mistake(
-            "ones",
-            lambda labels: (np.asarray(labels) == WHITE).astype(np.uint8),
-            "Your white is 1, which looks black in a picture. It has to be 255.",
-        ),
-        Mistake(
-            "the labels left",
-            lambda labels: np.where(np.asarray(labels) == WHITE, labels, 0).astype(np.uint8),
-            "You keep the label 3 where it is white. A picture wants 255 there.",
-        ),
-        Mistake(
-            "other labels left",
-            lambda labels: np.where(np.asarray(labels) == WHITE, 255, labels).astype(np.uint8),
-            "Green and yellow keep their labels, 1 and 2. All that is not white becomes 0.",
-        ),
-        Mistake(
-            "eight bytes a pixel",
-            lambda labels: (np.asarray(labels) == WHITE) * 255,
-            "The numbers are right. OpenCV takes a picture of bytes only: end with .astype(np.uint8).",
-        ),
-        Mistake(
-            "black lines",
-            lambda labels: np.where(np.asarray(labels) == WHITE, 0, 255).astype(np.uint8),
-            "Your lines are black on white. They have to be 255, and all else 0.",
-        ),
-        Mistake(
-            "yellow too",
-            lambda labels: np.where(np.asarray(labels) >= YELLOW, 255, 0).astype(np.uint8),
-            "Yellow, label 2, becomes 255 as well. Goal posts are no lines: only label 3 is.",
-        ),
-        Mistake(
-            "all but green",
-            lambda labels: np.where(np.asarray(labels) != GREEN, 255, 0).astype(np.uint8),
-            "All that is not green becomes 255. Only label 3 is white.",
-        ),
-    ],
+    mistakes=catalogue("""
+        true and false: np.where(labels == 3, 255, 0).astype(np.uint8) => labels == 3
+            You return True and False, but OpenCV needs a picture. Return 255 for white and 0 elsewhere, as np.uint8.
+        ones: 255, 0 => 1, 0
+            Your white pixels are 1, which is almost black. Use 255.
+        the labels left: 255, 0 => labels, 0
+            Your white pixels keep their label 3. Use 255 for them.
+        other labels left: 255, 0 => 255, labels
+            Green and yellow pixels keep their labels 1 and 2. Every pixel that is not white must be 0.
+        eight bytes a pixel: .astype(np.uint8) =>
+            The values are right, but their type is not. OpenCV needs one byte per pixel: end with .astype(np.uint8).
+        floats: .astype(np.uint8) => .astype(float)
+            The values are right, but their type is not: np.zeros makes floats unless you ask for another type, np.zeros(labels.shape, dtype=np.uint8).
+        all black: 255, 0 => 0, 0
+            Your picture is black. If you write 255 into `labels` itself, no pixel there has label 3 any more. Make a new array instead.
+        black lines: 255, 0 => 0, 255
+            Black and white are swapped. White labels become 255, and all others 0.
+        yellow too: == 3 => >= 2
+            Yellow (label 2) becomes 255 as well. The posts are yellow and are not lines, so keep label 3 only.
+        all but green: == 3 => != 1
+            Everything that is not green becomes 255. Only label 3 is white.
+    """),
     alternatives={
-        "a product": lambda labels: (np.asarray(labels) == 3).astype(np.uint8) * np.uint8(255),
-        "pixel by pixel": lambda labels: np.array(
-            [[255 if label == 3 else 0 for label in row] for row in labels], dtype=np.uint8
-        ).reshape(np.shape(labels)),
-        "OpenCV": lambda labels: (
-            cv2.inRange(np.asarray(labels), 3, 3) if np.size(labels) else np.array(labels)
-        ),
+        "a product": lambda labels: (labels == 3).astype(np.uint8) * np.uint8(255),
+        "OpenCV": lambda labels: cv2.inRange(labels, 3, 3) if labels.size else labels,
         "a table": lambda labels: np.array([0, 0, 0, 255], dtype=np.uint8)[labels],
     },
-    equivalents={
-        "return np.where(labels >= 3, 255, 0).astype(np.uint8)": "no label is larger than 3",
-    },
+    equivalents={"return np.where(labels >= 3, 255, 0).astype(np.uint8)": "no label is larger than 3"},
 )
 
 
-# --- 3.2 erase_background ---
-
-
-def _erase(labels: Any, run: int, **changed: Any) -> Array:
-    """Column by column, with one thing done in another way."""
-    out = np.array(labels)
-    if changed.get("rows"):
-        return _erase(out.T, run).T
-    if changed.get("upside_down"):
-        return _erase(out[::-1], run)[::-1]
-    run = changed.get("always", run)
-    needed = run + changed.get("more", 0)
-    for u in range(out.shape[1]):
-        column = out[:, u].copy()
-        count, first = 0, None
-        for v, label in enumerate(column):
-            green = label != OTHER if changed.get("any_colour") else label == GREEN
-            count = count + 1 if green else (count if changed.get("in_all") else 0)
-            if count >= needed and (first is None or changed.get("the_last")):
-                first = v - run + 1 if changed.get("in_all") or changed.get("the_last") else v - count + 1
-                first += changed.get("lower", 0)  # below 0 it counts from the bottom, as a slice does
-        if first is None or (changed.get("rim") and first == len(column) - run):
-            if not changed.get("left_alone"):
-                out[:, u] = OTHER
-        elif changed.get("below"):
-            out[first:, u] = OTHER
-        else:
-            out[: first + (run if changed.get("run_too") else 0), u] = changed.get("paint", OTHER)
-    return out
-
-
-def _erased(**changed: Any) -> Any:
-    return lambda labels, run=7: _erase(labels, run, **changed)
-
-
-def _erase_all_but_white(labels: Any, run: int = 7) -> Array:
-    kept = _erase(labels, run)
-    return np.where(kept == WHITE, kept, 0).astype(np.uint8)
-
-
-def _erase_mask(labels: Any, run: int = 7) -> Array:
-    """Where something is left, as true and false."""
-    return _erase(labels, run) > 0
-
-
-def _erase_rolled(labels: Any, run: int = 7) -> Array:
-    """Shifted copies that come back at the other end."""
-    green = np.asarray(labels) == GREEN
-    begins = np.logical_and.reduce([np.roll(green, -i, axis=0) for i in range(run)])
-    return np.where(np.logical_or.accumulate(begins, axis=0), labels, 0)
-
-
-def _erase_to_green(labels: Any, run: int = 7) -> Array:
-    """By argmax, which is 0 as well where nothing is green."""
-    labels = np.asarray(labels)
-    first = (labels == GREEN).argmax(axis=0) if labels.size else 0
-    return np.where(np.arange(len(labels))[:, None] >= first, labels, OTHER)
-
-
-def _erase_window(labels: Any, run: int = 7) -> Array:
-    """Windows of `run` rows that are all green, and all rows from the first of them on."""
-    labels = np.asarray(labels)
-    green = np.pad(labels == GREEN, ((0, run - 1), (0, 0)))
-    safe = np.lib.stride_tricks.sliding_window_view(green, run, axis=0).all(axis=-1)
-    return labels * np.maximum.accumulate(safe, axis=0)
-
-
-def _erase_sums(labels: Any, run: int = 7) -> Array:
-    """How many green pixels are above each row; where two of these counts, run apart, differ by run, all between are."""
-    labels = np.asarray(labels)
-    above = np.cumsum(np.pad(labels == GREEN, ((1, run - 1), (0, 0))), axis=0)
-    begins = above[run:] - above[:-run] == run
-    return np.where(np.logical_or.accumulate(begins, axis=0), labels, 0)
-
-
-def _erase_morphology(labels: Any, run: int = 7) -> Array:
-    """OpenCV's erosion with a column as its element, whose anchor is at the top."""
-    labels = np.asarray(labels)
-    green = (labels == GREEN).astype(np.uint8)
-    safe = cv2.erode(
-        green, np.ones((run, 1), np.uint8), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT, borderValue=0
-    )
-    kept = labels.copy()
-    kept[np.cumsum(safe.reshape(labels.shape), axis=0) == 0] = 0
+def _erase_loop(labels: Array, run: int = 7) -> Array:
+    kept = np.zeros_like(labels)
+    for u, column in enumerate(labels.T):
+        begins = (v for v in range(len(column) - run + 1) if (column[v : v + run] == GREEN).all())
+        first = next(begins, len(column))
+        kept[first:, u] = column[first:]
     return kept
 
 
-def _erase_public() -> list[Case]:
-    return [
+def _erase_sums(labels: Array, run: int = 7) -> Array:
+    """Count the green pixels above each row: a run begins where the count grows by `run` over the next `run` rows."""
+    above = np.cumsum(np.pad(labels == GREEN, ((1, run - 1), (0, 0))), axis=0)
+    begins = above[run:] - above[:-run] == run
+    return labels * np.maximum.accumulate(begins, axis=0)
+
+
+def _erase_morphology(labels: Array, run: int = 7) -> Array:
+    """Compute the erosion of the green mask by a column of `run` pixels whose anchor is its top pixel."""
+    green, element = (labels == GREEN).astype(np.uint8), np.ones((run, 1), np.uint8)
+    safe = cv2.erode(green, element, anchor=(0, 0), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    return np.where(np.cumsum(safe.reshape(labels.shape), axis=0), labels, 0)
+
+
+ERASE_BACKGROUND = Exercise(
+    name="erase_background",
+    points=3,
+    stars=2,
+    public=lambda: [
         Case(
-            (columns("owgggwyg", "ggoggoww", "wwwggggw", "gggwoogw", "oggowggo"), 3),
+            (columns("owgggwyg ggoggoww wwwggggw gggwoogw oggowggo"), 3),
             "five columns of 8 pixels, a run of 3",
         ),
-        Case(
-            (columns("oggwgggggggwgo", "ogggggggwwoggg", "oggggggwgggggw", "wgwgwgwgwgwggg"), 7), "runs of 7"
-        ),
-        Case((columns("ooogggg", "gggowww", "wwwwwww"), 4), "a run that ends at the picture's edge"),
-        Case((columns("ggwowwog", "gwowowgg", "wgggwggg"), 3), "green at both ends, a run of 3"),
+        Case((columns("oggwgggggggwgo ogggggggwwoggg oggggggwgggggw wgwgwgwgwgwggg"), 7), "runs of 7"),
+        Case((columns("ooogggg gggowww wwwwwww"), 4), "a run that ends at the picture's edge"),
+        Case((columns("ggwowwog gwowowgg wgggwggg"), 3), "green at both ends, a run of 3"),
         Case((field([(5, 20, 60, 26), (30, 24, 20, 46)], 14), 7), "lines on carpet below a wall"),
-        Case((columns("ywgw", "gwgo"), 1), "a run of one pixel"),
-        Case((columns("wggggggwggggggg", "gggggggwogggggg", "ggggggggwoggggg"),), "the default run"),
-        Case((scattered(np.random.default_rng(31), 40, 30), 6), "labels by chance"),
-    ]
-
-
-def _erase_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+        Case((columns("ywgw gwgo"), 1), "a run of one pixel"),
+        Case((columns("wggggggwggggggg gggggggwogggggg ggggggggwoggggg"),), "the default run"),
+        Case((scattered(31, 40, 30), 6), "labels by chance"),
+    ],
+    hidden=lambda rng: [
         *(Case((scattered(rng, 60, 50), run)) for run in (1, 3, 5, 7, 9)),
         Case((scattered(rng, 240, 320), 7)),
         Case((scattered(rng, 80, 60),)),
@@ -271,210 +162,112 @@ def _erase_hidden(rng: np.random.Generator) -> list[Case]:
         Case((np.pad(scattered(rng, 9, 40) % 3 // 2 * WHITE, ((3, 4), (0, 0)), constant_values=GREEN), 6)),
         Case((np.full((20, 15), int(rng.choice([OTHER, WHITE])), dtype=np.uint8), 7)),
         Case((np.full((20, int(rng.integers(5, 15))), GREEN, dtype=np.uint8), 7)),
-    ]
-
-
-ERASE_BACKGROUND = Exercise(
-    name="erase_background",
-    points=3,
-    stars=2,
-    public=_erase_public,
-    hidden=_erase_hidden,
+    ],
     comparison=Exact(),
     hints=(
-        "For one column first: where does the first run of green begin that is long enough? All above it becomes 0. The sum of "
-        "labels[v : v + run, u] == 1 is run where a run begins at v.",
-        "Without a loop over columns: green[i : i + H] is the picture i rows further down. A run of 3 begins where green, green one further down and green two "
-        "further down are all true. Below the last row nothing is green: np.pad(green, ((0, run - 1), (0, 0))). np.logical_or.accumulate(begins, axis=0) is true from the "
-        "first true row on.",
+        "Start with one column. Find the first row v where a long enough run of green begins, and set everything above it to 0. A run begins at v if labels[v : v + run, u] == 1 holds for all `run` pixels.",
+        "Without a loop over columns: let green be labels == 1. green[i:] is the picture moved up by i rows. A run of 3 begins where green, green moved up by 1 and green moved up by 2 are all True. Pad the bottom with rows of False, np.pad(green, ((0, run - 1), (0, 0))), so that all shifted copies have H rows. np.logical_or.accumulate(begins, axis=0) is True from the first True of each column downwards.",
     ),
-    mistakes=[
-        Mistake(
-            "seven in total",
-            _erased(in_all=True),
-            "You count all green pixels of a column. They have to follow each other: a pixel that is not green begins the count anew.",
-        ),
-        Mistake(
-            "erases below",
-            _erased(below=True),
-            "You erase what is below the run. Rows count downwards: above it are the smaller ones.",
-        ),
-        Mistake(
-            "from the bottom",
-            _erased(upside_down=True),
-            "You look from the bottom to the top. The background is above the field: begin at row 0.",
-        ),
-        Mistake(
-            "rows for columns",
-            _erased(rows=True),
-            "You go along the rows. The scan goes down each column: labels[:, u].",
-        ),
-        Mistake(
-            "the run too",
-            _erased(run_too=True),
-            "You erase the run as well. It is carpet already: only what is above its first pixel goes.",
-        ),
-        Mistake(
-            "column left alone",
-            _erased(left_alone=True),
-            "A column without such a run stays as it was. Nothing in it is known to be field: it becomes all 0.",
-        ),
-        Mistake(
-            "one more",
-            _erased(more=1),
-            "A run of exactly `run` green pixels is enough. You ask for one more.",
-        ),
-        Mistake("one fewer", _erased(more=-1), "You stop one green pixel too early: it takes `run` of them."),
-        Mistake(
-            "the first green",
-            _erase_to_green,
-            "You stop at the first green pixel. It takes `run` of them, one after the other.",
-        ),
-        Mistake(
-            "the last run",
-            _erased(the_last=True),
-            "You take the last run of a column. The field begins at the first one from the top.",
-        ),
-        Mistake(
-            "seven whatever run is",
-            _erased(always=7),
-            "You look for 7 green pixels, whatever `run` is.",
-        ),
-        Mistake(
-            "to the end of the run",
-            lambda labels, run=7: _erase(labels, run, lower=run - 1),
-            "You erase to the end of the run, where you know of it. It began run - 1 rows higher, and all of it stays.",
-        ),
-        Mistake(
-            "a row too high",
-            _erased(lower=-1),
-            "You erase one row too few: a run whose last pixel is in row v begins in row v - run + 1.",
-        ),
-        Mistake(
-            "not in the last row",
-            _erased(rim=True),
-            "You miss a run that ends in the last row: it begins in row H - run, and range(H - run) ends before that.",
-        ),
-        Mistake(
-            "rolled",
-            _erase_rolled,
-            "np.roll brings the top rows back below the last one, so that a run goes on there. Below the picture nothing is green.",
-        ),
-        Mistake(
-            "any colour",
-            _erased(any_colour=True),
-            "You count every label but 0. Only green, label 1, is carpet: a white wall is no run.",
-        ),
-        Mistake(
-            "painted green", _erased(paint=GREEN), "What you erase becomes green. It has to become 0, other."
-        ),
-        Mistake(
-            "all but white",
-            _erase_all_but_white,
-            "Below the run, labels stay as they are. You remove green and yellow there; that is the next step's work.",
-        ),
-        Mistake(
-            "a mask",
-            _erase_mask,
-            "That is true and false. Labels are wanted: 0, 1, 2 and 3 where they are kept.",
-        ),
-    ],
+    mistakes=catalogue("""
+        seven in total: np.logical_and.reduce([green[i : i + height] for i in range(run)]) => np.cumsum(green, axis=0)[run - 1 : run - 1 + height] >= run
+            You count all green pixels of a column. They must follow each other without a gap, so start the count again at every pixel that is not green.
+        seven in total, to the last of them
+            np.logical_and.reduce([green[i : i + height] for i in range(run)]) => np.cumsum(green, axis=0)[:height] >= run
+            You count all green pixels of a column, and erase down to the pixel at which the count is complete. Start the count again at every pixel that is not green, and keep the whole run.
+        seven in total, and column left alone
+            np.logical_and.reduce([green[i : i + height] for i in range(run)]) => np.cumsum(green, axis=0)[:height] >= run
+            accumulate(begins) => accumulate(begins) | ~begins.any(axis=0)
+            Your code has two errors. It counts all green pixels of a column, but the count must start again at every pixel that is not green. And a column without a run keeps its labels, but must be erased.
+        to the end of the run, and column left alone
+            accumulate(begins) => accumulate(np.pad(begins, ((run - 1, 0), (0, 0)))[:height]) | ~begins.any(axis=0)
+            Your code has two errors. It erases down to the last pixel of the run, but the run began run - 1 rows higher. And a column without a run keeps its labels, but must be erased.
+        cut off at the bottom: ((0, run), (0, 0)) => ((0, run), (0, 0)), constant_values=True
+            You accept a short run at the bottom of a column. Near the last row, labels[v : v + run, u] has fewer than `run` pixels, and .all() tests only these. A run can begin in row H - run at the latest.
+        cut off, and column left alone: ((0, run), (0, 0)) => ((0, run), (0, 0)), constant_values=True
+            accumulate(begins) => accumulate(begins) | ~begins.any(axis=0)
+            Your code has two errors. Near the last row, labels[v : v + run, u] has fewer than `run` pixels, but a run can begin in row H - run at the latest. And a column without a run keeps its labels, but must be erased.
+        only where runs begin: np.logical_or.accumulate(begins) => begins
+            You keep only the pixels at which a run begins. Keep everything from the first of them downwards: np.logical_or.accumulate(begins, axis=0) is True there.
+        erases below: np.logical_or.accumulate(begins), labels, 0 => np.logical_or.accumulate(begins) | ~begins.any(axis=0), 0, labels
+            You erase the part below the start of the run. Row numbers grow downwards, so the part above has the smaller ones.
+        from the bottom: + labels = labels[::-1]
+            labels, 0) => labels, 0)[::-1]
+            You scan each column from the bottom to the top. The background is above the field, so start at row 0.
+        rows for columns: + labels = labels.T
+            labels, 0) => labels, 0).T
+            You scan along the rows. Scan down each column instead: labels[:, u].
+        the run too: accumulate(begins) => accumulate(np.pad(begins, ((run, 0), (0, 0)))[:height])
+            You erase the run as well. The run is carpet and belongs to the field: erase only what is above its first pixel.
+        column left alone: accumulate(begins) => accumulate(begins) | ~begins.any(axis=0)
+            A column without a run keeps its labels. No part of it is known to be field, so erase the whole column.
+        one more: range(run) => range(run + 1)
+            Your runs must have run + 1 green pixels. Exactly `run` of them are enough.
+        one fewer
+            [green[i : i + height] for i in range(run)] => [np.arange(height)[:, None] >= (labels[0] != 1), *(green[i : i + height] for i in range(run - 1))]
+            You accept runs that are one green pixel too short. A run needs `run` of them.
+        the first green: np.logical_or.accumulate(begins) => np.arange(height)[:, None] >= (labels == 1).argmax(axis=0)
+            You stop at the first green pixel of a column. Stop where `run` green pixels follow each other.
+        the last run: np.logical_or.accumulate(begins) => np.cumsum(begins, axis=0) == np.maximum(begins.sum(axis=0), 1)
+            You use the last run of each column. The field begins at the first run from the top.
+        seven whatever run is: + run = 7
+            You always look for 7 green pixels. Use the argument `run`.
+        to the end of the run: accumulate(begins) => accumulate(np.pad(begins, ((run - 1, 0), (0, 0)))[:height])
+            You erase down to the last pixel of the run. The run began run - 1 rows higher, and all of its pixels stay.
+        rolled downwards: green[i : i + height] => np.roll(labels == 1, i, axis=0)
+            np.roll with a positive shift moves the picture down, so you find the end of each run instead of its start. It also brings the bottom rows back at the top. Shift upwards, and fill the empty rows at the bottom with False.
+        a row too high: np.logical_or.accumulate(begins) => begins.any(axis=0) & (np.arange(height)[:, None] >= (begins.argmax(axis=0) - 1) % height)
+            You keep one row too many. A run whose last pixel is in row v begins in row v - run + 1.
+        not in the last row: in range(run)]) => in range(run)])
+            + begins[height - run :] = False
+            You miss a run that ends in the last row. It begins in row H - run, and range(H - run) stops before that row.
+        not in the last row, and column left alone: in range(run)]) => in range(run)])
+            + begins[height - run :] = False
+            accumulate(begins) => accumulate(begins) | ~begins.any(axis=0)
+            Your code has two errors. It misses a run that ends in the last row, because range(H - run) stops before row H - run. And a column without a run keeps its labels, but must be erased.
+        rolled: green[i : i + height] => np.roll(labels == 1, -i, axis=0)
+            np.roll brings the top rows back below the last row, so a run can continue there. Nothing below the picture is green: pad with False instead.
+        rolled without an axis: green[i : i + height] => np.roll(labels == 1, -i)
+            Without an axis, np.roll shifts the flattened picture, so the columns move sideways. Give axis=0, and replace the rows that come back at the bottom with False.
+        any colour: labels == 1 => labels != 0
+            You count every label except 0. Only green (label 1) is carpet: a white wall is not a run.
+        painted green: labels, 0) => labels, begins.any(axis=0))
+            The erased pixels become green. They must become 0 (other).
+        all but white: accumulate(begins) => accumulate(begins) & (labels == 3)
+            You also remove green and yellow below the start of the run. Keep all labels there.
+        a mask: labels, 0) => labels, 0) > 0
+            You return True and False. Return labels: the old ones where they are kept, 0 elsewhere.
+    """),
     alternatives={
-        "a loop over columns": lambda labels, run=7: _erase(labels, run),
+        "a loop over columns": _erase_loop,
         "cumulative sums": _erase_sums,
-        "sliding windows": _erase_window,
         "erosion": _erase_morphology,
     },
 )
 
 
-# --- 3.3 hough_segments ---
-
-
-def _hough(picture: Any, gap: float, length: float, /, **changed: Any) -> Array:
-    """Canny and Hough, with one thing done in another way."""
-    image = np.asarray(picture)
-    edges = image if changed.get("no_canny") else cv2.Canny(image, *changed.get("canny", (50, 150)))
-    found = cv2.HoughLinesP(
-        edges,
-        1,
-        changed.get("theta", np.pi / 180),
-        changed.get("votes", 20),
-        minLineLength=changed.get("length", length),
-        maxLineGap=changed.get("gap", gap),
-    )
+def _hough(
+    line_picture: Array, max_line_gap: float = 5, min_line_length: float = 40, canny: Any = (50, 150)
+) -> Array:
+    edges = cv2.Canny(line_picture, *canny)
+    found = cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=min_line_length, maxLineGap=max_line_gap)
     return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
 
 
-def _found(change: Any = lambda found: found, **changed: Any) -> Any:
-    return lambda line_picture, max_line_gap=5, min_line_length=40: change(
-        _hough(line_picture, max_line_gap, min_line_length, **changed)
-    )
-
-
-def _swapped_gap(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    return _hough(line_picture, min_line_length, max_line_gap)
-
-
-def _none(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
-    found = _hough(line_picture, max_line_gap, min_line_length)
-    return found if len(found) else None
-
-
-def _no_shape(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    found = _hough(line_picture, max_line_gap, min_line_length)
-    return found if len(found) else np.array([])
-
-
-def _infinite_lines(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    found = cv2.HoughLines(cv2.Canny(np.asarray(line_picture), 50, 150), 1, np.pi / 180, 20)
-    return np.zeros((0, 2)) if found is None else np.asarray(found, dtype=float)[..., :2].reshape(-1, 2)
-
-
-def _reshaped_none(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    """What comes back is taken for an array, always."""
-    edges = cv2.Canny(np.asarray(line_picture), 50, 150)
-    found: Any = cv2.HoughLinesP(
-        edges, 1, np.pi / 180, 20, minLineLength=min_line_length, maxLineGap=max_line_gap
-    )
-    return np.asarray(found.reshape(-1, 4), dtype=float)
-
-
-def _by_position(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
-    """Six arguments by position: the fifth is where OpenCV would put the lines."""
-    edges: Any = cv2.Canny(np.asarray(line_picture), 50, 150)
-    search: Any = cv2.HoughLinesP
-    found = search(edges, 1, np.pi / 180, 20, min_line_length, max_line_gap)
-    return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
-
-
-def _first_column_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Any:
-    return _none(line_picture, max_line_gap, min_line_length)[:, 0]
-
-
-def _as_in_tutorials(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    """As OpenCV 4 gave it, (N, 1, 4)."""
-    found = _hough(line_picture, max_line_gap, min_line_length)
-    return np.array([tuple(line[0]) for line in found.tolist()])
-
-
-def _as_in_tutorials_always(line_picture: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    found: Any = _none(line_picture, max_line_gap, min_line_length)
-    return np.array([tuple(line[0]) for line in found.tolist()] if len(found) else [])
+def _longest_first(*args: Any) -> Array:
+    found = _hough(*args)
+    return found[np.argsort(-np.hypot(*(found[:, 2:] - found[:, :2]).T))]
 
 
 def _hough_public() -> list[Case]:
     corner = drawn([(6, 10, 58, 14), (32, 12, 22, 44)], 7)
+    long_and_short = drawn([(4, 10, 60, 10), (20, 30, 38, 30)], 6)
     gaps = drawn([(3, 12, 29, 12), (42, 12, 61, 12), (5, 34, 22, 34), (28, 34, 60, 34)], 7)
     return [
         Case((corner, 3, 15), "two lines that meet"),
         Case((gaps, 3, 15), "lines with gaps, a largest gap of 3"),
         Case((gaps, 24, 15), "the same, a largest gap of 24"),
         Case((drawn([(4, 8, 60, 40)], 8), 3, 30), "a wide diagonal line"),
-        Case(
-            (drawn([(4, 10, 60, 10), (20, 30, 38, 30)], 6), 3, 30),
-            "a long and a short line, at least 30 long",
-        ),
+        Case((long_and_short, 3, 30), "a long and a short line, at least 30 long"),
         Case((np.zeros(SIZE, dtype=np.uint8), 5, 40), "no line at all"),
         Case((drawn([(30, 20, 34, 20)], 3), 5, 15), "a spot, and no line"),
         Case((drawn([(20, 20, 36, 20)], 3), 5, 10), "a line of 17 px, too short for 20 votes"),
@@ -483,7 +276,7 @@ def _hough_public() -> list[Case]:
 
 
 def _at_defaults_of_hough() -> dict[str, Array]:
-    """Pictures in which a pixel more or less of a default would be seen."""
+    """Return pictures in which changing a default value by one pixel changes the result."""
     return {
         "length, a line too short": drawn([(10, 20, 47, 20)]),
         "length, a line just long enough": drawn([(10, 20, 48, 20)]),
@@ -493,7 +286,7 @@ def _at_defaults_of_hough() -> dict[str, Array]:
 
 
 def _hough_hidden(rng: np.random.Generator) -> list[Case]:
-    def lines(shape: tuple[int, int], number: int) -> list[tuple[float, float, float, float]]:
+    def lines(shape: tuple[int, int], number: int) -> Lines:
         height, width = shape
         rows = np.linspace(0.15, 0.85, number) * height
         return [(0.1 * width, v, 0.9 * width, v + rng.uniform(-0.06, 0.06) * height) for v in rows]
@@ -522,109 +315,72 @@ HOUGH_SEGMENTS = Exercise(
     hidden=_hough_hidden,
     comparison=Segments(),
     hints=(
-        "Two calls of OpenCV, with the numbers that the docstring says. Give minLineLength and maxLineGap by their names: the fifth argument by "
-        "position is something else. Look at what comes back before you return it.",
-        "cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=..., maxLineGap=...) returns None where there is no line: that is np.zeros((0, 4)). "
-        "Otherwise found.reshape(-1, 4) has the right shape in every version.",
+        "You need two calls of OpenCV, with the numbers in the docstring. Pass minLineLength and maxLineGap by name, because the fifth positional argument is another one. Print the result before you return it.",
+        "cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=..., maxLineGap=...) returns None if it finds no line. Return np.zeros((0, 4)) then. Otherwise found.reshape(-1, 4) has the right shape in every version of OpenCV.",
     ),
-    mistakes=[
-        Mistake(
-            "no Canny",
-            _found(no_canny=True),
-            "Your segments run through the inside of the lines: HoughLinesP got the lines themselves. It wants their edges, from cv2.Canny.",
-        ),
-        Mistake(
-            "gap and length swapped",
-            _swapped_gap,
-            "The largest gap and the least length have changed places. Give them by name: minLineLength=..., maxLineGap=...",
-        ),
-        Mistake(
-            "theta of one",
-            _found(theta=1.0),
-            "Only a few directions are found: the step of the angle is in radians. One degree is np.pi / 180.",
-        ),
-        Mistake(
-            "the gap not used",
-            _found(gap=0),
-            "max_line_gap does not reach HoughLinesP: pieces with a gap stay apart that it should join.",
-        ),
-        Mistake(
-            "the length not used",
-            _found(length=0),
-            "min_line_length does not reach HoughLinesP: there are segments that are too short.",
-        ),
-        Mistake(
-            "endless lines",
-            _infinite_lines,
-            "That is what HoughLines returns: a distance and an angle for each endless line. HoughLinesP, with P, returns segments.",
-        ),
-        Mistake(
-            "None",
-            _none,
-            "Where there is no line, HoughLinesP returns None. Return an array of shape (0, 4) there.",
-        ),
-        Mistake(
-            "None reshaped",
-            _reshaped_none,
-            "Where there is no line, HoughLinesP returns None, and None has no reshape: ask for it first, and return np.zeros((0, 4)) there.",
-        ),
-        Mistake(
-            "by position",
-            _by_position,
-            "By position the fifth argument of HoughLinesP is not the length: give it by name, minLineLength=..., and maxLineGap=... too.",
-        ),
-        Mistake(
-            "no shape",
-            _no_shape,
-            "Right, except where there is no line: np.array([]) has shape (0,). It is np.zeros((0, 4)).",
-        ),
-        Mistake(
-            "(N, 1, 4)",
-            _found(lambda found: found[:, None]),
-            "The shape is (N, 1, 4), as some versions of OpenCV give it. reshape(-1, 4) makes it (N, 4) in all of them.",
-        ),
-        Mistake(
-            "(row, column)",
-            _found(lambda found: found[:, [1, 0, 3, 2]]),
-            "Your segments are (v1, u1, v2, u2). OpenCV's order is the course's: (u1, v1, u2, v2), columns first.",
-        ),
-        Mistake(
-            "the first column",
-            _found(lambda found: found[:, 0] if len(found) else found),
-            "Tutorials take [:, 0], for OpenCV 4 gives (N, 1, 4). Here it is (N, 4) already, and [:, 0] leaves one number of each segment.",
-        ),
-        Mistake(
-            "the first column, always",
-            _first_column_always,
-            "[:, 0] is for OpenCV 4, which gives (N, 1, 4). Here it is (N, 4) already, or None where there is no line: ask for that first.",
-        ),
-        Mistake(
-            "the first number",
-            _as_in_tutorials,
-            "Tutorials take line[0], for OpenCV 4 gives (N, 1, 4). Here a line is its four numbers already.",
-        ),
-        Mistake(
-            "the first number, always",
-            _as_in_tutorials_always,
-            "line[0] is for OpenCV 4. Here a line is its four numbers already; and where there is no line, HoughLinesP returns None, which has no items.",
-        ),
-        Mistake(
-            "too few votes",
-            _found(votes=10),
-            "Your segments need fewer votes than 20: that is HoughLinesP's fourth argument.",
-        ),
-        Mistake(
-            "the first only",
-            _found(lambda found: found[:1]),
-            "You return one segment. All of them are wanted, (N, 4).",
-        ),
-    ],
+    mistakes=catalogue("""
+        no Canny: cv2.Canny(line_picture, 50, 150) => line_picture
+            Your segments run through the inside of the lines, because HoughLinesP got the line picture itself. Give it the edges from cv2.Canny.
+        gap and length swapped: minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
+            The largest gap and the least length are swapped. Pass them by name: minLineLength=..., maxLineGap=...
+        theta of one: np.pi / 180 => 1.0
+            You find lines in a few directions only, because the step of the angle is in radians. One degree is np.pi / 180.
+        the gap not used: maxLineGap=max_line_gap => maxLineGap=0
+            max_line_gap does not reach HoughLinesP, so it does not join line segments across a gap.
+        the length not used: minLineLength=min_line_length => minLineLength=0
+            min_line_length does not reach HoughLinesP, so some of your segments are too short.
+        no Canny and one radian: cv2.Canny(line_picture, 50, 150) => line_picture
+            np.pi / 180 => 1.0
+            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and its step of the angle is in radians: one degree is np.pi / 180.
+        no Canny, gap and length swapped: cv2.Canny(line_picture, 50, 150) => line_picture
+            minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
+            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and the largest gap and the least length are swapped.
+        no Canny and None: if not line_picture.any(): => if False:
+            cv2.Canny(line_picture, 50, 150) => line_picture
+            np.zeros((0, 4)) if found is None else =>
+            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and it returns None if it finds no line: test for that, and return np.zeros((0, 4)).
+        by position and None reshaped, no Canny: if not line_picture.any(): => if False:
+            cv2.Canny(line_picture, 50, 150) => line_picture
+            minLineLength=min_line_length, maxLineGap=max_line_gap => min_line_length, max_line_gap
+            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and its fifth positional argument is not the length: write minLineLength=... and maxLineGap=...
+        endless lines: + found = cv2.HoughLines(cv2.Canny(line_picture, 50, 150), 1, np.pi / 180, 20)
+            + return np.zeros((0, 2)) if found is None else found[..., :2].reshape(-1, 2).astype(float)
+            You call HoughLines, which returns a distance and an angle for each endless line. HoughLinesP, with a P, returns segments.
+        None: np.zeros((0, 4)) =>> None
+            HoughLinesP returns None if it finds no line. Return an array of shape (0, 4) in that case.
+        None reshaped: if not line_picture.any(): => if False:
+            np.zeros((0, 4)) if found is None else =>
+            HoughLinesP returns None if it finds no line, and None has no reshape. Test for None first, and return np.zeros((0, 4)).
+        by position: if not line_picture.any(): => if False:
+            minLineLength=min_line_length, maxLineGap=max_line_gap => min_line_length, max_line_gap
+            The fifth positional argument of HoughLinesP is not the length. Pass both by name: minLineLength=... and maxLineGap=...
+        no shape: np.zeros((0, 4)) =>> np.array([])
+            If there is no line, np.array([]) has shape (0,). Return np.zeros((0, 4)).
+        (N, 1, 4): np.zeros((0, 4)) =>> np.zeros((0, 1, 4))
+            reshape(len(found), 4) => reshape(len(found), 1, 4)
+            Your result has shape (N, 1, 4), as in some versions of OpenCV. reshape(-1, 4) makes it (N, 4) in all of them.
+        (row, column): .astype(float) => .astype(float)[:, [1, 0, 3, 2]]
+            Your segments are (v1, u1, v2, u2). OpenCV uses the same order as this course: (u1, v1, u2, v2), columns first.
+        the first column: .astype(float) => .astype(float)[:, 0]
+            Tutorials write [:, 0] because OpenCV 4 returns (N, 1, 4). Here the result is already (N, 4), so [:, 0] keeps one number of each segment.
+        the first column, always: if not line_picture.any(): => if False:
+            np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => found[:, 0]
+            Your code has two errors. [:, 0] is for OpenCV 4, which returns (N, 1, 4); here the result is already (N, 4). If there is no line it is None: test for that first.
+        the first number: np.zeros((0, 4)) =>> np.array([])
+            found.reshape(len(found), 4).astype(float) => np.array([tuple(line[0]) for line in found])
+            Tutorials write line[0] because OpenCV 4 returns (N, 1, 4). Here each line is already an array of four numbers.
+        the first number, always: if not line_picture.any(): => if False:
+            np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => np.array([tuple(line[0]) for line in found])
+            Your code has two errors. line[0] is for OpenCV 4; here each line is already an array of four numbers. If there is no line, HoughLinesP returns None, and a loop over None fails.
+        too few votes: 180, 20 => 180, 10
+            You accept lines with fewer than 20 votes. The votes are the fourth argument of HoughLinesP.
+        the first only: .astype(float) => .astype(float)[:1]
+            You return one segment. Return all of them, shape (N, 4).
+    """),
     alternatives={
-        "other limits of Canny": _found(canny=(100, 200)),
-        "whole numbers, both ends exchanged": _found(lambda found: found.astype(int)[:, [2, 3, 0, 1]]),
-        "the longest first": _found(
-            lambda found: found[np.argsort(-np.hypot(found[:, 2] - found[:, 0], found[:, 3] - found[:, 1]))]
-        ),
+        "other limits of Canny": lambda *args: _hough(*args, canny=(100, 200)),
+        "whole numbers, both ends exchanged": lambda *args: _hough(*args).astype(int)[:, [2, 3, 0, 1]],
+        "the longest first": _longest_first,
     },
     equivalents={
         "edges = cv2.Canny(line_picture, 51, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
@@ -640,127 +396,40 @@ HOUGH_SEGMENTS = Exercise(
     },
 )
 
-
-# --- 3.4 segment_intersection ---
-
 PARALLEL = float(np.sin(np.radians(10.0)))
 
 
-def _meet(first: Any, second: Any, reach: float, **changed: Any) -> Any:
-    """Where two segments meet, with one thing done in another way."""
-    a, b = (np.array(each, dtype=float) for each in (first, second))
-    p, q, d, e = a[:2], b[:2], a[2:] - a[:2], b[2:] - b[:2]
-    length = changed.get("length", np.hypot)
-    n, m = float(length(*d)), float(length(*e))
-    cross = d[0] * e[1] - d[1] * e[0]
-    apart = changed["apart"](d, e) if "apart" in changed else abs(cross) / (n * m)
-    if apart < changed.get("parallel", PARALLEL) or cross == 0:
-        return changed.get("nothing")
-    w = q - p
-    t, s = (
-        (w[0] * e[1] - w[1] * e[0]) / cross * n,
-        (w[0] * d[1] - w[1] * d[0]) / cross * m,
-    )  # px from the starts
-    s = -s if changed.get("minus") else s
-    before, after = changed.get("before", reach), changed.get("after", reach)
-    if changed.get("one_length"):
-        changed = {**changed, "second": before * m / n}
-    if changed.get("parts"):  # reach taken as a part of the length
-        t, s, n, m = t / n, s / m, 1.0, 1.0
-    near_first = -before <= t <= n + after or changed.get("unbounded")
-    near_second = -changed.get("second", before) <= s <= m + changed.get("second", after)
-    if not near_first or not (near_second or changed.get("unbounded") or changed.get("first_only")):
-        return changed.get("nothing")
-    x = p + (t / n if not changed.get("parts") else t) * d
-    return x[::-1] if changed.get("swapped") else changed.get("wrap", lambda point: point)(x)
-
-
-def _meeting(**changed: Any) -> Any:
-    return lambda first, second, reach=5.0: _meet(first, second, reach, **changed)
-
-
-def _cosine(d: Array, e: Array) -> float:
-    """The sine's place is taken by 1 where the angle is between 10 and 350 degrees, by 0 elsewhere."""
-    return float(d @ e <= np.cos(np.radians(10.0)) * np.hypot(*d) * np.hypot(*e))
-
-
-def _slope_angles(d: Array, e: Array) -> float:
-    """As above, by the angles of both slopes."""
-    with np.errstate(all="ignore"):
-        angles = [float(np.degrees(np.arctan(np.float64(each[1]) / np.float64(each[0])))) for each in (d, e)]
-    return float(abs(angles[0] - angles[1]) >= 10.0)
-
-
-def _signed(d: Array, e: Array) -> float:
-    return float((d[0] * e[1] - d[1] * e[0]) / (np.hypot(*d) * np.hypot(*e)))
-
-
-def _divided(first: Any, second: Any, reach: float = 5.0) -> Any:
-    """Plain numbers, and the question for parallel segments after the division."""
-    (u1, v1, u2, v2), (u3, v3, u4, v4) = (np.asarray(each, float).tolist() for each in (first, second))
-    t = ((u3 - u1) * (v4 - v3) - (v3 - v1) * (u4 - u3)) / ((u2 - u1) * (v4 - v3) - (v2 - v1) * (u4 - u3))
-    return None if np.isinf(t) else _meet(first, second, reach)
-
-
-def _meet_slopes(first: Any, second: Any, reach: float = 5.0) -> Any:
-    """With v = m u + b: upright segments have no slope."""
-    (u1, v1, u2, v2), (u3, v3, u4, v4) = np.asarray(first, float), np.asarray(second, float)
-    with np.errstate(all="ignore"):
-        m1, m2 = (v2 - v1) / (u2 - u1), (v4 - v3) / (u4 - u3)
-        u = (v3 - m2 * u3 - v1 + m1 * u1) / (m1 - m2)
-        point = np.array([u, v1 + m1 * (u - u1)])
-    wanted = _meet(first, second, reach)
-    return None if wanted is None else point
-
-
-def _meet_box(first: Any, second: Any, reach: float = 5.0) -> Any:
-    """Inside both boxes around the segments, each `reach` wider."""
-    point = _meet(first, second, reach, unbounded=True)
-    if point is None:
-        return None
-    for each in (first, second):
-        ends = np.asarray(each, float).reshape(2, 2)
-        if (point < ends.min(axis=0) - reach).any() or (point > ends.max(axis=0) + reach).any():
-            return None
-    return point
-
-
-def _meet_solved(first: Any, second: Any, reach: float = 5.0) -> Any:
-    """With a linear system of the two parameters."""
-    a, b = (np.asarray(each, dtype=float).reshape(2, 2) for each in (first, second))
+def _meet_solved(first: Array, second: Array, reach: float = 5.0) -> Any:
+    """Solve a linear system for the two parameters."""
+    a, b = first.reshape(2, 2), second.reshape(2, 2)
     matrix = np.column_stack([a[1] - a[0], b[0] - b[1]])
     lengths = np.linalg.norm(matrix, axis=0)
-    if abs(np.linalg.det(matrix / np.maximum(lengths, 1e-12))) < PARALLEL:
+    if abs(np.linalg.det(matrix / lengths)) < PARALLEL:
         return None
     along = np.linalg.solve(matrix, b[0] - a[0])
     inside = np.all(np.abs(along - 0.5) * lengths <= lengths / 2 + reach)
     return tuple((a[0] + along[0] * (a[1] - a[0])).tolist()) if inside else None
 
 
-def _meet_homogeneous(first: Any, second: Any, reach: float = 5.0) -> Any:
-    """Lines and points of the projective plane: both are cross products."""
-    a, b = (np.column_stack([np.asarray(each, float).reshape(2, 2), np.ones(2)]) for each in (first, second))
-    line_a, line_b = np.cross(a[0], a[1]), np.cross(b[0], b[1])
-    x, y, w = np.cross(line_a, line_b)
-    if abs(w) < PARALLEL * np.hypot(*line_a[:2]) * np.hypot(*line_b[:2]) or w == 0:
+def _meet_homogeneous(first: Array, second: Array, reach: float = 5.0) -> Any:
+    """Use homogeneous coordinates: the line through two points, and the point on two lines, are cross products."""
+    segments = [np.column_stack([each.reshape(2, 2), np.ones(2)]) for each in (first, second)]
+    lines = [np.cross(*ends) for ends in segments]
+    u, v, w = np.cross(*lines)
+    if abs(w) < PARALLEL * np.hypot(*lines[0][:2]) * np.hypot(*lines[1][:2]):
         return None
-    point = np.array([x / w, y / w])
-    for ends in (a[:, :2], b[:, :2]):
-        way = np.diff(ends, axis=0)[0] / np.linalg.norm(np.diff(ends, axis=0))
-        start, end, here = ends[0] @ way, ends[1] @ way, point @ way
-        if not start - reach <= here <= end + reach:
+    for start, end in segments:
+        way = (end - start) / np.linalg.norm(end - start)
+        if not start @ way - reach <= (u / w, v / w, 1) @ way <= end @ way + reach:
             return None
-    return point
+    return np.array([u / w, v / w])
 
 
-def _meet_extended(first: Any, second: Any, reach: float = 5.0) -> Any:
+def _meet_extended(first: Array, second: Array, reach: float = 5.0) -> Any:
     """Make both longer first, then cut them without a reach."""
-    longer = []
-    for each in (first, second):
-        ends = np.asarray(each, float).reshape(2, 2)
-        step = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0]) * reach
-        longer.append(np.concatenate([ends[0] - step, ends[1] + step]))
-    return _meet(*longer, 0.0)
+    ways = [(each[2:] - each[:2]) / np.hypot(*(each[2:] - each[:2])) for each in (first, second)]
+    longer = [each + reach * np.append(-way, way) for each, way in zip((first, second), ways, strict=True)]
+    return _meet_solved(*longer, reach=0.0)
 
 
 def segment(*numbers: float) -> Array:
@@ -768,7 +437,7 @@ def segment(*numbers: float) -> Array:
 
 
 def _meet_public() -> list[Case]:
-    level = segment(10, 20, 50, 20)
+    level, beyond = segment(10, 20, 50, 20), segment(52, 27, 40, 50)
     return [
         Case((level, segment(30, 5, 30, 40), 5.0), "a level and an upright segment that cross"),
         Case((segment(0, 0, 40, 30), segment(0, 24, 36, 0), 5.0), "two slanted segments that cross"),
@@ -782,10 +451,7 @@ def _meet_public() -> list[Case]:
         Case((level, segment(12, 26, 48, 26), 5.0), "parallel segments"),
         Case((level, segment(10, 18, 50, 22), 5.0), "segments that cross at 6 degrees"),
         Case((segment(10, 10, 40, 40), segment(43, 46, 70, 80), 5.0), "slanted, at 7 degrees"),
-        Case(
-            (level, segment(52, 27, 40, 50), 5.0),
-            "the crossing lies 2 px beyond the end, but 8 px beyond the other",
-        ),
+        Case((level, beyond, 5.0), "the crossing lies 2 px beyond the end, but 8 px beyond the other"),
         Case((segment(0, 0, 30, 30), segment(34, 26, 60, 0), 5.0), "slanted, 5.7 px short"),
         Case((segment(0, 0, 30, 30), segment(34.5, 34.5, 60, 9), 5.0), "slanted, 6.4 px short"),
         Case((level, segment(54.5, 2, 54.5, 40)), "4.5 px short, with the default reach"),
@@ -796,7 +462,7 @@ def _meet_public() -> list[Case]:
         Case((segment(29, 0, 31, 40), segment(31, 0, 29, 40)), "two upright ones at 6 degrees"),
         Case((level, segment(30, 24, 30, 34)), "a long and a short segment, 4 px apart"),
         Case((level, segment(58, 16, 58, 26)), "8 px beyond the long segment's end"),
-        Case((segment(0, 0, 30, 30), segment(33, 10, 33, 60)), "4.2 px beyond a slanted segment's end"),
+        Case((segment(0, 0, 30, 30), segment(33, 10, 33, 64)), "4.2 px beyond a slanted segment's end"),
     ]
 
 
@@ -804,17 +470,14 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
     cases: list[Case] = []
     while len(cases) < 40:
         meeting, angles = rng.uniform(20, 200, 2), rng.uniform(0, 2 * np.pi, 2)
-        if min(abs(abs(np.sin(angles[0] - angles[1])) - PARALLEL), 1) < 0.03:
+        if abs(abs(np.sin(angles[0] - angles[1])) - PARALLEL) < 0.03:
             continue
         ends = []
         for angle in angles:
             start = rng.choice([-60.0, -20.0, 2.0, 4.0, 8.0, 12.0])
             way = np.stack([np.cos(angle), np.sin(angle)])
-            ends.append(
-                np.concatenate([meeting + start * way, meeting + (start + rng.uniform(24, 90)) * way])
-            )
-            if rng.random() < 0.5:
-                ends[-1] = ends[-1][[2, 3, 0, 1]]
+            two = [meeting + start * way, meeting + (start + rng.uniform(24, 90)) * way]
+            ends.append(np.concatenate(two[::-1] if rng.random() < 0.5 else two))
         cases.append(Case((ends[0], ends[1], float(rng.choice([0.0, 3.0, 5.0, 10.0])))))
     u, v = rng.integers(20, 80, 2).astype(float)
     flat = segment(u, v, u + 60, v)
@@ -841,122 +504,106 @@ SEGMENT_INTERSECTION = Exercise(
     hidden=_meet_hidden,
     comparison=Close(rtol=0.0, atol=1e-3),
     hints=(
-        "Equation 3.3 has t, the part along the first segment; the second has its own, s, with the same denominator. Compute that first: it says whether they "
-        "are parallel. Its size is both lengths times the sine of the angle between them.",
-        "A parameter runs from 0 to 1 along its segment. With reach pixels more at each end it runs from -reach / length to 1 + reach / length, "
-        "and each segment has its own length. Both have to hold.",
+        "Equation 3.3 gives t, the parameter along the first segment. The second segment has its own parameter s, with the same denominator. Compute the denominator first: its size is the product of both lengths and the sine of the angle between the segments, so it shows whether they are parallel.",
+        "A parameter runs from 0 to 1 along its segment. With reach more pixels at each end it runs from -reach / length to 1 + reach / length. The two segments have different lengths, and both conditions must hold.",
     ),
-    mistakes=[
-        Mistake(
-            "unbounded lines",
-            _meeting(unbounded=True),
-            "You cut endless lines. A crossing counts only where it lies on both segments, or at most reach pixels beyond an end.",
-        ),
-        Mistake(
-            "one extended",
-            _meeting(second=0.0),
-            "Only the first segment is extended. Both are, by reach pixels at both ends.",
-        ),
-        Mistake(
-            "only the first tested",
-            _meeting(first_only=True),
-            "You test the first segment only: the crossing may lie far beyond the second one's end.",
-        ),
-        Mistake(
-            "no reach",
-            _meeting(before=0.0, after=0.0),
-            "The segments are made longer by too little, or not at all. It has to be reach pixels at each end.",
-        ),
-        Mistake(
-            "five whatever reach is", _meeting(before=5.0, after=5.0), "You use 5 pixels, whatever reach is."
-        ),
-        Mistake(
-            "the other sign of s",
-            _meeting(minus=True),
-            "You miss crossings that are there, as with an s of the wrong sign. Put the numbers of the text into yours: it must be -0.081.",
-        ),
-        Mistake(
-            "one length for both",
-            _meeting(one_length=True),
-            "reach pixels are another part of each segment's length. You divide by the same length for both.",
-        ),
-        Mistake(
-            "the length as a sum",
-            _meeting(length=lambda u, v: abs(u) + abs(v), apart=lambda d, e: abs(_signed(d, e))),
-            "A segment's length is np.hypot of its differences, not their sum.",
-        ),
-        Mistake(
-            "opposite directions",
-            _meeting(apart=_cosine, parallel=0.5),
-            "Segments in opposite directions are parallel as well: the angle between them is near 180 degrees. Hough returns both directions.",
-        ),
-        Mistake(
-            "angles of slopes",
-            _meeting(apart=_slope_angles, parallel=0.5),
-            "Two upright segments that lean to different sides have angles near 90 and -90 degrees. Their difference is near 180, and they are parallel.",
-        ),
-        Mistake(
-            "the sign of the denominator",
-            _meeting(apart=_signed),
-            "D x E is negative where the second segment turns the other way. They are parallel where its absolute value is small.",
-        ),
-        Mistake(
-            "one end only",
-            _meeting(before=0.0),
-            "You extend the segments at their ends, but not at their starts.",
-        ),
-        Mistake(
-            "reach as a part",
-            _meeting(parts=True),
-            "You compare reach with the parameter, which is a part of the length. reach is in pixels: divide it by the length.",
-        ),
-        Mistake(
-            "parallel by chance",
-            _meeting(parallel=0.0),
-            "Segments that are less than 10 degrees apart count as parallel: they are mostly both edges of one line. Return None.",
-        ),
-        Mistake(
-            "divided by zero",
-            _divided,
-            "You divide before you ask whether the segments are parallel: then the denominator is 0. Ask first, and return None.",
-        ),
-        Mistake(
-            "NaN for nothing",
-            _meeting(nothing=np.array([np.nan, np.nan])),
-            "Where there is no crossing, return None, not NaN.",
-        ),
-        Mistake(
-            "an empty array",
-            _meeting(nothing=np.zeros((0, 2))),
-            "Where there is no crossing, return None, not an empty array.",
-        ),
-        Mistake(
-            "(row, column)",
-            _meeting(swapped=True),
-            "Your point is (v, u). A point is (u, v): the column first.",
-        ),
-        Mistake(
-            "slopes",
-            _meet_slopes,
-            "An upright segment has no slope: v = m u + b divides by zero there. Use the segments' directions, as equation 3.3 does.",
-        ),
-        Mistake(
-            "boxes",
-            _meet_box,
-            "You test whether the crossing lies in a box around each segment, reach wider. A slanted segment is extended along itself, "
-            "by reach pixels in its own direction.",
-        ),
-        Mistake(
-            "whole pixels",
-            _meeting(wrap=np.round),
-            "Your point is rounded. Crossings lie between pixels: keep the fractions.",
-        ),
-        Mistake(
-            "shape (1, 2)",
-            _meeting(wrap=lambda point: point[None]),
-            "The shape is (1, 2). One point has shape (2,).",
-        ),
-    ],
+    mistakes=catalogue("""
+        unbounded lines: if on_both else None =>
+            You intersect endless lines. A crossing counts only if it is on both segments, or at most reach pixels beyond an end.
+        one extended: -reach <= s * m <= m + reach => 0 <= s * m <= m
+            You extend the first segment only. Extend both by reach pixels at both ends.
+        only the first tested: and -reach <= s * m <= m + reach =>
+            You test the first segment only, so the crossing may be far beyond the end of the second.
+        no reach: + reach = 0
+            You extend the segments too little or not at all. Extend both by reach pixels at each end.
+        five whatever reach is: + reach = 5
+            You always extend by 5 pixels. Use the argument reach.
+        the other sign of s: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            You miss crossings that exist. The usual cause is an s with the wrong sign: put the numbers of the text into your formula, which must give -0.081.
+        one length for both: -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
+            You divide reach by the same length for both segments. Each segment has its own length.
+        divided by the other length
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t * m <= m + reach and -reach <= s * n <= n + reach
+            You divide reach by the length of the other segment. The parameter t needs the length of the first segment, and s needs the length of the second.
+        on the second with t: p + t * d => q + t * e
+            You use t along the second segment. The crossing is P + t D on the first segment, and Q + s E on the second.
+        on the first with s: p + t * d => p + s * d
+            You use s along the first segment. The crossing is P + t D on the first segment, and Q + s E on the second.
+        ends as directions: first[2:] - p, second[2:] - q => first[2:], second[2:]
+            You use the end points as directions. D is the end of the first segment minus its start P, and E the same for the second.
+        the length as a sum: np.hypot(*d), np.hypot(*e) => np.abs(d).sum(), np.abs(e).sum()
+            * n * m => * np.hypot(*d) * np.hypot(*e)
+            You add the two differences to get a length. The length of a segment is np.hypot of them.
+        opposite directions: abs(across) <= np.sin(np.radians(10)) => d @ e > np.cos(np.radians(10))
+            Two segments in opposite directions are parallel too: the angle between them is near 180 degrees. Hough returns both directions.
+        angles from arctan: abs(across) <= np.sin(np.radians(10)) * n * m => abs(np.arctan(d[1] / d[0]) - np.arctan(e[1] / e[0])) < np.radians(10)
+            Two nearly upright segments can have angles near 90 and -90 degrees. These differ by almost 180 degrees, although the segments are parallel.
+        the sign of the denominator: abs(across) => across
+            D x E is negative if the second segment turns the other way. The segments are parallel if its absolute value is small.
+        one end only: -reach <= =>> 0 <=
+            You extend the segments at their ends, but not at their starts.
+        reach as a part: -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
+            You compare reach, which is in pixels, with the parameter, which is a fraction of the length. Divide reach by the length first.
+        parallel by chance: np.sin(np.radians(10)) * n * m => 0
+            You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None.
+        unbounded and parallel: np.sin(np.radians(10)) * n * m => 0
+            if on_both else None =>
+            Your code has two errors. It intersects endless lines: a crossing must be on both segments, or at most reach pixels beyond an end. It also returns crossings of segments that are less than 10 degrees apart: return None for them.
+        no reach and parallel: + reach = 0
+            np.sin(np.radians(10)) * n * m => 0
+            Your code has two errors. It does not extend the segments by reach pixels at each end, and it returns crossings of segments that are less than 10 degrees apart.
+        reach as a part and parallel: np.sin(np.radians(10)) * n * m => 0
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
+            Your code has two errors. It compares reach, in pixels, with a fraction of the length: divide reach by the length. It also returns crossings of segments that are less than 10 degrees apart.
+        first tested only and parallel: np.sin(np.radians(10)) * n * m => 0
+            and -reach <= s * m <= m + reach =>
+            Your code has two errors. It does not test whether the crossing is on the second segment, and it returns crossings of segments that are less than 10 degrees apart.
+        sign of s and parallel: np.sin(np.radians(10)) * n * m => 0
+            (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also returns crossings of segments that are less than 10 degrees apart.
+        sign of s and no reach: + reach = 0
+            (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also does not extend the segments by reach pixels.
+        one length and parallel: np.sin(np.radians(10)) * n * m => 0
+            -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
+            Your code has two errors. It divides reach by the same length for both segments, but each has its own. It also returns crossings of segments that are less than 10 degrees apart.
+        the other length and parallel: np.sin(np.radians(10)) * n * m => 0
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t * m <= m + reach and -reach <= s * n <= n + reach
+            Your code has two errors. It divides reach by the length of the other segment. It also returns crossings of segments that are less than 10 degrees apart.
+        one end and parallel: np.sin(np.radians(10)) * n * m => 0
+            -reach <= =>> 0 <=
+            Your code has two errors. It extends the segments at their ends, but not at their starts. It also returns crossings of segments that are less than 10 degrees apart.
+        t on the second and parallel: np.sin(np.radians(10)) * n * m => 0
+            p + t * d => q + t * e
+            Your code has two errors. It uses t along the second segment, but the crossing is P + t D or Q + s E. It also returns crossings of segments that are less than 10 degrees apart.
+        sign of s and one length: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
+            Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. The code also divides reach by the same length for both segments, but each has its own.
+        divided by zero: across = d[0] * e[1] - d[1] * e[0] => across = float(d[0] * e[1] - d[1] * e[0])
+            + t = float((q - p) @ (e[1], -e[0])) / across
+            You divide before you test whether the segments are parallel, so the denominator can be 0. Test first, and return None.
+        NaN for nothing: return None => return np.array([np.nan, np.nan])
+            else None => else np.array([np.nan, np.nan])
+            You return NaN if there is no crossing. Return None.
+        an empty array: return None => return np.zeros((0, 2))
+            else None => else np.zeros((0, 2))
+            You return an empty array if there is no crossing. Return None.
+        (row, column): p + t * d => (p + t * d)[::-1]
+            Your point is (v, u). A point is (u, v), the column first.
+        v = m u + b
+            w = q - p => w = q - p
+            + a, b = d[1] / d[0], e[1] / e[0]
+            + u = (q[1] - b * q[0] - p[1] + a * p[0]) / (a - b)
+            p + t * d => np.array([u, p[1] + a * (u - p[0])])
+            You write a line as v = m u + b, which divides by zero for an upright segment. Use the direction vectors of the segments, as in equation 3.3.
+        boxes: -reach <= t * n <= n + reach => (abs(t - 0.5) * abs(d) <= abs(d) / 2 + reach).all()
+            -reach <= s * m <= m + reach => (abs(s - 0.5) * abs(e) <= abs(e) / 2 + reach).all()
+            You test whether the crossing is in a box around each segment, widened by reach. Extend a slanted segment along its own direction instead, by reach pixels.
+        whole pixels: p + t * d => np.round(p + t * d)
+            Your point is rounded. Crossings lie between pixels, so keep the fractions.
+        shape (1, 2): p + t * d => (p + t * d)[None]
+            Your point has shape (1, 2). One point has shape (2,).
+    """),
     alternatives={
         "a linear system": _meet_solved,
         "cross products of the projective plane": _meet_homogeneous,
@@ -968,128 +615,69 @@ SEGMENT_INTERSECTION = Exercise(
         "on_both = -reach <= t * n < n + reach and -reach <= s * m <= m + reach": "a crossing exactly at the end of the reach: rounding decides",
         "on_both = -reach <= t * n <= n + reach and -reach < s * m <= m + reach": "a crossing exactly at the end of the reach: rounding decides",
         "on_both = -reach <= t * n <= n + reach and -reach <= s * m < m + reach": "a crossing exactly at the end of the reach: rounding decides",
-        "if abs(across) <= np.radians(10) * n * m:": "10 degrees or 10.05: nobody can ask for that",
+        "if abs(across) <= np.radians(10) * n * m:": "10 degrees or 10.05: no case can ask for that",
     },
 )
 
 
-# --- 3.5 remove_doubles ---
-
-
-def _kept(points: Any, radius: float, **changed: Any) -> Array:
-    """The points that stay, with one thing done in another way."""
-    points = np.asarray(points, dtype=float).reshape(-1, 2)
-    stay: list[Array] = []
-    for i, point in enumerate(points):
-        others = stay
-        if changed.get("all_before"):
-            others = list(points[:i])
-        if changed.get("any_other"):
-            others = [other for j, other in enumerate(points) if j != i]
-        if changed.get("last"):
-            others = stay[-1:]
-        apart = [changed.get("distance", lambda d: np.hypot(*d))(point - other) for other in others]
-        far = [a >= radius if changed.get("at_the_rim") else a > radius for a in apart]
-        if not far or changed.get("enough", all)(far):
-            stay.append(point)
-    return np.array(stay).reshape(-1, 2)
-
-
-def _doubles(change: Any = lambda kept: kept, **changed: Any) -> Any:
-    return lambda points, radius: change(_kept(points, radius, **changed))
-
-
-def _averaged(points: Any, radius: float) -> Array:
-    """Each kept point becomes the mean of those near it."""
-    points = np.asarray(points, dtype=float).reshape(-1, 2)
-    means = [
-        points[np.linalg.norm(points - kept, axis=1) <= radius].mean(axis=0) for kept in _kept(points, radius)
-    ]
-    return np.array(means).reshape(-1, 2)
-
-
-def _last_kept(points: Any, radius: float) -> Array:
-    return _kept(np.asarray(points, dtype=float)[::-1], radius)
-
-
-def _no_shape_doubles(points: Any, radius: float) -> Array:
-    kept = _kept(points, radius)
-    return kept if len(kept) else np.array([])
-
-
-def _doubles_matrix(points: Any, radius: float) -> Array:
-    """A table of who is near whom, and one pass that crosses out."""
-    points = np.asarray(points, dtype=float)
-    near = np.linalg.norm(points[:, None] - points[None], axis=2) <= radius
+def _doubles_matrix(points: Array, radius: float) -> Array:
+    """Make a table of near pairs, then delete points in one pass."""
+    near = np.linalg.norm(points[:, None] - points, axis=2) <= radius
     alive = np.ones(len(points), dtype=bool)
     for i in range(len(points)):
-        if alive[i]:
-            alive[i + 1 :] &= ~near[i, i + 1 :]
+        alive[i + 1 :] &= ~(alive[i] & near[i, i + 1 :])
     return points[alive].astype(np.float32)
 
 
-def _doubles_recursive(points: Any, radius: float) -> Any:
-    """The first, and what is left of the rest without its neighbours."""
-    points = np.asarray(points, dtype=float)
+def _doubles_recursive(points: Array, radius: float) -> Array:
+    """Keep the first point and call the function again with the points that are not near it."""
     if not len(points):
-        return np.zeros((0, 2))
-    rest = points[1:][((points[1:] - points[0]) ** 2).sum(axis=1) > radius**2]
+        return points
+    rest = points[((points - points[0]) ** 2).sum(axis=1) > radius**2]
     return np.vstack([points[:1], _doubles_recursive(rest, radius)])
 
 
-def _doubles_complex(points: Any, radius: float) -> Array:
-    """Points as complex numbers, taken from a list until it is empty."""
-    left = [complex(u, v) for u, v in np.asarray(points, dtype=float)]
-    stay = []
+def _doubles_complex(points: Array, radius: float) -> Array:
+    """Write points as complex numbers and take them from a list until it is empty."""
+    left, stay = [complex(u, v) for u, v in points], []
     while left:
         stay.append(left.pop(0))
         left = [point for point in left if abs(point - stay[-1]) > radius]
     return np.array([(point.real, point.imag) for point in stay]).reshape(-1, 2)
 
 
+def points(*points: tuple[float, float]) -> Array:
+    return np.array(points, dtype=float)
+
+
 def _doubles_public() -> list[Case]:
+    fractions = points((5.25, 7.75), (60, 7), (60, 9), (60, 14))
     return [
-        Case(
-            (np.array([[10.0, 10.0], [16.0, 16.0], [40.0, 10.0]]), 10.0), "two near points and one far away"
-        ),
-        Case(
-            (np.array([[10.0, 10.0], [18.0, 10.0], [26.0, 10.0], [34.0, 10.0]]), 10.0),
-            "a chain, 8 px from one to the next",
-        ),
-        Case(
-            (np.array([[10.0, 10.0], [40.0, 40.0], [12.0, 13.0], [43.0, 41.0]]), 10.0),
-            "two corners, in turns",
-        ),
-        Case((np.array([[0.0, 0.0], [0.0, 10.0], [30.0, 0.0]]), 10.0), "exactly 10 px apart"),
-        Case((np.array([[0.0, 0.0], [8.0, 8.0], [3.5, 0.0]]), 10.0), "8 px apart in both directions"),
-        Case(
-            (np.array([[18.0, 10.0], [10.0, 10.0], [26.0, 10.0]]), 10.0),
-            "the middle one of three comes first",
-        ),
-        Case(
-            (np.array([[5.25, 7.75], [60.0, 7.0], [60.0, 9.0], [60.0, 14.0]]), 4.0),
-            "a radius of 4, with fractions",
-        ),
+        Case((points((10, 10), (16, 16), (40, 10)), 10.0), "two near points and one far away"),
+        Case((points((10, 10), (18, 10), (26, 10), (34, 10)), 10.0), "a chain, 8 px from one to the next"),
+        Case((points((10, 10), (40, 40), (12, 13), (43, 41)), 10.0), "two corners, in turns"),
+        Case((points((0, 0), (0, 10), (30, 0)), 10.0), "exactly 10 px apart"),
+        Case((points((0, 0), (8, 8), (3.5, 0)), 10.0), "8 px apart in both directions"),
+        Case((points((18, 10), (10, 10), (26, 10)), 10.0), "the middle one of three comes first"),
+        Case((fractions, 4.0), "a radius of 4, with fractions"),
         Case((np.zeros((0, 2)), 10.0), "no points"),
     ]
 
 
 def _doubles_hidden(rng: np.random.Generator) -> list[Case]:
-    cases = [
-        Case((rng.uniform(0, 60, (int(rng.integers(10, 40)), 2)), float(radius))) for radius in (3, 6, 10, 15)
-    ]
+    chances = [rng.uniform(0, 60, (int(rng.integers(10, 40)), 2)) for _ in range(4)]
     chain = np.column_stack([np.arange(0.0, 90.0, 7.0), np.full(13, rng.uniform(0, 50))])
     return [
-        *cases,
+        *map(Case, zip(chances, (3.0, 6.0, 10.0, 15.0), strict=True)),
         Case((chain, 10.0)),
         Case((rng.permutation(chain), 15.0)),
-        Case((np.array([[3.0, 4.0], [0.0, 0.0], [6.0, 8.0]]), 5.0)),
+        Case((points((3, 4), (0, 0), (6, 8)), 5.0)),
         Case((rng.uniform(0, 300, (1, 2)), 10.0)),
         Case((np.zeros((0, 2)), 10.0)),
     ]
 
 
-REMOVE_DOUBLES = Exercise(
+REMOVE_DUPLICATES = Exercise(
     name="remove_doubles",
     points=2,
     stars=2,
@@ -1097,136 +685,93 @@ REMOVE_DOUBLES = Exercise(
     hidden=_doubles_hidden,
     comparison=Points(tolerance=0.05),
     hints=(
-        "Begin with an empty list of kept points and go through all points in their order. When does a point join the list?",
-        "A point joins where np.hypot(*(point - other)) > radius for every other in the list of kept ones, not for every point that came before. At the end, "
-        "np.array(kept).reshape(-1, 2).",
+        "Start with an empty list of kept points and go through the points in their order. When do you add a point to the list?",
+        "Add a point if np.hypot(*(point - other)) > radius for every other point in the list of kept ones; ignore earlier points that were deleted. At the end, return np.array(kept).reshape(-1, 2).",
     ),
-    mistakes=[
-        Mistake(
-            "averaged",
-            _averaged,
-            "You average near points, as lesson 02 does. Here the first one of them stays as it is, and the others are deleted.",
-        ),
-        Mistake(
-            "both deleted",
-            _doubles(any_other=True),
-            "Where two points are near each other you delete both. The first of them stays.",
-        ),
-        Mistake(
-            "near a deleted one",
-            _doubles(all_before=True),
-            "You delete a point that is near one which is deleted itself. Compare with the kept points only.",
-        ),
-        Mistake(
-            "only the last kept",
-            _doubles(last=True),
-            "You compare a point with the last kept one only. It may be near any of them.",
-        ),
-        Mistake(
-            "the last stays",
-            _last_kept,
-            "Of near points the last one stays with you. It has to be the first.",
-        ),
-        Mistake(
-            "sorted",
-            lambda points, radius: _kept(sorted(np.asarray(points, dtype=float).tolist()), radius),
-            "You sort the points first. They are taken in the order in which they come.",
-        ),
-        Mistake(
-            "ten whatever radius is",
-            lambda points, radius: _kept(points, 10.0),
-            "You use 10 pixels, whatever radius is.",
-        ),
-        Mistake(
-            "far from one of them",
-            _doubles(enough=any),
-            "You keep a point that is far from one of the kept ones. It has to be far from all of them.",
-        ),
-        Mistake(
-            "squared distance",
-            _doubles(distance=lambda d: (d**2).sum()),
-            "You compare a squared distance with radius: take its square root, or the radius squared.",
-        ),
-        Mistake(
-            "one direction at a time",
-            _doubles(distance=lambda d: np.abs(d).max()),
-            "You compare columns and rows apart, which is a square. What counts is the distance, np.hypot of both differences.",
-        ),
-        Mistake(
-            "columns plus rows",
-            _doubles(distance=lambda d: np.abs(d).sum()),
-            "You add the differences of columns and rows. The distance is np.hypot of both.",
-        ),
-        Mistake(
-            "at the rim",
-            _doubles(at_the_rim=True),
-            "A point exactly radius away is a double too: it stays only if it is farther away than that.",
-        ),
-        Mistake(
-            "whole pixels",
-            _doubles(np.round),
-            "Your points are rounded. Points that stay are not changed at all.",
-        ),
-        Mistake(
-            "no shape",
-            _no_shape_doubles,
-            "Right, except where there are no points: np.array([]) has shape (0,). Make it (0, 2) with .reshape(-1, 2).",
-        ),
-    ],
+    mistakes=catalogue("""
+        averaged: np.array(kept) => np.array([points[np.linalg.norm(points - each, axis=1) <= radius].mean(axis=0) for each in kept])
+            You average points that are near each other, as in lesson 02. Here the first of them stays unchanged, and the others are deleted.
+        each averaged: + return np.unique(np.array([points[np.linalg.norm(points - each, axis=1) <= radius].mean(axis=0) for each in points]).reshape(-1, 2), axis=0)
+            You replace each point by the average of the points near it. Keep the first of several near points as it is, and delete the others.
+        both deleted: for point in points => for i, point in enumerate(points)
+            for other in kept => for other in np.delete(points, i, axis=0)
+            If two points are near each other, you delete both. Keep the first.
+        near itself: for other in kept => for other in points
+            You delete every point. If you compare a point with all points, one of them is the point itself, at a distance of 0. If you start with an empty list of kept points, the first point has nothing to be compared with and must be kept.
+        near a deleted one: for point in points => for i, point in enumerate(points)
+            for other in kept => for other in points[:i]
+            You compare each point with all earlier points, including the deleted ones. Compare it with the kept points only.
+        only the previous point: for point in points => for i, point in enumerate(points)
+            for other in kept => for other in points[max(0, i - 1) : i]
+            You compare each point with the previous one only. Compare it with all points that you kept.
+        only the last kept: in kept => in kept[-1:]
+            You compare each point with the last kept one only. Compare it with all kept points.
+        the last stays: in points => in points[::-1]
+            Of several near points you keep the last. Keep the first.
+        sorted: in points => in sorted(points, key=tuple)
+            You sort the points first. Go through them in the order in which they are given.
+        ten whatever radius is: > radius => > 10
+            You always use 10 pixels. Use the argument radius.
+        far from one of them: if all( => if not kept or any(
+            You keep a point if it is far from any one of the kept points. It must be far from all of them.
+        squared distance: np.hypot(*(point - other)) => ((point - other) ** 2).sum()
+            You compare a squared distance with radius. Take the square root first.
+        one direction at a time: np.hypot(*(point - other)) => np.abs(point - other).max()
+            You compare the differences in u and v separately, which tests a square. Compute the distance, np.hypot of both differences.
+        columns plus rows: np.hypot(*(point - other)) => np.abs(point - other).sum()
+            You add the differences in u and v. The distance is np.hypot of both.
+        at the rim: > radius => >= radius
+            You keep a point that is exactly radius away from a kept one. It is a duplicate: keep only points that are farther away.
+        whole pixels: 2) => 2).round()
+            Your points are rounded. Return the kept points unchanged.
+        no shape: .reshape(len(kept), 2) =>
+            If there are no points, np.array([]) has shape (0,). Use .reshape(-1, 2) to get (0, 2).
+    """),
     alternatives={
         "a table of who is near whom": _doubles_matrix,
         "recursion": _doubles_recursive,
         "complex numbers": _doubles_complex,
     },
     equivalents={
-        "if all((np.hypot(*other - point) > radius for other in kept)):": "a distance has no direction",
+        "if all((np.hypot(*other - point) > radius for other in kept)):": "a distance has no direction"
     },
 )
 
 
-# --- 3.6 find_corners ---
+def _corners(labels: Array, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """Find corners with the alternatives of the earlier exercises."""
+    white = cv2.inRange(_erase_loop(labels), WHITE, WHITE)
+    pairs = combinations(_hough(white, max_line_gap, min_line_length), 2)
+    points = np.array([point for pair in pairs if (point := _meet_solved(*pair))]).reshape(-1, 2)
+    return _doubles_recursive(points[((points >= 0) & (points < labels.shape[::-1])).all(axis=1)], 10.0)
 
 
-def _corners(labels: Any, gap: float, length: float, /, **changed: Any) -> Array:
-    """The whole way, with one thing done in another way."""
-    labels = np.asarray(labels)
-    kept = labels if changed.get("no_erasing") else _erase(labels, changed.get("run", 7))
-    white = np.isin(kept, (WHITE, YELLOW) if changed.get("yellow") else (WHITE,))
-    segments = _hough(white.astype(np.uint8) * np.uint8(255), gap, length)
-    if changed.get("ends"):
-        return _kept(segments.reshape(-1, 2), 10.0)
-    found = [_meet(a, b, 5.0, **changed.get("meet", {})) for a, b in combinations(segments, 2)]
-    points = np.array([each for each in found if each is not None]).reshape(-1, 2)
-    if not changed.get("outside"):
-        points = points[((points >= 0) & (points < labels.shape[::-1])).all(axis=1)]
-    return (
-        points
-        if changed.get("doubles")
-        else changed.get("remove", _kept)(points, changed.get("radius", 10.0))
-    )
+def _corners_as_they_come(labels: Array, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """Decide about each crossing when it is found."""
+    segments = _hough(cv2.inRange(_erase_morphology(labels, 7), WHITE, WHITE), max_line_gap, min_line_length)
+    kept: list[Array] = []
+    for i in range(len(segments)):
+        for j in range(i + 1, len(segments)):
+            point = _meet_extended(segments[i], segments[j])
+            if point is None or not (0 <= point[0] < labels.shape[1] and 0 <= point[1] < labels.shape[0]):
+                continue
+            if not any(np.hypot(*np.subtract(point, other)) <= 10 for other in kept):
+                kept.append(np.asarray(point))
+    return np.array(kept).reshape(-1, 2)
 
 
-def _cornered(change: Any = lambda points: points, **changed: Any) -> Any:
-    return lambda labels, max_line_gap=5, min_line_length=40: change(
-        _corners(labels, max_line_gap, min_line_length, **changed)
-    )
-
-
-def _swapped_values(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    return _corners(labels, min_line_length, max_line_gap)
-
-
-def _at_defaults(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    return _corners(labels, 5, 40)
-
-
-def _no_shape_corners(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    found = _corners(labels, max_line_gap, min_line_length)
-    return found if len(found) else np.array([])
+def _corners_of_all_pairs(labels: Array, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
+    """Take each pair in both orders: the second crossing of a pair is a duplicate of the first."""
+    segments = _hough(cv2.inRange(_erase_sums(labels), WHITE, WHITE), max_line_gap, min_line_length)
+    meetings = [_meet_homogeneous(first, second) for first in segments for second in segments]
+    found = np.array([each for each in meetings if each is not None]).reshape(-1, 2)
+    height, width = labels.shape
+    u, v = found.T
+    return _doubles_complex(found[(u >= 0) & (v >= 0) & (u < width) & (v < height)], 10.0)
 
 
 def corner_scene(shape: Any, at: tuple[float, float], thickness: int, horizon: float = 0.15) -> Array:
-    """Labels of a corner on carpet: a level line that ends at an upright one, towards the nearer side of the picture."""
+    """Return labels of a corner on carpet: a level line that runs from an upright one to the farther side of the picture."""
     height, width = shape
     u, v = at
     end = 0.05 * width if u > width / 2 else 0.95 * width
@@ -1235,54 +780,37 @@ def corner_scene(shape: Any, at: tuple[float, float], thickness: int, horizon: f
 
 
 def at_the_edge() -> dict[str, Array]:
-    """Labels of two lines whose edges cross once, near the picture's edge or a little beyond it, by where that is."""
+    """Return labels of two lines whose edges cross near the picture's border or just outside it, by the place."""
     return {
         "left of the picture": field([(-2, 40, 60, 29), (-2, 40, 60, 55)], 3, 1),
         "right of the picture": field([(66, 26, 3, 15), (66, 26, 3, 46)], 3, 1),
         "below the picture": field([(40, 51, 29, 12), (40, 51, 81, 12)], 3, 2),
         "in the leftmost pixel": field([(1, 39, 60, 31), (1, 39, 60, 52)], 3, 1),
+        "inside the picture, and another one outside": field([(-2, 23, 49, 24), (-2, 23, 48, 44)], 3, 2),
+        "near the left side, and another one outside": field([(1, 21, 42, 43), (1, 21, 61, 15)], 3, 2),
     }
 
 
 def _corners_at_defaults() -> list[Array]:
-    """Labels in which a pixel more or less of a default would be seen."""
+    """Return labels in which changing a default value by one pixel changes the result."""
     lengths = [(41, 43, 51, 20, 5), (42, 37, 45, 22, 3), (42, 40, 44, 21, 5), (42, 39, 50, 23, 5)]
     found = [field([(u, v, u - n, v), (u, v, u, v + m)], 6, thick, (70, 64)) for n, m, u, v, thick in lengths]
-    for gap, start, v, thick, u in (
-        (5, 26, 23, 3, 59),
-        (5, 30, 21, 5, 50),
-        (6, 29, 16, 3, 55),
-        (6, 28, 17, 5, 50),
-    ):
+    gaps = [(5, 26, 23, 3, 59), (5, 30, 21, 5, 50), (6, 29, 16, 3, 55), (6, 28, 17, 5, 50)]
+    for gap, start, v, thick, u in gaps:
         found.append(field([(u, v, 1, v), (u, v, u, 68)], 6, thick, (70, 64)))
         found[-1][v - 5 : v + 6, start : start + gap] = GREEN
     return found
 
 
-def near_each_other() -> dict[str, Array]:
-    """Labels of two corners, and of one whose crossings are far apart, by what they are."""
+def small_scenes() -> dict[str, Array]:
+    """Return labels of corners that are near each other, or have little carpet above them, by description."""
+    below = {rows: field([(5, 20, 50, 20), (50, 20, 50, 46)], 19 - rows, 3) for rows in (6, 8)}
     return {
         "two corners": field([(5, 18, 58, 18), (14, 18, 14, 46), (50, 18, 50, 46)], 5, 3),
         "two corners 16 px apart": field([(5, 18, 58, 18), (24, 18, 24, 46), (40, 18, 40, 46)], 5, 1),
         "one corner of wide lines": corner_scene(SIZE, (44, 22), 6),
+        **{f"{rows} rows of carpet above a line": labels for rows, labels in below.items()},
     }
-
-
-def below_little_carpet() -> dict[str, Array]:
-    """Labels of a corner that has so many rows of carpet above it, by what they are."""
-    return {
-        f"{rows} rows of carpet above a line": field([(5, 20, 50, 20), (50, 20, 50, 46)], 19 - rows, 3)
-        for rows in (6, 8)
-    }
-
-
-def _none_kept(labels: Any, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
-    """The crossings that are none stand among the others."""
-    labels = np.asarray(labels)
-    white = (_erase(labels, 7) == WHITE).astype(np.uint8) * np.uint8(255)
-    pairs = combinations(_hough(white, max_line_gap, min_line_length), 2)
-    points: Any = [_meet(a, b, 5.0) for a, b in pairs]
-    return _kept(np.array([[point[0], point[1]] for point in points]).reshape(-1, 2), 10.0)
 
 
 def _corners_public() -> list[Case]:
@@ -1290,21 +818,19 @@ def _corners_public() -> list[Case]:
     framed[drawn([(10, 5, 56, 5), (10, 5, 10, 32)], 4) > 0] = WHITE
     yellow = corner_scene(SIZE, (44, 20), 4)
     yellow[yellow == WHITE] = YELLOW
+    short = field([(4, 12, 60, 12), (40, 25, 40, 47)], 3, 3)
     meeting = field([(4, 20, 60, 20), (40, 20, 40, 47)], 7, 4)
     broken = field([(4, 20, 26, 20), (38, 20, 60, 20), (48, 20, 48, 47)], 7, 4)
     return [
         Case((corner_scene(SIZE, (44, 20), 4), 5, 15), "one corner"),
         Case((field([(43, 12, 1, 12), (43, 12, 43, 60)], 2, 5, (64, 48)),), "one corner, by the defaults"),
-        *(Case((labels, 5, 15), name) for name, labels in near_each_other().items()),
-        *(Case((labels, 5, 15), name) for name, labels in below_little_carpet().items()),
+        *(Case((labels, 5, 15), name) for name, labels in small_scenes().items()),
         Case((framed, 5, 15), "a white frame on the wall"),
         Case((yellow, 5, 15), "a yellow corner"),
         Case((meeting, 5, 15), "a long and a short line that meet"),
         Case((meeting, 5, 35), "the same, with lines of 35 px at least"),
         Case((broken, 5, 28), "a broken line, lines of 28 px at least"),
-        Case(
-            (field([(4, 12, 60, 12), (40, 25, 40, 47)], 3, 3), 5, 15), "a line that ends 12 px below another"
-        ),
+        Case((short, 5, 15), "a line that ends 12 px below another"),
         Case((field([(4, 22, 60, 22), (4, 40, 60, 40)], 10), 5, 20), "two parallel lines"),
         Case((field([], 14), 5, 15), "a field without lines"),
         *(Case((labels, 5, 15), f"a crossing {where}") for where, labels in at_the_edge().items()),
@@ -1339,15 +865,12 @@ def _corners_hidden(rng: np.random.Generator) -> list[Case]:
         Case((field([], int(rng.integers(20, 80)), 5, large), 5, 40)),
         *(Case((labels,)) for labels in _corners_at_defaults()),
         *(Case((labels, 5, 15)) for labels in at_the_edge().values()),
-        *(
-            Case((np.pad(labels, ((0, 5), (0, 0)), "edge"), 5, 15))
-            for labels in (*near_each_other().values(), *below_little_carpet().values())
-        ),
+        *(Case((np.pad(labels, ((0, 5), (0, 0)), "edge"), 5, 15)) for labels in small_scenes().values()),
     ]
 
 
 def _pairs(others: str, pair: str = "(first, second)") -> str:
-    """The solution's line that pairs segments, with other ones for the second."""
+    """Return the solution's line that pairs segments, with another range for the second segment."""
     return f"pairs = [{pair} for i, first in enumerate(segments) for second in segments[{others}]]"
 
 
@@ -1358,118 +881,80 @@ FIND_CORNERS = Exercise(
     uses=("line_picture", "erase_background", "hough_segments", "segment_intersection", "remove_doubles"),
     public=_corners_public,
     hidden=_corners_hidden,
-    comparison=Points(tolerance=10.0),
+    comparison=Points(tolerance=1.0),
     hints=(
-        "The order of the paper: background away, lines only, segments, crossings of every two of them, doubles away. itertools.combinations(segments, 2) "
-        "has every pair once.",
-        "segment_intersection returns None for most pairs: keep the others. A crossing outside the picture, u below 0 or from W on, v below 0 or from H on, goes before the doubles "
-        "do. Where nothing is left, np.array([]) needs .reshape(-1, 2).",
+        "Use your five functions in the order of the lesson: erase the background, make the line picture, find segments, intersect every pair of segments, remove duplicates. Two nested loops, or itertools.combinations(segments, 2), give the pairs in the order that is asked for.",
+        "segment_intersection returns None for most pairs: keep only the other results. Remove crossings outside the picture next, then the duplicates. If there are no crossings, np.array([]) needs .reshape(-1, 2).",
     ),
-    mistakes=[
-        Mistake(
-            "background kept",
-            _cornered(no_erasing=True),
-            "You find corners on the wall. erase_background has to come first.",
-        ),
-        Mistake(
-            "yellow too",
-            _cornered(yellow=True),
-            "You find a corner of something yellow. Only white, label 3, is a line.",
-        ),
-        Mistake(
-            "doubles kept",
-            _cornered(doubles=True),
-            "There are several points at one corner: each line has two edges. remove_doubles takes them away.",
-        ),
-        Mistake(
-            "nothing at all",
-            lambda labels, max_line_gap=5, min_line_length=40: np.zeros((0, 2)),
-            "No corner is found anywhere. Look at what each step hands on: the erased labels, their white as a picture, and how many segments that gives.",
-        ),
-        Mistake(
-            "the first only",
-            _cornered(lambda points: points[:1]),
-            "You return one corner. All of them are wanted, (K, 2).",
-        ),
-        Mistake(
-            "outside kept",
-            _cornered(outside=True),
-            "You keep crossings outside the picture: u is at least 0 and less than W, v at least 0 and less than H.",
-        ),
-        Mistake(
-            "a shorter run",
-            _cornered(run=3),
-            "You erase less than a run of 7 does: lines are left that have hardly any carpet above them.",
-        ),
-        Mistake(
-            "a longer run",
-            _cornered(run=10),
-            "You erase more than a run of 7 does: a line with 8 rows of carpet above it is gone.",
-        ),
-        Mistake(
-            "a larger radius",
-            _cornered(radius=20.0),
-            "Two corners become one: doubles are nearer to each other than that, within 10 pixels.",
-        ),
-        Mistake(
-            "a smaller radius",
-            _cornered(radius=5.0),
-            "Crossings of one corner's edges are left: doubles have a radius of 10 pixels.",
-        ),
-        Mistake(
-            "ends of segments",
-            _cornered(ends=True),
-            "Your points are ends of segments. A corner is where two of them meet.",
-        ),
-        Mistake(
-            "values not handed on",
-            _at_defaults,
-            "max_line_gap and min_line_length do not reach hough_segments: your answer does not depend on them.",
-        ),
-        Mistake(
-            "gap and length swapped",
-            _swapped_values,
-            "max_line_gap and min_line_length have changed places on their way to hough_segments.",
-        ),
-        Mistake(
-            "unbounded lines",
-            _cornered(meet={"unbounded": True}),
-            "Your segments are too long, or endless: a crossing farther than 5 pixels beyond an end is no corner.",
-        ),
-        Mistake(
-            "None kept",
-            _none_kept,
-            "For most pairs segment_intersection returns None, and you use it as a point: leave those out where `point is not None` does not hold.",
-        ),
-        Mistake(
-            "(row, column)",
-            _cornered(lambda points: points[:, ::-1]),
-            "Your points are (v, u). A point is (u, v): the column first.",
-        ),
-        Mistake(
-            "no shape",
-            _no_shape_corners,
-            "Right, except where there is no corner: np.array([]) has shape (0,). Make it (0, 2) with .reshape(-1, 2).",
-        ),
-    ],
+    mistakes=catalogue("""
+        background kept: erase_background(labels) => labels
+            You find corners on the wall. Call erase_background first.
+        yellow too: line_picture(erase_background(labels)) => np.uint8(255) * (erase_background(labels) >= 2)
+            You find a corner of something yellow. Only white (label 3) is a line.
+        doubles kept: remove_doubles(points[inside], 10.0) => points[inside]
+            You return several points for one corner, because each line has two edges. Call remove_doubles at the end.
+        nothing at all: + return np.zeros((0, 2))
+            You find no corner in any picture. Look at the result of each step: the labels after erasing, the line picture, and the number of segments.
+        the first only: 10.0) => 10.0)[:1]
+            You return one corner. Return all of them, shape (K, 2).
+        outside kept: points[inside] => points
+            You keep crossings outside the picture. A crossing counts if u is at least 0 and less than W, and v is at least 0 and less than H.
+        outside removed last
+            return remove_doubles(points[inside], 10.0) => kept = remove_doubles(points, 10.0)
+            + return kept[((kept >= 0) & (kept < labels.shape[::-1])).all(axis=1)]
+            You remove duplicates before you remove crossings outside the picture. A crossing outside can then delete one inside that is near it. Remove the crossings outside first.
+        clipped: points[inside] => np.clip(points, 0, np.subtract(labels.shape[::-1], 1))
+            You move crossings from outside to the border of the picture. They are not corners there: remove them.
+        doubles and outside kept: remove_doubles(points[inside], 10.0) => points
+            Your code has two errors. It keeps crossings outside the picture, and it returns several points for one corner: call remove_doubles at the end.
+        height and width exchanged: labels.shape[::-1] => labels.shape
+            You lose corners on the right of the picture, because u is compared with the height. labels.shape is (H, W), but a point is (u, v): u belongs to W, and v to H.
+        a larger radius: 10.0 => 20.0
+            You merge two corners into one. Duplicates are at most 10 pixels apart.
+        a smaller radius: 10.0 => 5.0
+            You return several points for one corner. Duplicates can be up to 10 pixels apart.
+        ends of segments: max_line_gap, min_line_length) => max_line_gap, min_line_length)
+            + return remove_doubles(segments.reshape(-1, 2), 10.0)
+            Your points are the ends of segments. A corner is a point where two segments meet.
+        values not handed on: , max_line_gap, min_line_length) => )
+            Your result does not depend on max_line_gap and min_line_length. Pass both to hough_segments.
+        values not handed on, outside kept: , max_line_gap, min_line_length) => )
+            points[inside] => points
+            Your code has two errors. It does not pass max_line_gap and min_line_length to hough_segments, and it keeps crossings outside the picture.
+        gap and length swapped: max_line_gap, min_line_length) => min_line_length, max_line_gap)
+            max_line_gap and min_line_length are swapped in your call of hough_segments.
+        unbounded lines: segment_intersection(first, second) => segment_intersection(first, second, np.inf)
+            You return crossings that are more than 5 pixels beyond the end of a segment. Use segment_intersection with its default reach.
+        None kept: [each for each in meetings if each is not None] => [(each[0], each[1]) for each in meetings]
+            segment_intersection returns None for most pairs, and you use None as a point. Keep a result only if `point is not None`.
+        None asked: each is not None => each.any()
+            segment_intersection returns None for most pairs, and None has no .any(). Test whether `point is not None`.
+        pairs by their second segment
+            [(first, second) for i, first in enumerate(segments) for second in segments[i + 1 :]] => [(first, second) for i, second in enumerate(segments) for first in segments[:i]]
+            Your pairs come in another order: all pairs that end in the second segment, then all that end in the third. The order decides which of several near crossings is kept. Pair the first segment with all later ones, then the second with all later ones, and so on.
+        pairs from the last: segments[i + 1 :]] => segments[i + 1 :]][::-1]
+            Of several near crossings you keep the last, or your pairs start with the last segments. Pair the first segment with all later ones, then the second, and give the crossings to remove_doubles in this order.
+        (row, column): 10.0) => 10.0)[:, ::-1]
+            Your points are (v, u). A point is (u, v), the column first.
+        no shape: 10.0) => 10.0) if inside.any() else np.array([])
+            If there is no corner, np.array([]) has shape (0,). Use .reshape(-1, 2) to get (0, 2).
+    """),
     alternatives={
-        "by the declaration's own functions": lambda labels, max_line_gap=5, min_line_length=40: _corners(
-            labels, max_line_gap, min_line_length
-        ),
-        "near points averaged": _cornered(remove=_averaged),
-        "the last of near points": _cornered(remove=_last_kept),
+        "the alternatives of all steps": _corners,
+        "each crossing judged when it is found": _corners_as_they_come,
+        "every pair twice": _corners_of_all_pairs,
     },
     equivalents={
-        "inside = ((points >= 0) * (points < labels.shape[::-1])).all(axis=1)": "and, said as a product",
-        "inside = ((points >= 0) // (points < labels.shape[::-1])).all(axis=1)": "and, by whole numbers: 1 // 1 alone is 1",
-        "points = np.array([each for each in meetings if each is not None]).reshape(~1, 2)": "NumPy takes any negative number for the one that it computes",
-        "points = np.array([each for each in meetings if each is not None]).reshape(-2, 2)": "NumPy takes any negative number for the one that it computes",
+        "inside = ((points >= 0) * (points < labels.shape[::-1])).all(axis=1)": "a product is a logical and",
+        "inside = ((points >= 0) // (points < labels.shape[::-1])).all(axis=1)": "of whole numbers 0 and 1, only 1 // 1 is 1",
+        "points = np.array([each for each in meetings if each is not None]).reshape(~1, 2)": "NumPy computes any negative dimension",
+        "points = np.array([each for each in meetings if each is not None]).reshape(-2, 2)": "NumPy computes any negative dimension",
         "inside = ((points > 0) & (points < labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
         "inside = ((points >= 0) & (points <= labels.shape[::-1])).all(axis=1)": "a crossing on the picture's very edge: rounding decides",
-        "meetings = [segment_intersection(second, first) for first, second in pairs]": "both segments are treated alike",
-        _pairs("i + 1:", "(second, first)"): "both segments are treated alike",
+        "meetings = [segment_intersection(second, first) for first, second in pairs]": "the crossing does not depend on the order of the two",
+        _pairs("i + 1:", "(second, first)"): "the crossing does not depend on the order of the two",
         **{
-            _pairs(others): "a segment is parallel to itself, and what meets twice is a double"
+            _pairs(others): "a segment is parallel to itself, and a crossing found twice is a duplicate"
             for others in (
                 "i:",
                 ":",
@@ -1478,7 +963,233 @@ FIND_CORNERS = Exercise(
                 "i + 0:",
             )
         },
-        "return remove_doubles(points[inside], 11.0)": "which of several near crossings stays is left open",
+    },
+)
+
+
+def _merge_axes(segments: Array, max_width: float = 20.0) -> Array:
+    """Rotate each segment onto the u axis, so that the conditions on the second edge become intervals."""
+    merged = []
+    for first, second in combinations(segments, 2):
+        angle = np.arctan2(first[3] - first[1], first[2] - first[0])
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        level = (second.reshape(2, 2) - first[:2]) @ turn
+        length = np.hypot(*(first[2:] - first[:2]))
+        tilt = np.arctan2(*(level[1] - level[0])[::-1])
+        offset = level[:, 1].mean()
+        if abs(np.sin(tilt)) >= PARALLEL or not 1 <= abs(offset) <= max_width:
+            continue
+        low, high = level[:, 0].min(), level[:, 0].max()
+        if high < 0 or low > length:
+            continue
+        ends = np.array([[min(low, 0.0), offset / 2], [max(high, length), offset / 2]])
+        merged.append((ends @ turn.T + first[:2]).ravel())
+    return np.array(merged).reshape(-1, 4)
+
+
+def _merge_complex(segments: Array, max_width: float = 20.0) -> list[list[float]] | Array:
+    """Write pixels as complex numbers: a division by the direction gives the coordinates along and across at once."""
+    ends = [(complex(a, b), complex(c, d)) for a, b, c, d in segments]
+    merged = []
+    for (p, p_end), (q, q_end) in combinations(ends, 2):
+        way = (p_end - p) / abs(p_end - p)
+        if abs(((q_end - q) / way).imag) >= PARALLEL * abs(q_end - q):
+            continue
+        start, end = (q - p) / way, (q_end - p) / way
+        across = (start.imag + end.imag) / 2
+        along = sorted((start.real, end.real))
+        if 1 <= abs(across) <= max_width and along[0] <= abs(p_end - p) and along[1] >= 0:
+            both = [
+                p + complex(u, across / 2) * way for u in (min(0, along[0]), max(along[1], abs(p_end - p)))
+            ]
+            merged.append([both[0].real, both[0].imag, both[1].real, both[1].imag])
+    return merged or np.zeros((0, 4))
+
+
+def _merge_table(segments: Array, max_width: float = 20.0) -> Array:
+    """Merge all pairs at once, in float32, with both ends of each result exchanged."""
+    first, second = (segments[each] for each in np.triu_indices(len(segments), 1))
+    d, e = first[:, 2:] - first[:, :2], second[:, 2:] - second[:, :2]
+    n = np.hypot(d[:, 0], d[:, 1])
+    d = d / n[:, None]
+    w = second.reshape(-1, 2, 2) - first[:, None, :2]
+    along = (w * d[:, None]).sum(axis=2)
+    across = (d[:, :1] * w[..., 1] - d[:, 1:] * w[..., 0]).mean(axis=1)
+    angle = np.abs(d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]) / np.hypot(e[:, 0], e[:, 1])
+    good = (angle < PARALLEL) & (abs(across) >= 1) & (abs(across) <= max_width)
+    good &= (along.max(axis=1) >= 0) & (along.min(axis=1) <= n)
+    centre = first[:, :2] + across[:, None] / 2 * np.column_stack([-d[:, 1], d[:, 0]])
+    far, near = np.maximum(along.max(axis=1), n), np.minimum(along.min(axis=1), 0)
+    return np.hstack([centre + far[:, None] * d, centre + near[:, None] * d])[good].astype(np.float32)
+
+
+def _several(*each: tuple[float, float, float, float]) -> Array:
+    return np.array(each, dtype=float).reshape(-1, 4)
+
+
+def _merge_public() -> list[Case]:
+    level = (10, 20, 50, 20)
+    return [
+        Case((_several(level, (20, 26, 60, 26)), 20.0), "two edges of one line, 6 px apart"),
+        Case(
+            (_several(level, (60, 14, 20, 14)), 20.0),
+            "the second edge above the first, in the other direction",
+        ),
+        Case((_several((10, 10, 40, 50), (18, 4, 48, 44)), 20.0), "two edges of a slanted line"),
+        Case((_several(level, (30, 5, 30, 60)), 20.0), "two segments at a right angle"),
+        Case((_several(level, (30, 22, 34, 42)), 20.0), "a short segment across a long one"),
+        Case((_several(level, (10, 46, 50, 46)), 20.0), "parallel segments 26 px apart"),
+        Case((_several(level, (10, 46, 50, 46)), 30.0), "the same, with lines up to 30 px wide"),
+        Case((_several(level, (10, 34, 50, 34)),), "parallel segments 14 px apart, with the default width"),
+        Case((_several(level, (10, 43, 50, 43)),), "parallel segments 23 px apart, with the default width"),
+        Case((_several(level, (70, 26, 110, 26)), 20.0), "parallel segments that do not overlap"),
+        Case((_several((70, 26, 110, 26), level), 20.0), "the same in the other order"),
+        Case((_several(level, (20, 20.5, 70, 20.5)), 20.0), "two segments on the same edge"),
+        Case((_several(level, (12, 24, 48, 28)), 20.0), "edges that are 6 degrees apart"),
+        Case((_several(level, (12, 24, 48, 32)), 20.0), "segments that are 12.5 degrees apart"),
+        Case(
+            (_several(level, (15, 60, 70, 62), (12, 26, 40, 26), (90, 10, 90, 60)), 20.0),
+            "a line and two other segments",
+        ),
+        Case((_several(level, (10, 26, 28, 26), (33, 26, 50, 26)), 20.0), "one edge in two segments"),
+        Case((_several(level, (40, 14, 22, 14)), 20.0), "a shorter second edge in the other direction"),
+        Case((_several(level, (20, 26, 60, 26), (5, 34, 45, 34)), 20.0), "three parallel segments"),
+        Case((_several((10, 20, 90, 20), (30, 24, 60, 24)), 20.0), "a long and a short edge"),
+        Case((_several(level), 20.0), "a single segment"),
+        Case((np.zeros((0, 4)), 20.0), "no segments"),
+    ]
+
+
+def _merge_hidden(rng: np.random.Generator) -> list[Case]:
+    cases = []
+    for width in (20.0, 12.0, 20.0, 30.0, 20.0, 20.0, 8.0, 20.0):
+        lines = []
+        for _ in range(4):
+            angle, start, length = rng.uniform(0, 2 * np.pi), rng.uniform(60, 240, 2), rng.uniform(40, 100)
+            way = np.array([np.cos(angle), np.sin(angle)])
+            aside = rng.choice([-1, 1]) * rng.uniform(2, 0.9 * width) * np.array([-way[1], way[0]])
+            other = start + aside + rng.uniform(-20, 20) * way
+            bent = angle + rng.uniform(-0.05, 0.05)
+            lines.append((*start, *(start + length * way)))
+            end = other + length * np.array([np.cos(bent), np.sin(bent)])
+            lines.append((*end, *other) if rng.random() < 0.5 else (*other, *end))
+        cases.append(Case((np.array(lines), width)))
+    u, v = rng.uniform(20, 60, 2)
+    level = (u, v, u + 50, v)
+    pairs = [
+        *((u, v + aside, u + 50, v + aside) for aside in (0.7, -0.7, 1.3, -1.3, 19.6, -19.6, 20.4, -20.4)),
+        *((u + far, v + 5, u + far + 40, v + 5) for far in (-40.5, -39.5, 49.5, 50.5)),
+        *((u, v + 12 - up, u + 50, v + 12 + up) for up in (4.1, 4.7, -4.1, -4.7)),  # 9.3 and 10.6 degrees
+        (u + 10, v + 2, u + 14, v + 14),
+        (u + 40, v - 6, u + 12, v - 6),
+    ]
+    cases += [Case((_several(level, pair),)) for pair in pairs]
+    cases.append(Case((_several(level, (u + 8, v + 6, u + 58, v + 6), (u - 5, v + 14, u + 40, v + 14)),)))
+    return [*cases, Case((_several(level), 20.0)), Case((np.zeros((0, 4)), 20.0))]
+
+
+MERGE_EDGES = Exercise(
+    name="merge_edges",
+    points=4,
+    stars=3,
+    public=_merge_public,
+    hidden=_merge_hidden,
+    comparison=Segments(tolerance=0.5, share=0.99),
+    hints=(
+        "Use coordinates along and across the first segment. With the unit vector d along it, the vector from P to a point R is (R - P) . d long in its direction, and d x (R - P) across it. Both segments then become intervals, and the average of the second one's two values across says how far away it is.",
+        "The centre line starts at min(0, smallest along) and ends at max(length, largest along). Add half of the average offset across, times the vector (-d_v, d_u), which is perpendicular to d. The sine of the angle is the difference of the two values across, divided by the length of the second segment.",
+    ),
+    mistakes=catalogue("""
+        single edges kept: np.array(merged) => np.array([*segments, *merged])
+            You also return the segments themselves. Return centre lines only: a segment without a second edge is dropped.
+        on the second edge: across.mean() / 2 => across.mean()
+            Your line is on the second edge. Move the first segment by half of the distance only.
+        on the first edge: across.mean() / 2 => 0
+            Your line is still on the first edge. Move it by half of the distance towards the second.
+        on the wrong side: np.array([-d[1], d[0]]) => np.array([d[1], -d[0]])
+            Your line is on the side of the first segment where there is no second edge. The vector (-d_v, d_u) points to the side where d x (R - P) is positive.
+        distance without a sign: across.mean() / 2 => abs(across.mean()) / 2
+            Your line is on the wrong side if the second edge lies on the other side of the first. The sign of the distance says which side it is: take the absolute value only to compare it with 1 and max_width.
+        ends averaged: [*(centre + min(0, along.min()) * d), *(centre + max(length, along.max()) * d)] => [*((p + q[0]) / 2), *((end + q[1]) / 2)]
+            You average the ends of the two segments. The second segment may run the other way, and one of the two may be longer. Keep the direction of the first segment, and extend it from the first end of the two to the last.
+        not perpendicular: - d[1] * (q - p)[:, 0] => + d[1] * (q - p)[:, 0]
+            np.array([-d[1], d[0]]) => np.array([d[1], d[0]])
+            You measure across the segment with (d_v, d_u), which is not perpendicular to it. One sign must change: (-d_v, d_u).
+        one end's distance: across.mean() =>> across[0]
+            You use the distance of one end of the second segment. Take the average of both ends.
+        pixels for a sine: np.sin(np.radians(10)) * np.hypot(*(q[1] - q[0])) => np.sin(np.radians(10))
+            You compare a length in pixels with the sine of 10 degrees. Divide it by the length of the second segment first.
+        one direction only: if parallel and => if parallel and (q[1] - q[0]) @ d > 0 and
+            You miss a second edge that runs the other way: its angle to the first is near 180 degrees. Use the sine of the angle, or the absolute value of its cosine.
+        start and end not sorted: along.max() >= 0 and along.min() <= length => along[1] >= 0 and along[0] <= length
+            min(0, along.min()) => min(0, along[0])
+            max(length, along.max()) => max(length, along[1])
+            You take the first point of the second segment as its start along the line. The segment may run the other way: use the smaller and the larger of its two values along.
+        as long as the second: min(0, along.min()) => along.min()
+            max(length, along.max()) => along.max()
+            Your line is as long as the second segment. It must extend from the first end of the two to the last.
+        one partner only: merged.append( => merged.append(
+            + break
+            You stop at the first partner of a segment. A segment can be paired with several others: take every pair.
+        one side only: abs(across.mean()) => across.mean()
+            You find the second edge on one side of the first segment only. Compare the absolute value of the distance.
+        any width: <= max_width => <= 1e9
+            You join segments that are too far apart to be the edges of one line. Their distance is at most max_width.
+        twenty whatever max_width is: <= max_width => <= 20
+            You always use a width of 20 pixels. Use the argument max_width.
+        the same edge: 1 <= => 0 <=
+            You join two segments on the same edge. The two edges of a line are at least 1 pixel apart.
+        not side by side: and along.max() >= 0 and along.min() <= length =>
+            You join parallel segments that do not overlap along the line. The two edges of one line lie beside each other.
+        overlap only: min(0, along.min()) => max(0, along.min())
+            max(length, along.max()) => min(length, along.max())
+            Your line covers only the part that both segments share. It must extend from the first end of the two to the last.
+        as long as the first: min(0, along.min()) => 0
+            max(length, along.max()) => length
+            Your line is as long as the first segment. It must extend from the first end of the two to the last.
+        not parallel: parallel and 1 => 1
+            You join segments at any angle. The two edges of a line are less than 10 degrees apart.
+        direction not of length one: d = (end - p) / length => d = end - p
+            Your direction has the length of the segment, so distances along and across are multiplied by it. Divide it by the length first.
+        every pair twice: ends[i + 1 :] => np.delete(ends, i, axis=0)
+            You use each pair twice, once from each segment. Take each pair once: the first segment with all later ones, then the second with all later ones.
+        (row, column): np.array(merged).reshape(-1, 4) => np.array(merged).reshape(-1, 4)[:, [1, 0, 3, 2]]
+            Your segments are (v1, u1, v2, u2). The order is (u1, v1, u2, v2), columns first.
+        no shape: np.array(merged).reshape(-1, 4) => np.array(merged)
+            If there is no centre line, np.array([]) has shape (0,). Use .reshape(-1, 4) to get (0, 4).
+    """),
+    alternatives={
+        "the first segment turned into an axis": _merge_axes,
+        "complex numbers": _merge_complex,
+        "all pairs at once": _merge_table,
+    },
+    equivalents={
+        **{
+            f"for q in ends[{others}:]:": "a segment lies 0 px from itself, so it is never its own second edge"
+            for others in ("i", "i + 0", "i * 1", "i // 1", "i ** 1", "i | 1")
+        },
+        **{
+            f"if parallel and 1 {low} abs(across.mean()) {high} max_width and (along.max() {right} 0) and (along.min() {left} length):": "exactly at a limit: rounding decides"
+            for low, high, right, left in (
+                ("<", "<=", ">=", "<="),
+                ("<=", "<", ">=", "<="),
+                ("<=", "<=", ">", "<="),
+                ("<=", "<=", ">=", "<"),
+            )
+        },
+        "parallel = abs(across[1] - across[0]) <= np.sin(np.radians(10)) * np.hypot(*q[1] - q[0])": "exactly 10 degrees apart: rounding decides",
+        "parallel = abs(across[1] - across[0]) < np.radians(10) * np.hypot(*q[1] - q[0])": "10 degrees or 10.05: no case can ask for that",
+        "parallel = abs(across[0] - across[1]) < np.sin(np.radians(10)) * np.hypot(*q[1] - q[0])": "an absolute value has no sign",
+        "parallel = abs(across[1] - across[0]) < np.sin(np.radians(10)) * np.hypot(*q[0] - q[1])": "a length has no direction",
+        "length = np.hypot(*p - end)": "a length has no direction",
+        "merged, ends = ([], segments.reshape(~1, 2, 2))": "NumPy computes any negative dimension",
+        "merged, ends = ([], segments.reshape(-2, 2, 2))": "NumPy computes any negative dimension",
+        "return np.array(merged).reshape(~1, 4)": "NumPy computes any negative dimension",
+        "return np.array(merged).reshape(-2, 4)": "NumPy computes any negative dimension",
+        "merged.extend([*centre + min(0, along.min()) * d, *centre + max(length, along.max()) * d])": "a flat list of numbers has the same rows of four",
+        "merged.append([*centre + max(length, along.max()) * d, *centre + min(0, along.min()) * d])": "a segment may start at either end",
+        "merged.append([*centre + min(along.min(), 0) * d, *centre + max(length, along.max()) * d])": "the order of two numbers does not change their minimum",
+        "merged.append([*centre + min(0, along.min()) * d, *centre + max(along.max(), length) * d])": "the order of two numbers does not change their maximum",
     },
 )
 
@@ -1489,58 +1200,50 @@ PLAN = LessonPlan(
         ERASE_BACKGROUND,
         HOUGH_SEGMENTS,
         SEGMENT_INTERSECTION,
-        REMOVE_DOUBLES,
+        REMOVE_DUPLICATES,
         FIND_CORNERS,
+        MERGE_EDGES,
     ],
     questions=[
         Question(
             "why_two_edges",
-            "One white line, well in view, is drawn to HoughLinesP as Canny's edges. How many segments does it give at least?",
+            "Canny marks the edges of one white line that is well in view. At least how many segments does HoughLinesP find along this line?",
             {
-                "One, along its middle.": "There is no edge along the middle: inside the line all pixels are alike. Canny marks where white begins and "
-                "where it ends.",
-                "Two, one along each side.": "White begins at one side and ends at the other, and both are edges. So a corner of two "
-                "lines has up to four crossings, a line's width apart.",
-                "None: a line is too wide for Hough.": "Hough counts edge pixels on straight lines. How far apart the two sides are does not matter to it.",
+                "One, along the centre of the line.": "There is no edge along the centre, because all pixels inside the line are alike. Canny marks the border between white and green.",
+                "Two, one along each side.": "White begins at one side and ends at the other, and both are edges. A corner of two lines can therefore have four crossings, about a line's width apart.",
+                "None, because a line is too wide for Hough.": "Hough counts edge pixels that lie on one straight line. The distance between the two sides does not matter.",
             },
             "Two, one along each side.",
         ),
         Question(
             "why_report_little",
-            "A hit is worth -1.333, a false corner costs 5, a missed one 1. A detector finds points of which 60 % are right. Should it report them?",
+            "A hit counts -1.333, a false corner 5 and a missed one 1. A detector has found some points, and 60 % of them are true corners. Is its cost lower if it reports them all or if it reports nothing?",
             {
-                "Yes: it is right more often than wrong.": "Of ten points, six turn a miss into a hit: 6 x 2.333 = 14.0 better. "
-                "Four are false: 4 x 5 = 20 worse.",
-                "No: a false corner costs more than a hit gains.": "A hit gains 2.333, for the miss is gone as well. A false one costs 5. It pays from a precision of "
-                "5 / 7.333 on, that is 68 %.",
-                "It makes no difference: the mean is what counts.": "The mean is a sum of these. Each report changes it by -2.333 or by 5.",
+                "It should report them, because most of them are true.": "Most are true, but the two kinds of outcome do not cost the same. Ten points contain six hits, and each lowers the cost by 2.333 because it also removes a miss: 14.0 in total. The four false corners raise it by 20.",
+                "It should report nothing, because the false ones cost more than all the hits gain.": "Of ten points, six are hits. Each lowers the cost by 2.333, because a miss disappears as well: 14.0 in total. The four false corners raise it by 20. The two sides balance at a precision of 5 / 7.333, which is 68 %.",
+                "It should report nothing, whatever the precision: a false corner always costs more than a hit gains.": "One false corner does cost more than one hit gains, but the numbers of both count. At a precision of 80 %, ten points lower the cost by 8 x 2.333 = 18.7 and raise it by 10, so reporting pays.",
+                "That depends on how many corners it misses.": "A corner that the detector does not find costs 1 whether the other points are reported or not, so it does not affect the decision.",
             },
-            "No: a false corner costs more than a hit gains.",
+            "It should report nothing, because the false ones cost more than all the hits gain.",
         ),
         Question(
             "where_corners_go",
-            "Your detector finds 14 of 61 corners. At which step are most of the others lost?",
+            "Your detector of exercise 3.6 finds 14 of 61 corners. Which step loses most of the others?",
             {
-                "Labels: there is no white where the corner is.": "There is white within 3 pixels of all 61.",
-                "Erasing: the corner goes with the background.": "12 go there. A later step takes twice as many.",
-                "Segments: one of the two lines gives none.": "37 corners have a segment near by, and 12 of these have two that are not parallel. "
-                "25 lack the second.",
-                "Crossings: both segments are there, and end too early.": "Two segments that are not parallel pass near 12 corners only. Too few are "
-                "left to be lost there.",
+                "Labels: there is no white pixel at the corner.": "All 61 corners have a white pixel within 3 pixels.",
+                "Erasing: the corner is removed with the background.": "Erasing loses 12 corners. A later step loses twice as many.",
+                "Segments: one of the two lines gives no segment.": "37 corners have a segment near them, but only 12 have two segments that are not parallel. The other 25 lack the second one.",
+                "Crossings: both lines have a segment, but the segments end too early.": "Only 12 corners have two segments near them that are not parallel, so at most 12 can be lost here.",
             },
-            "Segments: one of the two lines gives none.",
+            "Segments: one of the two lines gives no segment.",
         ),
     ],
     written=[
         Written(
             "explain_null_baseline",
             points=2,
-            question="The paper's best setting has a mean cost of 2.122 over thirty pictures, whose number of corners it does not say. What follows from 2.122 alone "
-            "about that detector, what does one need to know besides, and why?",
-            rubric="1 point: from 2.122 alone nothing follows, for reporting nothing costs 1 for each corner, so as much as there are corners in a picture on average: with "
-            "more than 2.122 corners a picture the detector is better than nothing, with fewer it is worse. 1 point: besides the cost of nothing on the same pictures "
-            "one needs how sure the difference is: how much it varies from picture to picture, or its interval; with thirty pictures that can contain 0, as it does here. "
-            "Naming hits and false corners instead of the interval is worth the second point too, if the answer says that a mean can hide how it comes about.",
+            question="The paper's best setting has a mean cost of 2.122 over thirty pictures. The paper does not say how many corners are in them. What can you conclude about the detector from 2.122 alone, what else do you need to know, and why?",
+            rubric="1 point: nothing can be concluded from 2.122 alone. Reporting nothing costs 1 for each corner, so its mean cost is the mean number of corners in a picture; the detector is better than nothing if that number is above 2.122, and worse if it is below. 1 point: besides the cost of nothing on the same pictures, the uncertainty of the difference is needed (its variation from picture to picture, or its confidence interval); with thirty pictures the interval can contain 0, as in this lesson. An answer that asks for the numbers of hits and false corners instead of the interval also gets the second point if it says that the same mean can come about in different ways.",
         )
     ],
 )

@@ -1,33 +1,33 @@
-"""Lesson 04, distance: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Exercises of lesson 04, distance, with common mistakes and alternative correct solutions."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import minimize_scalar
 
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
-from nao_course.geometry import rotation_3d
+from nao_course.exercises import All, Case, Close, Exercise, LessonPlan, Property, Question, Written
+from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.distance.calibration import small_angle
 from nao_course.sim import NAO_V4, CameraView
 
 Array = npt.NDArray[Any]
-ROUND = 2 * np.pi
 
 
-# --- cameras and pixels to try things on ---
-
-
+# --- cameras and pixels for the cases ---
 def view_of(degrees: float, **values: Any) -> CameraView:
-    """A NAO's lower camera whose axis is so many degrees below the horizon, without a lens term."""
+    """Return a NAO's bottom camera with this pitch in degrees and without a lens term."""
     given = {"size": (320, 240), "hfov": 1.04, "vfov": 0.82, "height": 0.48} | values
     return CameraView(pitch=float(np.radians(degrees)), **given)
 
 
 def any_view(rng: np.random.Generator, size: tuple[int, int] = (320, 240)) -> CameraView:
-    """A view with everything that a camera can have."""
+    """Return a view with random values for all parameters."""
     return CameraView(
         size,
         hfov=rng.uniform(0.9, 1.1),
@@ -42,13 +42,13 @@ def any_view(rng: np.random.Generator, size: tuple[int, int] = (320, 240)) -> Ca
 
 
 def pixels_in(rng: np.random.Generator, view: CameraView, number: int, top: float = 0.0) -> Array:
-    """Pixels anywhere in a picture, but for the upper part `top` of it."""
+    """Return random pixels in a picture, without its upper part `top`."""
     width, height = view.size
     return np.column_stack([rng.uniform(0, width - 1, number), rng.uniform(top * height, height - 1, number)])
 
 
 def ground_in_view(rng: np.random.Generator, view: CameraView, number: int) -> Array:
-    """Points (number, 2) of the ground in the robot frame, 0.8 to 5 m away, that fall into the picture."""
+    """Return visible points (number, 2) of the ground in the robot frame, 0.8 to 5 m away."""
     found = np.zeros((0, 2))
     while len(found) < number:
         bearing, away = view.yaw + rng.uniform(-0.5, 0.5, 400), rng.uniform(0.8, 5.0, 400)
@@ -57,224 +57,101 @@ def ground_in_view(rng: np.random.Generator, view: CameraView, number: int) -> A
     return found[:number]
 
 
+def in_view(rng: np.random.Generator, view: CameraView, number: int) -> Array:
+    """Return pixels (number, 2) of points on the ground."""
+    return view.project(ground_in_view(rng, view, number))
+
+
+def single(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the same function in single precision."""
+    return lambda *given: np.float32(function(*given))
+
+
 # --- 4.1 ground_to_measurement ---
-
-
 def _measured(points: Any) -> Array:
     points = np.asarray(points, dtype=float)
     return np.array([[np.arctan2(y, x), np.sqrt(x * x + y * y)] for x, y in points]).reshape(-1, 2)
 
 
-def _columns(bearing: Any, away: Any) -> Any:
-    """The exercise as a function, from what is done for each column."""
-    return lambda points: np.column_stack([bearing(*points.T), away(*points.T)])
-
-
-def _quotient(x: Array, y: Array) -> Array:
-    with np.errstate(all="ignore"):
-        return np.arctan(y / x)
-
-
-def _signed_arccos(x: Array, y: Array) -> Array:
-    return np.sign(y) * np.arccos(x / np.hypot(x, y))
-
-
-def _complex(points: Array) -> Array:
-    numbers = points[:, 0] + 1j * points[:, 1]
-    return np.stack([np.angle(numbers), np.abs(numbers)], axis=1).astype(np.float32)
-
-
-def _by_arccos(points: Array) -> Array:
-    away = np.linalg.norm(points, axis=1)
-    bearing = np.copysign(np.arccos(points[:, 0] / away), points[:, 1])
-    return np.stack([bearing, away], axis=-1)
-
-
-def _measurement_public() -> list[Case]:
-    rng = np.random.default_rng(41)
-    return [
+MEASUREMENT = Exercise(
+    name="ground_to_measurement",
+    points=1,
+    public=lambda: [
         Case((np.array([[1.0, 0.0], [0.0, 2.0], [3.0, 4.0]]),), "ahead, to the left, and both"),
         Case((np.array([[1.0, -1.0], [-1.0, 0.5], [-2.0, -2.0]]),), "to the right, and behind the robot"),
         Case((np.array([[-3.0, 0.0]]),), "straight behind the robot"),
-        Case((np.array([[2.0, 1.0], [np.nan, np.nan]]),), "a point that is none: NaN stays NaN"),
-        Case((rng.uniform(-4, 4, (12, 2)),), "points by chance"),
-        Case((np.zeros((0, 2)),), "no point"),
-    ]
-
-
-def _measurement_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+        Case((np.array([[2.0, 1.0], [np.nan, np.nan]]),), "a row of NaN stays NaN"),
+        Case((np.random.default_rng(41).uniform(-4, 4, (12, 2)),), "random points"),
+        Case((np.zeros((0, 2)),), "no points"),
+    ],
+    hidden=lambda rng: [
         Case((rng.uniform(-5, 5, (40, 2)),)),
-        Case(
-            (
-                np.array(
-                    [[rng.uniform(1, 2), rng.uniform(-2, -1)], [np.nan, np.nan], [-1.0, rng.uniform(0.1, 1)]]
-                ),
-            )
-        ),
+        Case((np.array([rng.uniform([1, -2], [2, -1]), [np.nan, np.nan], [-1.0, rng.uniform(0.1, 1)]]),)),
         Case((rng.uniform(0.5, 3, (1, 2)),)),
         Case((np.array([[-float(rng.uniform(1, 4)), 0.0], [2.0, 1.0]]),)),
         Case((np.zeros((0, 2)),)),
-    ]
-
-
-GROUND_TO_MEASUREMENT = Exercise(
-    name="ground_to_measurement",
-    points=1,
-    stars=1,
-    public=_measurement_public,
-    hidden=_measurement_hidden,
+    ],
     comparison=Close(rtol=1e-4, atol=1e-5, names=("your bearing", "your range")),
     hints=(
-        "points[:, 0] is x, ahead; points[:, 1] is y, to the left. np.arctan2 and np.hypot take whole columns.",
-        "np.arctan2 wants y first. np.column_stack sets two columns side by side.",
+        "points[:, 0] is x (ahead) and points[:, 1] is y (to the left). np.arctan2 and np.hypot accept whole columns.",
+        "np.arctan2 takes y first. np.column_stack puts two columns side by side.",
     ),
-    mistakes=[
-        Mistake(
-            "range first",
-            lambda points: _measured(points)[:, ::-1],
-            "Your columns are (range, bearing). In this course a measurement is (bearing, range).",
-        ),
-        Mistake(
-            "degrees",
-            _columns(lambda x, y: np.degrees(np.arctan2(y, x)), np.hypot),
-            "Your bearings are in degrees. Angles are in radians throughout the course.",
-        ),
-        Mistake(
-            "positive to the right",
-            _columns(lambda x, y: np.arctan2(-y, x), np.hypot),
-            "Your bearings have the wrong sign: positive is to the left, where y is positive.",
-        ),
-        Mistake(
-            "arctan of the quotient",
-            _columns(_quotient, np.hypot),
-            "arctan(y / x) cannot tell ahead from behind: -y / -x is the same quotient. np.arctan2(y, x) can.",
-        ),
-        Mistake(
-            "x and y exchanged",
-            _columns(lambda x, y: np.arctan2(x, y), np.hypot),
-            "Your bearings are measured from the y axis: np.arctan2 takes y first, then x.",
-        ),
-        Mistake(
-            "root forgotten",
-            _columns(lambda x, y: np.arctan2(y, x), lambda x, y: x**2 + y**2),
-            "Your range is the squared distance: the root is missing.",
-        ),
-        Mistake(
-            "x for the range",
-            _columns(lambda x, y: np.arctan2(y, x), lambda x, y: x),
-            "Your range is x alone, how far ahead the point is. It is the distance: the root of x * x + y * y.",
-        ),
-        Mistake(
-            "all round",
-            _columns(lambda x, y: np.arctan2(y, x) % ROUND, np.hypot),
-            "Your bearings go from 0 to 2 pi. To the right of the robot they are negative, in (-pi, pi]: np.arctan2 gives them so.",
-        ),
-        Mistake(
-            "the sign of y times arccos",
-            _columns(_signed_arccos, np.hypot),
-            "Your bearing is 0 where y is 0, for np.sign(0) is 0: a point straight behind the robot is at pi. np.arctan2(y, x) knows.",
-        ),
-        Mistake(
-            "arcsin",
-            _columns(lambda x, y: np.arcsin(y / np.hypot(x, y)), np.hypot),
-            "arcsin(y / r) cannot tell ahead from behind: it knows nothing of the sign of x. np.arctan2(y, x) does.",
-        ),
-        Mistake(
-            "one range for all",
-            _columns(
-                lambda x, y: np.arctan2(y, x),
-                lambda x, y: np.full_like(x, np.hypot(x, y).dot(np.hypot(x, y)) ** 0.5),
-            ),
-            "Your range is one number for all points together: np.linalg.norm(points) needs axis=1, or take np.hypot(x, y).",
-        ),
-        Mistake(
-            "two rows",
-            lambda points: _measured(points).T,
-            "Your answer lies on its side: it is (2, N). One row for each point is wanted, (N, 2).",
-        ),
-    ],
+    mistakes=catalogue("""
+        range first: ])]) => ])])[:, ::-1]
+            Your columns are (range, bearing). A measurement in this course is (bearing, range).
+        degrees: np.arctan2(points[:, 1], points[:, 0]) => np.degrees(np.arctan2(points[:, 1], points[:, 0]))
+            Your bearings are in degrees. Return radians.
+        positive to the right: arctan2(points => arctan2(-points
+            Your bearings have the wrong sign. They are positive to the left, where y is positive.
+        arctan of the quotient: arctan2(points[:, 1], points[:, 0]) => arctan(points[:, 1] / points[:, 0])
+            arctan(y / x) gives the same angle for (x, y) and (-x, -y). Use np.arctan2(y, x), which distinguishes them.
+        x and y exchanged: arctan2(points[:, 1], points[:, 0]) => arctan2(points[:, 0], points[:, 1])
+            Your bearings are measured from the y axis. np.arctan2 takes y first, then x.
+        root forgotten: np.hypot(points[:, 0], points[:, 1]) => points[:, 0] ** 2 + points[:, 1] ** 2
+            Your range is the squared distance. Take the square root.
+        x for the range: np.hypot(points[:, 0], points[:, 1]) => points[:, 0]
+            Your range is x. It should be the distance, the square root of x * x + y * y.
+        all round: points[:, 0]), => points[:, 0]) % (2 * np.pi),
+            Your bearings are between 0 and 2 pi. They should be in (-pi, pi], negative to the right of the robot, as np.arctan2 returns them.
+        the sign of y times arccos: np.arctan2(points[:, 1], points[:, 0]) => np.sign(points[:, 1]) * np.arccos(points[:, 0] / np.hypot(*points.T))
+            Your bearing is 0 if y is 0, because np.sign(0) is 0. A point straight behind the robot is at pi: use np.arctan2(y, x).
+        arcsin: np.arctan2(points[:, 1], points[:, 0]) => np.arcsin(points[:, 1] / np.hypot(*points.T))
+            arcsin(y / r) does not depend on the sign of x, so points ahead and behind get the same angle. Use np.arctan2(y, x).
+        one range for all: np.hypot(points[:, 0], points[:, 1]) => np.full(len(points), np.linalg.norm(points))
+            Your range is a single number for all points. np.linalg.norm(points) needs axis=1, or use np.hypot(x, y).
+        two rows: ])]) => ])]).T
+            Your answer has shape (2, N). Return one row for each point, shape (N, 2).
+        an empty list: return => found =
+            + return np.array(found.tolist())
+            Without points your answer is an empty list, shape (0,). It should have shape (0, 2): compute with whole columns, or add .reshape(-1, 2).
+        rows of NaN removed: + points = points[~np.isnan(points).any(axis=1)]
+            You remove the rows of NaN, so rows and points no longer correspond. Keep these rows; np.arctan2 and np.hypot return NaN for them.
+        one number beside a column: np.hypot(points[:, 0], points[:, 1]) => np.linalg.norm(points)
+            np.linalg.norm(points) is a single number for the whole array. Use axis=1, or np.hypot(x, y).
+    """),
     alternatives={
-        "complex numbers, float32": _complex,
+        "complex numbers": lambda points: np.stack([np.angle(points @ [1, 1j]), abs(points @ [1, 1j])], 1),
         "point by point": _measured,
-        "arccos with the sign of y": _by_arccos,
+        "float32": single(_measured),
     },
     equivalents={
-        "return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 1], points[:, 0])])": "the root of a sum does not depend on its order",
+        "return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 1], points[:, 0])])": "a sum does not depend on its order"
     },
 )
 
 
 # --- 4.2 paper_distance and 4.3 paper_bearing ---
-
-
-def _paper_angles(pixels: Any, view: CameraView, **changed: Any) -> tuple[Array, Array]:
-    """The paper's two angles, with one thing done in another way."""
-    pixels = np.asarray(pixels, dtype=float)
-    if changed.get("without_lens"):
-        pixels = view.undistort(pixels)
-    (width, height), (hfov, vfov) = view.size, (view.hfov, view.vfov)
-    if changed.get("fields_exchanged"):
-        hfov, vfov = vfov, hfov
-    if changed.get("size_exchanged"):
-        width, height = height, width
-    half = 0.0 if changed.get("no_half") else 0.5
-    below = {
-        "from_the_top": pixels[:, 1] + 0.5,
-        "as_they_are": pixels[:, 1],
-        "row_before": height - 1 - pixels[:, 1],
-    }
-    y = next((rows for name, rows in below.items() if changed.get(name)), height - half - pixels[:, 1])
-    half = 0.0 if changed.get("as_they_are") or changed.get("column_before") else half
-    x = pixels[:, 0] + half - width / 2
-    camera = view.pitch if changed.get("from_the_horizon") else np.pi / 2 - view.pitch
-    bottom = camera - changed.get("field", 0.5) * vfov
-    if changed.get("true_angles"):
-        up = (height / 2 - y) / (height / 2) * np.tan(vfov / 2)
-        return camera - np.arctan(up), np.arctan(x / (width / 2) * np.tan(hfov / 2))
-    if changed.get("degrees"):
-        return np.degrees(bottom + y * vfov / height), np.degrees(x * hfov / width)
-    return bottom + y * vfov / height, x * hfov / width
-
-
-def _distance(**changed: Any) -> Any:
-    def function(pixels: Any, view: CameraView) -> Array:
-        up, side = _paper_angles(pixels, view, **changed)
-        side = side - view.yaw if changed.get("head_turned") else side
-        cosine = 1.0 if changed.get("no_cosine") else np.cos(side)
-        over = np.tan(up) * (cosine if changed.get("times_cosine") else 1 / cosine)
-        return (1.0 if changed.get("no_height") else view.height) * over
-
-    return function
-
-
-def _bearing(sign: float = -1.0, factor: float = 1.0, yaw: float = 0.0, **changed: Any) -> Any:
-    def function(pixels: Any, view: CameraView) -> Array:
-        return factor * sign * _paper_angles(pixels, view, **changed)[1] + yaw * view.yaw
-
-    return function
-
-
 def _distance_loop(pixels: Array, view: CameraView) -> list[float]:
-    found = []
+    (width, height), found = view.size, []
     for u, v in pixels:
-        down = view.pitch + ((v + 0.5) / view.size[1] - 0.5) * view.vfov  # below the horizon
-        side = ((u + 0.5) / view.size[0] - 0.5) * view.hfov
-        found.append(float(view.height / (np.tan(down) * np.cos(side))))
+        down = view.pitch + ((v + 0.5) / height - 0.5) * view.vfov  # below the horizon
+        found.append(float(view.height / np.tan(down) / np.cos(((u + 0.5) / width - 0.5) * view.hfov)))
     return found
 
 
 def _distance_sines(pixels: Array, view: CameraView) -> Array:
-    up, side = _paper_angles(pixels, view)
-    return view.height * np.sin(up) / (np.cos(up) * np.cos(side))
-
-
-def _distance_float32(pixels: Array, view: CameraView) -> Array:
-    return np.array(_distance()(pixels, view), dtype=np.float32)
-
-
-def _bearing_loop(pixels: Array, view: CameraView) -> list[float]:
-    return [float((0.5 - (u + 0.5) / view.size[0]) * view.hfov) for u, _ in pixels]
+    right, below = ((pixels - view.centre) / view.size * [view.hfov, view.vfov]).T
+    return view.height * np.cos(view.pitch + below) / (np.sin(view.pitch + below) * np.cos(right))
 
 
 def _bearing_interpolated(pixels: Array, view: CameraView) -> Array:
@@ -282,34 +159,22 @@ def _bearing_interpolated(pixels: Array, view: CameraView) -> Array:
     return np.interp(pixels[:, 0], [-0.5, width - 0.5], [half, -half])
 
 
-def _bearing_float32(pixels: Array, view: CameraView) -> Array:
-    return ((view.centre[0] - pixels[:, 0]) * np.float32(view.hfov / view.size[0])).astype(np.float32)
-
-
 def _paper_public() -> list[Case]:
-    rng = np.random.default_rng(42)
-    level = view_of(25.0)
-    return [
-        Case((np.array([[159.5, 119.5]]), view_of(45.0)), "the middle of a picture, 45 degrees down"),
-        Case((np.array([[0.0, 239.0], [319.0, 239.0], [40.0, 130.0]]), level), "corners at the bottom"),
-        Case(
-            (
-                np.array([[100.0, 150.0], [250.0, 200.0]]),
-                view_of(30.0, yaw=0.6, roll=0.1, offset=(0.05, 0.02), k1=-0.08),
-            ),
-            "a head that is turned and tilted, with a lens: the paper knows none of these",
-        ),
-        Case(
-            (pixels_in(rng, view_of(35.0, size=(64, 32)), 6), view_of(35.0, size=(64, 32))),
-            "a picture of 64 x 32",
-        ),
-        Case(
-            (np.array([[60.0, 5.0], [300.0, 20.0]]), view_of(5.0)),
-            "above the horizon: what the formula gives",
-        ),
-        Case((np.array([[12.0, 30.0], [60.0, 45.0]]), view_of(40.0, size=(65, 49))), "a picture of 65 x 49"),
-        Case((np.zeros((0, 2)), level), "no pixel"),
+    small, unknown = (
+        view_of(35.0, size=(64, 32)),
+        "a turned and tilted head, with a lens, which the paper ignores",
+    )
+    turned = view_of(30.0, yaw=0.6, roll=0.1, offset=(0.05, 0.02), k1=-0.08)
+    cases = [
+        ("the middle of a picture, 45 degrees down", [[159.5, 119.5]], view_of(45.0)),
+        ("corners at the bottom", [[0.0, 239.0], [319.0, 239.0], [40.0, 130.0]], view_of(25.0)),
+        (unknown, [[100.0, 150.0], [250.0, 200.0]], turned),
+        ("a picture of 64 x 32", pixels_in(np.random.default_rng(42), small, 6), small),
+        ("above the horizon", [[60.0, 5.0], [300.0, 20.0]], view_of(5.0)),
+        ("a picture of 65 x 49", [[12.0, 30.0], [60.0, 45.0]], view_of(40.0, size=(65, 49))),
+        ("no pixels", np.zeros((0, 2)), view_of(25.0)),
     ]
+    return [Case((np.array(pixels), view), name) for name, pixels, view in cases]
 
 
 def _paper_hidden(rng: np.random.Generator) -> list[Case]:
@@ -322,278 +187,138 @@ def _paper_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-_LENS = "You remove the lens. The paper does not: its angles are those of the pixels as they are."
-_FIELDS = "You exchanged the two fields of view: hfov goes with u and the width, vfov with v and the height."
-_DEGREES = "You compute in degrees. The view's angles are radians, and so is what np.tan and np.cos want."
-_TRUE = (
-    "Your angles are those of a pinhole camera. That is right, and not what the paper says: there an angle grows in "
-    "proportion to the pixel. You get to do better in exercise 4.4."
-)
-
-PAPER_DISTANCE = Exercise(
+DISTANCE = Exercise(
     name="paper_distance",
     points=2,
-    stars=1,
     public=_paper_public,
     hidden=_paper_hidden,
     comparison=Close(rtol=1e-4, atol=1e-6),
     hints=(
-        "Write equation 4.1 part by part, each with a name of its own: x and y, the two angles, the distance. width, height = view.size.",
-        "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the picture's lower "
-        "edge: y = height - 1 / 2 - v, where v is pixels[:, 1].",
+        "Write equation 4.1 in parts, each with its own name: x and y, the two angles, the distance. Start with width, height = view.size.",
+        "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the lower edge of the picture: y = height - 1 / 2 - v, with v = pixels[:, 1].",
     ),
-    mistakes=[
-        Mistake(
-            "horizon for nadir",
-            _distance(from_the_horizon=True),
-            "You take view.pitch for the paper's camera angle. The pitch is measured from the horizon, the paper's angle "
-            "from straight down: np.pi / 2 - view.pitch.",
-        ),
-        Mistake(
-            "v counted from the top",
-            _distance(from_the_top=True),
-            "Your distances grow downwards in the picture. v counts from the top, the paper's y from the bottom.",
-        ),
-        Mistake(
-            "pixels as they are",
-            _distance(as_they_are=True),
-            "You take u and v for x and y. The paper's y begins at the picture's lower edge: x = u + 1/2, y = height - 1/2 - v.",
-        ),
-        Mistake(
-            "columns half a pixel off",
-            _distance(column_before=True),
-            "Right down the middle, and half a pixel off to the sides: x = u + 1/2.",
-        ),
-        Mistake(
-            "rows half a pixel off",
-            _distance(row_before=True),
-            "Nearly. Your rows are half a pixel off: row v has its middle half a pixel below its upper edge, so y = height - 1/2 - v.",
-        ),
-        Mistake(
-            "width and height exchanged",
-            _distance(size_exchanged=True),
-            "You exchanged width and height: view.size is (width, height), other than an array's shape.",
-        ),
-        Mistake(
-            "the offset added",
-            lambda pixels, view: _distance()(pixels, view) + view.offset[0],
-            "You add the camera's offset. The paper has no word for it: its distance is that from the point below the camera.",
-        ),
-        Mistake(
-            "half the field not taken off",
-            _distance(field=0.0),
-            "You count the angles from the optical axis. The paper begins at the bottom of the picture, half a field of "
-            "view below it.",
-        ),
-        Mistake(
-            "half the field added",
-            _distance(field=-0.5),
-            "You add half the field of view. The bottom of the picture is nearer to straight down, so it is taken off.",
-        ),
-        Mistake(
-            "half a pixel",
-            _distance(no_half=True),
-            "Nearly. You are half a pixel off: pixel 0 has its middle half a pixel from the picture's edge, so "
-            "x = u + 1/2 and y = height - 1/2 - v.",
-        ),
-        Mistake(
-            "cosine forgotten",
-            _distance(no_cosine=True),
-            "Right in the middle column only. To the sides a point is farther away: divide by the cosine.",
-        ),
-        Mistake(
-            "times the cosine",
-            _distance(times_cosine=True),
-            "You multiply by the cosine, so that points at the sides come nearer. The paper divides.",
-        ),
-        Mistake("fields of view exchanged", _distance(fields_exchanged=True), _FIELDS),
-        Mistake("degrees", _distance(degrees=True), _DEGREES),
-        Mistake(
-            "height forgotten",
-            _distance(no_height=True),
-            "Your distances are in camera heights: multiply by view.height.",
-        ),
-        Mistake("a pinhole's angles", _distance(true_angles=True), _TRUE),
-        Mistake("the lens removed", _distance(without_lens=True), _LENS),
-        Mistake(
-            "the head's yaw",
-            _distance(head_turned=True),
-            "You let the head's yaw take part. The paper's horizontal angle counts from the picture's middle.",
-        ),
-    ],
-    alternatives={
-        "angles below the horizon, pixel by pixel": _distance_loop,
-        "sine over cosine": _distance_sines,
-        "float32": _distance_float32,
-    },
+    mistakes=catalogue("""
+        horizon for nadir: np.pi / 2 - view.pitch => view.pitch
+            You use view.pitch as the paper's camera angle. The pitch is measured from the horizon, but the paper's angle from straight down: np.pi / 2 - view.pitch.
+        v counted from the top: height - 0.5 - pixels[:, 1] => pixels[:, 1] + 0.5
+            Your distances increase downwards in the picture. v counts from the top, but the paper's y from the bottom.
+        pixels as they are: height - 0.5 - pixels[:, 1] => pixels[:, 1]
+            pixels[:, 0] + 0.5 => pixels[:, 0]
+            You use u and v as x and y. The paper's y counts from the lower edge of the picture: x = u + 1/2, y = height - 1/2 - v.
+        columns half a pixel off: pixels[:, 0] + 0.5 => pixels[:, 0]
+            Your columns are half a pixel off. Use x = u + 1/2.
+        rows half a pixel off: height - 0.5 => height - 1
+            Your rows are half a pixel off. The centre of row v is half a pixel below its upper edge, so y = height - 1/2 - v.
+        width and height exchanged: width, height => height, width
+            You exchanged width and height. view.size is (width, height), unlike the shape of an array.
+        half the field not taken off: view.pitch - view.vfov / 2 => view.pitch
+            You measure angles from the optical axis. The paper starts at the bottom of the picture, half a field of view below it.
+        half the field added: - view.vfov / 2 => + view.vfov / 2
+            You add half the field of view. The bottom of the picture is nearer to straight down, so subtract it.
+        half a pixel: height - 0.5 => height
+            pixels[:, 0] + 0.5 => pixels[:, 0]
+            You are half a pixel off. The centre of pixel 0 is half a pixel from the edge of the picture, so x = u + 1/2 and y = height - 1/2 - v.
+        absolute values: return view.height * np.tan(vertical) / np.cos(horizontal) => return np.abs(view.height * np.tan(vertical) / np.cos(horizontal))
+            You return absolute values. Above the horizon the paper's formula gives a negative distance; return it as it is.
+        NaN above the horizon: return view.height => distance = view.height
+            + return np.where(distance > 0, distance, np.nan)
+            You return NaN above the horizon. The paper's formula gives a negative distance there; return it as it is.
+        cosine forgotten: np.tan(vertical) / np.cos(horizontal) => np.tan(vertical)
+            Your distances are right only in the middle column. To the sides a point is farther away: divide by the cosine.
+        times the cosine: / np.cos => * np.cos
+            You multiply by the cosine, so points at the sides become nearer. Divide by it.
+        fields of view exchanged: + view = replace(view, hfov=view.vfov, vfov=view.hfov)
+            You exchanged the two fields of view. hfov belongs to u and the width, vfov to v and the height.
+        degrees: np.tan(vertical) / np.cos(horizontal) => np.tan(np.degrees(vertical)) / np.cos(np.degrees(horizontal))
+            You compute in degrees. The angles of the view are in radians, and np.tan and np.cos need radians.
+        height forgotten: view.height * np.tan => np.tan
+            Your distances are in units of the camera's height. Multiply by view.height.
+        a pinhole's angles: + right, below = np.arctan((pixels - view.centre) / view.focal).T
+            + return view.height * np.tan(np.pi / 2 - view.pitch - below) / np.cos(right)
+            You compute the angles of a pinhole camera, which are exact. The paper's angles are proportional to pixels, so use equation 4.1 here. The exact geometry follows in exercise 4.4.
+        the lens removed: + pixels = view.undistort(pixels)
+            You remove the lens distortion, but the paper does not. Use the pixels as they are.
+        the head's yaw: np.cos(horizontal) => np.cos(horizontal - view.yaw)
+            You use the head's yaw. The paper's horizontal angle is measured from the middle of the picture.
+    """),
+    alternatives={"a loop": _distance_loop, "sines": _distance_sines, "float32": single(_distance_sines)},
     equivalents={
-        "horizontal = (width / 2 - (pixels[:, 0] + 0.5)) * view.hfov / width": "the cosine of an angle is that of its opposite",
+        "horizontal = (width / 2 - (pixels[:, 0] + 0.5)) * view.hfov / width": "the cosine is symmetric"
     },
 )
 
-PAPER_BEARING = Exercise(
+BEARING = Exercise(
     name="paper_bearing",
     points=1,
-    stars=1,
     public=_paper_public,
     hidden=_paper_hidden,
     comparison=Close(rtol=1e-4, atol=1e-6),
     hints=(
-        "It is the paper's horizontal angle, with one change: the course's bearings are positive to the left.",
-        "u grows to the right, so a pixel left of the middle has a negative offset and a positive bearing.",
+        "It is the paper's horizontal angle with one change: bearings in this course are positive to the left.",
+        "u increases to the right, so a pixel left of the middle has a negative offset and a positive bearing.",
     ),
-    mistakes=[
-        Mistake(
-            "positive to the right",
-            _bearing(sign=1.0),
-            "Your bearings are positive to the right, as the paper's angle is. In this course they are positive to the left.",
-        ),
-        Mistake("degrees", _bearing(factor=180 / np.pi), "Your bearings are in degrees. Radians are wanted."),
-        Mistake(
-            "half a pixel",
-            _bearing(no_half=True),
-            "Nearly. You are half a pixel off: pixel 0 has its middle half a pixel from the edge, so x = u + 1/2.",
-        ),
-        Mistake("fields of view exchanged", _bearing(fields_exchanged=True), _FIELDS),
-        Mistake(
-            "the head's yaw",
-            _bearing(yaw=1.0),
-            "You add the head's yaw. That would be right, and the paper does not: it has no word for a turned head.",
-        ),
-        Mistake("a pinhole's angles", _bearing(true_angles=True), _TRUE),
-        Mistake("the lens removed", _bearing(without_lens=True), _LENS),
-        Mistake(
-            "from the left edge",
-            lambda pixels, view: -(pixels[:, 0] + 0.5) * view.hfov / view.size[0],
-            "Your angle is 0 at the picture's left edge. It is 0 in the middle: take off half the width first.",
-        ),
-        Mistake(
-            "half a pixel the other way",
-            lambda pixels, view: (view.size[0] / 2 - pixels[:, 0] + 0.5) * view.hfov / view.size[0],
-            "You are a pixel off: x = u + 1/2, so with the sign turned it is width / 2 - u - 1/2.",
-        ),
-        Mistake(
-            "without a sign",
-            lambda pixels, view: np.abs(_bearing()(pixels, view)),
-            "Your bearings have no sign, so left and right are the same. To the right they are negative.",
-        ),
-        Mistake(
-            "one pixel too few",
-            lambda pixels, view: (view.centre[0] - pixels[:, 0]) * view.hfov / (view.size[0] - 1),
-            "Nearly. The field of view spans all pixels of the width, edge to edge: divide by the width, not by the width less one.",
-        ),
-        Mistake(
-            "brackets",
-            lambda pixels, view: view.size[0] / 2 - (pixels[:, 0] + 0.5) * view.hfov / view.size[0],
-            "Brackets are missing: take the difference of the pixels first, then turn it into an angle.",
-        ),
-        Mistake(
-            "twice the angle",
-            _bearing(factor=2.0),
-            "Your angles are twice too large: the field of view spans the whole width, not half of it.",
-        ),
-    ],
+    mistakes=catalogue("""
+        positive to the right: return (width => return -(width
+            Your bearings are positive to the right, like the paper's angle. In this course they are positive to the left.
+        degrees: * view.hfov => * np.degrees(view.hfov)
+            Your bearings are in degrees. Return radians.
+        half a pixel: width / 2 - 0.5 => width / 2
+            You are half a pixel off. The centre of pixel 0 is half a pixel from the edge, so x = u + 1/2.
+        fields of view exchanged: view.hfov => view.vfov
+            You exchanged the two fields of view. hfov belongs to u and the width, vfov to v and the height.
+        the height for the width: view.size[0] => view.size[1]
+            You use the height of the picture. view.size is (width, height), unlike the shape of an array.
+        the head's yaw: view.hfov / width => view.hfov / width + view.yaw
+            You add the head's yaw. That would be exact, but the paper ignores a turned head, so leave it out here.
+        a pinhole's angles: + return -np.arctan((pixels[:, 0] - view.centre[0]) / view.focal[0])
+            You compute the angles of a pinhole camera, which are exact. The paper's angles are proportional to pixels, so use equation 4.1 here. The exact geometry follows in exercise 4.4.
+        the lens removed: + pixels = view.undistort(pixels)
+            You remove the lens distortion, but the paper does not. Use the pixels as they are.
+        from the left edge: width / 2 - 0.5 - pixels => -0.5 - pixels
+            Your angle is 0 at the left edge of the picture. It should be 0 in the middle: subtract half the width first.
+        without a sign: return (width / 2 - 0.5 - pixels[:, 0]) => return np.abs(width / 2 - 0.5 - pixels[:, 0])
+            Your bearings have no sign, so left and right give the same value. They are negative to the right.
+        one pixel too few: hfov / width => hfov / (width - 1)
+            You divide by the width minus one. The field of view spans all pixels from edge to edge, so divide by the width.
+        brackets: (width / 2 - 0.5 - pixels[:, 0]) => width / 2 - (0.5 + pixels[:, 0])
+            Brackets are missing. Compute the difference of the pixels first, and then multiply it by the angle per pixel.
+        twice the angle: view.hfov => 2 * view.hfov
+            Your angles are twice as large as they should be. The field of view spans the whole width, not half of it.
+    """),
     alternatives={
-        "pixel by pixel": _bearing_loop,
-        "interpolated between the edges": _bearing_interpolated,
-        "from the middle, float32": _bearing_float32,
+        "a loop": lambda pixels, view: [(0.5 - (u + 0.5) / view.size[0]) * view.hfov for u, _ in pixels],
+        "interpolated": _bearing_interpolated,
+        "float32": single(_bearing_interpolated),
     },
 )
 
 
 # --- 4.4 pixel_to_ground ---
+def _rays(pixels: Array, view: CameraView) -> list[Array]:
+    return [view.rotation @ (1.0, -u, -v) for u, v in (view.undistort(pixels) - view.centre) / view.focal]
 
 
-def _ground(pixels: Any, view: CameraView, **changed: Any) -> Array:
-    """Follow the rays, with one thing done in another way."""
-    pixels = np.asarray(pixels, dtype=float).reshape(-1, 2)
-    seen = pixels if changed.get("no_lens") else view.undistort(pixels)
-    if changed.get("lens_twice"):
-        seen = view.distort(pixels)
-    middle = np.array(view.size) / 2 if changed.get("half_pixel") else np.array(view.centre)
-    right, below = ((seen - middle) / view.focal).T
-    if changed.get("one_focal"):
-        right, below = ((seen - middle) / view.focal[0]).T
-    if changed.get("focal_exchanged"):
-        right, below = ((seen - middle) / view.focal[::-1]).T
-    if changed.get("v_up"):
-        below = -below
-    if changed.get("right_positive"):
-        right = -right
-    rotation = changed.get("rotation", lambda view: view.rotation)(view)
-    rays = np.column_stack([np.ones(len(seen)), -right, -below]) @ rotation.T
-    if changed.get("unit_rays"):
-        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    with np.errstate(all="ignore"):
-        steps = (1.0 if changed.get("no_height") else view.height) / -rays[:, 2]
-        if changed.get("unit_rays"):
-            steps = np.where(rays[:, 2] < 0, view.height, np.nan)
-        if not changed.get("behind"):
-            steps = np.where(rays[:, 2] < 0, steps, np.nan)
-        if changed.get("level"):
-            steps = np.where(rays[:, 2] > 0, np.nan, view.height / -rays[:, 2])
-        points = steps[:, None] * rays[:, :2]
-    if changed.get("only_ahead"):
-        points[points[:, 0] < 0] = np.nan
-    if changed.get("clipped"):
-        points = np.nan_to_num(points)
-    if changed.get("dropped"):
-        points = points[np.isfinite(points).all(axis=1)]
-    offset = np.array(view.offset) * changed.get("offset", 1.0)
-    if changed.get("offset_turned"):
-        offset = rotation_3d(view.yaw, 0.0, 0.0)[:2, :2] @ offset
-    return points if changed.get("no_offset") else points + offset
-
-
-def _followed(**changed: Any) -> Any:
-    return lambda pixels, view: _ground(pixels, view, **changed)
-
-
-def _turned(yaw: float = 1.0, pitch: float = 1.0, roll: float = 1.0) -> Any:
-    """Rays turned by other angles than the view's."""
-    return _followed(rotation=lambda view: rotation_3d(yaw * view.yaw, pitch * view.pitch, roll * view.roll))
-
-
-def _ground_by_angles(pixels: Array, view: CameraView) -> Array:
-    """Depression angle and direction of each ray, pixel by pixel."""
+def _by_angles(pixels: Array, view: CameraView) -> Array:
+    """Compute the depression angle and direction of each ray."""
     found = []
-    for right, below in (view.undistort(pixels) - view.centre) / view.focal:
-        x, y, z = view.rotation @ (1.0, -right, -below)
+    for x, y, z in _rays(pixels, view):
         down = np.arctan2(-z, np.hypot(x, y))
-        away = view.height / np.tan(down) if down > 0 else np.nan
-        along = np.arctan2(y, x)
+        away, along = view.height / np.tan(down) if down > 0 else np.nan, np.arctan2(y, x)
         found.append([view.offset[0] + away * np.cos(along), view.offset[1] + away * np.sin(along)])
     return np.array(found).reshape(-1, 2)
 
 
-def _ground_by_homography(pixels: Array, view: CameraView) -> Array:
-    """The plane's homography, inverted."""
-    (fx, fy), (cx, cy) = view.focal, view.centre
-    camera = np.array([[cx, -fx, 0.0], [cy, 0.0, -fy], [1.0, 0.0, 0.0]])  # of (ahead, left, up)
-    corner = np.column_stack([np.eye(3)[:, :2], -np.array([*view.offset, view.height])])
-    plane = np.linalg.inv(camera @ view.rotation.T @ corner)
-    x, y, w = plane @ np.column_stack([view.undistort(pixels), np.ones(len(pixels))]).T
-    with np.errstate(all="ignore"):
-        points = np.stack([x / w, y / w], axis=1)
-    points[w <= 1e-12] = np.nan
-    return points
-
-
-def _ground_by_search(pixels: Array, view: CameraView) -> Array:
-    """Newton's method on `view.project`, from the foot of the optical axis."""
+def _by_equations(pixels: Array, view: CameraView) -> Array:
+    """Solve three equations for x, y and the length of the ray."""
     found = np.full((len(pixels), 2), np.nan)
-    direct = _ground_by_angles(pixels, view)
-    for i, pixel in enumerate(pixels):
-        if np.isfinite(direct[i]).all():
-            start = direct[i] * 1.01 + 0.005
-            found[i] = least_squares(
-                lambda p, w=pixel: (view.project(p[None]) - w)[0], start, xtol=1e-12, ftol=1e-14, gtol=1e-14
-            ).x
+    for point, ray in zip(found, _rays(pixels, view), strict=True):
+        if ray[2] < 0:
+            point[:] = np.linalg.solve(np.column_stack([np.eye(3)[:, :2], -ray]), view.position)[:2]
     return found
 
 
 def _level_rows() -> tuple[Array, CameraView]:
-    """Pixels above, at and below the horizon of a level camera, at its rows 119, 120 and 121."""
+    """Return pixels above, at and below the horizon of a level camera, in rows 119, 120 and 121."""
     return np.array([[30.0, 60.0], [80.0, 119.0], [200.0, 120.0], [50.0, 121.0], [160.0, 200.0]]), view_of(
         0.0, size=(321, 241), vfov=0.8
     )
@@ -601,41 +326,25 @@ def _level_rows() -> tuple[Array, CameraView]:
 
 def _ground_public() -> list[Case]:
     rng = np.random.default_rng(44)
-    lens = view_of(28.0, k1=-0.08)
+    two, lens = [[60.0, 180.0], [250.0, 100.0]], view_of(28.0, k1=-0.08)
     everything = any_view(np.random.default_rng(5))
     walking = NAO_V4.view("bottom", 0.4, -0.4, torso_pitch=0.03, torso_roll=-0.04)
-    return [
-        Case((np.array([[159.5, 119.5]]), view_of(45.0)), "the middle of a picture, 45 degrees down"),
-        Case(
-            (np.array([[60.0, 180.0], [250.0, 100.0], [30.0, 230.0]]), view_of(25.0)), "left, right and near"
-        ),
-        Case(
-            (np.array([[60.0, 180.0], [250.0, 100.0]]), view_of(25.0, yaw=0.7)), "the head turned to the left"
-        ),
-        Case(
-            (np.array([[60.0, 180.0], [250.0, 100.0]]), view_of(25.0, roll=0.12)), "the head tilted sideways"
-        ),
-        Case((np.array([[10.0, 230.0], [300.0, 60.0]]), lens), "with a lens"),
-        Case(
-            (np.array([[60.0, 180.0], [250.0, 100.0]]), view_of(25.0, offset=(0.06, 0.02))),
-            "the camera beside the robot's middle",
-        ),
-        Case(
-            (np.array([[60.0, 180.0]]), view_of(30.0, height=0.6, size=(640, 480))),
-            "a larger picture, a higher camera",
-        ),
-        Case(_level_rows(), "above, at and below the horizon"),
-        Case(
-            (
-                np.array([[60.0, 180.0], [150.0, 30.0], [250.0, 120.0]]),
-                view_of(12.0, yaw=1.95, offset=(0.05, 0.01)),
-            ),
-            "the head turned to behind the shoulder",
-        ),
-        Case((pixels_in(rng, everything, 6), everything), "all at once"),
-        Case((pixels_in(rng, walking, 5), walking), "a NAO that leans"),
-        Case((np.zeros((0, 2)), lens), "no pixel"),
+    shoulder = view_of(12.0, yaw=1.95, offset=(0.05, 0.01))
+    cases = [
+        ("the middle of a picture, 45 degrees down", [[159.5, 119.5]], view_of(45.0)),
+        ("left, right and near", [*two, [30.0, 230.0]], view_of(25.0)),
+        ("the head turned to the left", two, view_of(25.0, yaw=0.7)),
+        ("the head tilted sideways", two, view_of(25.0, roll=0.12)),
+        ("with a lens", [[10.0, 230.0], [300.0, 60.0]], lens),
+        ("the camera beside the robot's centre", two, view_of(25.0, offset=(0.06, 0.02))),
+        ("a larger picture, a higher camera", two[:1], view_of(30.0, height=0.6, size=(640, 480))),
+        ("above, at and below the horizon", *_level_rows()),
+        ("the head turned past the shoulder", [two[0], [150.0, 30.0], [250.0, 120.0]], shoulder),
+        ("all at once", pixels_in(rng, everything, 6), everything),
+        ("a tilted NAO", pixels_in(rng, walking, 5), walking),
+        ("no pixels", np.zeros((0, 2)), lens),
     ]
+    return [Case((np.array(pixels), view), name) for name, pixels, view in cases]
 
 
 def _ground_hidden(rng: np.random.Generator) -> list[Case]:
@@ -651,7 +360,7 @@ def _ground_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-PIXEL_TO_GROUND = Exercise(
+GROUND = Exercise(
     name="pixel_to_ground",
     points=4,
     stars=2,
@@ -659,374 +368,142 @@ PIXEL_TO_GROUND = Exercise(
     hidden=_ground_hidden,
     comparison=Close(rtol=1e-4, atol=1e-5),
     hints=(
-        "Three steps, each for all pixels at once: seen = view.undistort(pixels); the rays (1, -(u - cu) / fu, -(v - cv) / fv) "
-        "as an array (N, 3); the rays in the robot frame, rays @ view.rotation.T.",
-        "A ray (x, y, z) goes down where z < 0 and meets the ground after view.height / -z of its own lengths. Put NaN for z where it "
-        "is not negative, before you divide; then add view.offset.",
+        "There are three steps, each for all pixels at once: seen = view.undistort(pixels); the rays (1, -(u - cu) / fu, -(v - cv) / fv) as an array (N, 3); the rays in the robot frame, rays @ view.rotation.T.",
+        "A ray (x, y, z) goes down if z < 0, and it reaches the ground at t = view.height / -z. Replace z by NaN where it is not negative before you divide, and then add view.offset.",
     ),
-    mistakes=[
-        Mistake(
-            "the head's yaw forgotten",
-            _turned(yaw=0.0),
-            "Where the head is turned, your points are not: the camera's yaw is missing. view.rotation has all three angles.",
-        ),
-        Mistake(
-            "roll forgotten",
-            _turned(roll=0.0),
-            "Where the camera is tilted sideways, your points are wrong: view.roll is missing. view.rotation has all three angles.",
-        ),
-        Mistake(
-            "offset forgotten",
-            _followed(no_offset=True),
-            "Your points are measured from the point below the camera. In the robot frame the camera stands at view.offset.",
-        ),
-        Mistake(
-            "the lens left in",
-            _followed(no_lens=True),
-            "Right for a camera without a lens term. Take the lens out of the pixels first: view.undistort(pixels).",
-        ),
-        Mistake(
-            "the lens the wrong way round",
-            _followed(lens_twice=True),
-            "view.distort puts the lens in. The pixels have it already: view.undistort takes it out.",
-        ),
-        Mistake(
-            "behind the robot",
-            _followed(behind=True),
-            "Above the horizon you return points behind the robot: there the ray never meets the ground. NaN is wanted.",
-        ),
-        Mistake(
-            "only ahead",
-            _followed(only_ahead=True),
-            "You leave out what lies behind the robot's middle. With the head turned to behind the shoulder such points are real: NaN is for rays "
-            "that do not go down, by their third part.",
-        ),
-        Mistake(
-            "a level ray",
-            _followed(level=True),
-            "At the horizon the ray is level, its third part 0, and never meets the ground either: NaN where it is not negative.",
-        ),
-        Mistake(
-            "focal lengths exchanged",
-            _followed(focal_exchanged=True),
-            "You exchanged the focal lengths: view.focal is (fu, fv), and u goes with fu.",
-        ),
-        Mistake(
-            "offset taken off",
-            _followed(offset=-1.0),
-            "You take view.offset off. The camera stands there, so it is added to what the ray covers.",
-        ),
-        Mistake(
-            "offset turned",
-            _followed(offset_turned=True),
-            "You turn view.offset with the head. It is in the robot frame already: add it as it is.",
-        ),
-        Mistake(
-            "zero above the horizon",
-            _followed(clipped=True, no_offset=False),
-            "Above the horizon there is no point. Yours is the one below the camera; NaN is wanted.",
-        ),
-        Mistake(
-            "left out above the horizon",
-            _followed(dropped=True),
-            "You leave out pixels above the horizon, so nobody knows any more which row belongs to which pixel. Keep the row, as NaN.",
-        ),
-        Mistake(
-            "rotated back",
-            _followed(rotation=lambda view: view.rotation.T),
-            "You turn the rays the wrong way round, out of the robot frame. For rays in rows it is rays @ view.rotation.T.",
-        ),
-        Mistake(
-            "v upwards",
-            _followed(v_up=True),
-            "Your picture stands on its head: v grows downwards, the ray's third part upwards. A minus is missing.",
-        ),
-        Mistake(
-            "positive to the right",
-            _followed(right_positive=True),
-            "Left and right are exchanged: u grows to the right, y to the left. A minus is missing.",
-        ),
-        Mistake(
-            "half a pixel",
-            _followed(half_pixel=True),
-            "Nearly. The middle of the picture is view.centre, half a pixel before half its size.",
-        ),
-        Mistake(
-            "one focal length",
-            _followed(one_focal=True),
-            "You use one focal length for both directions. view.focal has two: they differ where the pixels are not square.",
-        ),
-        Mistake(
-            "height forgotten",
-            _followed(no_height=True),
-            "Your points are those of a camera 1 m above the ground: view.height is missing.",
-        ),
-        Mistake(
-            "height along the ray",
-            _followed(unit_rays=True),
-            "You go view.height along the ray. The ray has to come down by that height: divide by how much it falls, -z.",
-        ),
-    ],
-    alternatives={
-        "angles, pixel by pixel": _ground_by_angles,
-        "the inverse of the ground's homography": _ground_by_homography,
-        "a search on view.project": _ground_by_search,
-    },
+    mistakes=catalogue("""
+        the head's yaw forgotten: + view = replace(view, yaw=0.0)
+            You do not use the camera's yaw, so your points are wrong if the head is turned. view.rotation contains all three angles.
+        roll forgotten: + view = replace(view, roll=0.0)
+            You do not use view.roll, so your points are wrong if the camera is tilted sideways. view.rotation contains all three angles.
+        offset forgotten: np.array(view.offset) + view.height => view.height
+            Your points are relative to the point below the camera. In the robot frame the camera is at view.offset, so add it.
+        the lens left in: view.undistort(pixels) => pixels
+            Your points are right only without lens distortion. Remove it first with view.undistort(pixels).
+        the lens the wrong way round: undistort => distort
+            view.distort adds lens distortion, which the pixels already have. view.undistort removes it.
+        the ray's sign: view.height * rays[:, :2] / falling => view.height * rays[:, :2] / -falling
+            Your points are on the opposite side of the camera. The ray goes down by -d_z, so divide the height by -d_z and not by d_z.
+        behind the robot: np.where(rays[:, 2] < 0, -rays[:, 2], np.nan) => -rays[:, 2]
+            Above the horizon you return points behind the robot, although the ray never reaches the ground. Return NaN there.
+        only ahead: rays[:, 2] < 0 => (rays[:, 2] < 0) & (rays[:, 0] >= 0)
+            You return NaN for points behind the robot's centre, but the robot sees them if its head is turned past the shoulder. Only rays whose third component is not negative become NaN.
+        a level ray: rays[:, 2] < 0 => rays[:, 2] <= 0
+            At the horizon the third component of the ray is 0, so it never reaches the ground either. Return NaN there, too.
+        focal lengths exchanged: view.focal => view.focal[::-1]
+            You exchanged the focal lengths. view.focal is (fu, fv), and fu belongs to u.
+        offset taken off: np.array(view.offset) => -np.array(view.offset)
+            You subtract view.offset. The camera is there, so add it.
+        offset turned: np.array(view.offset) => replace(view, pitch=0.0, roll=0.0).rotation[:2, :2] @ view.offset
+            You rotate view.offset with the head. It is given in the robot frame, so add it without rotation.
+        zero above the horizon: np.nan => np.inf
+            Above the horizon you return the point below the camera, but there is no point. Return NaN.
+        left out above the horizon: np.nan => np.nan
+            + rays, falling = rays[falling > 0], falling[falling > 0]
+            You remove pixels above the horizon, so rows and pixels no longer correspond. Keep their rows, with NaN.
+        rotated back: view.rotation.T => view.rotation
+            You rotate the rays in the wrong direction. If the rays are rows, use rays @ view.rotation.T.
+        v upwards: -below => below
+            A minus sign is missing: v increases downwards, but the third component of the ray upwards.
+        positive to the right: -right => right
+            A minus sign is missing: u increases to the right, but y to the left.
+        half a pixel: view.centre => np.array(view.size) / 2
+            You are half a pixel off. The centre of the picture is view.centre, half a pixel less than half its size.
+        one focal length: view.focal => view.focal[0]
+            You use one focal length for both directions. view.focal has two, which differ if pixels are not square.
+        height forgotten: view.height * rays => rays
+            You do not use view.height, so your points are right only for a camera 1 m above the ground.
+        three coordinates: np.array(view.offset) + view.height * rays[:, :2] => view.position + view.height * rays
+            You return (x, y, z). Return x and y only, shape (N, 2), because z is 0 for every point of the ground.
+        an empty list: return => found =
+            + return np.array(found.tolist())
+            Without pixels your answer is an empty list, shape (0,). It should have shape (0, 2): add .reshape(-1, 2), or compute with whole columns.
+        height along the ray: -rays[:, 2], np.nan => np.linalg.norm(rays, axis=1), np.nan
+            You move by view.height along the ray. The ray has to go down by this height, so divide by -z.
+    """),
+    alternatives={"angles": _by_angles, "equations": _by_equations, "float32": single(_by_angles)},
     equivalents={
-        "return view.offset + view.height * rays[:, :2] / falling[:, None]": "NumPy takes a tuple for an array",
+        "return view.offset + view.height * rays[:, :2] / falling[:, None]": "NumPy converts a tuple to an array"
     },
 )
 
 
 # --- 4.5 range_sigma ---
-
-
-def _sigma(formula: Any) -> Any:
-    return lambda range_m, height, tilt_sigma: formula(range_m, height, tilt_sigma)
-
-
-def _sigma_numeric(range_m: Any, height: float, tilt_sigma: float) -> Any:
-    down = np.arctan2(height, range_m)
-    return height * (1 / np.tan(down - 1e-6) - 1 / np.tan(down + 1e-6)) / 2e-6 * tilt_sigma
-
-
-def _sigma_public() -> list[Case]:
-    return [
+SIGMA = Exercise(
+    name="range_sigma",
+    points=2,
+    stars=2,
+    public=lambda: [
         Case((2.0, 0.5, 0.02), "2 m away, half a metre up"),
         Case((0.5, 0.5, 0.02), "45 degrees down"),
         Case((4.0, 0.48, float(np.radians(1.0))), "4 m away, one degree"),
         Case((0.0, 0.6, 0.01), "straight below"),
-        Case((1.0, 1.6, 0.01), "a camera higher than the point is far"),
-        Case((1.0, 0.5, 0.3), "an angle that is not small: to first order all the same"),
-    ]
-
-
-def _sigma_hidden(rng: np.random.Generator) -> list[Case]:
-    cases = [(rng.uniform(0.1, 6), rng.uniform(0.3, 1.8), rng.uniform(0.001, 0.05)) for _ in range(8)]
-    return [
-        *(Case(tuple(map(float, case))) for case in cases),
+        Case((1.0, 1.6, 0.01), "a camera that is higher than the range"),
+        Case((1.0, 0.5, 0.3), "a large angle, still to first order"),
+    ],
+    hidden=lambda rng: [
+        *(Case(tuple(map(float, rng.uniform([0.1, 0.3, 0.001], [6, 1.8, 0.05])))) for _ in range(8)),
         Case((0.0, float(rng.uniform(0.4, 2)), 0.02)),
         Case((float(rng.uniform(1, 2)), 0.5, float(rng.uniform(0.2, 0.4)))),
-    ]
-
-
-RANGE_SIGMA = Exercise(
-    name="range_sigma",
-    points=2,
-    stars=2,
-    public=_sigma_public,
-    hidden=_sigma_hidden,
+    ],
     comparison=Close(rtol=1e-4),
     hints=(
-        "The derivative of 1 / tan(x) is -1 / sin(x) ** 2. Its size is what counts: a deviation has no sign.",
-        "Get rid of the angle: in the right triangle of camera, foot and point, its sine is the height over the line of sight. Try "
-        "the example of the docstring on paper.",
+        "The derivative of 1 / tan(x) is -1 / sin(x) ** 2. Use its absolute value, because a standard deviation has no sign.",
+        "Eliminate the angle: in the right triangle of camera, foot and point, its sine is the height divided by the length of the line of sight. Check the example of the docstring on paper.",
     ),
-    mistakes=[
-        Mistake(
-            "r squared over h alone",
-            _sigma(lambda r, h, s: r**2 / h * s),
-            "Right far away, too small near by: r squared over h is what is left where h is small beside r. Straight below, a "
-            "tilt still moves the point by h times the angle.",
-        ),
-        Mistake(
-            "a variance",
-            _sigma(lambda r, h, s: ((h**2 + r**2) / h * s) ** 2),
-            "That is the variance, in square metres. Its root is wanted.",
-        ),
-        Mistake(
-            "the angle in degrees",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.degrees(s)),
-            "You turn tilt_sigma into degrees. The derivative is in metres per radian.",
-        ),
-        Mistake(
-            "the line of sight",
-            _sigma(lambda r, h, s: np.hypot(h, r) * s),
-            "That is how far the point moves across the line of sight. The ground is hit at a slant, and so it moves farther along it.",
-        ),
-        Mistake(
-            "divided by r",
-            _sigma(lambda r, h, s: (h**2 + r**2) / max(r, 1e-9) * s),
-            "You divide by the range. It is the height that is left below the fraction: the lower the camera, the worse.",
-        ),
-        Mistake(
-            "tilt forgotten",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h),
-            "That is the slope, in metres per radian. Times tilt_sigma it is a deviation in metres.",
-        ),
-        Mistake(
-            "brackets",
-            _sigma(lambda r, h, s: h**2 + r**2 / h * s),
-            "Brackets are missing: the whole sum is divided by the height.",
-        ),
-        Mistake(
-            "taken for degrees",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.radians(s)),
-            "You turn tilt_sigma into radians. It is in radians already.",
-        ),
-        Mistake(
-            "tilt squared",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h * s**2),
-            "You square tilt_sigma. A deviation goes through a straight line as it is; squares are for variances.",
-        ),
-        Mistake(
-            "the sine of the tilt",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.sin(s)),
-            "To first order the tilt's deviation is multiplied as it is: no sine of it.",
-        ),
-        Mistake(
-            "the tangent of the tilt",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h * np.tan(s)),
-            "To first order the tilt's deviation is multiplied as it is: no tangent of it.",
-        ),
-        Mistake(
-            "one exact tilt",
-            _sigma(lambda r, h, s: h / np.tan(np.arctan2(h, r) - s) - r),
-            "You move the camera by one tilt_sigma and look how far the point goes. To first order it is the slope at the point itself, times tilt_sigma.",
-        ),
-        Mistake(
-            "sine not squared",
-            _sigma(lambda r, h, s: np.hypot(h, r) / h * h * (1 + r / h) * s),
-            "Look at the derivative again: 1 / tan(x) becomes -1 / sin(x) ** 2.",
-        ),
-        Mistake(
-            "negative",
-            _sigma(lambda r, h, s: -(h**2 + r**2) / h * s),
-            "A standard deviation is not negative: of the derivative only its size counts.",
-        ),
-        Mistake(
-            "one over the sine squared",
-            _sigma(lambda r, h, s: (h**2 + r**2) / h**2 * s),
-            "The height is missing: r is the height over tan(x), so its derivative is the height over sin(x) ** 2.",
-        ),
-    ],
+    mistakes=catalogue("""
+        r squared not divided: (height**2 + range_m**2) / height => (height + range_m**2)
+            You add h and r squared, a length and an area. Both terms of the sum are squares, and the whole sum is divided by h.
+        r squared over h alone: (height**2 + range_m**2) => range_m**2
+            You leave out h squared. r squared over h is accurate only far away; straight below the camera a tilt still moves the point by h times the angle.
+        a variance: return (height**2 + range_m**2) / height * tilt_sigma => return ((height**2 + range_m**2) / height * tilt_sigma) ** 2
+            You return the variance in square metres. Return its square root.
+        the angle in degrees: * tilt_sigma => * np.degrees(tilt_sigma)
+            You convert tilt_sigma to degrees. The derivative is in metres per radian.
+        the line of sight: (height**2 + range_m**2) / height => np.hypot(height, range_m)
+            Your result is the movement across the line of sight. The line of sight meets the ground at an angle, so the point moves farther along the ground.
+        divided by r: / height => / max(range_m, 1e-9)
+            You divide by the range. Divide by the height: the lower the camera, the larger the error.
+        tilt forgotten: / height * tilt_sigma => / height
+            You return the derivative in metres per radian. Multiply it by tilt_sigma.
+        brackets: (height**2 + range_m**2) => height**2 + range_m**2
+            Brackets are missing. Divide the whole sum by the height.
+        taken for degrees: * tilt_sigma => * np.radians(tilt_sigma)
+            You convert tilt_sigma to radians, but it is in radians already.
+        tilt squared: * tilt_sigma => * tilt_sigma**2
+            You square tilt_sigma. A standard deviation is multiplied by the derivative; only variances are multiplied by its square.
+        the sine of the tilt: * tilt_sigma => * np.sin(tilt_sigma)
+            You use the sine of tilt_sigma. To first order, multiply by tilt_sigma itself.
+        one exact tilt: + return height / np.tan(np.arctan2(height, range_m) - tilt_sigma) - range_m
+            You tilt the camera by tilt_sigma and return the exact movement of the point. To first order it is the derivative times tilt_sigma.
+        negative: return => return -
+            Your result is negative, but a standard deviation is not. Use the absolute value of the derivative.
+        one over the sine squared: / height => / height**2
+            A factor of the height is missing. r is the height over tan(x), so its derivative is the height over sin(x) ** 2.
+    """),
     alternatives={
-        "by the sine": _sigma(lambda r, h, s: h / np.sin(np.arctan2(h, r)) ** 2 * s),
-        "h and r apart": _sigma(lambda r, h, s: s * h + s * r * r / h),
-        "differences": _sigma_numeric,
+        "by the sine": lambda r, h, s: h / np.sin(np.arctan2(h, r)) ** 2 * s,
+        "h and r apart": lambda r, h, s: s * h + s * r * r / h,
+        "differences": lambda r, h, s: (
+            h * s * np.diff(1 / np.tan(np.arctan2(h, r) + np.array([1e-6, -1e-6])))[0] / 2e-6
+        ),
     },
 )
 
 
 # --- 4.6 measurement_covariance ---
-
-
-def _z(pixels: Any, view: CameraView) -> Array:
-    return _measured(_ground(pixels, view)).ravel()
-
-
-def _parts(pixels: Array, view: CameraView) -> tuple[Array, Array]:
-    """Derivatives of (bearing, range, bearing, range, ...) by each pixel (k, 2, 2), and by the pitch (2k,)."""
-    columns = []
-    for step in np.eye(2) * 0.05:
-        columns.append((_z(pixels + step, view) - _z(pixels - step, view)) / 0.1)
-    up, down = (replace(view, pitch=view.pitch + step) for step in (1e-4, -1e-4))
-    by_pitch = (_z(pixels, up) - _z(pixels, down)) / 2e-4
-    return np.stack(columns, axis=1).reshape(-1, 2, 2), by_pitch
-
-
-def _covariance(**changed: Any) -> Any:
-    def function(pixels: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
-        pixels = np.asarray(pixels, dtype=float).reshape(-1, 2)
-        jacobians, by_pitch = _parts(pixels, view)
-        k = len(pixels)
-        if changed.get("only_range"):
-            by_pitch = by_pitch * np.tile([0.0, 1.0], k)
-        if changed.get("degrees"):
-            tilt_sigma = float(np.degrees(tilt_sigma))
-        if changed.get("absolute"):
-            by_pitch = np.abs(by_pitch)
-        if changed.get("by_formula"):
-            away = _z(pixels, view)[1::2]
-            by_pitch = np.column_stack([0.0 * away, (view.height**2 + away**2) / view.height]).ravel()
-        if changed.get("slope_by_kind"):
-            by_pitch = by_pitch.reshape(-1, 2).T.ravel()
-        jacobians = jacobians * changed.get("times", 1.0)
-        power = 1 if changed.get("not_squared") else 2
-        outer = by_pitch @ by_pitch if changed.get("inner") else np.outer(by_pitch, by_pitch)
-        tilt_power = 1 if changed.get("tilt_not_squared") else power
-        full = tilt_sigma**tilt_power * outer * (0 if changed.get("no_tilt") else 1) * np.ones((2 * k, 2 * k))
-        if changed.get("each_for_itself"):
-            full *= np.kron(np.eye(k), np.ones((2, 2)))
-        if changed.get("diagonal"):
-            full = np.diag(np.diag(full))
-        for i, each in enumerate(jacobians):
-            square = each.T @ each if changed.get("transposed") else each @ each.T
-            if changed.get("one_direction"):
-                square = np.outer(each[:, 1], each[:, 1])
-            if changed.get("variances_only"):
-                square = np.diag(np.diag(square))
-            full[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += (
-                0
-                if changed.get("no_pixels")
-                else pixel_sigma ** (1 if changed.get("pixel_not_squared") else power)
-            ) * square
-        order = {
-            "range_first": np.arange(2 * k).reshape(-1, 2)[:, ::-1].ravel(),
-            "by_kind": np.arange(2 * k).reshape(-1, 2).T.ravel(),
-        }
-        for name, places in order.items():
-            if changed.get(name):
-                full = full[np.ix_(places, places)]
-        if changed.get("shared_pixels"):
-            joint = jacobians.reshape(-1, 2)
-            full = pixel_sigma**2 * joint @ joint.T + tilt_sigma**2 * np.outer(by_pitch, by_pitch)
-        return full
-
-    return function
-
-
-def _in_metres(pixels: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
-    """The same of points (x, y)."""
-
-    def flat(pixels: Array, view: CameraView) -> Array:
-        return _ground(pixels, view).ravel()
-
-    pixels = np.asarray(pixels, dtype=float)
-    columns = [(flat(pixels + step, view) - flat(pixels - step, view)) / 0.1 for step in np.eye(2) * 0.05]
-    up, down = (replace(view, pitch=view.pitch + step) for step in (1e-4, -1e-4))
-    slope = (flat(pixels, up) - flat(pixels, down)) / 2e-4
-    blocks = np.kron(np.eye(len(pixels)), np.ones((2, 2)))
-    joint = np.stack(columns, axis=1)
-    return pixel_sigma**2 * (joint @ joint.T) * blocks + tilt_sigma**2 * np.outer(slope, slope)
-
-
-def _covariance_one_jacobian(pixels: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
-    """All 2k + 1 unknowns in one Jacobian, by differences one of a time."""
-    pixels = np.asarray(pixels, dtype=float)
-    state = np.append(pixels.ravel(), view.pitch)
+def _errors(pixels: Array, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
+    """Return a row of errors (bearing, range, ...) for one sigma of the pitch and of each u and v."""
 
     def measured(values: Array) -> Array:
-        return _z(values[:-1].reshape(-1, 2), replace(view, pitch=float(values[-1])))
+        tilted = replace(view, pitch=float(values[0]))
+        return _measured(_by_equations(values[1:].reshape(-1, 2), tilted)).ravel()
 
-    base = measured(state)
-    steps = np.append(np.full(pixels.size, 1e-3), 1e-6)
-    columns = [
-        (measured(state + step * (np.arange(len(state)) == i)) - base) / step for i, step in enumerate(steps)
-    ]
-    jacobian = np.array(columns).T.reshape(len(base), len(state))
-    variances = np.append(np.full(pixels.size, pixel_sigma**2), tilt_sigma**2)
-    return (jacobian * variances) @ jacobian.T
-
-
-def _covariance_scaled(pixels: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
-    """Square roots: the covariance as a product of one matrix with itself."""
-    jacobians, by_pitch = _parts(np.asarray(pixels, dtype=float), view)
-    k = len(jacobians)
-    root = np.zeros((2 * k, 2 * k + 1))
-    for i, each in enumerate(jacobians):
-        root[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = pixel_sigma * each
-    root[:, -1] = tilt_sigma * by_pitch
-    return root @ root.T
-
-
-def _covariance_float32(pixels: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Array:
-    return _covariance()(pixels, view, pixel_sigma, tilt_sigma).astype(np.float32)
-
-
-def _below_horizon(rng: np.random.Generator, view: CameraView, number: int) -> Array:
-    """Pixels of points on the ground."""
-    return view.project(ground_in_view(rng, view, number))
+    at, steps = np.append(view.pitch, pixels), np.append(1e-6, np.full(pixels.size, 1e-3))
+    sigmas = np.append(tilt_sigma, np.full(pixels.size, pixel_sigma))
+    return (
+        sigmas / (2 * steps) * np.transpose([measured(at + s) - measured(at - s) for s in np.diag(steps)])
+    ).T
 
 
 def _covariance_public() -> list[Case]:
@@ -1035,38 +512,26 @@ def _covariance_public() -> list[Case]:
     side = np.array([[60.0, 180.0], [250.0, 100.0], [120.0, 70.0]])
     return [
         Case((np.array([[80.0, 150.0]]), plain, 1.0, 0.0), "one landmark, no tilt"),
-        Case((np.array([[80.0, 150.0]]), plain, 0.0, 0.02), "one landmark, tilt alone"),
+        Case((np.array([[80.0, 150.0]]), plain, 0.0, 0.02), "one landmark, only tilt"),
         Case((side, plain, 0.7, 0.02), "three landmarks"),
         Case((side, view_of(25.0, yaw=0.5, offset=(0.1, 0.03)), 1.5, 0.01), "the head turned"),
-        Case((_below_horizon(rng, everything, 4), everything, 1.0, 0.015), "a camera with everything"),
-        Case((np.zeros((0, 2)), plain, 1.0, 0.01), "no landmark"),
+        Case((in_view(rng, everything, 4), everything, 1.0, 0.015), "a camera with all parameters"),
+        Case((np.zeros((0, 2)), plain, 1.0, 0.01), "no landmarks"),
     ]
 
 
 def _covariance_hidden(rng: np.random.Generator) -> list[Case]:
     views = [any_view(rng), any_view(rng, (640, 480)), view_of(rng.uniform(20, 30), k1=-0.08)]
-    numbers = (2, 3, 5)
     cases = [
-        Case(
-            (
-                _below_horizon(rng, view, number),
-                view,
-                float(rng.uniform(0.4, 2)),
-                float(rng.uniform(0.008, 0.02)),
-            )
-        )
-        for view, number in zip(views, numbers, strict=True)
+        Case((in_view(rng, view, n), view, float(rng.uniform(0.4, 2)), float(rng.uniform(0.008, 0.02))))
+        for view, n in zip(views, (2, 3, 5), strict=True)
     ]
-    one = _below_horizon(rng, views[0], 2)
-    return [
-        *cases,
-        Case((one, views[0], 0.0, 0.02)),
-        Case((one, views[0], 1.3, 0.0)),
-        Case((np.zeros((0, 2)), views[0], 1.0, 0.01)),
-    ]
+    one = in_view(rng, views[0], 2)
+    rest = [(one, 0.0, 0.02), (one, 1.3, 0.0), (np.zeros((0, 2)), 1.0, 0.01)]
+    return [*cases, *(Case((pixels, views[0], *sigmas)) for pixels, *sigmas in rest)]
 
 
-MEASUREMENT_COVARIANCE = Exercise(
+COVARIANCE = Exercise(
     name="measurement_covariance",
     points=5,
     stars=3,
@@ -1075,412 +540,228 @@ MEASUREMENT_COVARIANCE = Exercise(
     hidden=_covariance_hidden,
     comparison=Close(rtol=0.01, atol=1e-8),
     hints=(
-        "Derivatives are differences: measured((0.01, 0), 0) minus measured((-0.01, 0), 0), over the way between them, is that by u of all landmarks at "
-        "the same time.",
-        "g is the same with a tilt in place of a shift, and np.outer(g, g) is g gᵀ. For D, the two columns by u and by v are (2k, 2): "
-        "rows 2i and 2i + 1 are landmark i's Jacobian J, and J @ J.T times pixel_sigma ** 2 is its block.",
+        "Compute derivatives as differences: (measured((0.01, 0), 0) - measured((-0.01, 0), 0)) / 0.02 is the derivative with respect to u, for all landmarks at once.",
+        "g is the same with a tilt instead of a shift, and np.outer(g, g) is g gᵀ. For D, put the derivatives by u and by v into two columns, (2k, 2). Rows 2i and 2i + 1 are the Jacobian J of landmark i, and its block is pixel_sigma ** 2 * J @ J.T.",
     ),
-    mistakes=[
-        Mistake(
-            "tilt forgotten",
-            _covariance(no_tilt=True),
-            "The pixels' part is right. The tilt's is missing: tilt_sigma ** 2 * np.outer(g, g).",
-        ),
-        Mistake(
-            "pixels forgotten",
-            _covariance(no_pixels=True),
-            "The tilt's part is right. The pixels' is missing: a block J Jᵀ pixel_sigma ** 2 for each landmark.",
-        ),
-        Mistake(
-            "each landmark's own tilt",
-            _covariance(each_for_itself=True),
-            "You give each landmark a tilt of its own. All landmarks of one picture share one error: the blocks off the diagonal are not zero.",
-        ),
-        Mistake(
-            "a diagonal",
-            _covariance(diagonal=True),
-            "You keep the diagonal of the tilt's part alone. g gᵀ is a full matrix: one error moves everything at once.",
-        ),
-        Mistake(
-            "one pixel error for all",
-            _covariance(shared_pixels=True),
-            "You let all pixels err by the same: D has blocks for each landmark and zeros between them. Only the tilt is shared.",
-        ),
-        Mistake(
-            "deviations not squared",
-            _covariance(not_squared=True),
-            "You multiply by the standard deviations. A covariance has their squares.",
-        ),
-        Mistake(
-            "the pixel's deviation not squared",
-            _covariance(pixel_not_squared=True),
-            "You multiply J Jᵀ by pixel_sigma. A covariance has its square.",
-        ),
-        Mistake(
-            "the tilt's deviation not squared",
-            _covariance(tilt_not_squared=True),
-            "You multiply g gᵀ by tilt_sigma. A covariance has its square.",
-        ),
-        Mistake(
-            "half the way",
-            _covariance(times=2.0),
-            "Your J is twice too large: from one step to the left to one step to the right it is two steps.",
-        ),
-        Mistake(
-            "an inner product",
-            _covariance(inner=True),
-            "g @ g of two vectors is one number. g gᵀ is a matrix: np.outer(g, g).",
-        ),
-        Mistake(
-            "variances of a block alone",
-            _covariance(variances_only=True),
-            "You keep the diagonal of each J Jᵀ alone. One pixel moves bearing and range together, so the block is full.",
-        ),
-        Mistake(
-            "slopes without a sign",
-            _covariance(absolute=True),
-            "You take the size of g. Its signs count: they say which errors go together and which against each other.",
-        ),
-        Mistake(
-            "equation 4.5 for g",
-            _covariance(by_formula=True),
-            "You take equation 4.5 for g. It is right straight ahead, below the camera's own place, and its sign is lost: take the differences.",
-        ),
-        Mistake(
-            "slopes by kind",
-            _covariance(slope_by_kind=True),
-            "Your g has all bearings first, then all ranges. It goes landmark by landmark: .ravel() of the (k, 2) array, without .T.",
-        ),
-        Mistake(
-            "range first",
-            _covariance(range_first=True),
-            "Your order is (range, bearing). It is bearing, range, bearing, range, ...",
-        ),
-        Mistake(
-            "all bearings first",
-            _covariance(by_kind=True),
-            "Your order is all bearings, then all ranges. It is landmark by landmark: bearing, range, bearing, range, ...",
-        ),
-        Mistake(
-            "of points",
-            _in_metres,
-            "That is the covariance of the points (x, y) in square metres. Wanted is that of (bearing, range).",
-        ),
-        Mistake(
-            "tilt in degrees",
-            _covariance(degrees=True),
-            "You turn tilt_sigma into degrees. It is in radians, as g is per radian.",
-        ),
-        Mistake(
-            "no tilt in the bearing",
-            _covariance(only_range=True),
-            "You let the tilt change ranges only. Off the middle it changes the bearing, too.",
-        ),
-        Mistake(
-            "the Jacobian transposed",
-            _covariance(transposed=True),
-            "A block is J Jᵀ, and you have Jᵀ J: J has the measurement in its rows, the pixel in its columns.",
-        ),
-        Mistake(
-            "v alone",
-            _covariance(one_direction=True),
-            "You let v err alone. A pixel is off in u as well, and that is most of the bearing's error.",
-        ),
-    ],
+    mistakes=catalogue("""
+        tilt forgotten: tilt_sigma**2 => 0
+            The part of the tilt is missing: tilt_sigma ** 2 * np.outer(g, g).
+        pixels forgotten: pixel_sigma**2 => 0
+            The part of the pixels is missing: a block pixel_sigma ** 2 J Jᵀ for each landmark.
+        each landmark's own tilt: np.outer(g, g) => np.outer(g, g) * np.kron(np.eye(len(pixels)), np.ones((2, 2)))
+            You treat the tilts of the landmarks as independent. All landmarks of a picture share one tilt, so the off-diagonal blocks are not zero.
+        a diagonal: np.outer(g, g) => np.diag(g**2)
+            You keep only the diagonal of the tilt's part. g gᵀ is a full matrix, because one tilt changes all measurements.
+        one pixel error for all: return R => J = np.column_stack([by_u, by_v])
+            + return tilt_sigma**2 * np.outer(g, g) + pixel_sigma**2 * J @ J.T
+            You use the same pixel error for all landmarks. D has a block for each landmark and zeros between the blocks; only the tilt is shared.
+        deviations not squared: tilt_sigma**2 => tilt_sigma
+            pixel_sigma**2 => pixel_sigma
+            You multiply by the standard deviations. Multiply by their squares.
+        the pixel's deviation not squared: pixel_sigma**2 => pixel_sigma
+            You multiply J Jᵀ by pixel_sigma. Multiply by its square.
+        the tilt's deviation not squared: tilt_sigma**2 => tilt_sigma
+            You multiply g gᵀ by tilt_sigma. Multiply by its square.
+        half the way for the tilt: / 2e-4 => / 1e-4
+            Your g is twice as large as it should be. The difference spans two steps, so divide by 2e-4.
+        both coordinates moved: (measured((0.01, 0), 0) - measured((-0.01, 0), 0)) => (measured(0.01, 0) - measured(-0.01, 0))
+            You move u and v together. The first argument of measured is a pair: (0.01, 0) moves u alone.
+        overlapping blocks: range(0, len(g), 2) => range(len(pixels))
+            Your blocks overlap. The block of landmark i begins at row 2 i, so use range(0, len(g), 2).
+        blocks replaced: R[i : i + 2, i : i + 2] += => R[i : i + 2, i : i + 2] =
+            Your blocks replace the part of the tilt on the diagonal. Add them to it.
+        half the way: 0.02 =>> 0.01
+            Your J is twice as large as it should be. The difference spans two steps, so divide by 0.02.
+        element by element: np.outer(g, g) => np.full((len(g), len(g)), g * g)
+            g * g multiplies element by element, and with g.T it is the same for a vector. Use np.outer(g, g) for the matrix g gᵀ.
+        g as a row: np.outer(g, g) => g * g.T
+            R is a vector in your code, because g has one dimension and g.T is the same as g. Use np.outer(g, g) for the matrix g gᵀ.
+        an inner product: np.outer(g, g) => np.full((len(g), len(g)), g @ g)
+            g @ g is a single number. Use np.outer(g, g) for the matrix g gᵀ.
+        variances of a block alone: J @ J.T => np.diag(np.diag(J @ J.T))
+            You keep only the diagonal of each J Jᵀ. A pixel error changes bearing and range together, so the block is full.
+        equation 4.5 for g: 2e-4 => 2e-4
+            + g[::2], g[1::2] = 0, range_sigma(measured((0, 0), 0)[1::2], view.height, 1)
+            You use equation 4.5 for g. It is right only straight ahead of the camera, and it has no sign. Use differences.
+        range first: .ravel() => [:, ::-1].ravel()
+            Your order is (range, bearing). Use bearing, range, bearing, range, ...
+        all bearings first: return R => order = np.arange(len(g)).reshape(-1, 2).T.ravel()
+            + return R[np.ix_(order, order)]
+            Your order is all bearings, then all ranges. Use bearing, range, bearing, range, ... instead.
+        of points: ground_to_measurement(pixel_to_ground(pixels + shift, tilted)) => pixel_to_ground(pixels + shift, tilted)
+            You return the covariance of the points (x, y). Return the covariance of (bearing, range).
+        tilt in degrees: tilt_sigma**2 => np.degrees(tilt_sigma) ** 2
+            You convert tilt_sigma to degrees. Leave it in radians, because g is per radian.
+        no tilt in the bearing: 2e-4 => 2e-4
+            + g[::2] = 0
+            You ignore the effect of the tilt on bearings. Beside the middle column it changes them, too.
+        the Jacobian transposed: J @ J.T => J.T @ J
+            You compute Jᵀ J. The rows of J belong to the measurement and its columns to the pixel, so a block is J Jᵀ.
+        v alone: np.column_stack([by_u[i : i + 2], by_v[i : i + 2]]) => by_v[i : i + 2, None]
+            You use only errors of v. The errors of u cause most of the bearing's error.
+    """),
     alternatives={
-        "one Jacobian for all": _covariance_one_jacobian,
-        "a square root times itself": _covariance_scaled,
-        "float32": _covariance_float32,
+        "product of a square root": lambda *given: _errors(*given).T @ _errors(*given),
+        "a sum of outer products": lambda *given: sum(np.outer(each, each) for each in _errors(*given)),
+        "einsum, float32": single(lambda *given: np.einsum("ki,kj->ij", _errors(*given), _errors(*given))),
     },
     equivalents=dict.fromkeys(
         (
-            "leaning = replace(view, pitch=view.pitch - tilt)",
-            "return ground_to_measurement(pixel_to_ground(pixels - shift, leaning)).ravel()",
+            "tilted = replace(view, pitch=view.pitch - tilt)",
+            "return ground_to_measurement(pixel_to_ground(pixels - shift, tilted)).ravel()",
             "by_u = (measured((-0.01, 0), 0) - measured((0.01, 0), 0)) / 0.02",
             "by_v = (measured((0, -0.01), 0) - measured((0, 0.01), 0)) / 0.02",
             "g = (measured((0, 0), -0.0001) - measured((0, 0), 0.0001)) / 0.0002",
         ),
-        "a derivative with the other sign: in J Jᵀ and g gᵀ it is squared",
+        "the sign of a derivative cancels in J Jᵀ and g gᵀ",
     )
     | {
-        "J = np.column_stack([by_v[i:i + 2], by_u[i:i + 2]])": "u and v are equally uncertain, so their order in J Jᵀ does not matter",
+        "J = np.column_stack([by_v[i:i + 2], by_u[i:i + 2]])": "u and v are equally uncertain, so their order in J Jᵀ does not matter"
     },
 )
 
 
 # --- 4.7 estimate_pitch ---
+def _search(power: float, pixels: Array, ground_points: Array, view: CameraView) -> Any:
+    """Minimise the sum of a power of the errors in pixels."""
+
+    def cost(offset: float) -> Any:
+        seen = replace(view, pitch=view.pitch + float(offset)).project(ground_points)
+        return (np.abs(np.nan_to_num(seen - pixels, nan=1e4)) ** power).sum()
+
+    return minimize_scalar(cost, bounds=(-0.3, 0.3), method="bounded", options={"xatol": 1e-6}).x
 
 
-def _fitted(pixels: Any, ground_points: Any, view: CameraView, **changed: Any) -> float:
-    """The offset with the least squared error in pixels."""
-    marked, points = np.array(pixels), np.array(ground_points)
-    if changed.get("one_point"):
-        marked, points = marked[:1], points[:1]
-    if changed.get("no_lens"):
-        view = replace(view, k1=0.0)
-    if changed.get("no_offset"):
-        view = replace(view, offset=(0.0, 0.0))
-    if changed.get("no_roll"):
-        view = replace(view, roll=0.0)
-    if changed.get("no_yaw"):
-        view = replace(view, yaw=0.0)
-
-    def misses(offset: Any) -> Array:
-        seen = replace(view, pitch=view.pitch + float(offset[0])).project(points)
-        return np.nan_to_num(seen - marked, nan=1e3).ravel()
-
-    if changed.get("one_step"):
-        slope = (misses([1e-4]) - misses([-1e-4])) / 2e-4
-        return float(-slope @ misses([0.0]) / (slope @ slope))
-    return float(least_squares(misses, [0.0]).x[0])
-
-
-def _changed_fit(after: Any = None, **changed: Any) -> Any:
-    def function(pixels: Any, ground_points: Any, view: CameraView) -> float:
-        found = _fitted(pixels, ground_points, view, **changed)
-        return float(after(found, view)) if after else found
-
-    return function
-
-
-def _depressions(pixels: Any, ground_points: Any, view: CameraView) -> float:
-    """The median of how much lower each point is seen than it should be, by angles about the camera's own axis."""
-    left, up = view.rotation[:, 1], np.array([*view.offset, view.height])
-    to = np.column_stack([np.asarray(ground_points), np.zeros(len(ground_points))]) - up
-    u, v = ((view.undistort(pixels) - view.centre) / view.focal).T
-    rays = np.column_stack([np.ones(len(u)), -u, -v]) @ view.rotation.T
-    flat = [
-        np.arctan2(each @ np.array([0, 0, -1.0]), each @ np.cross(left, [0, 0, 1.0])) for each in (to, rays)
-    ]
-    return float(np.median(flat[0] - flat[1]))
-
-
-def _scanned(pixels: Any, ground_points: Any, view: CameraView) -> float:
-    """By looking: a coarse grid, then finer ones."""
-    middle, width = 0.0, 0.3
-    for _ in range(6):
-        tried = middle + np.linspace(-width, width, 41)
-        costs = []
-        for offset in tried:
-            seen = replace(view, pitch=view.pitch + float(offset)).project(ground_points)
-            costs.append(float(np.nansum((seen - pixels) ** 2)) + 1e9 * float(np.isnan(seen).any()))
-        middle, width = float(tried[int(np.argmin(costs))]), width / 10
-    return middle
-
-
-def _bounded(pixels: Any, ground_points: Any, view: CameraView) -> Any:
-    """The sum of absolute errors down the picture, minimised."""
-
-    def cost(offset: float) -> float:
-        seen = replace(view, pitch=view.pitch + offset).project(ground_points)
-        return float(np.abs(np.nan_to_num(seen - pixels, nan=1e4)).sum())
-
-    return np.float32(minimize_scalar(cost, bounds=(-0.3, 0.3), method="bounded", options={"xatol": 1e-6}).x)
-
-
-def _by_range(pixels: Any, ground_points: Any, view: CameraView) -> float:
-    """Ranges from the robot's middle held against ranges from below the camera, by the pinhole's own angles."""
-    v = (view.undistort(pixels)[:, 1] - view.centre[1]) / view.focal[1]
-    should = np.arctan2(view.height, np.hypot(*np.asarray(ground_points).T))
-    return float(np.mean(should - (view.pitch + np.arctan(v))))
-
-
-def _on_ground(pixels: Any, ground_points: Any, view: CameraView) -> float:
-    """The least squared error of the points on the ground."""
-    middle, width = 0.0, 0.3
-    for _ in range(4):
-        tried, costs = middle + np.linspace(-width, width, 121), []
-        for offset in tried:
-            misses = _ground(pixels, replace(view, pitch=view.pitch + float(offset))) - np.asarray(
-                ground_points
-            )
-            costs.append(float(np.nan_to_num(misses**2, nan=1e9).sum()))
-        middle, width = float(tried[int(np.argmin(costs))]), width / 30
-    return middle
-
-
-def _mean_depression(pixels: Any, ground_points: Any, view: CameraView) -> float:
-    """The mean of how much lower below the horizon the points are than their rays."""
-    u, v = ((view.undistort(pixels) - view.centre) / view.focal).T
-    rays = np.column_stack([np.ones(len(u)), -u, -v]) @ view.rotation.T
-    to = np.asarray(ground_points) - view.offset
-    seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
-    return float(np.mean(np.arctan2(view.height, np.hypot(*to.T)) - seen))
+def _tilted(pixels: Array, ground_points: Array, view: CameraView) -> float:
+    """Return the median angle about the camera's own axis by which points appear too low."""
+    left = view.rotation[:, 1]
+    points = np.column_stack([ground_points, np.zeros(len(ground_points))]) - view.position
+    ahead = np.cross(left, [0, 0, 1.0])
+    down = [[np.arctan2(-each[2], each @ ahead) for each in way] for way in (points, _rays(pixels, view))]
+    return float(np.median(np.subtract(*down)))
 
 
 def _far_marks(rng: np.random.Generator, view: CameraView, offset: float) -> tuple[Array, Array, CameraView]:
-    """Twenty-seven near marks that are exact in the mean, and three far ones that are all a little low."""
+    """Return 27 near marks without a mean error, and three distant points, all a little low."""
     near = np.column_stack([rng.uniform(0.9, 1.6, 27), rng.uniform(-0.3, 0.3, 27)])
     points = np.vstack([near, np.column_stack([rng.uniform(4.6, 5.0, 3), rng.uniform(-1, 1, 3)])])
-    errors = np.vstack(
-        [
-            np.column_stack([rng.permutation(np.linspace(-1, 1, 27)) for _ in range(2)]),
-            [[0.5, 1.5], [-0.5, 1.5], [0.0, 1.5]],
-        ]
-    )
+    near_errors = np.column_stack([rng.permutation(np.linspace(-1, 1, 27)) for _ in range(2)])
+    errors = np.vstack([near_errors, [[0.5, 1.5], [-0.5, 1.5], [0.0, 1.5]]])
     return view.project(points) + errors, points, replace(view, pitch=view.pitch - offset)
 
 
 def _calibration(
     rng: np.random.Generator, view: CameraView, number: int, offset: float, noise: float = 0.0
 ) -> tuple[Array, Array, CameraView]:
-    """Pixels of points, their places, and a view whose pitch is wrong by an offset."""
+    """Return pixels of points, their positions, and a view whose pitch is wrong by an offset."""
     points = ground_in_view(rng, view, number)
     errors = rng.standard_normal((number, 2))
-    errors[0, 1] = 2.0  # whoever takes the first point alone is wrong
+    errors[:3, 1] = 2.0  # the first points alone give a wrong answer
     pixels = view.project(points) + noise * errors
     return pixels, points, replace(view, pitch=view.pitch - offset)
 
 
 def _pitch_public() -> list[Case]:
-    rng = np.random.default_rng(47)
-    plain = view_of(20.0)
-    everything = any_view(np.random.default_rng(8))
-    return [
-        Case(_calibration(rng, plain, 6, 0.06), "a camera that looks lower than it believes"),
-        Case(_calibration(rng, plain, 6, -0.05), "one that looks higher"),
-        Case(_calibration(rng, plain, 1, 0.03), "a single point"),
-        Case(
-            _calibration(rng, everything, 8, 0.08),
-            "turned, tilted and beside the robot's middle, with a lens",
-        ),
-        Case(_calibration(rng, view_of(14.0), 12, 0.16), "points that lie above the believed horizon"),
-        Case(_calibration(rng, plain, 30, 0.05, noise=1.0), "thirty points that are a pixel off"),
-        Case(_far_marks(rng, view_of(22.0), 0.05), "thirty marks about a pixel off, three of them far away"),
-        Case(_calibration(rng, plain, 5, 0.0), "nothing to correct"),
-    ]
+    rng, plain, everything = np.random.default_rng(47), view_of(20.0), any_view(np.random.default_rng(8))
+    cases = {
+        "a camera that points lower than assumed": _calibration(rng, plain, 6, 0.06),
+        "a camera that points higher than assumed": _calibration(rng, plain, 6, -0.05),
+        "a single point": _calibration(rng, plain, 1, 0.03),
+        "turned, tilted and beside the robot's centre, with a lens": _calibration(rng, everything, 8, 0.08),
+        "points above the assumed horizon": _calibration(rng, view_of(14.0), 12, 0.16),
+        "thirty points with errors of a pixel": _calibration(rng, plain, 30, 0.05, noise=1.0),
+        "thirty marks with errors of a pixel, three of them far away": _far_marks(rng, view_of(22.0), 0.05),
+        "nothing to correct": _calibration(rng, plain, 5, 0.0),
+    }
+    return [Case(given, name) for name, given in cases.items()]
 
 
-def _pitch_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
+PITCH = Exercise(
+    name="estimate_pitch",
+    points=5,
+    stars=3,
+    public=_pitch_public,
+    hidden=lambda rng: [
         Case(_calibration(rng, any_view(rng), 10, float(rng.uniform(0.03, 0.1)))),
         Case(_calibration(rng, any_view(rng), 7, float(rng.uniform(-0.1, -0.03)))),
         Case(_calibration(rng, any_view(rng, (640, 480)), 5, float(rng.uniform(0.03, 0.1)))),
         Case(_calibration(rng, view_of(14.0), 12, float(rng.uniform(0.15, 0.17)))),
         Case(_far_marks(rng, view_of(rng.uniform(20, 24)), float(rng.uniform(0.03, 0.07)))),
         Case(_calibration(rng, view_of(rng.uniform(15, 25)), 40, float(rng.uniform(0.03, 0.08)), noise=1.0)),
-    ]
-
-
-ESTIMATE_PITCH = Exercise(
-    name="estimate_pitch",
-    points=5,
-    stars=3,
-    public=_pitch_public,
-    hidden=_pitch_hidden,
-    comparison=Close(rtol=0.0, atol=0.002),
-    hints=(
-        "One number, and something that is small where it is right: for a given offset, replace(view, pitch=view.pitch + offset).project("
-        "ground_points) says where the points should be in the picture. The marked pixels say where they are.",
-        "scipy.optimize.least_squares wants a function that returns the misses as one long array (.ravel()), and a start: [0.0]. Or try "
-        "many offsets, and take the one with the least sum of squares.",
-    ),
-    mistakes=[
-        Mistake(
-            "the wrong sign",
-            _changed_fit(lambda found, view: -found),
-            "The size is right, the sign is not: view.pitch + offset should be where the camera really looks.",
-        ),
-        Mistake(
-            "the whole pitch",
-            _changed_fit(lambda found, view: view.pitch + found),
-            "That is the camera's pitch. Wanted is what has to be added to view.pitch.",
-        ),
-        Mistake(
-            "degrees",
-            _changed_fit(lambda found, view: np.degrees(found)),
-            "That is the offset in degrees. Radians are wanted.",
-        ),
-        Mistake(
-            "one point alone",
-            _changed_fit(one_point=True),
-            "Right where all points are marked exactly. With marks that are a pixel off, your answer hangs on the first of them: use all.",
-        ),
-        Mistake(
-            "one linear step",
-            _changed_fit(one_step=True),
-            "Nearly. One linear step does not arrive, for the picture bends with the angle: begin again from where it led, until nothing changes.",
-        ),
-        Mistake(
-            "least squares on the ground",
-            _on_ground,
-            "You compare on the ground, where one pixel is worth decimetres far away: a few far marks decide. Compare in the picture, by view.project: "
-            "there all marks are equally good.",
-        ),
-        Mistake(
-            "angles below the horizon",
-            _mean_depression,
-            "You compare angles below the horizon. They grow by the whole offset only straight ahead of the camera; to the side of it by less. Let view.project do the geometry.",
-        ),
-        Mistake(
-            "the lens left in",
-            _changed_fit(no_lens=True),
-            "Right without a lens. With one your offset makes up for it; view.project knows the lens, and view.undistort removes it.",
-        ),
-        Mistake(
-            "the head's yaw forgotten",
-            _changed_fit(no_yaw=True),
-            "Right while the head looks ahead. The ground points are in the robot frame, the camera may look to the side: view.yaw.",
-        ),
-        Mistake(
-            "ranges from the robot",
-            _by_range,
-            "You treat each pixel as if it were in the middle column, below a camera at the robot's middle. To the sides, and with an offset, "
-            "that is not so: let view.project or your pixel_to_ground do the geometry.",
-        ),
-        Mistake(
-            "nothing",
-            lambda pixels, ground_points, view: 0.0,
-            "Your offset is 0, which leaves the camera where it is. Does a search begin and end at its start?",
-        ),
     ],
+    comparison=All((Property(small_angle), Close(rtol=0.0, atol=0.002))),
+    hints=(
+        "For a given offset, replace(view, pitch=view.pitch + offset).project(ground_points) returns where the points should appear in the picture. Compare this with the marked pixels, and find the offset with the smallest error.",
+        "scipy.optimize.least_squares needs a function that returns all errors in one array (.ravel()), and a start: [0.0]. Or try many offsets and return the one with the smallest sum of squares.",
+    ),
+    mistakes=catalogue("""
+        the wrong sign: return float => return -float
+            Your offset has the wrong sign. view.pitch + offset should be the true pitch.
+        the whole pitch: return float => return view.pitch + float
+            You return the camera's pitch. Return the angle that has to be added to view.pitch.
+        degrees: return float( => return np.degrees(
+            Your offset is in degrees. Return radians.
+        one point alone: + pixels, ground_points = pixels[:1], ground_points[:1]
+            You use only the first point or the first few points. With errors of a pixel this is inaccurate: use all points.
+        first three points: + pixels, ground_points = pixels[:3], ground_points[:3]
+            You use three of the points. With errors of a pixel this is inaccurate: use all points.
+        one linear step: return float(least_squares(misses, [0.0]).x[0]) => gradient = (misses([1e-4]) - misses([-1e-4])) / 2e-4
+            + return -gradient @ misses([0.0]) / (gradient @ gradient)
+            You take a single linear step. The projection is not linear in the angle, so linearise again at the result and repeat until nothing changes.
+        least squares on the ground: .project(ground_points) - pixels).ravel() => )
+            return (replace(view, => points = pixel_to_ground(pixels, replace(view,
+            + return np.nan_to_num(points - ground_points, nan=1e3).ravel()
+            You compare on the ground, where one pixel far away corresponds to decimetres, so a few distant marks dominate. Compare in the picture with view.project, where all marks are equally accurate.
+        angles below the horizon: + right, below = ((view.undistort(pixels) - view.centre) / view.focal).T
+            + rays = np.column_stack([np.ones(len(right)), -right, -below]) @ view.rotation.T
+            + seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
+            + return np.mean(np.arctan2(view.height, np.hypot(*(ground_points - view.offset).T)) - seen)
+            You compare angles below the horizon. They change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
+        the lens left in: + view = replace(view, k1=0.0)
+            You ignore the lens distortion, and your offset compensates for it. view.project includes it, and view.undistort removes it.
+        the head's yaw forgotten: + view = replace(view, yaw=0.0)
+            You ignore view.yaw, so your answer is right only if the head looks straight ahead. The ground points are in the robot frame.
+        ranges from the robot: + below = np.arctan((view.undistort(pixels)[:, 1] - view.centre[1]) / view.focal[1])
+            + return np.mean(np.arctan2(view.height, np.hypot(*ground_points.T)) - view.pitch - below)
+            You treat each pixel as if it were in the middle column of a camera at the robot's centre. Use view.project or your pixel_to_ground, which are also right to the sides and with an offset.
+        nothing: + return 0.0
+            Your offset is always 0. Does your search end at its start?
+    """),
     alternatives={
-        "a grid that gets finer": _scanned,
-        "absolute errors, float32": _bounded,
-        "the median of the angles": _depressions,
+        "absolute errors": partial(_search, 1),
+        "float32": single(partial(_search, 2)),
+        "angles": _tilted,
     },
     equivalents={
-        "return (replace(view, pitch=view.pitch + offset[-1]).project(ground_points) - pixels).ravel()": "of one number the last is the first",
-        "return float(least_squares(misses, [0.0]).x[-1])": "of one number the last is the first",
-        "return least_squares(misses, [0.0]).x[0]": "a number of NumPy's is a number",
+        "return (replace(view, pitch=view.pitch + offset[-1]).project(ground_points) - pixels).ravel()": "an array of one number has one element",
+        "return float(least_squares(misses, [0.0]).x[-1])": "an array of one number has one element",
+        "return least_squares(misses, [0.0]).x[0]": "NumPy's float64 is a float",
         "return (pixels - replace(view, pitch=view.pitch + offset[0]).project(ground_points)).ravel()": "the square of a difference does not depend on its order",
     },
 )
 
 
 PLAN = LessonPlan(
-    exercises=[
-        GROUND_TO_MEASUREMENT,
-        PAPER_DISTANCE,
-        PAPER_BEARING,
-        PIXEL_TO_GROUND,
-        RANGE_SIGMA,
-        MEASUREMENT_COVARIANCE,
-        ESTIMATE_PITCH,
-    ],
+    exercises=[MEASUREMENT, DISTANCE, BEARING, GROUND, SIGMA, COVARIANCE, PITCH],
     questions=[
         Question(
             "why_no_balance",
-            "One tilt has a standard deviation of 3 degrees, another of 4, and they are independent. What has their sum?",
+            "One tilt has a standard deviation of 3 degrees and another one of 4 degrees, and they are independent. What is the standard deviation of their sum?",
             {
-                "1 degree: they balance each other out.": "They would have to be opposite in every picture. Independent errors are opposite in half of "
-                "them, and in the other half they add up.",
-                "5 degrees.": "The variances 9 and 16 add up to 25. It is less than 7, for sometimes they are opposite, and more than 4, for in the other half "
-                "they add up.",
-                "7 degrees: errors add up.": "That is the worst case of one picture, both at their deviation and on the same side. The typical sum is "
-                "smaller: variances add, not deviations.",
-                "3.5 degrees, the mean.": "A sum is no mean. Even the smaller of two independent errors makes the sum worse than the larger one alone.",
+                "1 degree, because they cancel.": "They would have to have opposite signs in every picture. Independent errors have opposite signs in only half of them.",
+                "5 degrees.": "The variances 9 and 16 add up to 25. The result is less than 7, because the errors often have opposite signs, and more than 4, because otherwise they add up.",
+                "7 degrees, because errors add up.": "Both errors would have to have the same sign in every picture. Variances add up, not standard deviations.",
+                "3.5 degrees, the mean.": "A sum is not a mean. Each independent error increases the standard deviation of the sum.",
             },
             "5 degrees.",
         ),
         Question(
             "what_helps",
-            "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a deviation of 0.7 degrees. What makes the range clearly better?",
+            "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a standard deviation of 0.7 degrees. What makes the range much more accurate?",
             {
-                "Pictures of 1280 x 960.": "They turn 7 cm into 2. The tilt's 23 cm stay, and the root of the squares' sum goes from 25 to 24 cm.",
-                "The mean of three landmarks in the same picture.": "They share the picture's tilt: three ranges that are all too long have a mean that is too long.",
-                "The mean of three pictures.": "Each picture has a lean of its own, so the mean of three is better by the root of three: 14 cm. A calibration has to "
-                "come first, for what stays in all pictures stays in their mean.",
+                "Pictures of 1280 x 960.": "They reduce the 7 cm of the pixel to 2 cm. The 23 cm of the tilt remain, so the total error is 24 instead of 25 cm.",
+                "The mean of three landmarks in the same picture.": "They share the tilt of the picture. If all three ranges are too long, their mean is too long as well.",
+                "The mean of three pictures.": "Each picture has its own tilt, so the mean of three is better by the square root of three: 14 cm. A calibration has to come first, because a constant error remains in the mean.",
             },
             "The mean of three pictures.",
         ),
@@ -1489,9 +770,8 @@ PLAN = LessonPlan(
         Written(
             "explain_shared_tilt",
             points=2,
-            question="Why would it be wrong to give each of three landmarks in one picture its own variance, and leave the rest of R zero?",
-            rubric="1 point: the tilt of a picture is one error for all its landmarks, so their ranges are wrong in the same direction (correlated). 1 point: "
-            "taken for independent, they are averaged, and the result is believed to be better than it is (overconfident).",
+            question="Why would it be wrong to give each of three landmarks in one picture its own variance and to set the rest of R to zero?",
+            rubric="1 point: the tilt of a picture is one error for all its landmarks, so their ranges are wrong in the same direction (correlated). 1 point: if they are treated as independent, they are averaged, and the result is assumed to be more accurate than it is (overconfident).",
         )
     ],
 )

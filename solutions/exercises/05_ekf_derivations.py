@@ -1,57 +1,61 @@
-"""Lesson 05, EKF derivations: its exercises, what students get wrong in them, and other right ways to write them."""
+"""The exercises of lesson 05, EKF derivations, with their mistakes and with alternative right solutions."""
 
 from __future__ import annotations
 
 import cmath
 import math
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import sympy
+from scipy.linalg import block_diag
 
-from nao_course.exercises import Case, Close, Derivative, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises import Case, Close, Derivative, Exercise, LessonPlan, Question, Written
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
+from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.ekf_derivations.mistakes import jacobian_at
+from nao_course.slam import range_and_bearing
 
 Array = npt.NDArray[Any]
 Function = Callable[..., Any]
 
-POSE_COLUMNS = ("by x", "by y", "by theta")
-
 
 def as_lists(*lines: str) -> dict[str, str]:
-    """Mutants that return lists where arrays are asked for: a check takes both."""
-    return dict.fromkeys(lines, "a list of the same numbers is taken for an array")
+    """Return equivalents for lines that return lists instead of arrays; a check accepts both."""
+    return dict.fromkeys(lines, "a check accepts a list in place of an array")
 
 
-# --- places to try things at ---
+def single(function: Function) -> Function:
+    """Return the function in single precision."""
+    return lambda *given: np.float32(function(*given))
 
 
+# --- poses, controls and landmarks for the cases ---
 def random_pose(rng: np.random.Generator) -> Array:
-    """A pose on the field, its heading anywhere."""
+    """Draw a pose on the field with any heading."""
     return np.array([rng.uniform(-4, 4), rng.uniform(-3, 3), rng.uniform(-3.1, 3.1)])
 
 
 def random_control(rng: np.random.Generator) -> Array:
-    """A step and a turn that are not small."""
+    """Draw a distance and a turn that are not small."""
     return np.array([rng.uniform(0.4, 2.0), rng.uniform(0.3, 1.2) * rng.choice([-1, 1])])
 
 
 def random_measurement(rng: np.random.Generator) -> Array:
-    """A landmark anywhere round the robot, its range not near 1 m."""
+    """Draw a bearing and a range; the range is not near 1 m."""
     return np.array([rng.uniform(0.2, 2.9) * rng.choice([-1, 1]), rng.uniform(1.6, 5.0)])
 
 
-def random_covariance(rng: np.random.Generator, size: int = 3) -> Array:
-    """A covariance without symmetry of any other kind."""
-    root = rng.normal(0, 0.3, (size, size))
-    return root @ root.T + 0.02 * np.eye(size)
+def random_covariance(rng: np.random.Generator) -> Array:
+    """Draw a covariance (3, 3) without any special structure."""
+    root = rng.normal(0, 0.3, (3, 3))
+    return root @ root.T + 0.02 * np.eye(3)
 
 
-def seen(pose: Array, measurement: Array) -> Array:
-    """The landmark that a measurement from a pose would belong to."""
+def landmark_from(pose: Array, measurement: Array) -> Array:
+    """Return the landmark that belongs to a measurement from a pose."""
     bearing, distance = measurement
     return np.array(Pose(*pose).to_parent([distance * math.cos(bearing), distance * math.sin(bearing)])[0])
 
@@ -59,129 +63,33 @@ def seen(pose: Array, measurement: Array) -> Array:
 FACING = np.array([1.0, 0.5, 0.0])  # along the x axis
 LEFT = np.array([0.5, -1.0, np.pi / 2])
 SLANTED = np.array([-2.0, 1.5, 2.5])
-NEARLY_ROUND = np.array([0.3, 0.4, -3.1])
+NEAR_HALF_TURN = np.array([0.3, 0.4, -3.1])
 
 
-# --- changing a right answer: the same slips are made in every Jacobian ---
-
-
-def with_change(right: Function, change: Callable[..., Any]) -> Function:
-    """The right answer with something changed: ``change(answer, *arguments)``."""
-
-    def function(*arguments: Any) -> Any:
-        return change(right(*arguments), *arguments)
-
-    return function
-
-
-def called_with(right: Function, *, heading: Function = lambda theta, *rest: theta) -> Function:
-    """The right function, asked with another heading than the pose's."""
-
-    def function(pose: Any, *rest: Any) -> Any:
-        x, y, theta = pose
-        return right(np.array([x, y, heading(theta, *rest)]), *rest)
-
-    return function
-
-
-def factors(*rows: tuple[float, ...]) -> Function:
-    """Multiply each entry of a matrix by a number: -1 for a wrong sign, 0 for a missing entry."""
-    return lambda matrix, *arguments: np.asarray(matrix) * np.array(rows)
-
-
-def in_part(number: int, change: Function) -> Function:
-    """Change one matrix of a tuple of them."""
-
-    def changed(matrices: Any, *arguments: Any) -> Any:
-        return tuple(
-            change(matrix, *arguments) if place == number else matrix for place, matrix in enumerate(matrices)
-        )
-
-    return changed
-
-
-def transposed(matrix: Any, *arguments: Any) -> Any:
-    """Rows for columns."""
-    return np.asarray(matrix).T
-
-
-def rows_swapped(matrix: Any, *arguments: Any) -> Any:
-    """The last row first."""
-    return np.asarray(matrix)[::-1]
-
-
-def columns_swapped(matrix: Any, *arguments: Any) -> Any:
-    """The last column first."""
-    return np.asarray(matrix)[:, ::-1]
-
-
-def heading_in_degrees(theta: float, *rest: Any) -> float:
-    """A heading taken as if NumPy counted in degrees."""
-    return math.radians(theta)
-
-
-def no_heading(theta: float, *rest: Any) -> float:
-    """A robot that always looks along the x axis."""
-    return 0.0
-
-
-def differences(
-    model: Function, at: Any, *rest: Any, angles: tuple[int, ...] = (), step: float = 1e-6
-) -> Array:
-    """Central differences of ``model(at, *rest)``; rows that are angles are taken the short way round."""
-    at = np.asarray(at, dtype=float)
-    columns = []
-    for shift in step * np.eye(len(at)):
-        change = np.asarray(model(at + shift, *rest)) - np.asarray(model(at - shift, *rest))
-        for row in angles:
-            change[row] = wrap_angle(change[row])
-        columns.append(change / (2 * step))
-    return np.array(columns).T
-
-
-@cache
-def compiled(rows: str, by: str, names: str) -> Function:
-    """A Jacobian that SymPy derives and turns into a function of the named numbers."""
-    symbols = {name: sympy.Symbol(name) for name in names.split()}
-    model = sympy.Matrix([sympy.sympify(row, locals=symbols) for row in rows.split(";")])
-    derived = model.jacobian([symbols[name] for name in by.split()])
-    return sympy.lambdify(list(symbols.values()), derived, "numpy")  # type: ignore[no-any-return]
+def differences(model: Function, at: Array, angles: tuple[int, ...] = ()) -> Array:
+    """Return the central differences of a model; differences of angles are wrapped."""
+    changes = np.array([model(at + step) - model(at - step) for step in 1e-6 * np.eye(len(at))]).T
+    changes[list(angles)] = wrap_angle(changes[list(angles)])
+    return changes / 2e-6
 
 
 # --- 5.1 predict_pose ---
+def _moved(pose: Array, control: Array, noise: Any = (0.0, 0.0, 0.0)) -> Array:
+    along, across, turn = noise
+    return (Pose(*pose) @ Pose(control[0] + along, across, control[1] + turn)).as_array()
 
 
-def _moved(pose: Any, control: Any) -> Array:
-    x, y, theta = pose
-    distance, turn = control
-    return np.array([x + distance * math.cos(theta), y + distance * math.sin(theta), theta + turn])
-
-
-def _moved_by_poses(pose: Any, control: Any) -> Array:
-    return (Pose(*pose) @ Pose(control[0], 0.0, control[1])).as_array()
-
-
-def _moved_by_rotation(pose: Any, control: Any) -> Array:
-    pose, control = np.asarray(pose), np.asarray(control)
-    return pose + np.append(rotation_2d(pose[2]) @ [control[0], 0.0], control[1])
-
-
-def _moved_by_complex(pose: Any, control: Any) -> list[float]:
-    end = complex(pose[0], pose[1]) + cmath.rect(control[0], pose[2])
-    return [end.real, end.imag, cmath.phase(cmath.exp(1j * (pose[2] + control[1])))]
-
-
-def _moves_turned_first(pose: Any, control: Any) -> Array:
-    x, y, theta = pose
-    return _moved((x, y, theta + control[1]), (control[0], 0.0))
+def _moved_by_complex(pose: Array, control: Array) -> list[float]:
+    end = complex(*pose[:2]) + cmath.rect(control[0], pose[2])
+    return [end.real, end.imag, cmath.phase(cmath.rect(1, pose[2] + control[1]))]
 
 
 def _moves_public() -> list[Case]:
     return [
-        Case((FACING, np.array([0.8, 0.5])), "heading along the x axis"),
-        Case((LEFT, np.array([0.4, -0.3])), "heading along the y axis"),
+        Case((FACING, np.array([0.8, 0.5])), "a heading along x"),
+        Case((LEFT, np.array([0.4, -0.3])), "a heading along y"),
         Case((SLANTED, np.array([1.2, 0.6])), "a heading of 143 degrees"),
-        Case((NEARLY_ROUND, np.array([0.5, -0.4])), "a turn that goes beyond -180 degrees"),
+        Case((NEAR_HALF_TURN, np.array([0.5, -0.4])), "a turn that goes beyond -180 degrees"),
         Case((SLANTED, np.array([-0.3, 0.2])), "backwards"),
         Case((SLANTED, np.array([0.0, 1.0])), "a turn on the spot"),
     ]
@@ -192,288 +100,146 @@ def _moves_hidden(rng: np.random.Generator) -> list[Case]:
     return [*cases, Case((random_pose(rng), np.array([-0.7, 0.4])))]
 
 
-PREDICT_POSE = Exercise(
+POSE = Exercise(
     name="predict_pose",
     points=1,
-    stars=1,
     public=_moves_public,
     hidden=_moves_hidden,
     comparison=Close(period=(0, 0, 2 * np.pi), names=("x", "y", "theta")),
     hints=(
-        "Equation 5.1 has three rows, and the answer three numbers. x, y, theta = pose takes the pose apart.",
-        "np.array([x + distance times the cosine, y + distance times the sine, theta + turn]); the angle in cosine and sine is the old heading.",
+        "The function returns three numbers, one for each part of equation 5.1. Unpack the inputs first: x, y, theta = pose.",
+        "Return np.array([...]) with x plus distance times a cosine, y plus distance times a sine, and theta plus the turn. The angle in both is the old heading.",
     ),
-    mistakes=[
-        Mistake(
-            "turns first",
-            _moves_turned_first,
-            "You drive along theta + alpha. This robot drives first and turns last: cosine and sine are of the old heading.",
-        ),
-        Mistake(
-            "cosine and sine swapped",
-            lambda pose, control: _moved_by(pose, control, math.sin, math.cos),
-            "Cosine and sine are swapped: with heading 0 the robot drives along x, and cos(0) is 1.",
-        ),
-        Mistake(
-            "heading sign",
-            lambda pose, control: _moved_by(pose, control, math.cos, lambda angle: -math.sin(angle)),
-            "y goes the wrong way: a positive heading looks to the left, towards larger y, so d sin(theta) is added.",
-        ),
-        Mistake(
-            "degrees",
-            lambda pose, control: _moved_by(
-                pose,
-                control,
-                lambda angle: math.cos(math.radians(angle)),
-                lambda angle: math.sin(math.radians(angle)),
-            ),
-            "The heading is in radians already, as np.cos and np.sin want it.",
-        ),
-        Mistake(
-            "turn forgotten",
-            lambda pose, control: _moved(pose, (control[0], 0.0)),
-            "The heading stays as it was. The robot turns by alpha after the drive.",
-        ),
-        Mistake(
-            "the change alone",
-            lambda pose, control: _moved(pose, control) - np.asarray(pose),
-            "That is the change of the pose. Add the old pose to it.",
-        ),
-        Mistake(
-            "in the robot's frame",
-            lambda pose, control: np.asarray(pose) + [control[0], 0.0, control[1]],
-            "You add d to x whatever the heading is. d is along the robot; the pose is in the frame of the field.",
-        ),
-        Mistake(
-            "turn subtracted",
-            lambda pose, control: _moved(pose, (control[0], -control[1])),
-            "The turn has the wrong sign: positive is to the left, and headings count to the left, too.",
-        ),
-        Mistake(
-            "heading halfway",
-            lambda pose, control: (
-                _moved((*pose[:2], pose[2] + control[1] / 2), control) - [0, 0, control[1] / 2]
-            ),
-            "You drive along theta + alpha / 2, as if the robot turned on its way. It drives straight, along its old heading, and turns afterwards.",
-        ),
-        Mistake(
-            "turn for heading",
-            lambda pose, control: _moved(pose, control) - [0, 0, pose[2]],
-            "Your new heading is alpha alone. The robot turns by alpha: add it to theta.",
-        ),
-        Mistake(
-            "heading in degrees",
-            lambda pose, control: _moved(pose, control) * [1, 1, 180 / np.pi],
-            "Your new heading is in degrees. It is wanted in radians.",
-        ),
-        Mistake(
-            "backwards",
-            lambda pose, control: _moved(pose, (-control[0], control[1])),
-            "Your robot drives backwards: the displacement is added, x + d cos(theta).",
-        ),
-        Mistake(
-            "never backwards",
-            lambda pose, control: _moved(pose, (abs(control[0]), control[1])),
-            "A negative distance drives backwards; in your answer it drives ahead.",
-        ),
-    ],
-    alternatives={
-        "composed poses": _moved_by_poses,
-        "a rotation matrix": _moved_by_rotation,
-        "complex numbers, wrapped": _moved_by_complex,
-    },
+    mistakes=catalogue("""
+        turns first: (theta) =>> (theta + turn)
+            Your robot drives along theta + alpha. This robot drives first and turns afterwards, so use the old heading in cosine and sine.
+        cosine and sine swapped: distance * np.sin => distance *  np.cos
+            distance * np.cos => distance * np.sin
+            Cosine and sine are swapped. With heading 0 the robot drives along x, and cos(0) is 1.
+        heading sign: y + => y -
+            y has the wrong sign. A positive heading points to the left, towards larger y, so d sin(theta) is added.
+        degrees: (theta) =>> (np.radians(theta))
+            You convert the heading to radians, but it already is in radians, as np.cos and np.sin expect.
+        turn forgotten: theta + turn]) => theta])
+            Your heading does not change. The robot turns by alpha after the drive: return theta + alpha.
+        the change alone: return np.array => return -pose + np.array
+            You return the change of the pose. Add the old pose to it.
+        in the robot's frame: distance * np.cos(theta), y + distance * np.sin(theta) => distance, y
+            You add d to x whatever the heading is. d is measured along the robot's heading, so its x and y parts are d cos(theta) and d sin(theta).
+        turn subtracted: theta + turn]) => theta - turn])
+            The turn has the wrong sign. Turns and headings are both positive to the left, so alpha is added.
+        heading halfway: (theta) =>> (theta + turn / 2)
+            Your robot drives along theta + alpha / 2, as if it turned on the way. It drives straight along its old heading and turns afterwards.
+        turn for heading: theta + turn]) => turn])
+            Your new heading is alpha alone. Add alpha to the old heading theta.
+        heading in degrees: theta + turn]) => np.degrees(theta + turn)])
+            Your new heading is in degrees. Return it in radians.
+        heading and turn from degrees: (theta) =>> (np.radians(theta))
+            theta + turn]) => np.radians(theta + turn)])
+            You convert heading and turn to radians, but both already are in radians.
+        backwards: distance * =>> -distance *
+            Your robot drives backwards. Add the displacement: x + d cos(theta).
+        drives across: np.cos(theta), y + distance * np.sin(theta) => np.sin(theta), y - distance * np.cos(theta)
+            Your robot drives to its right. With heading 0 it must drive along x: cosine for x, sine for y.
+    """),
+    alternatives={"composed poses": _moved, "complex numbers": _moved_by_complex, "float32": single(_moved)},
     equivalents=as_lists("return [x + distance * np.cos(theta), y + distance * np.sin(theta), theta + turn]"),
 )
 
 
-def _moved_by(pose: Any, control: Any, along_x: Function, along_y: Function) -> Array:
-    x, y, theta = pose
-    distance, turn = control
-    return np.array([x + distance * along_x(theta), y + distance * along_y(theta), theta + turn])
-
-
 # --- 5.2 expected_measurement ---
-
-
-def _measured(pose: Any, landmark: Any) -> Array:
-    x, y, theta = pose
-    dx, dy = landmark[0] - x, landmark[1] - y
-    return np.array([float(wrap_angle(math.atan2(dy, dx) - theta)), math.hypot(dx, dy)])
-
-
-def _measured_in_robot_frame(pose: Any, landmark: Any) -> Array:
+def _in_robot_frame(pose: Array, landmark: Array) -> tuple[float, float]:
     ahead, left = Pose(*pose).to_local(landmark)[0]
-    return np.array([np.arctan2(left, ahead), np.hypot(ahead, left)])
+    return np.arctan2(left, ahead), np.hypot(ahead, left)
 
 
-def _measured_by_complex(pose: Any, landmark: Any) -> tuple[float, float]:
-    seen_from = complex(landmark[0] - pose[0], landmark[1] - pose[1]) * cmath.exp(-1j * pose[2])
-    distance, bearing = cmath.polar(seen_from)
-    return bearing, distance
+def _by_loop(pose: Array, landmark: Array) -> list[float]:
+    bearing = np.arctan2(*(landmark - pose[:2])[::-1]) - pose[2]
+    while abs(bearing) > np.pi:
+        bearing -= 2 * np.pi * np.sign(bearing)
+    return [bearing, np.sqrt(((landmark - pose[:2]) ** 2).sum())]
 
 
-def _measured_float32(pose: Any, landmark: Any) -> Array:
-    difference = np.asarray(landmark) - np.asarray(pose)[:2]
-    bearing = np.arctan2(difference[1], difference[0]) - pose[2]
-    while bearing > np.pi:
-        bearing -= 2 * np.pi
-    while bearing <= -np.pi:
-        bearing += 2 * np.pi
-    return np.array([bearing, np.sqrt((difference**2).sum())], dtype=np.float32)
-
-
-def _by_direction(direction: Function, wrap: Function = wrap_angle) -> Function:
-    """The measurement with another direction to the landmark: ``direction(dx, dy, theta)``, then wrapped."""
-
-    def function(pose: Any, landmark: Any) -> Array:
-        x, y, theta = pose
-        dx, dy = landmark[0] - x, landmark[1] - y
-        return np.array([float(wrap(direction(dx, dy, theta))), math.hypot(dx, dy)])
-
-    return function
-
-
-def _looks_public() -> list[Case]:
+def _measurements_public() -> list[Case]:
     return [
         Case((FACING, np.array([3.0, 1.5])), "a landmark ahead to the left"),
         Case((FACING, np.array([-1.0, 1.3])), "a landmark behind the robot"),
-        Case((LEFT, np.array([2.5, -2.0])), "a robot that looks along y"),
-        Case((SLANTED, np.array([-3.4, 0.2])), "a heading of 143 degrees, a landmark beyond -180 degrees"),
-        Case((NEARLY_ROUND, np.array([-1.8, 0.9])), "a heading of -178 degrees, a landmark ahead"),
+        Case((LEFT, np.array([2.5, -2.0])), "a heading along y"),
+        Case(
+            (SLANTED, np.array([-3.4, 0.2])),
+            "a heading of 143 degrees, a landmark in the direction of -137 degrees",
+        ),
+        Case((NEAR_HALF_TURN, np.array([-1.8, 0.9])), "a heading of -178 degrees, a landmark ahead"),
         Case((SLANTED, np.array([-1.5, 1.6])), "a landmark very near"),
+        Case(
+            (np.array([1.0, -0.5, 9.0]), np.array([-0.6, -1.9])),
+            "a heading of 516 degrees, more than a full turn",
+        ),
     ]
 
 
-def _looks_hidden(rng: np.random.Generator) -> list[Case]:
+def _measurements_hidden(rng: np.random.Generator) -> list[Case]:
     cases = []
     for number in range(12):
         pose = random_pose(rng)
         if number % 3 == 0:
             pose[2] = rng.uniform(2.6, 3.1) * rng.choice([-1, 1])
-        cases.append(Case((pose, seen(pose, random_measurement(rng)))))
+        if number % 3 == 1:
+            pose[2] = rng.uniform(7.5, 9.4) * rng.choice([-1, 1])
+        cases.append(Case((pose, landmark_from(pose, random_measurement(rng)))))
     return cases
 
 
-EXPECTED_MEASUREMENT = Exercise(
+MEASUREMENT = Exercise(
     name="expected_measurement",
     points=1,
-    stars=1,
-    public=_looks_public,
-    hidden=_looks_hidden,
+    public=_measurements_public,
+    hidden=_measurements_hidden,
     comparison=Close(names=("bearing", "range")),
     hints=(
-        "First dx and dy, from the robot to the landmark. Equation 5.2 has the rest; wrap_angle(angle) is there for the bearing.",
-        "np.arctan2 wants dy first. Subtract theta from its result, and wrap that difference: not the parts of it.",
+        "Compute dx and dy first, from the robot to the landmark. The rest is equation 5.2, and wrap_angle(angle) does the wrapping.",
+        "np.arctan2 takes dy first. Subtract theta from its result and wrap the difference, not its two parts.",
     ),
-    mistakes=[
-        Mistake(
-            "range first",
-            lambda pose, landmark: _measured(pose, landmark)[::-1],
-            "You return (range, bearing). In this course a measurement is (bearing, range).",
-        ),
-        Mistake(
-            "not wrapped",
-            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=float),
-            "A bearing of yours lies outside (-pi, pi]. The difference of two angles has to be wrapped: wrap_angle(...).",
-        ),
-        Mistake(
-            "arctan for arctan2",
-            _by_direction(lambda dx, dy, theta: math.atan(dy / dx) - theta),
-            "np.arctan(dy / dx) cannot tell a landmark behind from one ahead. np.arctan2(dy, dx) can.",
-        ),
-        Mistake(
-            "heading forgotten",
-            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx)),
-            "That is the direction in the field's frame. A bearing counts from where the robot looks: subtract theta.",
-        ),
-        Mistake(
-            "heading added",
-            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx) + theta),
-            "You add the heading. A robot that turns left sees everything move to the right: theta is subtracted.",
-        ),
-        Mistake(
-            "from the landmark",
-            _by_direction(lambda dx, dy, theta: math.atan2(-dy, -dx) - theta),
-            "You look from the landmark to the robot: dx is l_x - x, not x - l_x.",
-        ),
-        Mistake(
-            "arctan2 the other way",
-            _by_direction(lambda dx, dy, theta: math.atan2(dx, dy) - theta),
-            "np.arctan2 takes y first: np.arctan2(dy, dx).",
-        ),
-        Mistake(
-            "wrapped to 0 to 2 pi",
-            _by_direction(
-                lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=lambda angle: angle % (2 * np.pi)
-            ),
-            "Your bearings go from 0 to 2 pi. The course's go from -pi to pi: a landmark to the right is negative.",
-        ),
-        Mistake(
-            "degrees",
-            _by_direction(
-                lambda dx, dy, theta: math.atan2(dy, dx) - theta,
-                wrap=lambda angle: math.degrees(wrap_angle(angle)),
-            ),
-            "The bearing is wanted in radians.",
-        ),
-        Mistake(
-            "arctan2 the other way, not wrapped",
-            _by_direction(lambda dx, dy, theta: math.atan2(dx, dy) - theta, wrap=float),
-            "Two things: np.arctan2 takes y first, and the difference has to be wrapped.",
-        ),
-        Mistake(
-            "range first, not wrapped",
-            lambda pose, landmark: _by_direction(
-                lambda dx, dy, theta: math.atan2(dy, dx) - theta, wrap=float
-            )(pose, landmark)[::-1],
-            "Two things: a measurement is (bearing, range), and the bearing has to be wrapped.",
-        ),
-        Mistake(
-            "root forgotten",
-            lambda pose, landmark: _measured(pose, landmark) ** [1, 2],
-            "Your range is the squared distance: the root is missing.",
-        ),
-        Mistake(
-            "to the right",
-            _by_direction(lambda dx, dy, theta: theta - math.atan2(dy, dx)),
-            "Your bearings are positive to the right. They count to the left, as headings do: the direction minus theta.",
-        ),
-        Mistake(
-            "from the field's origin",
-            lambda pose, landmark: _measured((0.0, 0.0, pose[2]), landmark),
-            "You look from the middle of the field: subtract the robot's x and y from the landmark's first.",
-        ),
-        Mistake(
-            "heading taken for degrees",
-            _by_direction(lambda dx, dy, theta: math.atan2(dy, dx) - math.radians(theta)),
-            "The heading is in radians already.",
-        ),
-        Mistake(
-            "wrapped on one side",
-            _by_direction(
-                lambda dx, dy, theta: math.atan2(dy, dx) - theta,
-                wrap=lambda angle: angle - 2 * np.pi if angle > np.pi else angle,
-            ),
-            "You bring angles above pi down, and none below -pi up. wrap_angle does both.",
-        ),
-        Mistake(
-            "without a side",
-            _by_direction(lambda dx, dy, theta: abs(float(wrap_angle(math.atan2(dy, dx) - theta)))),
-            "Your bearings have no sign: a cosine cannot tell left from right.",
-        ),
-        Mistake(
-            "round the corner",
-            lambda pose, landmark: np.array(
-                [_measured(pose, landmark)[0], np.abs(landmark - np.asarray(pose)[:2]).sum()]
-            ),
-            "Your range is the way along both axes. The range is the straight one: the root of the sum of the squares.",
-        ),
-    ],
-    alternatives={
-        "in the robot's frame": _measured_in_robot_frame,
-        "complex numbers": _measured_by_complex,
-        "float32, wrapped by a loop": _measured_float32,
-    },
+    mistakes=catalogue("""
+        range first: dy)]) => dy)])[::-1]
+            You return (range, bearing). In this course a measurement is (bearing, range).
+        not wrapped: wrap_angle( => (
+            Some of your bearings are outside (-pi, pi]. Wrap the difference of the two angles with wrap_angle(...).
+        arctan for arctan2: arctan2(dy, dx) => arctan(dy / dx)
+            np.arctan(dy / dx) gives the same angle for a landmark ahead and one behind. Use np.arctan2(dy, dx).
+        heading forgotten: - theta => - 0
+            You return the direction in the field frame. A bearing is relative to the robot's heading: subtract theta.
+        heading added: - theta => + theta
+            You add the heading. When a robot turns left, everything it sees moves to the right, so theta is subtracted.
+        from the landmark: landmark[0] - x, landmark[1] - y => x - landmark[0], y - landmark[1]
+            Your direction points from the landmark to the robot. dx is l_x - x, not x - l_x.
+        arctan2 the other way: arctan2(dy, dx) => arctan2(dx, dy)
+            np.arctan2 takes y first: np.arctan2(dy, dx).
+        from the landmark, not wrapped: landmark[0] - x, landmark[1] - y => x - landmark[0], y - landmark[1]
+            wrap_angle( => (
+            There are two errors: your direction points from the landmark to the robot, because dx is l_x - x; and the difference of the angles has to be wrapped.
+        wrapped to 0 to 2 pi: wrap_angle( => (lambda angle: angle % (2 * np.pi))(
+            Your bearings are between 0 and 2 pi. In this course they are between -pi and pi, so a landmark to the right has a negative bearing.
+        wrapped only once: wrap_angle( => (lambda angle: angle - 2 * np.pi * (angle > np.pi) + 2 * np.pi * (angle < -np.pi))(
+            You add or subtract 2 pi at most once. A robot that keeps turning has a heading of several turns, so one step is not enough. wrap_angle removes any number of turns.
+        degrees: np.array([ => np.array([180 / np.pi *
+            Your bearing is in degrees. Return it in radians.
+        root forgotten: np.hypot(dx, dy) => dx**2 + dy**2
+            Your range is the squared distance. Take the square root.
+        to the right: np.array([ => np.array([-
+            Your bearings are positive to the right. They are positive to the left, as headings are: direction minus theta.
+        from the field's origin: landmark[0] - x, landmark[1] - y => landmark
+            You measure from the origin of the field. Subtract the robot's x and y from the landmark's first.
+        heading taken for degrees: - theta => - np.radians(theta)
+            You convert the heading to radians, but it already is in radians.
+        wrapped on one side: wrap_angle( => (lambda angle: angle - 2 * np.pi * (angle > np.pi))(
+            You bring angles above pi down but leave those below -pi. wrap_angle handles both.
+        wrapped too early: wrap_angle(np.arctan2(dy, dx) - theta) => np.arctan2(dy, dx) - wrap_angle(theta)
+            You wrap the heading before you subtract it. The difference of two angles can still be outside (-pi, pi], so wrap the difference.
+        without a side: wrap_angle(np.arctan2(dy, dx) - theta) => abs(wrap_angle(np.arctan2(dy, dx) - theta))
+            Your bearings are never negative, so left and right look the same. Keep the sign of the angle.
+    """),
+    alternatives={"robot's frame": _in_robot_frame, "a loop": _by_loop, "float32": single(range_and_bearing)},
     equivalents=as_lists("return [wrap_angle(np.arctan2(dy, dx) - theta), np.hypot(dx, dy)]")
     | {
         "return np.array([wrap_angle(np.arctan2(dy, dx) - theta), np.hypot(dy, dx)])": "a root of the same two squares"
@@ -482,57 +248,19 @@ EXPECTED_MEASUREMENT = Exercise(
 
 
 # --- 5.3 landmark_position ---
-
-
-def _position(pose: Any, measurement: Any) -> Array:
-    x, y, theta = pose
-    bearing, distance = measurement
-    return np.array([x + distance * math.cos(theta + bearing), y + distance * math.sin(theta + bearing)])
-
-
-def _position_by_frames(pose: Any, measurement: Any) -> Array:
-    return seen(np.asarray(pose), np.asarray(measurement))
-
-
-def _position_by_rotation(pose: Any, measurement: Any) -> Array:
-    in_robot = measurement[1] * np.array([np.cos(measurement[0]), np.sin(measurement[0])])
-    return np.asarray(pose)[:2] + rotation_2d(pose[2]) @ in_robot
-
-
-def _position_by_complex(pose: Any, measurement: Any) -> list[float]:
-    point = complex(pose[0], pose[1]) + cmath.rect(measurement[1], pose[2] + measurement[0])
+def _position_by_complex(pose: Array, measurement: Array) -> list[float]:
+    point = complex(*pose[:2]) + cmath.rect(measurement[1], pose[2] + measurement[0])
     return [point.real, point.imag]
-
-
-def _reports_swap(pose: Any, measurement: Any) -> Array:
-    x, y, theta = pose
-    ahead, left = measurement[1] * math.cos(measurement[0]), measurement[1] * math.sin(measurement[0])
-    return np.array(
-        [
-            x + math.cos(theta) * ahead - math.sin(theta) * left,
-            y + math.sin(theta) * left + math.cos(theta) * ahead,
-        ]
-    )
-
-
-def _by_angle(angle: Function) -> Function:
-    """The landmark in another direction: ``angle(theta, bearing)``."""
-
-    def function(pose: Any, measurement: Any) -> Array:
-        x, y, theta = pose
-        return _position((x, y, 0.0), (angle(theta, measurement[0]), measurement[1]))
-
-    return function
 
 
 def _polar_public() -> list[Case]:
     return [
-        Case((FACING, np.array([0.4, 2.0])), "heading along the x axis"),
-        Case((LEFT, np.array([-0.6, 1.5])), "a robot that looks along y"),
+        Case((FACING, np.array([0.4, 2.0])), "a heading along x"),
+        Case((LEFT, np.array([-0.6, 1.5])), "a heading along y"),
         Case((SLANTED, np.array([1.2, 3.0])), "a heading of 143 degrees"),
-        Case((NEARLY_ROUND, np.array([-0.5, 2.5])), "heading and bearing beyond -180 degrees"),
-        Case((SLANTED, np.array([2.6, 0.4])), "a landmark near by, behind"),
-        Case((SLANTED, np.array([-0.3, 0.0])), "a range of nothing"),
+        Case((NEAR_HALF_TURN, np.array([-0.5, 2.5])), "heading and bearing beyond -180 degrees"),
+        Case((SLANTED, np.array([2.6, 0.4])), "a landmark 0.4 m away, behind the robot"),
+        Case((SLANTED, np.array([-0.3, 0.0])), "a range of 0 m"),
     ]
 
 
@@ -540,89 +268,50 @@ def _polar_hidden(rng: np.random.Generator) -> list[Case]:
     return [Case((random_pose(rng), random_measurement(rng))) for _ in range(10)]
 
 
-LANDMARK_POSITION = Exercise(
+POSITION = Exercise(
     name="landmark_position",
     points=1,
-    stars=1,
     public=_polar_public,
     hidden=_polar_hidden,
     comparison=Close(names=("x", "y")),
     hints=(
-        "In which direction does the landmark lie, as seen from above, if the robot looks along theta and sees it at beta?",
-        "It is r away from the robot, in the direction theta + beta: cosine for x, sine for y, and the robot's place added.",
+        "Seen from above, in which direction is the landmark if the robot's heading is theta and the bearing is beta?",
+        "The landmark is r away in the direction theta + beta. Use the cosine for x and the sine for y, and add the robot's position.",
     ),
-    mistakes=[
-        Mistake(
-            "heading forgotten",
-            _by_angle(lambda theta, bearing: bearing),
-            "You place the landmark as if the robot looked along x: the bearing counts from its heading, so theta is added.",
-        ),
-        Mistake(
-            "bearing subtracted",
-            _by_angle(lambda theta, bearing: theta - bearing),
-            "You subtract the bearing. It is positive to the left, as headings are: theta + beta.",
-        ),
-        Mistake(
-            "heading subtracted",
-            _by_angle(lambda theta, bearing: bearing - theta),
-            "You subtract the heading, as in equation 5.2. Here you go the other way: theta + beta.",
-        ),
-        Mistake(
-            "the report's page",
-            _reports_swap,
-            "Your y has l_x and l_y of the robot's frame swapped, as the report's handwritten page 1.3 has: the rotation's second row is (sin, cos), "
-            "for (l_x, l_y) in this order.",
-        ),
-        Mistake(
-            "cosine and sine swapped",
-            _by_angle(lambda theta, bearing: np.pi / 2 - theta - bearing),
-            "Cosine and sine are swapped: the cosine belongs to x.",
-        ),
-        Mistake(
-            "place forgotten",
-            lambda pose, measurement: _position((0.0, 0.0, pose[2]), measurement),
-            "The robot's own place is missing: add x and y.",
-        ),
-        Mistake(
-            "in the robot's frame",
-            lambda pose, measurement: _position((0.0, 0.0, 0.0), measurement),
-            "That is the landmark in the robot's frame. Turn it by theta, then shift it by (x, y).",
-        ),
-        Mistake(
-            "range first",
-            lambda pose, measurement: _position(pose, measurement[::-1]),
-            "You take the measurement as (range, bearing). It is (bearing, range).",
-        ),
-        Mistake(
-            "degrees",
-            _by_angle(lambda theta, bearing: math.radians(theta + bearing)),
-            "Heading and bearing are in radians already.",
-        ),
-        Mistake(
-            "bearing forgotten",
-            _by_angle(lambda theta, bearing: theta),
-            "You place the landmark straight ahead: the bearing is missing, theta + beta.",
-        ),
-        Mistake(
-            "behind",
-            _by_angle(lambda theta, bearing: theta + bearing + np.pi),
-            "Your landmark lies on the opposite side of the robot: the way to it is added, x + r cos(theta + beta).",
-        ),
-        Mistake(
-            "the cosine twice",
-            lambda pose, measurement: _position(pose, measurement)[0] - pose[0] + np.asarray(pose)[:2],
-            "Both of your rows have the cosine: the sine belongs to y.",
-        ),
-        Mistake(
-            "shifted, then turned",
-            lambda pose, measurement: rotation_2d(pose[2]) @ (_position((*pose[:2], 0.0), measurement)),
-            "You turn the robot's own place along with the landmark: turn first, then add x and y.",
-        ),
-    ],
+    mistakes=catalogue("""
+        heading forgotten: theta + bearing =>> bearing
+            You place the landmark as if the heading were 0. The bearing is relative to the heading, so use theta + beta.
+        bearing subtracted: theta + bearing =>> theta - bearing
+            You subtract the bearing. It is positive to the left, as headings are, so use theta + beta.
+        heading subtracted: theta + bearing =>> bearing - theta
+            You subtract the heading, as in equation 5.2. This function is the inverse, so use theta + beta.
+        the report's slip: np.sin(theta + bearing) => (np.sin(theta) * np.sin(bearing) + np.cos(theta) * np.cos(bearing))
+            In your y the robot frame's l_x and l_y are swapped. The second row of the rotation is (sin, cos), for l_x and l_y in this order. The report has the same mistake on page 1.3.
+        cosine and sine swapped: distance * np.sin => distance *  np.cos
+            distance * np.cos => distance * np.sin
+            Cosine and sine are swapped. The cosine belongs to x and the sine to y.
+        position forgotten: [x + => [
+            , y + => ,
+            The robot's own position is missing. Add x and y.
+        in the robot's frame: + pose = np.zeros(3)
+            You return the landmark in the robot frame. Rotate it by theta and add (x, y).
+        range first: bearing, distance = => distance, bearing =
+            You unpack the measurement as (range, bearing). It is (bearing, range).
+        degrees: theta + bearing =>> np.radians(theta + bearing)
+            You convert to radians, but heading and bearing already are in radians.
+        bearing forgotten: theta + bearing =>> theta
+            You place the landmark straight ahead, because the bearing is missing. Use theta + beta.
+        the cosine twice: np.sin => np.cos
+            Both of your coordinates have the cosine. The sine belongs to y.
+        shifted, then turned: + from nao_course.geometry import rotation_2d
+            theta + bearing =>> bearing
+            return => return rotation_2d(theta) @
+            You rotate the robot's own position together with the landmark. Rotate first, then add x and y.
+    """),
     alternatives={
-        "poses and frames": _position_by_frames,
-        "a rotation matrix": _position_by_rotation,
+        "frames": landmark_from,
         "complex numbers": _position_by_complex,
+        "float32": single(landmark_from),
     },
     equivalents=as_lists(
         "return [x + distance * np.cos(theta + bearing), y + distance * np.sin(theta + bearing)]"
@@ -631,64 +320,26 @@ LANDMARK_POSITION = Exercise(
 
 
 # --- 5.4 motion_jacobians ---
-
-
-def _motion_slopes(pose: Any, control: Any) -> tuple[Array, Array]:
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    by_pose = np.eye(3)
-    by_pose[:2, 2] = -control[0] * s, control[0] * c
-    by_noise = np.eye(3)
-    by_noise[:2, :2] = [[c, -s], [s, c]]
+def _motion(pose: Array, control: Array) -> tuple[Array, Array]:
+    """Differentiate a displacement by the heading: the result is the displacement, rotated by a quarter turn."""
+    by_pose, by_noise = np.eye(3), np.eye(3)
+    by_pose[:2, 2] = rotation_2d(np.pi / 2) @ (_moved(pose, control) - pose)[:2]
+    by_noise[:2, :2] = rotation_2d(pose[2])
     return by_pose, by_noise
 
 
-def _noisy(noise: Any, pose: Any, control: Any) -> Array:
-    pose = np.asarray(pose)
-    along, across, turn = noise
-    return pose + np.append(rotation_2d(pose[2]) @ [control[0] + along, across], control[1] + turn)
+def _motion_differences(pose: Array, control: Array) -> tuple[Array, Array]:
+    by_pose = differences(lambda at: _moved(at, control), pose, angles=(2,))
+    return by_pose, differences(lambda noise: _moved(pose, control, noise), np.zeros(3), angles=(2,))
 
 
-def _motion_by_differences(pose: Any, control: Any) -> tuple[Array, Array]:
-    by_pose = differences(_moved, pose, control, angles=(2,))
-    return by_pose, differences(_noisy, np.zeros(3), pose, control, angles=(2,))
+def _motion_complex(pose: Array, control: Array) -> list[list[list[float]]]:
+    c, s = cmath.rect(1, pose[2]).real, cmath.rect(1, pose[2]).imag
+    side = 1j * cmath.rect(control[0], pose[2])
+    return [[[1, 0, side.real], [0, 1, side.imag], [0, 0, 1]], [[c, -s, 0], [s, c, 0], [0, 0, 1]]]
 
 
-_MOTION = "x + (d + e_x) * cos(t) - e_y * sin(t); y + (d + e_x) * sin(t) + e_y * cos(t); t + a + e_a"
-_MOTION_NAMES = "x y t d a e_x e_y e_a"
-
-
-def _motion_by_sympy(pose: Any, control: Any) -> list[Array]:
-    at = (*pose, *control, 0.0, 0.0, 0.0)
-    return [np.array(compiled(_MOTION, by, _MOTION_NAMES)(*at)) for by in ("x y t", "e_x e_y e_a")]
-
-
-def _motion_by_displacement(pose: Any, control: Any) -> tuple[Array, Array]:
-    """The slope of a displacement by the heading is the displacement, a quarter turn to the left."""
-    shift = _moved(pose, control)[:2] - np.asarray(pose)[:2]
-    by_pose = np.eye(3, dtype=np.float32)
-    by_pose[:2, 2] = rotation_2d(np.pi / 2) @ shift
-    by_noise = np.zeros((3, 3))
-    by_noise[:2, :2], by_noise[2, 2] = rotation_2d(pose[2]), 1.0
-    return by_pose, by_noise
-
-
-def _last_column(x_by_theta: Function, y_by_theta: Function) -> Function:
-    """F with another last column: each entry a function of d, cosine and sine of the heading."""
-
-    def change(by_pose: Any, pose: Any, control: Any) -> Array:
-        c, s = math.cos(pose[2]), math.sin(pose[2])
-        changed = np.array(by_pose)
-        changed[:2, 2] = x_by_theta(control[0], c, s), y_by_theta(control[0], c, s)
-        return changed
-
-    return with_change(_motion_slopes, in_part(0, change))
-
-
-def _only_control(by_noise: Any, pose: Any, control: Any) -> Array:
-    return np.asarray(by_noise)[:, [0, 2]]
-
-
-MOTION_JACOBIANS = Exercise(
+MOTION = Exercise(
     name="motion_jacobians",
     points=2,
     stars=2,
@@ -696,134 +347,53 @@ MOTION_JACOBIANS = Exercise(
     hidden=_moves_hidden,
     comparison=Close(names=("F", "G")),
     hints=(
-        "F is 3 x 3: row i is line i of equation 5.5, column j says by which of x, y, theta you differentiate. Seven of its nine entries are 0 or 1.",
-        "In F only the column by theta is interesting: the derivative of d cos(theta), and that of d sin(theta). In G the first column is how x and "
-        "y grow with e_x: look at the factors of e_x in equation 5.5.",
+        "F is 3 x 3: row i is line i of equation 5.5, and column j is the variable x, y or theta that you differentiate by. Seven of its nine entries are 0 or 1.",
+        "In F only the column for theta takes work: differentiate d cos(theta) and d sin(theta). The first column of G has the factors of e_x in equation 5.5.",
     ),
-    mistakes=[
-        Mistake(
-            "heading sign",
-            with_change(_motion_slopes, in_part(0, factors((1, 1, -1), (1, 1, -1), (1, 1, 1)))),
-            "F's column by theta has the wrong signs: the derivative of the cosine is minus the sine, that of the sine the cosine.",
-        ),
-        Mistake(
-            "minus forgotten",
-            with_change(_motion_slopes, in_part(0, factors((1, 1, -1), (1, 1, 1), (1, 1, 1)))),
-            "F[0, 2] has the wrong sign: the derivative of cos(theta) is -sin(theta).",
-        ),
-        Mistake(
-            "theta + alpha",
-            called_with(_motion_slopes, heading=lambda theta, control: theta + control[1]),
-            "You evaluate at theta + alpha, the heading after the turn. The robot drives along the old one.",
-        ),
-        Mistake(
-            "F and G swapped",
-            lambda pose, control: _motion_slopes(pose, control)[::-1],
-            "F and G are swapped: F, by the pose, comes first. (The paper calls this lesson's F its G.)",
-        ),
-        Mistake(
-            "not differentiated",
-            _last_column(lambda d, c, s: d * c, lambda d, c, s: d * s),
-            "F's column by theta has d cos(theta) and d sin(theta) themselves: differentiate them.",
-        ),
-        Mistake(
-            "distance forgotten",
-            _last_column(lambda d, c, s: -s, lambda d, c, s: c),
-            "In F's column by theta the factor d is missing: the farther the robot drives, the more its heading counts.",
-        ),
-        Mistake(
-            "the report's e_y = 1",
-            _last_column(lambda d, c, s: -d * s, lambda d, c, s: d * c - s),
-            "F[1, 2] is taken at e_y = 1, as the report's handwritten page 1.2 says. The noise has mean 0: take all slopes there.",
-        ),
-        Mistake(
-            "noise in the world frame",
-            with_change(_motion_slopes, in_part(1, lambda by_noise, *arguments: np.eye(3))),
-            "Your G adds e_x to x, whatever the heading. The errors are along and across the robot, so they turn with it.",
-        ),
-        Mistake(
-            "G the wrong way round",
-            with_change(_motion_slopes, in_part(1, transposed)),
-            "Your G turns the noise by -theta: it is transposed. Its first column is (cos, sin, 0).",
-        ),
-        Mistake(
-            "no noise across",
-            with_change(_motion_slopes, in_part(1, _only_control)),
-            "Your G has one column for d and one for alpha. There are three errors: along, across and of the turn.",
-        ),
-        Mistake(
-            "F transposed",
-            with_change(_motion_slopes, in_part(0, transposed)),
-            "F is transposed: rows belong to the new x, y, theta, columns to the old ones.",
-        ),
-        Mistake(
-            "theta + alpha, noise in the world frame",
-            with_change(
-                called_with(_motion_slopes, heading=lambda theta, control: theta + control[1]),
-                in_part(1, lambda by_noise, *arguments: np.eye(3)),
-            ),
-            "Two things: F belongs to the old heading, not to theta + alpha; and G has to turn the errors into the field's frame.",
-        ),
-        Mistake(
-            "minus forgotten, noise in the world frame",
-            with_change(
-                with_change(_motion_slopes, in_part(0, factors((1, 1, -1), (1, 1, 1), (1, 1, 1)))),
-                in_part(1, lambda by_noise, *arguments: np.eye(3)),
-            ),
-            "Two things: the derivative of cos(theta) is -sin(theta); and G has to turn the errors into the field's frame.",
-        ),
-        Mistake(
-            "without the ones",
-            with_change(_motion_slopes, in_part(0, lambda by_pose, *arguments: by_pose - np.eye(3))),
-            "F has the slopes of the displacement. The new x contains the old one, too: the ones of the diagonal are missing.",
-        ),
-        Mistake(
-            "degrees",
-            called_with(_motion_slopes, heading=heading_in_degrees),
-            "The heading is in radians already, as np.cos and np.sin want it.",
-        ),
-        Mistake(
-            "cosine and sine swapped",
-            _last_column(lambda d, c, s: d * c, lambda d, c, s: -d * s),
-            "In F's column by theta the rows have changed places: the new x holds the cosine, whose derivative is -sin.",
-        ),
-        Mistake(
-            "the heading's one",
-            with_change(_motion_slopes, in_part(0, factors((1, 1, 1), (1, 1, 1), (1, 1, 0)))),
-            "F[2, 2] is 0, but a heading that was wrong stays wrong: the new theta contains the old one.",
-        ),
-        Mistake(
-            "the place's ones",
-            with_change(_motion_slopes, in_part(0, factors((0, 1, 1), (1, 0, 1), (1, 1, 1)))),
-            "F[0, 0] and F[1, 1] are 0, but the new place contains the old one: x' = x + ...",
-        ),
-        Mistake(
-            "nothing across",
-            with_change(_motion_slopes, in_part(1, factors((1, 0, 1), (1, 0, 1), (1, 1, 1)))),
-            "G's second column is zero: the error across moves the robot to its left, by (-sin, cos).",
-        ),
-        Mistake(
-            "the sign across",
-            with_change(_motion_slopes, in_part(1, factors((1, -1, 1), (1, 1, 1), (1, 1, 1)))),
-            "G[0, 1] has the wrong sign: left of a robot that looks along theta is (-sin, cos).",
-        ),
-        Mistake(
-            "the turn's error before the drive",
-            with_change(
-                _motion_slopes,
-                lambda matrices, *arguments: (
-                    matrices[0],
-                    np.column_stack([matrices[1][:, :2], matrices[0][:, 2]]),
-                ),
-            ),
-            "Your error of the turn moves the place. The robot turns after the drive: G's third column is (0, 0, 1).",
-        ),
-    ],
-    alternatives={
-        "central differences": _motion_by_differences,
-        "SymPy": _motion_by_sympy,
-        "the displacement turned by 90 degrees, float32": _motion_by_displacement,
-    },
+    mistakes=catalogue("""
+        heading sign: [1, 0, -distance => [1, 0, distance
+            [0, 1, distance => [0, 1, -distance
+            Both entries of F's theta column have the wrong sign. The derivative of the cosine is minus the sine, and the derivative of the sine is plus the cosine.
+        minus forgotten: [1, 0, -distance => [1, 0, distance
+            F[0, 2] has the wrong sign. The new x contains d cos(theta), and its derivative is -d sin(theta).
+        one minus too many: [0, 1, distance => [0, 1, -distance
+            F[1, 2] has the wrong sign. The new y contains d sin(theta), and its derivative is +d cos(theta).
+        theta + alpha: pose[2] => pose[2] + control[1]
+            You evaluate at theta + alpha, the heading after the turn. The robot drives along the old heading.
+        F and G swapped: return F, G => return G, F
+            F and G are swapped. F, the Jacobian with respect to the pose, comes first. (The paper calls our F its G.)
+        not differentiated: -distance * np.sin(theta)], [0, 1, distance * np.cos => distance * np.cos(theta)], [0, 1, distance * np.sin
+            F's theta column contains d cos(theta) and d sin(theta) themselves. Differentiate them.
+        distance forgotten: control[0] => 1
+            The factor d is missing in F's theta column. The farther the robot drives, the more an error of its heading matters.
+        the report's e_y = 1: distance * np.cos(theta) => distance * np.cos(theta) - np.sin(theta)
+            F[1, 2] is evaluated at e_y = 1, as on the report's handwritten page 1.2. The errors have mean 0, so evaluate all derivatives there.
+        noise in the field frame: return F, G => return F, np.eye(3)
+            Your G adds e_x to x whatever the heading is. The errors are along and across the robot, so they rotate with it.
+        G the wrong way round: 0], [0, 0, 1]]) => 0], [0, 0, 1]]).T
+            Your G is transposed, so it rotates the errors by -theta. Its first column is (cos, sin, 0).
+        no noise across: return F, G => return F, G[:, [0, 2]]
+            Your G has one column for d and one for alpha. There are three errors: along, across and in the turn.
+        F transposed: (theta)], [0, 0, 1]]) => (theta)], [0, 0, 1]]).T
+            F is transposed. Rows belong to the new x, y, theta and columns to the old ones.
+        without the ones: return F, G => return F - np.eye(3), G
+            The ones on the diagonal of F are missing. The new x contains the old x, so the derivative is 1, and likewise for y and theta.
+        degrees: pose[2] => np.radians(pose[2])
+            You convert the heading to radians, but it already is in radians, as np.cos and np.sin expect.
+        cosine and sine swapped: -distance * np.sin(theta)], [0, 1, distance * np.cos => distance * np.cos(theta)], [0, 1, -distance * np.sin
+            The two entries of F's theta column are swapped. The new x contains the cosine, so its derivative, with -sin, is in the first row.
+        swapped without the minus: -distance * np.sin(theta)], [0, 1, distance * np.cos => -distance * np.cos(theta)], [0, 1, distance * np.sin
+            In F's theta column cosine and sine are swapped and the signs are wrong, too. Differentiate d cos(theta) for the first row and d sin(theta) for the second.
+        the heading's one: (theta)], [0, 0, 1]] => (theta)], [0, 0, 0]]
+            F[2, 2] is 0. The new theta contains the old theta, so this derivative is 1.
+        nothing across: -np.sin(theta), 0], [np.sin(theta), np.cos(theta), 0] => 0, 0], [np.sin(theta), 0, 0]
+            G's second column is zero. The error across moves the robot to its left, by (-sin, cos).
+        the sign across: -np.sin(theta) => np.sin(theta)
+            G[0, 1] has the wrong sign. Left of a robot with heading theta is the direction (-sin, cos).
+        the turn's error before the drive: return F, G => return F, np.column_stack([G[:, :2], F[:, 2]])
+            Your error of the turn moves the position. The robot turns after the drive, so G's third column is (0, 0, 1).
+    """),
+    alternatives={"differences": _motion_differences, "complex": _motion_complex, "float32": single(_motion)},
     equivalents=as_lists(
         "F = [[1, 0, -distance * np.sin(theta)], [0, 1, distance * np.cos(theta)], [0, 0, 1]]",
         "G = [[np.cos(theta), -np.sin(theta), 0], [np.sin(theta), np.cos(theta), 0], [0, 0, 1]]",
@@ -832,72 +402,37 @@ MOTION_JACOBIANS = Exercise(
 
 
 # --- 5.5 predict_covariance ---
+def _covariance(P: Array, pose: Array, control: Array, Q: Array) -> Array:
+    both = np.hstack(_motion(pose, control))
+    return both @ block_diag(P, Q) @ both.T
 
 
-def _spread(covariance: Any, pose: Any, control: Any, control_covariance: Any) -> Array:
-    F, G = _motion_slopes(pose, control)
-    return F @ np.asarray(covariance) @ F.T + G @ np.asarray(control_covariance) @ G.T
+def _covariance_roots(P: Array, pose: Array, control: Array, Q: Array) -> Array:
+    F, G = _motion(pose, control)
+    tiny = 1e-14 * np.eye(3)
+    root = np.hstack([F @ np.linalg.cholesky(P + tiny), G @ np.linalg.cholesky(Q + tiny)])
+    return root @ root.T
 
 
-def _spread_with(formula: Function) -> Function:
-    """Another formula: ``formula(F, P, G, Q)``."""
-
-    def function(covariance: Any, pose: Any, control: Any, control_covariance: Any) -> Array:
-        F, G = _motion_slopes(pose, control)
-        answer: Array = formula(F, np.asarray(covariance), G, np.asarray(control_covariance))
-        return answer
-
-    return function
-
-
-def _spread_in_one(F: Array, P: Array, G: Array, Q: Array) -> Array:
-    slopes, both = np.hstack([F, G]), np.zeros((6, 6))
-    both[:3, :3], both[3:, 3:] = P, Q
-    return slopes @ both @ slopes.T
-
-
-def _spread_by_sums(F: Array, P: Array, G: Array, Q: Array) -> Array:
-    total = np.zeros((3, 3))
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                for m in range(3):
-                    total[i, j] += F[i, k] * P[k, m] * F[j, m] + G[i, k] * Q[k, m] * G[j, m]
-    return total
-
-
-def _spread_by_einsum(F: Array, P: Array, G: Array, Q: Array) -> Array:
-    return np.einsum("ik,km,jm->ij", F, P, F) + np.einsum("ik,km,jm->ij", G, Q, G)
-
-
-def _spread_by_roots(F: Array, P: Array, G: Array, Q: Array) -> Array:
-    roots = np.hstack(
-        [F @ np.linalg.cholesky(P + 1e-14 * np.eye(3)), G @ np.linalg.cholesky(Q + 1e-14 * np.eye(3))]
-    )
-    return roots @ roots.T
-
-
-def _spreads_public() -> list[Case]:
+def _covariances_public() -> list[Case]:
     rng = np.random.default_rng(51)
-    small = np.diag([0.1, 0.05, 0.02]) ** 2
-    cases = [
-        ("only the heading is uncertain", np.diag([0.0, 0.0, 0.04]), np.zeros((3, 3)), SLANTED),
-        (
-            "only the drive is uncertain, sideways most",
-            np.zeros((3, 3)),
-            np.diag([0.01, 0.09, 0.04]),
-            SLANTED,
+    small, none = np.diag([0.1, 0.05, 0.02]) ** 2, np.zeros((3, 3))
+    ahead, back = np.array([1.5, 0.4]), np.array([-0.8, 0.2])
+    across = np.diag([0.01, 0.09, 0.04])
+    return [
+        Case((np.diag([0.0, 0.0, 0.04]), SLANTED, ahead, none), "only the heading is uncertain"),
+        Case((none, SLANTED, ahead, across), "only the motion is uncertain, mostly across"),
+        Case(
+            (random_covariance(rng), NEAR_HALF_TURN, ahead, random_covariance(rng)),
+            "pose and motion are uncertain",
         ),
-        ("all of it is uncertain", random_covariance(rng), random_covariance(rng), NEARLY_ROUND),
-        ("heading along the y axis", random_covariance(rng), small, LEFT),
-        ("a small uncertainty", small, small / 4, FACING),
+        Case((random_covariance(rng), LEFT, ahead, small), "a heading along y"),
+        Case((small, FACING, ahead, small / 4), "a small uncertainty"),
+        Case((random_covariance(rng), SLANTED, back, random_covariance(rng)), "backwards"),
     ]
-    drives = [Case((P, pose, np.array([1.5, 0.4]), Q), name) for name, P, Q, pose in cases]
-    backwards = (random_covariance(rng), SLANTED, np.array([-0.8, 0.2]), random_covariance(rng))
-    return [*drives, Case(backwards, "backwards")]
 
 
-def _spreads_hidden(rng: np.random.Generator) -> list[Case]:
+def _covariances_hidden(rng: np.random.Generator) -> list[Case]:
     cases = [
         Case((random_covariance(rng), random_pose(rng), random_control(rng), random_covariance(rng)))
         for _ in range(8)
@@ -906,174 +441,85 @@ def _spreads_hidden(rng: np.random.Generator) -> list[Case]:
     return [*cases, Case((random_covariance(rng), random_pose(rng), backwards, random_covariance(rng)))]
 
 
-PREDICT_COVARIANCE = Exercise(
+COVARIANCE = Exercise(
     name="predict_covariance",
     points=2,
     stars=2,
     uses=("motion_jacobians",),
-    public=_spreads_public,
-    hidden=_spreads_hidden,
+    public=_covariances_public,
+    hidden=_covariances_hidden,
     comparison=Close(rtol=1e-4, atol=1e-7, names=("x", "y", "theta")),
     hints=(
-        "Equation 5.6, with F and G of your motion_jacobians. In NumPy @ is the product of matrices, .T the transpose.",
-        "F, G = motion_jacobians(pose, control). Then two products of three matrices each, and their sum: the transposed one stands on the right.",
+        "Use equation 5.6 with F and G from your motion_jacobians. In NumPy @ is the matrix product and .T the transpose.",
+        "F, G = motion_jacobians(pose, control). Then add two products of three matrices each, with the transposed matrix on the right.",
     ),
-    mistakes=[
-        Mistake(
-            "Gᵀ Q G",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G.T @ Q @ G),
-            "The second term is G.T @ Q @ G. It has to be G @ Q @ G.T: G turns the robot's errors into the field's, the transposed one turns them "
-            "the other way.",
-        ),
-        Mistake(
-            "Fᵀ P F",
-            _spread_with(lambda F, P, G, Q: F.T @ P @ F + G @ Q @ G.T),
-            "The first term is F.T @ P @ F. It has to be F @ P @ F.T: P must meet the old pose, the columns of F.",
-        ),
-        Mistake(
-            "both the wrong way round",
-            _spread_with(lambda F, P, G, Q: F.T @ P @ F + G.T @ Q @ G),
-            "Both products are the wrong way round: the transposed matrix stands on the right.",
-        ),
-        Mistake(
-            "noise in the world frame",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T + Q),
-            "You add the control's covariance as it is. It is along and across the robot; G turns it into the field's frame.",
-        ),
-        Mistake(
-            "noise forgotten",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T),
-            "The drive's own errors are missing: add G @ control_covariance @ G.T.",
-        ),
-        Mistake(
-            "only the noise",
-            _spread_with(lambda F, P, G, Q: G @ Q @ G.T),
-            "The old uncertainty is missing: it is carried along by F.",
-        ),
-        Mistake(
-            "old one not carried along",
-            _spread_with(lambda F, P, G, Q: P + G @ Q @ G.T),
-            "You keep the old covariance as it is. An uncertain heading becomes an uncertain place while the robot drives: F @ covariance @ F.T.",
-        ),
-        Mistake(
-            "no transposes",
-            _spread_with(lambda F, P, G, Q: F @ P @ F + G @ Q @ G),
-            "Nothing is transposed. A covariance meets the Jacobian from both sides: F @ P @ F.T.",
-        ),
-        Mistake(
-            "one side only",
-            _spread_with(lambda F, P, G, Q: F @ P + G @ Q),
-            "A covariance meets the Jacobian from both sides; yours has it on the left only.",
-        ),
-        Mistake(
-            "products of entries",
-            _spread_with(lambda F, P, G, Q: F * P * F.T + G * Q * G.T),
-            "With * NumPy multiplies entry by entry. The product of matrices is @.",
-        ),
-        Mistake(
-            "F and G swapped",
-            _spread_with(lambda F, P, G, Q: G @ P @ G.T + F @ Q @ F.T),
-            "F and G are swapped: F belongs to the old covariance, G to the control's.",
-        ),
-        Mistake(
-            "squared again",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G @ Q**2 @ G.T),
-            "control_covariance holds variances already: it is not squared again.",
-        ),
-        Mistake(
-            "subtracted",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T - G @ Q @ G.T),
-            "You subtract the drive's errors. Errors that do not know of each other add up.",
-        ),
-        Mistake(
-            "F for both",
-            _spread_with(lambda F, P, G, Q: F @ (P + Q) @ F.T),
-            "F stands round both covariances. It carries the old one; the drive's errors are carried by G.",
-        ),
-        Mistake(
-            "variances only, of the drive",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G @ np.diag(np.diag(Q)) @ G.T),
-            "You take the diagonal of control_covariance only. Errors may be correlated: take all of it.",
-        ),
-        Mistake(
-            "variances only, of the pose",
-            _spread_with(lambda F, P, G, Q: F @ np.diag(np.diag(P)) @ F.T + G @ Q @ G.T),
-            "You take the diagonal of the old covariance only. After one drive place and heading are correlated: take all of it.",
-        ),
-        Mistake(
-            "control_covariance not used",
-            _spread_with(lambda F, P, G, Q: F @ P @ F.T + G @ G.T),
-            "Your second term has no control_covariance in it: G @ control_covariance @ G.T.",
-        ),
-        Mistake(
-            "not backwards",
-            lambda P, pose, control, Q: _spread(P, pose, control, Q) if control[0] >= 0 else np.asarray(P),
-            "Where the robot drives backwards, your covariance stays as it was. The formula is the same there.",
-        ),
-        Mistake(
-            "where the drive ends",
-            lambda P, pose, control, Q: _spread(P, _moved(pose, control), control, Q),
-            "You take the Jacobians at the pose behind the motion. They belong to the pose before it.",
-        ),
-    ],
+    mistakes=catalogue("""
+        Gᵀ Q G: G @ control_covariance @ G.T => G.T @ control_covariance @ G
+            Your second term is G.T @ Q @ G; it should be G @ Q @ G.T. G rotates the errors from the robot frame into the field frame, and its transpose rotates them the other way.
+        Fᵀ P F: F @ covariance @ F.T => F.T @ covariance @ F
+            Your first term is F.T @ P @ F; it should be F @ P @ F.T. The columns of F belong to the old pose, so F stands on the left of P.
+        both the wrong way round: F @ covariance @ F.T => F.T @ covariance @ F
+            G @ control_covariance @ G.T => G.T @ control_covariance @ G
+            Both products have the transpose on the wrong side. The transposed matrix stands on the right.
+        noise in the field frame: G @ control_covariance @ G.T => control_covariance
+            You add the control's covariance without rotating it. It is given along and across the robot, and G rotates it into the field frame.
+        noise forgotten: F.T + G @ control_covariance @ G.T => F.T
+            The errors of the motion are missing. Add G @ control_covariance @ G.T.
+        only the noise: F @ covariance @ F.T + G => G
+            The old covariance is missing. Add F @ covariance @ F.T.
+        old covariance not propagated: F @ covariance @ F.T => covariance
+            You add the old covariance unchanged. While the robot drives, an uncertain heading makes its position uncertain, so use F @ covariance @ F.T.
+        no transposes: .T =>>
+            Neither product has a transpose. A covariance is multiplied by the Jacobian on the left and by its transpose on the right.
+        one side only, of the pose: covariance @ F.T => covariance
+            Your first term is F @ P. A covariance is also multiplied by the transposed Jacobian on the right: F @ P @ F.T.
+        one side only, of the motion: covariance @ G.T => covariance
+            Your second term is G @ Q. A covariance is also multiplied by the transposed Jacobian on the right: G @ Q @ G.T.
+        products of entries: @ =>> *
+            In NumPy * multiplies entry by entry. The matrix product is @.
+        F and G swapped: F, G = => G, F =
+            F and G are swapped. F belongs to the old covariance and G to the control's.
+        squared again: control_covariance @ => control_covariance**2 @
+            You square control_covariance, but it already contains variances.
+        subtracted: F.T + G => F.T - G
+            You subtract the errors of the motion. Variances of independent errors add up.
+        F for both: G @ control_covariance @ G.T => F @ control_covariance @ F.T
+            You use F in both terms. F propagates the old covariance, and G the errors of the motion.
+        variances only, of the motion: @ control_covariance => @ np.diag(np.diag(control_covariance))
+            You use only the diagonal of control_covariance. Errors may be correlated, so use the whole matrix.
+        variances only, of the pose: @ covariance => @ np.diag(np.diag(covariance))
+            You use only the diagonal of the old covariance. After one motion position and heading are correlated, so use the whole matrix.
+        control_covariance not used: G @ control_covariance @ G.T => G @ G.T
+            Your second term does not contain control_covariance. It should be G @ control_covariance @ G.T.
+        evaluated after the motion: motion_jacobians(pose, => motion_jacobians(predict_pose(pose, control),
+            You evaluate the Jacobians at the pose after the motion. They belong to the pose before it.
+    """),
     alternatives={
-        "both in one product": _spread_with(_spread_in_one),
-        "sums over indices": _spread_with(_spread_by_sums),
-        "einsum": _spread_with(_spread_by_einsum),
-        "square roots": _spread_with(_spread_by_roots),
+        "one product": _covariance,
+        "square roots": _covariance_roots,
+        "float32": single(_covariance),
     },
 )
 
 
 # --- 5.6 landmark_jacobians ---
-
-
-def _place_slopes(pose: Any, measurement: Any) -> tuple[Array, Array]:
-    angle = pose[2] + measurement[0]
-    toward = np.array([math.cos(angle), math.sin(angle)])
-    sideways = measurement[1] * np.array([-toward[1], toward[0]])
-    return np.column_stack([np.eye(2), sideways]), np.column_stack([sideways, toward])
-
-
-def _place_by_differences(pose: Any, measurement: Any) -> tuple[Array, Array]:
-    by_measurement = differences(lambda z: _position(pose, z), measurement)
-    return differences(_position, pose, measurement), by_measurement
-
-
-def _place_by_sympy(pose: Any, measurement: Any) -> tuple[Array, Array]:
-    model, names = "x + r * cos(t + b); y + r * sin(t + b)", "x y t b r"
-    both = [np.array(compiled(model, by, names)(*pose, *measurement)) for by in ("x y t", "b r")]
-    return both[0], both[1]
-
-
-def _place_by_rotation(pose: Any, measurement: Any) -> tuple[Array, Array]:
+def _position_jacobians(pose: Array, measurement: Array) -> tuple[Array, Array]:
     turned = rotation_2d(pose[2] + measurement[0]) @ np.array([[0, 1], [measurement[1], 0]])
-    return np.hstack([np.eye(2), turned[:, :1]]).astype(np.float32), turned
+    return np.hstack([np.eye(2), turned[:, :1]]), turned
 
 
-def _first_column(change: Function) -> Function:
-    """by_measurement with its column by the bearing changed, and by_pose with that by the heading."""
-
-    def changed(matrices: Any, pose: Any, measurement: Any) -> Any:
-        by_pose, by_measurement = (np.array(each) for each in matrices)
-        by_pose[:, 2] = by_measurement[:, 0] = change(by_measurement[:, 0], measurement)
-        return by_pose, by_measurement
-
-    return with_change(_place_slopes, changed)
+def _position_jacobians_complex(pose: Array, measurement: Array) -> Any:
+    toward = cmath.rect(1, pose[2] + measurement[0])
+    x, y = (-measurement[1] * toward.imag, measurement[1] * toward.real)
+    return [[1, 0, x], [0, 1, y]], [[x, toward.real], [y, toward.imag]]
 
 
-def _per_metre(number: int) -> Function:
-    """A column that lacks the factor of the range."""
-
-    def change(matrix: Any, pose: Any, measurement: Any) -> Array:
-        changed = np.array(matrix, dtype=float)
-        changed[:, number] /= measurement[1]
-        return changed
-
-    return change
+def _position_differences(pose: Array, measurement: Array) -> tuple[Array, Array]:
+    by_pose = differences(lambda at: landmark_from(at, measurement), pose)
+    return by_pose, differences(lambda z: landmark_from(pose, z), measurement)
 
 
-LANDMARK_JACOBIANS = Exercise(
+LANDMARK = Exercise(
     name="landmark_jacobians",
     points=2,
     stars=2,
@@ -1081,150 +527,57 @@ LANDMARK_JACOBIANS = Exercise(
     hidden=_polar_hidden,
     comparison=Close(names=("by_pose", "by_measurement")),
     hints=(
-        "Two rows, l_x and l_y of equation 5.3. Heading and bearing stand there only as a sum: what does that say of the slopes by them?",
-        "by_pose: an identity and a third column, the slope by theta. by_measurement: the slope by beta, which is that third column again, and the "
-        "slope by r, a cosine and a sine.",
+        "There are two rows, l_x and l_y of equation 5.3. Heading and bearing appear only as a sum. What does that mean for the derivatives with respect to them?",
+        "by_pose is an identity and a third column, the derivative by theta. by_measurement has that third column again, for beta, and then a cosine and a sine, for r.",
     ),
-    mistakes=[
-        Mistake(
-            "range first",
-            with_change(_place_slopes, in_part(1, columns_swapped)),
-            "The columns of by_measurement are swapped: a measurement is (bearing, range).",
-        ),
-        Mistake(
-            "bearing's sign",
-            with_change(_place_slopes, in_part(1, factors((-1, 1), (-1, 1)))),
-            "by_measurement's column by the bearing has the wrong sign: heading and bearing both count to the left, so their slopes are the same.",
-        ),
-        Mistake(
-            "minus forgotten",
-            _first_column(lambda column, measurement: column * [-1, 1]),
-            "The slope of l_x by an angle has the wrong sign: the derivative of the cosine is minus the sine.",
-        ),
-        Mistake(
-            "both signs",
-            _first_column(lambda column, measurement: -column),
-            "The slopes by heading and bearing have both signs wrong: minus the sine, and plus the cosine.",
-        ),
-        Mistake(
-            "range forgotten",
-            _first_column(lambda column, measurement: column / measurement[1]),
-            "The slopes by heading and bearing lack the factor r: a far landmark moves more.",
-        ),
-        Mistake(
-            "heading forgotten",
-            called_with(_place_slopes, heading=no_heading),
-            "Your slopes are those of a robot that looks along x: the angle is theta + beta everywhere.",
-        ),
-        Mistake(
-            "heading subtracted",
-            called_with(_place_slopes, heading=lambda theta, measurement: -theta),
-            "Your angle is beta - theta. It is theta + beta, as in equation 5.3.",
-        ),
-        Mistake(
-            "place forgotten",
-            with_change(_place_slopes, in_part(0, factors((0, 0, 1), (0, 0, 1)))),
-            "Where the robot moves, the landmark it places moves along: by_pose begins with an identity.",
-        ),
-        Mistake(
-            "identity's sign",
-            with_change(_place_slopes, in_part(0, factors((-1, -1, 1), (-1, -1, 1)))),
-            "by_pose begins with minus an identity, as the range's slopes would. Here the landmark moves along with the robot.",
-        ),
-        Mistake(
-            "no slope by the heading",
-            with_change(_place_slopes, in_part(0, factors((1, 1, 0), (1, 1, 0)))),
-            "by_pose's column by theta is zero: when the robot turns, what it sees turns round it.",
-        ),
-        Mistake(
-            "swapped",
-            lambda pose, measurement: _place_slopes(pose, measurement)[::-1],
-            "The two matrices are swapped: first the one by the pose, (2, 3).",
-        ),
-        Mistake(
-            "transposed",
-            with_change(_place_slopes, in_part(1, transposed)),
-            "by_measurement is transposed: rows are l_x and l_y.",
-        ),
-        Mistake(
-            "both transposed",
-            lambda pose, measurement: tuple(each.T for each in _place_slopes(pose, measurement)),
-            "Both are transposed: rows are l_x and l_y, columns what they are differentiated by.",
-        ),
-        Mistake(
-            "side by side",
-            lambda pose, measurement: np.hstack(_place_slopes(pose, measurement)),
-            "You return one matrix (2, 5). Two are wanted: return by_pose, by_measurement.",
-        ),
-        Mistake(
-            "minus forgotten once",
-            with_change(_place_slopes, in_part(0, factors((1, 1, -1), (1, 1, 1)))),
-            "by_pose[0, 2] has the wrong sign: the derivative of the cosine is minus the sine.",
-        ),
-        Mistake(
-            "minus forgotten by the bearing",
-            with_change(_place_slopes, in_part(1, factors((-1, 1), (1, 1)))),
-            "by_measurement[0, 0] has the wrong sign: the derivative of the cosine is minus the sine.",
-        ),
-        Mistake(
-            "range forgotten by the heading",
-            with_change(_place_slopes, in_part(0, _per_metre(2))),
-            "by_pose's column by theta lacks the factor r: a far landmark moves more.",
-        ),
-        Mistake(
-            "range forgotten by the bearing",
-            with_change(_place_slopes, in_part(1, _per_metre(0))),
-            "by_measurement's column by the bearing lacks the factor r: a far landmark moves more.",
-        ),
-        Mistake(
-            "range too much",
-            with_change(
-                _place_slopes,
-                in_part(1, lambda matrix, pose, measurement: matrix * np.array([1.0, measurement[1]])),
-            ),
-            "by_measurement's column by the range still has r in it: the derivative of r cos(...) by r is cos(...).",
-        ),
-        Mistake(
-            "bearing forgotten",
-            lambda pose, measurement: _place_slopes(pose, (0.0, measurement[1])),
-            "The bearing is missing in your slopes: the angle is theta + beta everywhere.",
-        ),
-        Mistake(
-            "bearing forgotten by the heading",
-            lambda pose, measurement: (
-                _place_slopes(pose, (0.0, measurement[1]))[0],
-                _place_slopes(pose, measurement)[1],
-            ),
-            "by_pose's column by theta has the angle theta. It is theta + beta, as in equation 5.3.",
-        ),
-        Mistake(
-            "heading forgotten by the bearing",
-            lambda pose, measurement: (
-                _place_slopes(pose, measurement)[0],
-                _place_slopes((0.0, 0.0, 0.0), measurement)[1],
-            ),
-            "by_measurement has the angle beta. It is theta + beta, as in equation 5.3.",
-        ),
-        Mistake(
-            "bearing subtracted",
-            lambda pose, measurement: _place_slopes(pose, (-measurement[0], measurement[1])),
-            "Your angle is theta - beta. It is theta + beta, as in equation 5.3.",
-        ),
-        Mistake(
-            "range taken first",
-            lambda pose, measurement: _place_slopes(pose, measurement[::-1]),
-            "You take the measurement as (range, bearing). It is (bearing, range).",
-        ),
-        Mistake(
-            "not differentiated",
-            _first_column(lambda column, measurement: column[::-1] * [1, -1]),
-            "The slopes by heading and bearing have cosine and sine in each other's place: they are -r sin and r cos.",
-        ),
-    ],
+    mistakes=catalogue("""
+        range first: return by_pose, by_measurement => return by_pose, by_measurement[:, ::-1]
+            The columns of by_measurement are swapped. A measurement is (bearing, range).
+        bearing's sign: [[across[0], c], [across[1], s]] => [[-across[0], c], [-across[1], s]]
+            by_measurement's column for the bearing has the wrong sign. Heading and bearing are both positive to the left, so their derivatives are the same.
+        minus forgotten: -measurement[1] => measurement[1]
+            The derivative of l_x with respect to an angle has the wrong sign. The derivative of the cosine is minus the sine.
+        range forgotten: -measurement[1] * s, measurement[1] * c => -s, c
+            The factor r is missing in the derivatives with respect to heading and bearing. A far landmark moves more than a near one.
+        heading forgotten: pose[2] + measurement[0] => measurement[0]
+            Your derivatives are only right for a robot with heading 0. Use the angle theta + beta everywhere.
+        heading subtracted: pose[2] + => -pose[2] +
+            Your angle is beta - theta. It should be theta + beta, as in equation 5.3.
+        position forgotten: [[1, 0, across[0]], [0, 1, => [[0, 0, across[0]], [0, 0,
+            The identity in by_pose is missing. When the robot's position changes, the landmark's computed position changes by the same amount.
+        zero by the heading: [[1, 0, across[0]], [0, 1, across[1]]] => [[1, 0, 0], [0, 1, 0]]
+            by_pose's column for theta is zero. When the heading changes, the landmark's computed position moves on a circle around the robot.
+        swapped: return by_pose, by_measurement => return by_measurement, by_pose
+            The two matrices are swapped. by_pose (2, 3) comes first.
+        transposed: return by_pose, by_measurement => return by_pose, by_measurement.T
+            by_measurement is transposed. Its rows are l_x and l_y.
+        both transposed: return by_pose, by_measurement => return by_pose.T, by_measurement.T
+            Both matrices are transposed. Rows are l_x and l_y, columns are the variables that you differentiate by.
+        side by side: return by_pose, by_measurement => return np.hstack([by_pose, by_measurement])
+            You return one matrix (2, 5). Return two matrices: return by_pose, by_measurement.
+        minus forgotten once: 0, across[0] => 0, -across[0]
+            by_pose[0, 2] has the wrong sign. The derivative of the cosine is minus the sine.
+        minus forgotten by the bearing: [[across[0] => [[-across[0]
+            by_measurement[0, 0] has the wrong sign. The derivative of the cosine is minus the sine.
+        range forgotten by the heading: [[1, 0, across[0]], [0, 1, across[1]]] => [[1, 0, -s], [0, 1, c]]
+            The factor r is missing in by_pose's column for theta. A far landmark moves more than a near one.
+        range forgotten by the bearing: [[across[0], c], [across[1], s]] => [[-s, c], [c, s]]
+            The factor r is missing in by_measurement's column for the bearing. A far landmark moves more than a near one.
+        range too much: [[across[0], c], [across[1], s]] => [[across[0], measurement[1] * c], [across[1], measurement[1] * s]]
+            by_measurement's column for the range still contains r. The derivative of r cos(...) with respect to r is cos(...).
+        bearing forgotten: pose[2] + measurement[0] => pose[2]
+            The bearing is missing in your derivatives. Use the angle theta + beta everywhere.
+        bearing subtracted: pose[2] + => pose[2] -
+            Your angle is theta - beta. It should be theta + beta, as in equation 5.3.
+        range taken first: + measurement = measurement[::-1]
+            You unpack the measurement as (range, bearing). It is (bearing, range).
+        not differentiated: -measurement[1] * s, measurement[1] * c => measurement[1] * c, measurement[1] * s
+            The derivatives with respect to heading and bearing contain r cos and r sin themselves. Differentiate them: -r sin and r cos.
+    """),
     alternatives={
-        "central differences": _place_by_differences,
-        "SymPy": _place_by_sympy,
-        "a rotation matrix, float32": _place_by_rotation,
+        "differences": _position_differences,
+        "complex": _position_jacobians_complex,
+        "a rotation": _position_jacobians,
     },
     equivalents=as_lists(
         "by_pose = [[1, 0, across[0]], [0, 1, across[1]]]",
@@ -1234,79 +587,31 @@ LANDMARK_JACOBIANS = Exercise(
 
 
 # --- 5.7 derive_measurement_jacobian ---
-
 _x, _y, _theta, _l_x, _l_y = sympy.symbols("x y theta l_x l_y")
 _dx, _dy = _l_x - _x, _l_y - _y
 _q = _dx**2 + _dy**2
 _MODEL = sympy.Matrix([sympy.atan2(_dy, _dx) - _theta, sympy.sqrt(_q)])
-_BY = [_x, _y, _theta]
-
-
-def _derived() -> Any:
-    return _MODEL.jacobian(_BY)
-
-
-def _symbolic(change: Function = lambda jacobian: jacobian, model: Any = _MODEL) -> Function:
-    """Another model or Jacobian than the right ones."""
-    return lambda: (model, change(model.jacobian(_BY)))
-
-
-def _entry(row: int, column: int, change: Function) -> Function:
-    """A Jacobian with one entry changed."""
-
-    def changed(jacobian: Any) -> Any:
-        other = jacobian.copy()
-        other[row, column] = change(other[row, column])
-        return other
-
-    return changed
-
-
-def _row(number: int, change: Function) -> Function:
-    """A Jacobian with the first two entries of a row changed."""
-
-    def changed(jacobian: Any) -> Any:
-        other = jacobian.copy()
-        for column in (0, 1):
-            other[number, column] = change(other[number, column])
-        return other
-
-    return changed
+_JACOBIAN = _MODEL.jacobian([_x, _y, _theta])
 
 
 def _points(rng: np.random.Generator) -> dict[str, Array]:
-    """Robots and landmarks in all directions, headings near half a turn among them."""
+    """Draw robots and landmarks in all directions, some with headings near half a turn."""
     poses = np.array([random_pose(rng) for _ in range(12)])
     poses[:4, 2] = [np.pi, -np.pi, 3.1, -3.1]
-    landmarks = np.array([seen(pose, random_measurement(rng)) for pose in poses])
+    landmarks = np.array([landmark_from(pose, random_measurement(rng)) for pose in poses])
     return dict(zip(("x", "y", "theta", "l_x", "l_y"), [*poses.T, *landmarks.T], strict=True))
 
 
-def _with_mod() -> tuple[Any, Any]:
-    whole = 2 * sympy.pi
-    return sympy.Matrix([sympy.Mod(_MODEL[0] + sympy.pi, whole) - sympy.pi, _MODEL[1]]), _derived()
-
-
 def _with_half_angle() -> tuple[Any, Any]:
-    """The angle by half of it, with SymPy's own Jacobian, not simplified."""
+    """Return a model with the half-angle formula, and SymPy's own Jacobian, not simplified."""
     r = sympy.sqrt(_q)
     model = sympy.Matrix([[2 * sympy.atan2(_dy, r + _dx) - _theta, r]])
-    return model, model.T.jacobian(_BY)
-
-
-def _bearing_model(bearing: Any, distance: Any = None) -> Function:
-    """Another model, with the Jacobian that fits it."""
-    return _symbolic(model=sympy.Matrix([bearing, sympy.sqrt(_q) if distance is None else distance]))
-
-
-def _as_lists() -> tuple[Any, Any]:
-    r = sympy.sqrt(_q)
-    return list(_MODEL), [[_dy / r**2, -_dx / r**2, -1], [-_dx / r, -_dy / r, 0]]
+    return model, model.T.jacobian([_x, _y, _theta])
 
 
 def _real_symbols() -> tuple[Any, Any]:
     real = {each: sympy.Symbol(each.name, real=True) for each in (_x, _y, _theta, _l_x, _l_y)}
-    return _MODEL.subs(real), _derived().subs(real)
+    return _MODEL.subs(real), _JACOBIAN.subs(real)
 
 
 DERIVE = Exercise(
@@ -1320,454 +625,249 @@ DERIVE = Exercise(
     hidden=lambda rng: [Case((_points(rng), ["x", "y", "theta"])) for _ in range(2)],
     comparison=Derivative(by=("x", "y", "theta"), period=(2 * np.pi, 0.0)),
     hints=(
-        "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and bring all to the denominator dx^2 + dy^2.",
-        "dx = l_x - x, so the inner derivative by x is -1: every slope by x or y is minus the slope by dx or dy. theta stands in the bearing alone, once.",
+        "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and expand with dx^2, so that the denominator is dx^2 + dy^2.",
+        "dx = l_x - x has the inner derivative -1 with respect to x, so each derivative by x or y is minus the derivative by dx or dy. theta appears only once, in the bearing.",
     ),
-    mistakes=[
-        Mistake(
-            "inner derivative forgotten",
-            _symbolic(lambda jacobian: jacobian * sympy.diag(-1, -1, 1)),
-            "All slopes by x and y have the wrong sign: these are the slopes by dx and dy. The inner derivative, -1, is missing.",
-        ),
-        Mistake(
-            "bearing's signs",
-            _symbolic(_row(0, lambda entry: -entry)),
-            "The bearing's slopes by x and y have the wrong signs. Go to the left (y grows), and a landmark ahead moves to the right.",
-        ),
-        Mistake(
-            "range's signs",
-            _symbolic(_row(1, lambda entry: -entry)),
-            "The range's slopes by x and y have the wrong signs: drive towards a landmark, and the range shrinks.",
-        ),
-        Mistake(
-            "r for r^2",
-            _symbolic(_row(0, lambda entry: entry * sympy.sqrt(_q))),
-            "The bearing's slopes are divided by r; it has to be r^2 = dx^2 + dy^2.",
-        ),
-        Mistake(
-            "r^2 for r",
-            _symbolic(_row(1, lambda entry: entry / sympy.sqrt(_q))),
-            "The range's slopes are divided by r^2; it has to be r, the root.",
-        ),
-        Mistake(
-            "the missing -1",
-            _symbolic(_entry(0, 2, lambda entry: sympy.Integer(0))),
-            "The bearing's slope by theta is 0 in your matrix: the heading is subtracted in the bearing, so it is -1.",
-        ),
-        Mistake(
-            "plus 1",
-            _symbolic(_entry(0, 2, lambda entry: -entry)),
-            "The bearing's slope by theta is +1 in your matrix. Turn left, and the landmark moves to the right: -1.",
-        ),
-        Mistake(
-            "rows swapped",
-            lambda: (_MODEL, sympy.Matrix([_derived().row(1), _derived().row(0)])),
-            "The rows of your Jacobian are swapped: the bearing comes first.",
-        ),
-        Mistake(
-            "range first",
-            lambda: (
-                sympy.Matrix([_MODEL[1], _MODEL[0]]),
-                sympy.Matrix([_derived().row(1), _derived().row(0)]),
-            ),
-            "Your model is (range, bearing). A measurement is (bearing, range).",
-        ),
-        Mistake(
-            "dx and dy swapped",
-            _symbolic(lambda jacobian: sympy.Matrix([[-_dx / _q, _dy / _q, -1], list(jacobian.row(1))])),
-            "In the bearing's slopes dx and dy have changed places: by x it is dy / r^2.",
-        ),
-        Mistake(
-            "atan2 the other way",
-            _bearing_model(sympy.atan2(_dx, _dy) - _theta),
-            "Your Jacobian fits your model, but your model has atan2(dx, dy): y comes first.",
-        ),
-        Mistake(
-            "atan for atan2",
-            _bearing_model(sympy.atan(_dy / _dx) - _theta),
-            "Your Jacobian is right, your model is not: atan(dy / dx) cannot tell a landmark behind from one ahead, atan2(dy, dx) can. They have the "
-            "same slopes.",
-        ),
-        Mistake(
-            "from the landmark",
-            _bearing_model(sympy.atan2(-_dy, -_dx) - _theta),
-            "Your Jacobian is right, your model is not: it looks from the landmark to the robot, half a turn off. dx is l_x - x.",
-        ),
-        Mistake(
-            "heading added",
-            _bearing_model(sympy.atan2(_dy, _dx) + _theta),
-            "Your Jacobian fits your model, but your model adds theta. A bearing counts from the heading: subtract it.",
-        ),
-        Mistake(
-            "to the right",
-            _bearing_model(_theta - sympy.atan2(_dy, _dx)),
-            "Your Jacobian fits your model, but its bearings are positive to the right: it is atan2(dy, dx) - theta.",
-        ),
-        Mistake(
-            "heading forgotten",
-            _bearing_model(sympy.atan2(_dy, _dx)),
-            "Your Jacobian fits your model, but your bearing counts from the x axis. It counts from the heading: subtract theta.",
-        ),
-        Mistake(
-            "root forgotten",
-            _bearing_model(sympy.atan2(_dy, _dx) - _theta, _q),
-            "Your Jacobian fits your model, but your range is the squared distance: the root is missing.",
-        ),
-    ],
+    mistakes=catalogue("""
+        inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, -1], [dx / r, dy
+            All derivatives with respect to x and y have the wrong sign. You differentiated by dx and dy, so the inner derivative of -1 is missing.
+        bearing's signs: [[dy / q, -dx => [[-dy / q, dx
+            The derivatives of the bearing with respect to x and y have the wrong sign. If the robot moves left (y grows), a landmark ahead moves to the right.
+        range's signs: [-dx / r, -dy => [dx / r, dy
+            The derivatives of the range with respect to x and y have the wrong sign. If the robot drives towards a landmark, the range shrinks.
+        r for r^2: dy / q, -dx / q => dy / r, -dx / r
+            The derivatives of the bearing are divided by r. Divide them by r^2 = dx^2 + dy^2.
+        r^2 for r: -dx / r, -dy / r => -dx / q, -dy / q
+            The derivatives of the range are divided by r^2. Divide them by r, the root.
+        the missing -1: -1] => 0]
+            In your matrix the derivative of the bearing with respect to theta is 0. The heading is subtracted in the bearing, so it is -1.
+        divisors exchanged: dy / q, -dx / q => dy / r, -dx / r
+            [-dx / r, -dy / r, 0] => [-dx / q, -dy / q, 0]
+            The two divisors are exchanged. Divide the derivatives of the bearing by r^2 = dx^2 + dy^2, and the derivatives of the range by r.
+        inner derivative and the -1: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, 0], [dx / r, dy
+            There are two errors: the inner derivative of -1 is missing in all derivatives with respect to x and y; and the derivative of the bearing with respect to theta is -1.
+        bearing's signs and the -1: [[dy / q, -dx / q, -1] => [[-dy / q, dx / q, 0]
+            There are two errors in the bearing's row: its derivatives with respect to x and y have the wrong sign, and the one with respect to theta is -1.
+        r for r^2, inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / r, dx / r, -1], [dx / r, dy
+            There are two errors: the inner derivative of -1 is missing in all derivatives with respect to x and y; and you divide the derivatives of the bearing by r, but it should be r^2.
+        plus 1: -1] => 1]
+            In your matrix the derivative of the bearing with respect to theta is +1. If the robot turns left, the landmark moves to the right, so it is -1.
+        rows swapped: return model, jacobian => return model, jacobian[::-1, :]
+            The rows of your Jacobian are swapped. The bearing comes first.
+        range first: return model, jacobian => return model[::-1, :], jacobian[::-1, :]
+            Your model is (range, bearing). A measurement is (bearing, range).
+        dx and dy swapped: dy / q, -dx / q => -dx / q, dy / q
+            In the derivatives of the bearing dx and dy are swapped. The derivative with respect to x is dy / r^2.
+        atan2 the other way: atan2(dy, dx) => atan2(dx, dy)
+            [[dy / q, -dx => [[-dy / q, dx
+            Your Jacobian fits your model, but your model has atan2(dx, dy). y comes first.
+        atan for atan2: atan2(dy, dx) => atan(dy / dx)
+            Your Jacobian is right, but your model is not. atan(dy / dx) gives the same angle for a landmark ahead and one behind, and atan2(dy, dx) does not. Both have the same derivatives.
+        from the landmark: atan2(dy, dx) => atan2(-dy, -dx)
+            Your Jacobian is right, but your model is half a turn off, because its direction points from the landmark to the robot. dx is l_x - x.
+        heading added: - theta => + theta
+            -1] => 1]
+            Your Jacobian fits your model, but your model adds theta. A bearing is relative to the heading: subtract theta.
+        to the right: sp.atan2(dy, dx) - theta => theta - sp.atan2(dy, dx)
+            [[dy / q, -dx / q, -1] => [[-dy / q, dx / q, 1]
+            Your Jacobian fits your model, but its bearings are positive to the right. The bearing is atan2(dy, dx) - theta.
+        heading forgotten: dx) - theta => dx)
+            -1] => 0]
+            Your Jacobian fits your model, but your bearing is measured from the x axis. It is relative to the heading: subtract theta.
+        root forgotten: theta, r] => theta, q]
+            -dx / r, -dy / r => -2 * dx, -2 * dy
+            Your Jacobian fits your model, but your range is the squared distance. Take the root.
+    """),
     alternatives={
-        "by SymPy": lambda: (_MODEL, _derived()),
-        "with the wrap": _with_mod,
-        "half the angle, the model a row": _with_half_angle,
-        "lists": _as_lists,
+        "by SymPy": lambda: (_MODEL, _JACOBIAN),
+        "with the wrap, as lists": lambda: (
+            [sympy.Mod(_MODEL[0] + sympy.pi, 2 * sympy.pi) - sympy.pi, _MODEL[1]],
+            _JACOBIAN.tolist(),
+        ),
+        "half the angle, a row": _with_half_angle,
         "real symbols": _real_symbols,
     },
     equivalents=as_lists(
-        "model = [atan2(dy, dx) - theta, sqrt(q)]",
-        "jacobian = [[dy / q, -dx / q, -1], [-dx / sqrt(q), -dy / sqrt(q), 0]]",
+        "model = [sp.atan2(dy, dx) - theta, r]", "jacobian = [[dy / q, -dx / q, -1], [-dx / r, -dy / r, 0]]"
     ),
 )
 
 
 # --- 5.8 measurement_jacobian_pose ---
+def _jacobian_by_unit_vectors(pose: Array, landmark: Array) -> Array:
+    r = np.linalg.norm(landmark - pose[:2])
+    x, y = (landmark - pose[:2]) / r
+    return np.array([[y / r, -x / r, -1.0], [-x, -y, 0.0]], dtype=np.float32)
 
 
-def _look_slopes(pose: Any, landmark: Any) -> Array:
-    dx, dy = landmark[0] - pose[0], landmark[1] - pose[1]
-    r = math.hypot(dx, dy)
-    return np.array([[dy / r**2, -dx / r**2, -1.0], [-dx / r, -dy / r, 0.0]])
-
-
-def _look_by_differences(pose: Any, landmark: Any) -> Array:
-    return differences(_measured, pose, landmark, angles=(0,))
-
-
-def _look_by_sympy(pose: Any, landmark: Any) -> Array:
-    model = "atan2(v - y, u - x) - t; sqrt((u - x)**2 + (v - y)**2)"
-    return np.array(compiled(model, "x y t", "x y t u v")(*pose, *landmark))
-
-
-def _look_by_unit_vectors(pose: Any, landmark: Any) -> Array:
-    toward = np.asarray(landmark) - np.asarray(pose)[:2]
-    r = np.linalg.norm(toward)
-    unit = toward / r
-    rows = np.vstack([[unit[1] / r, -unit[0] / r], -unit])
-    return np.column_stack([rows, [-1.0, 0.0]]).astype(np.float32)
-
-
-def _look_by_angles(pose: Any, landmark: Any) -> list[list[float]]:
-    bearing, r = _measured(pose, landmark)
+def _jacobian_by_angles(pose: Array, landmark: Array) -> list[list[float]]:
+    bearing, r = range_and_bearing(pose, landmark)
     c, s = math.cos(pose[2] + bearing), math.sin(pose[2] + bearing)
     return [[s / r, -c / r, -1.0], [-c, -s, 0.0]]
 
 
-def _range_of(pose: Any, landmark: Any) -> float:
-    return math.hypot(landmark[0] - pose[0], landmark[1] - pose[1])
+def _point_by_inverse(pose: Array, landmark: Array) -> Array:
+    return np.linalg.inv(_position_jacobians(pose, range_and_bearing(pose, landmark))[1])
 
 
-def by_power(row: int, power: int, columns: slice = np.s_[:2]) -> Function:
-    """A slip of r for r^2: entries of a row of a Jacobian of (bearing, range), multiplied by a power of the range."""
-
-    def change(matrix: Any, pose: Any, landmark: Any) -> Array:
-        changed = np.array(matrix, dtype=float)
-        changed[row, columns] *= _range_of(pose, landmark) ** power
-        return changed
-
-    return change
-
-
-def with_range(matrix: Any, pose: Any, landmark: Any) -> Array:
-    """dx and dy as they are: both rows without their division."""
-    r = _range_of(pose, landmark)
-    return np.asarray(matrix) * np.array([[r**2], [r]])
-
-
-def bearing_swapped(matrix: Any, *arguments: Any) -> Array:
-    """dx and dy at each other's place in the bearing's row, signs as they were there."""
-    changed = np.array(matrix, dtype=float)
-    changed[0, :2] = changed[0, 1::-1]
-    return changed
-
-
-def entries_swapped(row: int, sign: float) -> Function:
-    """dx and dy at each other's place in a row, the signs of the places kept: -1 where the two differ in sign."""
-
-    def change(matrix: Any, *arguments: Any) -> Array:
-        changed = np.array(matrix, dtype=float)
-        changed[row, :2] = sign * changed[row, 1::-1]
-        return changed
-
-    return change
-
-
-def doubled(factor: float) -> Function:
-    """The range's row, larger by a factor."""
-    return lambda matrix, *arguments: np.asarray(matrix) * np.array([[1.0], [factor]])
-
-
-def bearing_in_degrees(matrix: Any, *arguments: Any) -> Array:
-    """The bearing's row per degree."""
-    return np.asarray(matrix) * np.array([[180 / np.pi], [1.0]])
+_SLIPS = catalogue("""
+    rows swapped: return => H =
+        + return H[::-1]
+        The rows are swapped. A measurement is (bearing, range), so the derivatives of the bearing come first.
+    degrees: return => H =
+        + return H * [[180 / np.pi], [1]]
+        The bearing's row is in degrees. Angles are in radians here.
+    r for r^2: return => H =
+        + H[0, :2] *= np.hypot(*(landmark - pose[:2]))
+        + return H
+        The derivatives of the bearing are divided by r. Divide them by r^2 = dx^2 + dy^2.
+    divisors exchanged: return => H =
+        + H[0, :2] *= np.hypot(*(landmark - pose[:2]))
+        + return H / [[1], [np.hypot(*(landmark - pose[:2]))]]
+        The two divisors are exchanged. Divide the derivatives of the bearing by r^2 = dx^2 + dy^2, and the derivatives of the range by r, the root.
+    r^2 for r: return => H =
+        + return H / [[1], [np.hypot(*(landmark - pose[:2]))]]
+        The derivatives of the range are divided by r^2. Divide them by r, the root.
+    dx and dy swapped: return => H =
+        + return np.array([[*H[0, 1::-1], *H[0, 2:]], H[1]])
+        In the bearing's row dx and dy are swapped, together with their signs.
+    dx and dy swapped, signs kept: return => H =
+        + return np.array([[*-H[0, 1::-1], *H[0, 2:]], H[1]])
+        In the bearing's row dx and dy are swapped. The signs are right.
+    dx and dy swapped in the range: return => H =
+        + return np.array([H[0], [*H[1, 1::-1], *H[1, 2:]]])
+        In the range's row dx and dy are swapped.
+    the range's row not divided: return => H =
+        + return H * [[1], [np.hypot(*(landmark - pose[:2]))]]
+        The derivatives of the range are not divided. Divide them by r, the root.
+    the root's half: return => H =
+        + return H * [[1], [0.5]]
+        The derivatives of the range are half as large as they should be. The 2 of the inner derivative cancels the 2 of the root's derivative.
+    the root's two: return => H =
+        + return H * [[1], [2]]
+        The derivatives of the range are twice as large as they should be. The derivative of the root is 1 / (2 sqrt(q)).
+""")
 
 
-_ROW_MESSAGES = {
-    "rows swapped": "The rows are swapped: a measurement is (bearing, range), so the bearing's slopes come first.",
-    "degrees": "The bearing's row is in degrees per metre. Angles are in radians here.",
-    "r for r^2": "The bearing's slopes are divided by r; it has to be r^2 = dx^2 + dy^2.",
-    "r^2 for r": "The range's slopes are divided by r^2; it has to be r, the root.",
-    "dx and dy swapped": "In the bearing's row dx and dy have changed places.",
-    "dx and dy swapped, signs kept": "In the bearing's row dx and dy have changed places. The signs are right.",
-    "dx and dy swapped in the range": "In the range's row dx and dy have changed places.",
-    "the range's row not divided": "The range's slopes are not divided: by r, the root.",
-    "the root's half": "The range's slopes are half as large as they should be: the 2 of the inner derivative cancels that of the root.",
-    "the root's two": "The range's slopes are twice as large as they should be: the root's derivative is 1 / (2 sqrt(q)).",
-}
-
-
-def slips(right: Function) -> list[Mistake]:
-    """What goes wrong in both Jacobians of a measurement, by the pose and by the landmark."""
-    changes = {
-        "rows swapped": rows_swapped,
-        "degrees": bearing_in_degrees,
-        "r for r^2": by_power(0, 1),
-        "r^2 for r": by_power(1, -1),
-        "dx and dy swapped": bearing_swapped,
-        "dx and dy swapped, signs kept": entries_swapped(0, -1.0),
-        "dx and dy swapped in the range": entries_swapped(1, 1.0),
-        "the range's row not divided": by_power(1, 1),
-        "the root's half": doubled(0.5),
-        "the root's two": doubled(2.0),
-    }
-    return [
-        Mistake(name, with_change(right, change), _ROW_MESSAGES[name]) for name, change in changes.items()
-    ]
-
-
-MEASUREMENT_JACOBIAN_POSE = Exercise(
+BY_POSE = Exercise(
     name="measurement_jacobian_pose",
     points=2,
     stars=2,
-    public=_looks_public,
-    hidden=_looks_hidden,
-    comparison=Close(names=POSE_COLUMNS),
+    public=_measurements_public,
+    hidden=_measurements_hidden,
+    comparison=Close(names=("by x", "by y", "by theta")),
     hints=(
-        "The matrix that you derived in exercise 5.7, with numbers for letters. dx, dy and q = dx^2 + dy^2 first, then the rows.",
-        "The first row is divided by q and ends with -1, the second by the root of q and ends with 0.",
+        "This is the matrix from exercise 5.7 with numbers in place of symbols. Compute dx, dy and q = dx^2 + dy^2 first, then the rows.",
+        "The first row is divided by q and ends with -1. The second row is divided by the root of q and ends with 0.",
     ),
     mistakes=[
-        *slips(_look_slopes),
-        Mistake(
-            "inner derivative forgotten",
-            with_change(_look_slopes, factors((-1, -1, 1), (-1, -1, 1))),
-            "The slopes by x and y have the wrong sign: these are the slopes by dx and dy, and dx = l_x - x.",
-        ),
-        Mistake(
-            "bearing's signs",
-            with_change(_look_slopes, factors((-1, -1, 1), (1, 1, 1))),
-            "The bearing's slopes by x and y have the wrong signs. Go to the left (y grows), and a landmark ahead moves to the right.",
-        ),
-        Mistake(
-            "range's signs",
-            with_change(_look_slopes, factors((1, 1, 1), (-1, -1, 1))),
-            "The range's slopes have the wrong signs: drive towards a landmark, and the range shrinks.",
-        ),
-        Mistake(
-            "the missing -1",
-            with_change(_look_slopes, factors((1, 1, 0), (1, 1, 1))),
-            "The bearing's slope by theta is missing: the heading is subtracted, so it is -1.",
-        ),
-        Mistake(
-            "plus 1",
-            with_change(_look_slopes, factors((1, 1, -1), (1, 1, 1))),
-            "The bearing's slope by theta is +1 in your matrix. Turn left, and the landmark moves to the right: -1.",
-        ),
-        Mistake(
-            "r for r^2, the missing -1",
-            with_change(with_change(_look_slopes, by_power(0, 1)), factors((1, 1, 0), (1, 1, 1))),
-            "Two things, both in the bearing's row: its slopes are divided by r^2, and by theta it is -1.",
-        ),
-        Mistake(
-            "r for r^2, inner derivative forgotten",
-            with_change(with_change(_look_slopes, by_power(0, 1)), factors((-1, -1, 1), (-1, -1, 1))),
-            "Two things: the slopes by x and y have the wrong sign, for dx = l_x - x; and the bearing's are divided by r^2.",
-        ),
-        Mistake(
-            "range by the heading",
-            with_change(_look_slopes, lambda matrix, *arguments: matrix - [[0, 0, 0], [0, 0, 1]]),
-            "The range's slope by theta is -1 in your matrix. A robot that turns on the spot comes no nearer: 0.",
-        ),
-        Mistake(
-            "one sign in the bearing",
-            with_change(_look_slopes, factors((1, -1, 1), (1, 1, 1))),
-            "The bearing's slope by y has the wrong sign. Go to the left (y grows), and a landmark ahead moves to the right.",
-        ),
-        Mistake(
-            "no column for the heading",
-            with_change(_look_slopes, lambda matrix, *arguments: matrix[:, :2]),
-            "Your matrix is 2 x 2: the column by theta is missing.",
-        ),
-        Mistake(
-            "transposed",
-            with_change(_look_slopes, transposed),
-            "It is transposed: two rows, bearing and range, and three columns, x, y and theta.",
-        ),
-        Mistake(
-            "in the robot's frame",
-            lambda pose, landmark: _look_slopes((0.0, 0.0, 0.0), Pose(*pose).to_local(landmark)[0]),
-            "Your dx and dy are in the robot's frame. x and y of the pose are the field's: dx = l_x - x, without turning.",
-        ),
+        *_SLIPS,
+        *catalogue("""
+        inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, -1], [dx / r, dy
+            All derivatives with respect to x and y have the wrong sign. You differentiated by dx and dy, but dx = l_x - x, so each gets a minus.
+        bearing's signs: [[dy / q, -dx => [[-dy / q, dx
+            The derivatives of the bearing with respect to x and y have the wrong sign. If the robot moves left (y grows), a landmark ahead moves to the right.
+        range's signs: [-dx / r, -dy => [dx / r, dy
+            The derivatives of the range have the wrong sign. If the robot drives towards a landmark, the range shrinks.
+        the missing -1: -1] => 0]
+            The derivative of the bearing with respect to theta is missing. The heading is subtracted, so it is -1.
+        plus 1: -1] => 1]
+            In your matrix the derivative of the bearing with respect to theta is +1. If the robot turns left, the landmark moves to the right, so it is -1.
+        r for r^2, the missing -1: dy / q, -dx / q, -1 => dy / r, -dx / r, 0
+            There are two mistakes in the bearing's row: divide its derivatives by r^2, and the entry for theta is -1.
+        r for r^2, inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / r, dx / r, -1], [dx / r, dy
+            There are two mistakes: the derivatives with respect to x and y have the wrong sign, because dx = l_x - x; and you divide the derivatives of the bearing by r, but it should be r^2.
+        range by the heading: -dy / r, 0 => -dy / r, -1
+            In your matrix the derivative of the range with respect to theta is -1. A robot that turns on the spot does not change its distance, so it is 0.
+        one sign in the bearing: -dx / q => dx / q
+            The derivative of the bearing with respect to y has the wrong sign. If the robot moves left (y grows), a landmark ahead moves to the right.
+        no column for the heading: 0]]) => 0]])[:, :2]
+            Your matrix is 2 x 2. The column for theta is missing.
+        transposed: 0]]) => 0]]).T
+            Your matrix is transposed. It has two rows, bearing and range, and three columns, x, y and theta.
+        in the robot's frame: + angle, distance = expected_measurement(pose, landmark)
+            + pose, landmark = np.zeros(3), distance * np.array([np.cos(angle), np.sin(angle)])
+            Your dx and dy are in the robot frame. The pose's x and y are in the field frame, so dx is l_x - x, without a rotation.
+    """),
     ],
     alternatives={
-        "central differences": _look_by_differences,
-        "SymPy": _look_by_sympy,
-        "a unit vector, float32": _look_by_unit_vectors,
-        "bearing and range": _look_by_angles,
+        "central differences": lambda *at: jacobian_at(*at)[:, :3],
+        "a unit vector, float32": _jacobian_by_unit_vectors,
+        "bearing and range": _jacobian_by_angles,
     },
     equivalents=as_lists("return [[dy / q, -dx / q, -1], [-dx / r, -dy / r, 0]]"),
 )
 
 
 # --- 5.9 measurement_jacobian_landmark ---
-
-
-def _point_slopes(pose: Any, landmark: Any) -> Array:
-    return -_look_slopes(pose, landmark)[:, :2]
-
-
-def _point_by_inverse(pose: Any, landmark: Any) -> Array:
-    return np.linalg.inv(_place_slopes(pose, _measured(pose, landmark))[1])
-
-
-def _point_by_differences(pose: Any, landmark: Any) -> Array:
-    return differences(lambda point: _measured(pose, point), landmark, angles=(0,))
-
-
-def _point_by_rotation(pose: Any, landmark: Any) -> Array:
-    bearing, r = _measured(pose, landmark)
-    return (np.array([[0, 1 / r], [1, 0]]) @ rotation_2d(-pose[2] - bearing)).astype(np.float32)
-
-
-def _point_by_complex(pose: Any, landmark: Any) -> list[list[float]]:
-    slope = 1 / complex(
-        landmark[0] - pose[0], landmark[1] - pose[1]
-    )  # of the logarithm, whose parts are ln r and angle
-    r = 1 / abs(slope)
-    return [[slope.imag, slope.real], [slope.real * r, -slope.imag * r]]
-
-
-MEASUREMENT_JACOBIAN_LANDMARK = Exercise(
+BY_LANDMARK = Exercise(
     name="measurement_jacobian_landmark",
     points=3,
     stars=3,
-    uses=(
-        "expected_measurement",
-        "landmark_jacobians",
-        "measurement_jacobian_pose",
-    ),  # whichever way is taken
-    public=_looks_public,
-    hidden=_looks_hidden,
+    uses=("expected_measurement", "landmark_jacobians", "measurement_jacobian_pose"),
+    public=_measurements_public,
+    hidden=_measurements_hidden,
     comparison=Close(names=("by l_x", "by l_y")),
     hints=(
-        "Three ways lead there: differentiate again, read property 1 from left to right, or read property 2 as the definition of an inverse.",
-        "Property 1: shift robot and landmark together, and nothing that is measured changes. So the slope by the landmark's place and that by the "
-        "robot's place add up to zero. Which columns of which of your functions are these?",
+        "There are three ways: differentiate again, use property 1, or read property 2 as the definition of an inverse.",
+        "Property 1: when robot and landmark move together, the measurement does not change. So the derivatives by the landmark's position and by the robot's position add up to zero. Which columns of which of your functions do you need?",
     ),
     mistakes=[
-        *slips(_point_slopes),
-        Mistake(
-            "slopes by the robot",
-            with_change(_point_slopes, lambda matrix, *arguments: -matrix),
-            "All signs are the wrong way round: these are the slopes by the robot's x and y. Landmark and robot move a measurement in opposite ways.",
-        ),
-        Mistake(
-            "bearing's signs",
-            with_change(_point_slopes, factors((-1, -1), (1, 1))),
-            "The bearing's signs are the wrong way round: a landmark ahead that moves to the left gets a larger bearing.",
-        ),
-        Mistake(
-            "range's signs",
-            with_change(_point_slopes, factors((1, 1), (-1, -1))),
-            "The range's signs are the wrong way round: a landmark that moves away gets a larger range.",
-        ),
-        Mistake(
-            "not inverted",
-            lambda pose, landmark: _place_slopes(pose, _measured(pose, landmark))[1],
-            "That is by_measurement, how the landmark's place grows with the measurement. The other way round is its inverse.",
-        ),
-        Mistake(
-            "transposed",
-            with_change(_point_slopes, transposed),
-            "It is transposed: rows are bearing and range, columns l_x and l_y.",
-        ),
-        Mistake(
-            "transposed inverse",
-            lambda pose, landmark: _place_slopes(pose, _measured(pose, landmark))[1].T,
-            "That is by_measurement transposed, which would be its inverse if it were a rotation. It has the length r in it.",
-        ),
-        Mistake(
-            "with the heading",
-            lambda pose, landmark: -_look_slopes(pose, landmark),
-            "Your matrix has a column for the heading. The landmark has two coordinates.",
-        ),
-        Mistake(
-            "in the robot's frame",
-            lambda pose, landmark: _point_slopes((0.0, 0.0, 0.0), Pose(*pose).to_local(landmark)[0]),
-            "Your slopes are by the landmark's place in the robot's frame. l_x and l_y are the field's: dx = l_x - x, without turning.",
-        ),
-        Mistake(
-            "no division",
-            with_change(_point_slopes, with_range),
-            "Nothing is divided in your matrix: the bearing's row is divided by r^2, the range's by r.",
-        ),
-        Mistake(
-            "a row of H_p too much",
-            lambda pose, landmark: _look_slopes(pose, landmark)[:, 1:],
-            "You took the last two columns of the Jacobian by the pose. Those by x and y are the first two, and the signs change.",
-        ),
+        *_SLIPS,
+        *catalogue("""
+        derivatives by the robot: -measurement_jacobian_pose => measurement_jacobian_pose
+            All signs are wrong. These are the derivatives with respect to the robot's x and y; moving the landmark has the opposite effect.
+        bearing's signs: [:, :2] => [:, :2] * [[-1], [1]]
+            The signs in the bearing's row are wrong. If a landmark ahead moves to the left, its bearing grows.
+        range's signs: [:, :2] => [:, :2] * [[1], [-1]]
+            The signs in the range's row are wrong. If a landmark moves away, its range grows.
+        not inverted: + return landmark_jacobians(pose, expected_measurement(pose, landmark))[1]
+            You return by_measurement, the derivatives of the landmark's position with respect to the measurement. You need its inverse.
+        transposed, not inverted: + return landmark_jacobians(pose, expected_measurement(pose, landmark))[1].T
+            You return the transpose of by_measurement. It is not the inverse, because the columns of by_measurement do not all have length 1.
+        at the landmark: + return np.linalg.inv(landmark_jacobians(pose, landmark)[1])
+            You call landmark_jacobians with a landmark. Its second argument is a measurement: expected_measurement(pose, landmark).
+        transposed: [:, :2] => [:, :2].T
+            Your matrix is transposed. Rows are bearing and range, columns l_x and l_y.
+        with the heading: landmark)[:, :2] => landmark)
+            Your matrix has a column for the heading. The landmark has only two coordinates.
+        in the robot's frame: + angle, distance = expected_measurement(pose, landmark)
+            + pose, landmark = np.zeros(3), distance * np.array([np.cos(angle), np.sin(angle)])
+            You differentiate with respect to the landmark in the robot frame. l_x and l_y are in the field frame, so dx is l_x - x, without a rotation.
+        no division: [:, :2] => [:, :2] * np.hypot(*(landmark - pose[:2])) ** np.array([[2], [1]])
+            Your matrix is not divided. Divide the bearing's row by r^2 and the range's row by r.
+        last columns of H_p: -measurement_jacobian_pose(pose, landmark)[:, :2] => measurement_jacobian_pose(pose, landmark)[:, 1:]
+            You used the last two columns of the Jacobian with respect to the pose. Use the first two, for x and y, and change their signs.
+    """),
     ],
     alternatives={
+        "central differences": lambda *at: jacobian_at(*at)[:, 3:],
         "an inverse": _point_by_inverse,
-        "central differences": _point_by_differences,
-        "a rotation, float32": _point_by_rotation,
-        "the complex logarithm": _point_by_complex,
+        "from the Jacobian by the pose, float32": lambda *at: -_jacobian_by_unit_vectors(*at)[:, :2],
     },
 )
 
 
 PLAN = LessonPlan(
-    exercises=[
-        PREDICT_POSE,
-        EXPECTED_MEASUREMENT,
-        LANDMARK_POSITION,
-        MOTION_JACOBIANS,
-        PREDICT_COVARIANCE,
-        LANDMARK_JACOBIANS,
-        DERIVE,
-        MEASUREMENT_JACOBIAN_POSE,
-        MEASUREMENT_JACOBIAN_LANDMARK,
-    ],
+    exercises=[POSE, MEASUREMENT, POSITION, MOTION, COVARIANCE, LANDMARK, DERIVE, BY_POSE, BY_LANDMARK],
     questions=[
         Question(
             "what_is_a_column",
-            "The third column of F is (-d sin(theta), d cos(theta), 1). With heading 0 and d = 2 m it is (0, 2, 1). What does the 2 say?",
+            "The third column of F is (-d sin(theta), d cos(theta), 1). With heading 0 and d = 2 m it is (0, 2, 1). What does the 2 mean?",
             {
-                "The robot drives 2 m along y.": "With heading 0 it drives along x. The column does not say where it goes, but what an error does.",
-                "A heading that is off by 0.01 rad makes y off by 2 cm.": "Yes: a slope times a small change is a small change, 2 m/rad times 0.01 rad. "
-                "The 1 below says that the heading stays off by 0.01 rad.",
-                "y is twice as uncertain as the heading.": "Nearly, but slopes carry units: 2 m for each radian. Metres and radians cannot be compared.",
+                "The robot drives 2 m along y.": "With heading 0 it drives along x. The column describes the effect of an error, not where the robot goes.",
+                "If the heading is off by 0.01 rad, y is off by 2 cm.": "Yes. A derivative times a small change gives a small change: 2 m/rad times 0.01 rad is 2 cm. The 1 below means that the heading is still off by 0.01 rad.",
+                "y is twice as uncertain as the heading.": "Not quite, because derivatives have units: 2 m for each radian. Metres and radians cannot be compared.",
             },
-            "A heading that is off by 0.01 rad makes y off by 2 cm.",
+            "If the heading is off by 0.01 rad, y is off by 2 cm.",
         ),
         Question(
             "why_no_other_landmark",
-            'The report gives two reasons in 1.6 why no Jacobian by other landmarks is needed: "the assumption of landmark independence", and that a measurement '
-            '"does not depend on the positions of other landmarks". Which is the right one?',
+            'In 1.6 the report gives two reasons why it needs no Jacobian with respect to other landmarks: "the assumption of landmark independence", and that a measurement "does not depend on the positions of other landmarks". Which reason is right?',
             {
-                "Landmarks are independent, so their slopes are zero.": "The slopes are zero, but not for this reason, the first of the report's. After one look from an uncertain "
-                "place the landmarks' estimates are anything but independent: the next cell measures it.",
-                "The bearing and range of one landmark do not contain the coordinates of another.": "Yes, the report's second reason. h(p, l) is a formula with five letters, and a slope "
-                "by any other letter is zero. Nothing about independence is needed for it.",
-                "The slopes are not zero, but small enough to be left out.": "They are exactly zero: move another landmark as far as you like, and this one is "
-                "seen where it was.",
+                "Landmarks are independent, so these derivatives are zero.": "The derivatives are zero, but not for this reason, the first of the report's. After measurements from one uncertain pose the estimates of the landmarks are strongly correlated, as the next cell measures.",
+                "The bearing and range of one landmark do not contain the coordinates of another.": "Yes, this is the report's second reason. h(p, l) is a formula with five variables, and its derivative with respect to any other variable is zero. That needs no independence.",
+                "The derivatives are not zero, but small enough to be left out.": "They are exactly zero. Move another landmark as far as you like, and the measurement of this one does not change.",
             },
             "The bearing and range of one landmark do not contain the coordinates of another.",
         ),
@@ -1777,9 +877,7 @@ PLAN = LessonPlan(
             "explain_banana",
             points=2,
             question="Why do the samples form a banana when the heading is uncertain by 30 degrees, and why does the ellipse not?",
-            rubric="1 point: all samples drive the same distance, each along its own heading, so they lie on an arc round the start. 1 point: a "
-            "Jacobian replaces the arc by its tangent at the mean heading; an ellipse is what a straight map makes of a Gaussian, so it is "
-            "tangential, has no bend, and is centred beyond the samples' mean.",
+            rubric="1 point: all samples drive the same distance, each along its own heading, so they lie on an arc around the start. 1 point: a Jacobian replaces the arc by its tangent at the mean heading. A linear function of a Gaussian is a Gaussian, so the ellipse is tangential and not bent, and its centre is farther away than the samples' mean.",
         )
     ],
 )

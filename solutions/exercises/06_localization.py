@@ -1,4 +1,4 @@
-"""Lesson 06, localization: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Lesson 06, localization: its exercises, the mistakes that students make, and alternative correct solutions."""
 
 from __future__ import annotations
 
@@ -7,220 +7,112 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import chi2
 
-from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Mistake, Question, Written
-from nao_course.geometry import Pose, rotation_2d
+from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Question, Written
+from nao_course.geometry import rotation_2d, wrap_angle
+from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.ekf_derivations.mistakes import jacobian_at
+from nao_course.slam import range_and_bearing
 
 Array = npt.NDArray[Any]
-TURN = 2 * np.pi
 
 
-def spread(rng: np.random.Generator, size: int, *, scale: float = 1.0) -> Array:
-    """A covariance (size, size) whose values are correlated, with standard deviations around `scale`."""
+def random_covariance(rng: np.random.Generator, size: int, *, scale: float = 1.0) -> Array:
+    """Return a covariance (size, size) with correlations and standard deviations around `scale`."""
     root = rng.normal(0.0, 0.5, (size, size)) + np.eye(size) * rng.uniform(0.6, 1.2, size)
     return scale**2 * (root @ root.T)
 
 
-def wrapped(angle: Any) -> Any:
-    """An angle in [-pi, pi)."""
-    return (angle + np.pi) % TURN - np.pi
-
-
-# --- 6.1 fuse ---
-
-
-def _fused(weight_of: Callable[[float, float], float], variance_of: Callable[[float, float], float]) -> Any:
-    def function(mean_a: float, variance_a: float, mean_b: float, variance_b: float) -> tuple[float, float]:
-        weight = weight_of(variance_a, variance_b)
-        return mean_a + weight * (mean_b - mean_a), variance_of(variance_a, variance_b)
-
-    return function
-
-
-def _carried_on(weight_of: Callable[[float, float], float]) -> Any:
-    """A wrong weight, with which the second line is right: (1 - w) variance_a."""
-    return _fused(weight_of, lambda a, b: (1 - weight_of(a, b)) * a)
-
-
-def _right_weight(a: float, b: float) -> float:
-    return a / (a + b)
-
-
-def _right_variance(a: float, b: float) -> float:
-    return a * b / (a + b)
-
-
-def _by_information(
-    mean_a: float, variance_a: float, mean_b: float, variance_b: float
-) -> tuple[float, float]:
-    information = 1 / variance_a + 1 / variance_b
-    return (mean_a / variance_a + mean_b / variance_b) / information, 1 / information
-
-
-def _by_average(mean_a: float, variance_a: float, mean_b: float, variance_b: float) -> Any:
-    weights = np.array([variance_b, variance_a], dtype=np.float32)
-    mean = np.average([mean_a, mean_b], weights=weights)
-    return np.array([mean, np.prod(weights) / weights.sum()])
-
-
-def _by_gain(mean_a: float, variance_a: float, mean_b: float, variance_b: float) -> list[float]:
-    gain = variance_a / (variance_a + variance_b)
-    return [mean_a - gain * (mean_a - mean_b), gain * variance_b]
-
-
-def _fuse_public() -> list[Case]:
+def errors(
+    rng: np.random.Generator, sizes: tuple[int, ...], sigma: float, low: float, high: float
+) -> list[Case]:
+    """Return cases of errors or innovations of these sizes, each with a covariance."""
     return [
-        Case((2.0, 0.04, 3.0, 0.01), "a prediction of 2 m and a measurement of 3 m, twice as sure"),
-        Case((1.0, 0.25, 1.0, 0.25), "two beliefs that agree"),
-        Case((-1.0, 0.01, 2.0, 0.09), "a prediction that is three times as sure"),
-        Case((4.0, 4.0, 1.0, 9.0), "variances above one"),
+        Case((rng.normal(0, sigma, size), random_covariance(rng, size, scale=float(rng.uniform(low, high)))))
+        for size in sizes
     ]
 
 
-def _fuse_hidden(rng: np.random.Generator) -> list[Case]:
-    draws = zip(rng.uniform(-5, 5, (8, 2)), rng.uniform(0.02, 3, (8, 2)), strict=True)
-    return [Case((float(a), float(va), float(b), float(vb))) for (a, b), (va, vb) in draws]
-
-
+# --- 6.1 fuse ---
 FUSE = Exercise(
     name="fuse",
     points=2,
-    stars=1,
-    public=_fuse_public,
-    hidden=_fuse_hidden,
+    public=lambda: [
+        Case(
+            (2.0, 0.04, 3.0, 0.01),
+            "a prediction of 2 m, and a measurement of 3 m with half its standard deviation",
+        ),
+        Case((1.0, 0.25, 1.0, 0.25), "two estimates that agree"),
+        Case((-1.0, 0.01, 2.0, 0.09), "a measurement with three times the prediction's standard deviation"),
+        Case((4.0, 4.0, 1.0, 9.0), "variances above one"),
+    ],
+    hidden=lambda rng: [
+        Case((float(a), float(va), float(b), float(vb)))
+        for (a, b), (va, vb) in zip(rng.uniform(-5, 5, (8, 2)), rng.uniform(0.02, 3, (8, 2)), strict=True)
+    ],
     comparison=Close(atol=1e-9, names=("your mean", "your variance")),
     hints=(
-        "The weight of the second belief is large where the first one is poor: its own variance stands in the numerator.",
-        "weight = variance_a / (variance_a + variance_b); the mean goes that part of the way from a to b, and of variance_a the part 1 - weight is left.",
+        "Set the derivative of v(w) to zero and solve for w. Check the result: if variance_a is much larger than variance_b, w should be close to 1.",
+        "weight = variance_a / (variance_a + variance_b). The mean moves this fraction of the way from a to b, and v(w) simplifies to (1 - weight) * variance_a.",
     ),
-    mistakes=[
-        Mistake(
-            "weights exchanged",
-            _fused(lambda a, b: b / (a + b), _right_variance),
-            "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts.",
-        ),
-        Mistake(
-            "weights exchanged in both lines",
-            _carried_on(lambda a, b: b / (a + b)),
-            "Your mean lies nearer to the poorer of both. The weight of b is variance_a over the sum: the poorer a is, the more b counts. Both lines need it.",
-        ),
-        Mistake(
-            "standard deviations",
-            _fused(lambda a, b: a**0.5 / (a**0.5 + b**0.5), _right_variance),
-            "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight.",
-        ),
-        Mistake(
-            "standard deviations in both lines",
-            _carried_on(lambda a, b: a**0.5 / (a**0.5 + b**0.5)),
-            "You weigh by standard deviations. It is the variances that stand in the weight: twice the standard deviation is a quarter of the weight. Both lines need it.",
-        ),
-        Mistake(
-            "variances squared",
-            _carried_on(lambda a, b: a**2 / (a**2 + b**2)),
-            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take.",
-        ),
-        Mistake(
-            "taken for standard deviations",
-            _fused(lambda a, b: a**2 / (a**2 + b**2), lambda a, b: a**2 * b**2 / (a**2 + b**2)),
-            "You square the variances. What comes in is sigma squared already: equation 6.2 has no more squares to take. Both lines need it.",
-        ),
-        Mistake(
-            "the other part of the variance",
-            _fused(_right_weight, lambda a, b: a / (a + b) * a),
-            "Your variance is w times variance_a. What is left of it is the other part, (1 - w) variance_a: the more b counts, the less is left of a's doubt.",
-        ),
-        Mistake(
-            "the smaller variance",
-            _fused(_right_weight, min),
-            "Your variance is that of the surer one. The other one helps, too: both together are surer than either.",
-        ),
-        Mistake(
-            "plain average",
-            _fused(lambda a, b: 0.5, _right_variance),
-            "Your mean lies in the middle, whoever is surer. Weigh both by their variances.",
-        ),
-        Mistake(
-            "plain average in both lines",
-            _fused(lambda a, b: 0.5, lambda a, b: (a + b) / 4),
-            "Your mean lies in the middle, whoever is surer. Weigh both by their variances. Both lines need it.",
-        ),
-        Mistake(
-            "away from b",
-            _fused(lambda a, b: -a / (a + b), _right_variance),
-            "Your mean goes away from b: the difference in equation 6.1 is b - a.",
-        ),
-        Mistake(
-            "variances added",
-            _fused(_right_weight, lambda a, b: a + b),
-            "Your variance is the sum, larger than either: that is the variance of a difference. Two beliefs together are surer than each alone.",
-        ),
-        Mistake(
-            "averaged variance",
-            _fused(_right_weight, lambda a, b: (a + b) / 2),
-            "Your variance lies between the two. Two beliefs together are surer than each alone: it has to be below both.",
-        ),
-        Mistake(
-            "weighted variance",
-            _fused(_right_weight, lambda a, b: a + a / (a + b) * (b - a)),
-            "You weigh the variances like the means. The derivation says (1 - w)^2 variance_a + w^2 variance_b: the weights are squared.",
-        ),
-        Mistake(
-            "standard deviation returned",
-            _fused(_right_weight, lambda a, b: (a * b / (a + b)) ** 0.5),
-            "You return the standard deviation; the variance is wanted.",
-        ),
-    ],
+    mistakes=catalogue("""
+        weights exchanged: mean_a + weight => mean_a + (1 - weight)
+            Your mean is closer to the less precise estimate. The larger variance_a is, the more weight b should get, so the weight of b is variance_a divided by the sum.
+        weights exchanged in both lines: mean_a + weight => mean_a + (1 - weight)
+            (1 - weight) * variance_a => weight * variance_a
+            Your mean is closer to the less precise estimate, and your variance uses the same exchanged weight. The larger variance_a is, the more weight b should get, so the weight of b is variance_a divided by the sum.
+        standard deviations: mean_a + weight => mean_a + variance_a**0.5 / (variance_a**0.5 + variance_b**0.5)
+            Your mean uses standard deviations as weights. The derivation gives variances, so leave out the square roots.
+        standard deviations in both lines: mean_a + weight => mean_a + variance_a**0.5 / (variance_a**0.5 + variance_b**0.5)
+            (1 - weight) * variance_a => variance_b**0.5 / (variance_a**0.5 + variance_b**0.5) * variance_a
+            Your mean and your variance use standard deviations as weights. The derivation gives variances, so leave out the square roots.
+        weights exchanged in v(w): mean_a + weight => mean_a + (1 - weight)
+            (1 - weight) * variance_a => weight**2 * variance_a + (1 - weight) ** 2 * variance_b
+            Your formulas for the mean and v(w) are right, but your w is the weight of a. The larger variance_a is, the more weight b should get, so w is variance_a divided by the sum.
+        standard deviations in v(w): mean_a + weight => mean_a + variance_a**0.5 / (variance_a**0.5 + variance_b**0.5)
+            (1 - weight) * variance_a => 2 * variance_a * variance_b / (variance_a**0.5 + variance_b**0.5) ** 2
+            Your formulas for the mean and v(w) are right, but your w is computed from standard deviations. The derivation gives variances, so leave out the square roots.
+        variances squared: variance_a / (variance_a + variance_b) => variance_a**2 / (variance_a**2 + variance_b**2)
+            Your weight squares the variances. The arguments are variances, sigma squared, already, so use them as they are.
+        taken for standard deviations: + variance_a, variance_b = variance_a**2, variance_b**2
+            You square the arguments. They are variances, sigma squared, already, so use them as they are in both results.
+        the other part of the variance: (1 - weight) => weight
+            Your variance is w * variance_a. Insert your w into v(w) again: it simplifies to (1 - w) * variance_a.
+        the smaller variance: (1 - weight) * variance_a => min(variance_a, variance_b)
+            Your variance is the smaller one of the two. The less precise estimate also contains information, so the fused variance is below both.
+        plain average: mean_a + weight => mean_a + 0.5
+            Your mean is always halfway between the two estimates. The more precise one needs a larger weight.
+        plain average in both lines: mean_a + weight => mean_a + 0.5
+            (1 - weight) * variance_a => (variance_a + variance_b) / 4
+            You use w = 0.5 in both results. Derive the w for which v(w) is smallest: it depends on the variances.
+        away from b: mean_a + weight => mean_a - weight
+            Your mean moves away from b. Equation 6.1 adds w * (b - a) to a.
+        inverses added: (1 - weight) * variance_a => 1 / variance_a + 1 / variance_b
+            Your variance is 1 / variance_a + 1 / variance_b. That is the inverse of the fused variance, so divide 1 by it.
+        variances added: (1 - weight) * variance_a => variance_a + variance_b
+            Your variance is the sum of both, which is the variance of the difference b - a. The fused estimate is more precise than either, so its variance is below both.
+        averaged variance: (1 - weight) * variance_a => (variance_a + variance_b) / 2
+            Your variance is between the two. The fused estimate is more precise than either, so its variance is below both.
+        weighted variance: (1 - weight) * variance_a => variance_a + weight * (variance_b - variance_a)
+            You average the variances with the weights of the means. In v(w) the weights are squared: (1 - w)^2 variance_a + w^2 variance_b.
+        one weight not squared: (1 - weight) * variance_a => (1 - weight) ** 2 * variance_a + weight * variance_b
+            You square only the first weight of v(w). It is (1 - w)^2 variance_a + w^2 variance_b.
+        half of the variance: (1 - weight) * variance_a => (1 - weight) ** 2 * variance_a
+            Your variance is only the first term of v(w). Add the second one, w^2 variance_b.
+        standard deviation returned: (1 - weight) * variance_a => ((1 - weight) * variance_a) ** 0.5
+            Your second value is the standard deviation. Return the variance: leave out the square root.
+    """),
     alternatives={
-        "information adds up": _by_information,
-        "np.average, an array": _by_average,
-        "a gain, a list": _by_gain,
+        "information adds up": lambda a, v, b, w: ((a / v + b / w) / (1 / v + 1 / w), 1 / (1 / v + 1 / w)),
+        "float32": lambda a, v, b, w: np.float32([np.average([a, b], weights=[w, v]), v * w / (v + w)]),
+        "a gain, a list": lambda a, v, b, w: [a - v / (v + w) * (a - b), v / (v + w) * w],
     },
 )
 
 
 # --- 6.2 innovation ---
-
-
-def _innovation(expected: Any, measured: Any) -> Array:
-    expected, measured = np.asarray(expected), np.asarray(measured)
-    return np.array([wrapped(measured[0] - expected[0]), measured[1] - expected[1]])
-
-
-def _arctan(expected: Any, measured: Any) -> Array:
-    difference = np.subtract(measured, expected)
-    return np.array([np.arctan2(np.sin(difference[0]), np.cos(difference[0])), difference[1]])
-
-
-def _with_a_loop(expected: Any, measured: Any) -> list[float]:
-    bearing = float(measured[0]) - float(expected[0])
-    while bearing > np.pi:
-        bearing -= TURN
-    while bearing < -np.pi:
-        bearing += TURN
-    return [bearing, float(measured[1]) - float(expected[1])]
-
-
-def _complex(expected: Any, measured: Any) -> Array:
-    difference = np.asarray(measured, dtype=float) - np.asarray(expected, dtype=float)
-    difference[0] = np.angle(np.exp(1j * difference[0]))
-    return difference
-
-
-def _both_wrapped(expected: Any, measured: Any) -> Array:
-    return wrapped(np.subtract(measured, expected))
-
-
-def _innovation_public() -> list[Case]:
-    pairs = {
-        "a bearing a little to the left": ((0.3, 2.0), (0.35, 1.9)),
-        "a landmark behind: 170 degrees expected, -175 measured": ((2.967, 1.5), (-3.054, 1.6)),
-        "a landmark behind, the other way round": ((-3.0, 2.5), (3.1, 2.0)),
-        "the same": ((-1.2, 0.8), (-1.2, 0.8)),
-        "a landmark 5 m farther than expected": ((0.0, 1.0), (-0.1, 6.0)),
-        "126 degrees to the right of what is expected": ((1.0, 1.5), (-1.2, 1.5)),
-        "115 degrees to the left of what is expected": ((-0.5, 1.5), (1.5, 1.2)),
-    }
-    return [Case((np.array(a), np.array(b)), name) for name, (a, b) in pairs.items()]
+_BEHIND = "a landmark behind: 170 degrees expected, -175 measured"
 
 
 def _innovation_hidden(rng: np.random.Generator) -> list[Case]:
@@ -228,340 +120,186 @@ def _innovation_hidden(rng: np.random.Generator) -> list[Case]:
     for _ in range(8):
         bearing, error = rng.uniform(-np.pi, np.pi), rng.uniform(-2.5, 2.5)
         expected = np.array([bearing, rng.uniform(0.3, 3)])
-        cases.append(Case((expected, np.array([wrapped(bearing + error), rng.uniform(3.5, 9)]))))
+        cases.append(Case((expected, np.array([wrap_angle(bearing + error), rng.uniform(3.5, 9)]))))
     for bearing in (3.0, -3.0):
         cases.append(Case((np.array([bearing, 1.0]), np.array([-bearing + rng.uniform(-0.05, 0.05), 5.0]))))
     return cases
 
 
+def _with_a_loop(expected: Array, measured: Array) -> list[float]:
+    bearing, distance = measured - expected
+    while abs(bearing) > np.pi:
+        bearing -= 2 * np.pi * np.sign(bearing)
+    return [bearing, distance]
+
+
 INNOVATION = Exercise(
     name="innovation",
     points=2,
-    stars=1,
-    public=_innovation_public,
+    public=lambda: [
+        Case((np.array([0.3, 2.0]), np.array([0.35, 1.9])), "a bearing a little to the left"),
+        Case((np.array([2.967, 1.5]), np.array([-3.054, 1.6])), _BEHIND),
+        Case(
+            (np.array([-3.0, 2.5]), np.array([3.1, 2.0])),
+            "a landmark behind: -172 degrees expected, 178 measured",
+        ),
+        Case((np.array([-1.2, 0.8]), np.array([-1.2, 0.8])), "exactly as expected"),
+        Case((np.array([0.0, 1.0]), np.array([-0.1, 6.0])), "a landmark 5 m farther away than expected"),
+        Case(
+            (np.array([1.0, 1.5]), np.array([-1.2, 1.5])), "126 degrees to the right of the expected bearing"
+        ),
+        Case(
+            (np.array([-0.5, 1.5]), np.array([1.5, 1.2])), "115 degrees to the left of the expected bearing"
+        ),
+    ],
     hidden=_innovation_hidden,
     comparison=Close(atol=1e-9, names=("the bearing", "the range")),
     hints=(
-        "Measured less expected, then bring the bearing alone into one turn around zero. The range is a length: leave it.",
-        "(angle + np.pi) % (2 * np.pi) - np.pi brings an angle into [-pi, pi). Build the answer anew with np.array([bearing, range]).",
+        "Subtract expected from measured. Then change only the bearing: if it is above pi or below -pi, add or subtract full turns. The range is a length and stays as it is.",
+        "(angle + np.pi) % (2 * np.pi) - np.pi maps an angle to [-pi, pi). Return a new array, np.array([bearing, range]).",
     ),
-    mistakes=[
-        Mistake(
-            "sign",
-            lambda expected, measured: -_innovation(expected, measured),
-            "You have expected less measured. An innovation is what the measurement adds: measured less expected.",
-        ),
-        Mistake(
-            "not wrapped",
-            lambda expected, measured: np.subtract(measured, expected),
-            "Right, except where the landmark is behind: from 170 to -175 degrees it is 15 degrees, not -345. Wrap the bearing's difference.",
-        ),
-        Mistake(
-            "range wrapped",
-            _both_wrapped,
-            "You wrap both values. The range is in metres: 5 m stay 5 m.",
-        ),
-        Mistake(
-            "degrees",
-            lambda expected, measured: (
-                (np.subtract(measured, expected) + (180.0, 0.0)) % (360.0, np.inf) - (180.0, 0.0)
-            ),
-            "You wrap at 180 as if the bearing were in degrees. It is in radians: the half turn is np.pi.",
-        ),
-        Mistake(
-            "0 to a full turn",
-            lambda expected, measured: np.array(
-                [(measured[0] - expected[0]) % TURN, measured[1] - expected[1]]
-            ),
-            "Your bearings are 0 to 2 pi: a little to the right becomes nearly a full turn to the left. Around zero is wanted.",
-        ),
-        Mistake(
-            "half a turn",
-            lambda expected, measured: np.array(
-                [
-                    (measured[0] - expected[0] + np.pi / 2) % np.pi - np.pi / 2,
-                    measured[1] - expected[1],
-                ]
-            ),
-            "You take off half turns, as the arctangent of a tangent does: two directions that are opposite become the same. A whole turn is 2 pi.",
-        ),
-        Mistake(
-            "arcsin",
-            lambda expected, measured: np.array(
-                [np.arcsin(np.sin(measured[0] - expected[0])), measured[1] - expected[1]]
-            ),
-            "The arcsine of a sine knows angles up to 90 degrees only: 126 degrees come back as 54. np.arctan2 of sine and cosine knows all.",
-        ),
-        Mistake(
-            "one side only",
-            lambda expected, measured: np.array(
-                [
-                    (measured[0] - expected[0]) - TURN * (measured[0] - expected[0] > np.pi),
-                    measured[1] - expected[1],
-                ]
-            ),
-            "You take a turn off where the difference is too large; where it is below -pi, one has to be added.",
-        ),
-        Mistake(
-            "no sign left",
-            lambda expected, measured: np.abs(_innovation(expected, measured)),
-            "Your answer has lost its signs: too far to the left and too far to the right are different surprises.",
-        ),
-    ],
-    alternatives={"arctan2": _arctan, "a loop, a list": _with_a_loop, "complex numbers": _complex},
+    mistakes=catalogue("""
+        sign: return => return -
+            Your innovation is expected minus measured. Subtract the other way round, measured minus expected, so that the filter moves towards the measurement.
+        not wrapped: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing
+            Your innovation is right, except that the bearing can be off by a full turn: from 170 to -175 degrees you get -345, but it is 15. Reduce the bearing's difference to the range from -pi to pi; if you wrap at 180, remember that it is in radians.
+        range wrapped: distance]) => (distance + np.pi) % (2 * np.pi) - np.pi])
+            You wrap the range, too. It is in metres, so a difference of 5 m must stay 5 m. Wrap the bearing only.
+        both from 0: (bearing + np.pi) % (2 * np.pi) - np.pi, distance => bearing % (2 * np.pi), distance % (2 * np.pi)
+            You take the remainder by 2 pi of both values. The range is in metres, so leave it as it is, and the bearing's difference must lie between -pi and pi, because a small difference to the right is negative.
+        0 to a full turn: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing % (2 * np.pi)
+            Your bearings are between 0 and 2 pi, so a small difference to the right becomes nearly a full turn to the left. Use the range from -pi to pi.
+        half a turn: (bearing + np.pi) % (2 * np.pi) - np.pi => (bearing + np.pi / 2) % np.pi - np.pi / 2
+            You subtract half turns, so opposite directions become the same. A full turn is 2 pi. The arctangent of a tangent has this problem, too.
+        0 to half a turn: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing % np.pi
+            You take the remainder by half a turn, so the difference is never negative and opposite directions become the same. Use the range from -pi to pi, and full turns of 2 * np.pi.
+        arcsin: (bearing + np.pi) % (2 * np.pi) - np.pi => np.arcsin(np.sin(bearing))
+            The arcsine of a sine is between -90 and 90 degrees, so 126 degrees become 54. Use np.arctan2 of sine and cosine, or the remainder operator %.
+        one side only: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing - 2 * np.pi * (bearing > np.pi)
+            You subtract a full turn if the difference is above pi, which is right. If it is below -pi, add a full turn.
+        the other side only: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing + 2 * np.pi * (bearing < -np.pi)
+            You add a full turn if the difference is below -pi, which is right. If it is above pi, subtract a full turn.
+        bearing without sign: (bearing + np.pi) % (2 * np.pi) - np.pi => abs((bearing + np.pi) % (2 * np.pi) - np.pi)
+            Your bearing's difference is never negative. Its sign says whether the landmark is farther to the left or to the right than expected, so leave out the absolute value.
+        no sign left: np.array => np.abs
+            Your innovation has lost its sign. The filter needs it to know in which direction to correct, so leave out the absolute value.
+    """),
+    alternatives={
+        "wrap_angle": lambda e, m: np.append(wrap_angle(m[0] - e[0]), m[1] - e[1]),
+        "a loop, a list": _with_a_loop,
+        "complex numbers": lambda e, m: np.array([np.angle(np.exp(1j * (m[0] - e[0]))), m[1] - e[1]]),
+    },
     equivalents={
-        "return np.array([(bearing - np.pi) % (2 * np.pi) - np.pi, distance])": "a full turn less, which the remainder takes out",
+        "return np.array([(bearing - np.pi) % (2 * np.pi) - np.pi, distance])": "a full turn less, which the remainder removes",
         "return [(bearing + np.pi) % (2 * np.pi) - np.pi, distance]": "a list of the same numbers",
     },
 )
 
 
-# --- 6.3 nees, 6.4 nis ---
-
-
-def _root_of(error: Any, covariance: Any) -> float:
-    return float(np.sqrt(error @ np.linalg.inv(covariance) @ error))
-
-
-def _over_each_entry(error: Any, covariance: Any) -> float:
-    with np.errstate(all="ignore"):
-        return float(error @ (1 / np.asarray(covariance)) @ error)
-
-
-def _by_cholesky(error: Any, covariance: Any) -> float:
-    return float(np.sum(np.linalg.solve(np.linalg.cholesky(covariance), error) ** 2))
-
-
-def _by_eigenvalues(error: Any, covariance: Any) -> float:
-    values, vectors = np.linalg.eigh(covariance)
-    return float((((vectors.T @ error) ** 2) / values).sum())
-
-
-def _by_inverse(error: Any, covariance: Any) -> Any:
-    column = np.asarray(error).reshape(-1, 1)
-    return (column.T @ np.linalg.inv(covariance) @ column).item()
-
-
-def _by_lists(error: Any, covariance: Any) -> float:
-    inverse = np.linalg.pinv(covariance)
-    return sum(error[i] * inverse[i, j] * error[j] for i in range(len(error)) for j in range(len(error)))
-
-
+# --- 6.3 nees ---
 def _nees_public() -> list[Case]:
+    correlated = np.array([[0.09, 0.06], [0.06, 0.09]])
     return [
         Case((np.array([0.2, 0.0]), np.diag([0.04, 0.01])), "20 cm off along x, where sigma is 20 cm"),
         Case((np.array([0.0, 0.2]), np.diag([0.04, 0.01])), "20 cm off along y, where sigma is 10 cm"),
+        Case((np.array([0.3, 0.3]), correlated), "an error along the long axis of the ellipse"),
+        Case((np.array([0.3, -0.3]), correlated), "an equally long error across it"),
         Case(
-            (np.array([0.3, 0.3]), np.array([[0.09, 0.06], [0.06, 0.09]])),
-            "off along the long axis of an ellipse",
+            (np.array([0.1, -0.2, 0.05]), random_covariance(np.random.default_rng(61), 3, scale=0.3)),
+            "a pose",
         ),
-        Case((np.array([0.3, -0.3]), np.array([[0.09, 0.06], [0.06, 0.09]])), "just as far off, across it"),
-        Case((np.array([0.1, -0.2, 0.05]), spread(np.random.default_rng(61), 3, scale=0.3)), "a pose"),
-        Case((np.array([2.0, 1.0, -3.0]), spread(np.random.default_rng(62), 3, scale=2.0)), "a pose far off"),
-    ]
-
-
-def _nees_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case((rng.normal(0, 1.5, size), spread(rng, size, scale=float(rng.uniform(0.4, 2)))))
-        for size in (1, 2, 2, 3, 3, 4)
-    ]
-
-
-def _squares(which: str) -> list[Mistake]:
-    """Mistakes of both exercises; `which` is what is weighed."""
-    return [
-        Mistake(
-            "no inverse",
-            lambda error, covariance: float(error @ covariance @ error),
-            f"You multiply by the covariance. The {which} is divided by it: multiply by its inverse, or solve.",
+        Case(
+            (np.array([2.0, 1.0, -3.0]), random_covariance(np.random.default_rng(62), 3, scale=2.0)),
+            "a pose with a large error",
         ),
-        Mistake(
-            "root",
-            _root_of,
-            "That is its root, the Mahalanobis distance. The square itself is wanted: it has a chi-square distribution.",
-        ),
-        Mistake(
-            "divided by the degrees",
-            lambda error, covariance: float(error @ np.linalg.solve(covariance, error)) / len(error),
-            f"You divide by the number of values. The bands are for the sum: a healthy {which} of n values has n on average.",
-        ),
-        Mistake(
-            "diagonal only",
-            lambda error, covariance: float(np.sum(error**2 / np.diag(covariance))),
-            "Right where nothing is correlated. You use the variances alone: the covariance's other entries count, too.",
-        ),
-        Mistake(
-            "each entry's inverse",
-            _over_each_entry,
-            "You take one over each entry. The inverse of a matrix is another matrix: np.linalg.inv, or np.linalg.solve(covariance, error).",
-        ),
-        Mistake(
-            "still a matrix",
-            lambda error, covariance: error.reshape(1, -1) @ np.linalg.inv(covariance) @ error.reshape(-1, 1),
-            "The number is there, but in a matrix of one row and one column: vectors of shape (n,) are enough, error @ ... @ error is a number then.",
-        ),
-        Mistake(
-            "* for @",
-            lambda error, covariance: error * np.linalg.inv(covariance) * error,
-            "* multiplies entry by entry, so a matrix is left. The matrix product is @, and vector @ matrix @ vector is a number.",
-        ),
-        Mistake(
-            "standard deviations for variances",
-            lambda error, covariance: float(np.sum((error / np.diag(covariance)) ** 2)),
-            "You square the error over the variance. The diagonal has variances already: the square of the error stands over the variance itself.",
-        ),
-        Mistake(
-            "no covariance",
-            lambda error, covariance: float(error @ error),
-            "That is the plain length squared: the covariance does not enter. Is 20 cm much? That depends on it.",
+        Case(
+            (np.array([0.06, -0.2]), np.array([[2, 3], [3, 20]]) / 1000),
+            "an innovation, bearing and range correlated",
         ),
     ]
+
+
+_SQUARES: dict[str, Any] = {
+    "Cholesky": lambda e, C: np.sum(np.linalg.solve(np.linalg.cholesky(C), e) ** 2),
+    "eigenvectors": lambda e, C: (np.linalg.eigh(C)[1].T @ e) ** 2 @ (1 / np.linalg.eigh(C)[0]),
+    "columns and an inverse": lambda e, C: (e[None] @ np.linalg.inv(C) @ e[:, None]).item(),
+}
+
+
+_SQUARE_MISTAKES = catalogue("""
+    no inverse: np.linalg.solve(covariance, error) => covariance @ error
+        You multiply by the covariance. A larger covariance must give a smaller result, so multiply by its inverse or use np.linalg.solve.
+    root: float( => np.sqrt(
+        You return the square root, which is the Mahalanobis distance. Return the square itself, because it has the chi-square distribution.
+    divided by the degrees: error)) => error)) / len(error)
+        You divide by the number of values n. Leave that out: the chi-square distribution with n degrees of freedom describes the sum, whose average is n.
+    diagonal only: np.linalg.solve(covariance, error) => (error / np.diag(covariance))
+        Your result is right if the values are uncorrelated, because you use only the diagonal. Use the whole matrix: its inverse, or np.linalg.solve.
+    each entry's inverse: + return error @ (1 / covariance) @ error
+        You invert each entry of the matrix. The inverse of a matrix is a different one: use np.linalg.inv, or
+        np.linalg.solve.
+    divided entry by entry: + return error**2 / covariance
+        You divide by each entry of the matrix, so the result is a matrix. Dividing by a matrix means multiplying by its inverse: vector @ inverse @ vector is a number.
+    length divided: + return error @ error / covariance
+        You divide the squared length by each entry of the matrix, so the result is a matrix. The inverse of the covariance belongs between the two vectors: vector @ inverse @ vector.
+    solve exchanged: np.linalg.solve(covariance, error) => np.linalg.solve(error, covariance)
+        The arguments of np.linalg.solve are exchanged. The matrix comes first: np.linalg.solve(covariance, error).
+    still a matrix: + return error[None] @ np.linalg.inv(covariance) @ error[:, None]
+        Your result is a matrix with one row and one column. Keep error as a vector of shape (n,); then
+        vector @ matrix @ vector is a number.
+    * for @: + return error * np.linalg.inv(covariance) * error
+        You multiply entry by entry with *, so the result is a matrix. Use the matrix product @: vector @ matrix @ vector is a number.
+    standard deviations for variances: + return np.sum((error / np.diag(covariance)) ** 2)
+        You divide by the diagonal and then square. The diagonal has variances already, and the other entries are missing:
+        use the inverse of the whole matrix.
+    no covariance: np.linalg.solve(covariance, error) => error
+        You return the squared length, so the covariance has no influence. Divide by the covariance: multiply by its inverse.
+""")
 
 
 NEES = Exercise(
     name="nees",
     points=2,
-    stars=1,
     public=_nees_public,
-    hidden=_nees_hidden,
+    hidden=lambda rng: errors(rng, (1, 2, 2, 3, 3, 4, 6), 1.5, 0.4, 2),
     comparison=Close(atol=1e-9),
     hints=(
-        "For one number it is the square of error over standard deviation. For several the covariance takes the place of the variance: divide by a matrix.",
-        "np.linalg.solve(covariance, error) is the inverse times the error. One more product with the error makes a number of it.",
+        "For one number it is error**2 / variance. For a vector the covariance matrix replaces the variance, so dividing becomes multiplying by the inverse matrix.",
+        "np.linalg.solve(covariance, error) is the inverse times the error. Multiply the error with it, using @.",
     ),
-    mistakes=_squares("error"),
-    alternatives={
-        "Cholesky": _by_cholesky,
-        "along the eigenvectors": _by_eigenvalues,
-        "columns and an inverse": _by_inverse,
-    },
+    mistakes=_SQUARE_MISTAKES,
+    alternatives=_SQUARES,
     equivalents={
-        "return error @ np.linalg.solve(covariance, error)": "NumPy's number is a number",
-        "return float(np.linalg.solve(covariance, error) @ error)": "a product of two vectors has no order",
+        "return error @ np.linalg.solve(covariance, error)": "a NumPy number is a number",
+        "return float(np.linalg.solve(covariance, error) @ error)": "the product of two vectors does not depend on their order",
     },
 )
 
 
-def _nis_public() -> list[Case]:
-    return [
-        Case((np.array([0.03, 0.1]), np.diag([0.0009, 0.01])), "one sigma off in both"),
-        Case(
-            (np.array([0.06, -0.2]), np.array([[0.002, 0.003], [0.003, 0.02]])),
-            "bearing and range correlated",
-        ),
-        Case(
-            (np.array([0.02, 0.3, -0.05, 0.1]), spread(np.random.default_rng(63), 4, scale=0.4)),
-            "two landmarks at once",
-        ),
-    ]
+# --- 6.4 covariance_ellipse ---
+def _closed_form(covariance: Array, probability: float) -> Any:
+    (a, b), (_, d) = covariance.tolist()
+    mean, radius = (a + d) / 2, np.hypot((a - d) / 2, b)  # Mohr's circle
+    axes = np.sqrt(-2 * np.log1p(-probability) * np.array([mean + radius, max(mean - radius, 0.0)]))
+    return axes.tolist(), float(np.arctan2(2 * b, a - d) / 2)
 
 
-def _nis_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case((rng.normal(0, 0.8, size), spread(rng, size, scale=float(rng.uniform(0.3, 1.5)))))
-        for size in (2, 2, 2, 4, 6)
-    ]
-
-
-NIS = Exercise(
-    name="nis",
-    points=1,
-    stars=1,
-    uses=("nees",),
-    public=_nis_public,
-    hidden=_nis_hidden,
-    comparison=Close(atol=1e-9),
-    hints=(
-        "The same weighing as in 6.3, of another vector by another matrix.",
-        "Call nees with the innovation in the error's place, and S in the covariance's.",
-    ),
-    mistakes=_squares("innovation"),
-    alternatives={
-        "Cholesky": _by_cholesky,
-        "columns and an inverse": _by_inverse,
-        "a sum over both indices": _by_lists,
-    },
-)
-
-
-# --- 6.5 covariance_ellipse ---
-
-
-def _ellipse(covariance: Any, probability: float, **changed: Any) -> tuple[Array, float]:
-    values, vectors = np.linalg.eigh(covariance)
-    radius = {
-        "one sigma": 1.0,
-        "one dimension": _normal_quantile(probability),
-        "half": np.sqrt(-np.log(1 - probability)),
-        "inside": np.sqrt(-2 * np.log(probability)),
-        "squared": -2 * np.log(1 - probability),
-    }.get(changed.get("radius", ""), np.sqrt(-2 * np.log(1 - probability)))
-    axes = radius * (values if changed.get("no_root") else np.sqrt(values))[::-1] * changed.get("factor", 1.0)
-    direction = vectors[:, 0 if changed.get("minor") else 1]
-    angle = (
-        np.arctan2(direction[0], direction[1])
-        if changed.get("swapped")
-        else np.arctan2(direction[1], direction[0])
-    )
-    if changed.get("degrees"):
-        angle = np.degrees(angle)
-    return (axes[::-1] if changed.get("small_first") else axes), angle
-
-
-def _normal_quantile(probability: float) -> float:
-    from scipy.stats import norm
-
-    return float(norm.ppf((1 + probability) / 2))
-
-
-def _changed_ellipse(**changed: Any) -> Any:
-    return lambda covariance, probability: _ellipse(covariance, probability, **changed)
-
-
-def _closed_form(covariance: Any, probability: float) -> tuple[list[float], float]:
-    (a, b), (_, d) = np.asarray(covariance).tolist()
-    middle, reach = (a + d) / 2, np.hypot((a - d) / 2, b)
-    scale = -2 * np.log1p(-probability)
-    return [
-        float(np.sqrt(scale * (middle + reach))),
-        float(np.sqrt(scale * max(middle - reach, 0.0))),
-    ], float(np.arctan2(2 * b, a - d) / 2)
-
-
-def _by_svd(covariance: Any, probability: float) -> Any:
-    from scipy.stats import chi2
-
+def _by_svd(covariance: Array, probability: float) -> Any:
     left, values, _ = np.linalg.svd(covariance)
     return np.sqrt(values * chi2.ppf(probability, 2)), float(np.arctan2(-left[1, 0], -left[0, 0]))
 
 
-def _by_eig(covariance: Any, probability: float) -> Any:
+def _by_eig(covariance: Array, probability: float) -> Any:
     values, vectors = np.linalg.eig(covariance)
-    order = np.argsort(-values)
-    axes = np.sqrt(values[order]) * np.sqrt(2 * np.log(1 / (1 - probability)))
-    x, y = vectors[:, order[0]]
-    return tuple(axes), np.arctan(y / x) if x else np.pi / 2
-
-
-def _ellipse_public() -> list[Case]:
-    return [
-        Case((np.diag([0.09, 0.01]), 0.95), "long along x"),
-        Case((np.diag([0.01, 0.04]), 0.95), "long along y"),
-        Case((np.array([[0.05, 0.03], [0.03, 0.05]]), 0.95), "long along the diagonal"),
-        Case((np.array([[0.3, -0.2], [-0.2, 0.6]]), 0.5), "falling to the right, half of the probability"),
-        Case((np.array([[2.0, 0.9], [0.9, 0.7]]), 0.3935), "the one-sigma ellipse"),
-    ]
+    (x, y), axes = vectors[:, values.argmax()], np.sqrt(values * 2 * np.log(1 / (1 - probability)))
+    return (max(axes), min(axes)), np.arctan(y / x) if x else np.pi / 2
 
 
 def _ellipse_hidden(rng: np.random.Generator) -> list[Case]:
     cases = []
     for probability in (0.2, 0.5, 0.9, 0.95, 0.99, 0.6):
-        angle, (short, long) = (
-            rng.uniform(0.15, 1.4) + np.pi / 2 * rng.integers(0, 2),
-            np.array([0.1, 0.5]) * rng.uniform(0.7, 1.4, 2),
-        )
-        turned = rotation_2d(angle)
+        turned = rotation_2d(rng.uniform(0.15, 1.4) + np.pi / 2 * rng.integers(0, 2))
+        short, long = np.array([0.1, 0.5]) * rng.uniform(0.7, 1.4, 2)
         cases.append(Case((turned @ np.diag([long**2, short**2]) @ turned.T, probability)))
     return cases
 
@@ -570,241 +308,132 @@ COVARIANCE_ELLIPSE = Exercise(
     name="covariance_ellipse",
     points=3,
     stars=2,
-    public=_ellipse_public,
+    public=lambda: [
+        Case((np.diag([0.09, 0.01]), 0.95), "long along x"),
+        Case((np.diag([0.01, 0.04]), 0.95), "long along y"),
+        Case((np.array([[0.05, 0.03], [0.03, 0.05]]), 0.95), "long along the diagonal"),
+        Case((np.array([[0.3, -0.2], [-0.2, 0.6]]), 0.5), "long axis falling to the right, 50 %"),
+        Case((np.array([[2.0, 0.9], [0.9, 0.7]]), 0.3935), "the one-sigma ellipse"),
+    ],
     hidden=_ellipse_hidden,
     comparison=Each((Close(atol=1e-9), Close(atol=1e-6, period=np.pi))),
     hints=(
-        "np.linalg.eigh gives eigenvalues from the smallest to the largest, and eigenvectors as columns. Eigenvalues are variances along the axes.",
-        "The semi-axes are the roots of the eigenvalues times the root of -2 ln(1 - probability), the larger first; the angle is np.arctan2(y, x) of vectors[:, 1].",
+        "np.linalg.eigh returns eigenvalues in ascending order and eigenvectors as columns. Each eigenvalue is the variance along its eigenvector, so equation 6.6 gives both semi-axes.",
+        "The semi-axes are the square roots of the eigenvalues times np.sqrt(-2 * np.log(1 - probability)), the larger first. The angle is np.arctan2(y, x) of the last column, vectors[:, 1].",
     ),
-    mistakes=[
-        Mistake(
-            "root forgotten",
-            _changed_ellipse(no_root=True),
-            "Your axes are in m^2: an eigenvalue is a variance. Its root is a length.",
-        ),
-        Mistake(
-            "one sigma always",
-            _changed_ellipse(radius="one sigma"),
-            "Your ellipse is the same for each probability. How far it reaches follows from the probability.",
-        ),
-        Mistake(
-            "one dimension",
-            _changed_ellipse(radius="one dimension"),
-            "That is how far one goes on a line: 1.96 for 95 %. In the plane two values may be off, and 95 % take 2.45.",
-        ),
-        Mistake(
-            "the 2 forgotten",
-            _changed_ellipse(radius="half"),
-            "Your axes are too short by the root of 2: it is -2 ln(1 - p).",
-        ),
-        Mistake(
-            "outside for inside",
-            _changed_ellipse(radius="inside"),
-            "The more probability you want inside, the smaller your ellipse: it is ln(1 - p), not ln(p).",
-        ),
-        Mistake(
-            "radius squared",
-            _changed_ellipse(radius="squared"),
-            "-2 ln(1 - p) is the square of how many standard deviations: take its root, too.",
-        ),
-        Mistake(
-            "small axis first",
-            _changed_ellipse(small_first=True),
-            "Your smaller semi-axis comes first. eigh sorts from the smallest on; the larger one is wanted first.",
-        ),
-        Mistake(
-            "diameters",
-            _changed_ellipse(factor=2.0),
-            "Your axes are twice too long: semi-axes reach from the middle to the edge.",
-        ),
-        Mistake(
-            "the minor axis's angle",
-            _changed_ellipse(minor=True),
-            "Your angle is that of the short axis. That of the long one is wanted: the last eigenvector of eigh.",
-        ),
-        Mistake(
-            "x and y exchanged",
-            _changed_ellipse(swapped=True),
-            "Your angle is measured from the y axis: np.arctan2 takes y first.",
-        ),
-        Mistake(
-            "degrees",
-            _changed_ellipse(degrees=True),
-            "Your angle is in degrees; radians are wanted.",
-        ),
-    ],
+    mistakes=catalogue("""
+        root forgotten: np.sqrt(variances[::-1]) => variances[::-1]
+            Your semi-axes use the eigenvalues, which are variances in m^2. Take their square roots.
+        one sigma always: np.sqrt(-2 * np.log(1 - probability)) => 1.0
+            Your ellipse does not depend on the probability. Multiply by the factor of equation 6.6.
+        one dimension: + from scipy.stats import norm
+            np.sqrt(-2 * np.log(1 - probability)) => norm.ppf((1 + probability) / 2)
+            You use the factor for one dimension, 1.96 for 95 %. In the plane two values vary, and 95 % need 2.45: use equation 6.6.
+        decimal logarithm: np.log(1 - probability) => np.log10(1 - probability)
+            You use the decimal logarithm. Equation 6.6 has the natural logarithm, np.log.
+        the 2 forgotten: -2 * np.log => -np.log
+            Your semi-axes are too short by a factor of sqrt(2). Equation 6.6 has -2 ln(1 - p).
+        outside for inside: 1 - probability => probability
+            Your ellipse becomes smaller as the probability grows. Use ln(1 - p), not ln(p).
+        radius squared: np.sqrt(-2 * np.log(1 - probability)) => -2 * np.log(1 - probability)
+            You multiply by -2 ln(1 - p), which is a squared distance. Take its square root, too.
+        both axes exchanged: variances[::-1] => variances
+            directions[:, 1] => directions[:, 0]
+            Your smaller semi-axis comes first, and your angle belongs to it. eigh sorts in ascending order, so the larger eigenvalue and its eigenvector are the last ones.
+        small axis first: variances[::-1] => variances
+            Your smaller semi-axis comes first. eigh sorts in ascending order, so reverse the eigenvalues.
+        the minor axis's angle: directions[:, 1] => directions[:, 0]
+            Your angle belongs to the shorter axis. Use the last eigenvector of eigh, which belongs to the largest eigenvalue.
+        both axes and x and y exchanged: variances[::-1] => variances
+            np.arctan2(y, x) => np.arctan2(x, y)
+            Your smaller semi-axis comes first, and your angle is measured from the y axis. Reverse the eigenvalues of eigh, and call np.arctan2 with y first.
+        not sorted: np.linalg.eigh(covariance) => np.linalg.eig(covariance)
+            variances[::-1] => variances
+            directions[:, 1] => directions[:, 0]
+            You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
+        diameters: return sigmas => return 2 * sigmas
+            Your axes are twice too long. A semi-axis reaches from the centre to the edge.
+        x and y exchanged: np.arctan2(y, x) => np.arctan2(x, y)
+            Your angle is measured from the y axis. The first argument of np.arctan2 is y.
+        degrees: np.arctan2(y, x) => np.degrees(np.arctan2(y, x))
+            Your angle is in degrees. Return radians.
+    """),
     alternatives={"closed form": _closed_form, "svd and chi2": _by_svd, "eig, sorted": _by_eig},
     equivalents={
-        "x, y = directions[1, :]": "two by two, eigh's eigenvectors have the same rows as columns, up to signs that turn an axis by half a turn",
+        "x, y = directions[1, :]": "the eigenvectors of a 2 x 2 matrix have the same rows as columns, up to a sign, which turns an axis by half a turn"
     },
 )
 
 
-# --- 6.6 kalman_update ---
-
-
-def _update(
-    mean: Any, covariance: Any, innovation: Any, H: Any, R: Any, **changed: Any
-) -> tuple[Array, Array]:
-    """The update with one thing done in another way."""
-    P = np.asarray(covariance)
-    S = H @ P @ H.T + (0 if changed.get("no_R") else R)
-    K = P @ H.T @ (S if changed.get("no_inverse") else np.linalg.inv(S))
-    if changed.get("gain_transposed"):
-        K = np.linalg.inv(S) @ H @ P
-    if changed.get("one"):
-        K = H.T @ np.linalg.inv(S)
-    if changed.get("over_R"):
-        K = P @ H.T @ np.linalg.inv(R)
-    step = K @ innovation
-    left = np.eye(len(P)) - K @ H
-    new = {
-        "same": P,
-        "left": left,
-        "added": (np.eye(len(P)) + K @ H) @ P,
-        "behind": P @ left,
-        "no_noise": left @ P @ left.T,
-        "not_transposed": left @ P @ left + K @ np.asarray(R) @ K.T,
-        "ones": (1 - K @ H) @ P,
-    }.get(changed.get("after", ""), left @ P)
-    return (mean - step if changed.get("minus") else mean + step), new
-
-
-def _changed_update(**changed: Any) -> Any:
-    def function(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> tuple[Array, Array]:
-        return _update(mean, covariance, innovation, H, R, **changed)
-
-    return function
-
-
-def _kept_mean(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    return np.array(mean), _update(mean, covariance, innovation, H, R)[1]
-
-
-def _wrapped_heading(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    new, left = _update(mean, covariance, innovation, H, R)
-    if len(new) > 2:
-        new[2] = wrapped(new[2])
-    return new, left
-
-
-def _wrapped_mean(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    new, left = _update(mean, covariance, innovation, H, R)
-    return wrapped(new), left
-
-
-def _wrapped_bearing(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    return _update(mean, covariance, np.append(wrapped(innovation[0]), innovation[1:]), H, R)
-
-
-def _wrapped_innovation(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    return _update(mean, covariance, wrapped(innovation), H, R)
-
-
-def _hph(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    S = H @ covariance @ H + R
-    K = covariance @ H.T @ np.linalg.inv(S)
-    return mean + K @ innovation, (np.eye(len(mean)) - K @ H) @ covariance
-
-
-def _times(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    K = covariance @ H.T @ np.linalg.inv(H @ covariance @ H.T + R)
-    return mean + K * innovation, (np.eye(len(mean)) - K @ H) @ covariance
-
-
-def _symmetrised(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    new_mean, short = _update(mean, covariance, innovation, H, R)
-    return new_mean, (short + short.T) / 2
-
-
-def _less_what_is_known(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+# --- 6.5 kalman_update ---
+def _subtracted(mean: Array, covariance: Array, innovation: Array, H: Array, R: Array) -> Any:
     cross = covariance @ H.T
     S = H @ cross + R
     return mean + cross @ np.linalg.solve(S, innovation), covariance - cross @ np.linalg.solve(S, cross.T)
 
 
-def _information(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
+def _information(mean: Array, covariance: Array, innovation: Array, H: Array, R: Array) -> Any:
     weight = H.T @ np.linalg.inv(R)
     new = np.linalg.inv(np.linalg.inv(covariance) + weight @ H)
     return [mean + new @ weight @ innovation, new]
 
 
-def _as_lists(mean: Any, covariance: Any, innovation: Any, H: Any, R: Any) -> Any:
-    new_mean, new = _update(mean, covariance, innovation, H, R)
-    return new_mean.tolist(), new.tolist()
+def _one_by_one(mean: Array, covariance: Array, innovation: Array, H: Array, R: Array) -> Any:
+    """Update with one number after the other, in the axes in which their noise is independent; return lists."""
+    variances, axes = np.linalg.eigh(R)
+    new = mean
+    for h, difference, variance in zip(axes.T @ H, axes.T @ innovation, variances, strict=True):
+        gain = covariance @ h / (h @ covariance @ h + variance)
+        new = new + gain * (difference - h @ (new - mean))
+        covariance = covariance - np.outer(gain, h @ covariance)
+    return new.tolist(), covariance.tolist()
 
 
 def _update_public() -> list[Case]:
     rng = np.random.default_rng(66)
+    one = np.array([2.0]), np.array([[0.04]]), np.array([1.0]), np.array([[1.0]]), np.array([[0.01]])
+    position = np.array([2.0, 1.0]), np.array([[0.3, 0.1], [0.1, 0.2]])
+    of_x = np.array([0.5]), np.array([[1.0, 0.0]]), np.array([[0.1]])
+    two = (
+        rng.normal(size=2),
+        random_covariance(rng, 2),
+        rng.normal(size=2),
+        np.array([[0.0, 2.0], [1.0, 0.5]]),
+    )
     return [
-        Case(
-            (np.array([2.0]), np.array([[0.04]]), np.array([1.0]), np.array([[1.0]]), np.array([[0.01]])),
-            "the one dimension of exercise 6.1",
-        ),
-        Case(
-            (
-                np.array([2.0, 1.0]),
-                np.array([[0.3, 0.1], [0.1, 0.2]]),
-                np.array([0.5]),
-                np.array([[1.0, 0.0]]),
-                np.array([[0.1]]),
-            ),
-            "a position of which x is measured",
-        ),
-        Case(
-            (
-                rng.normal(size=2),
-                spread(rng, 2),
-                rng.normal(size=2),
-                np.array([[0.0, 2.0], [1.0, 0.5]]),
-                spread(rng, 2, scale=0.5),
-            ),
-            "two values, two measurements",
-        ),
-        Case(
-            (
-                rng.normal(size=3),
-                spread(rng, 3),
-                rng.normal(size=2),
-                rng.normal(size=(2, 3)),
-                spread(rng, 2, scale=0.7),
-            ),
-            "a pose, bearing and range",
-        ),
-        _turning_on(np.random.default_rng(67), "a state that passes 180 degrees"),
-        _far_off(np.random.default_rng(68), "an innovation of 5 m"),
+        Case(one, "one dimension, as in exercise 6.1"),
+        Case((*position, *of_x), "a position, x is measured"),
+        Case((*two, random_covariance(rng, 2, scale=0.5)), "two values, two measurements"),
+        _anything(rng, 3, 2, 0.7, "a pose, bearing and range"),
+        _turning_on(np.random.default_rng(67), "a third value that passes pi"),
+        _far_off(np.random.default_rng(68), "innovations of 5 and -4.5"),
     ]
+
+
+def _anything(rng: np.random.Generator, n: int, m: int, scale: float | None = None, name: str = "") -> Case:
+    """Return a case of n values, updated with m measurements."""
+    given = rng.normal(size=n), random_covariance(rng, n), rng.normal(size=m), rng.normal(size=(m, n))
+    return Case((*given, random_covariance(rng, m, scale=scale or float(rng.uniform(0.4, 1.2)))), name)
 
 
 def _turning_on(rng: np.random.Generator, name: str = "") -> Case:
-    """A third value of nearly half a turn, which the measurement raises."""
+    """Return a case whose third value is nearly half a turn and increases by the update."""
     H = np.array([[0.0, 0.0, 1.0], [1.0, rng.uniform(-0.5, 0.5), 0.0]])
     mean = np.array([*rng.normal(size=2), rng.uniform(3.0, 3.1)])
-    return Case((mean, spread(rng, 3), np.array([rng.uniform(1.0, 1.5), 0.1]), H, np.eye(2) * 0.2), name)
-
-
-def _far_off(rng: np.random.Generator, name: str = "") -> Case:
-    """Innovations that would be no angles."""
     return Case(
-        (rng.normal(size=3), spread(rng, 3), np.array([5.0, -4.5]), rng.normal(size=(2, 3)), np.eye(2) * 0.3),
-        name,
+        (mean, random_covariance(rng, 3), np.array([rng.uniform(1.0, 1.5), 0.1]), H, np.eye(2) * 0.2), name
     )
 
 
+def _far_off(rng: np.random.Generator, name: str = "") -> Case:
+    """Return a case with innovations outside the range of a wrapped angle."""
+    given = rng.normal(size=3), random_covariance(rng, 3), np.array([5.0, -4.5]), rng.normal(size=(2, 3))
+    return Case((*given, np.eye(2) * 0.3), name)
+
+
 def _update_hidden(rng: np.random.Generator) -> list[Case]:
-    return [_turning_on(rng), _far_off(rng)] + [
-        Case(
-            (
-                rng.normal(size=n),
-                spread(rng, n),
-                rng.normal(size=m),
-                rng.normal(size=(m, n)),
-                spread(rng, m, scale=float(rng.uniform(0.4, 1.2))),
-            )
-        )
-        for n, m in ((1, 1), (2, 1), (2, 2), (3, 2), (3, 2), (3, 4), (5, 2))
-    ]
+    sizes = ((1, 1), (2, 1), (2, 2), (3, 2), (3, 2), (3, 4), (5, 2))
+    return [_turning_on(rng), _far_off(rng), *(_anything(rng, n, m) for n, m in sizes)]
 
 
 KALMAN_UPDATE = Exercise(
@@ -815,281 +444,147 @@ KALMAN_UPDATE = Exercise(
     hidden=_update_hidden,
     comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
     hints=(
-        "Write S, then K, then the mean, then the covariance: one line each. Check shapes: H is (m, n), S (m, m), K (n, m).",
-        "S = H P Hᵀ + R; K = P Hᵀ S^-1; the new mean is mean + K @ innovation, the new covariance (I - K H) P, or the longer form of equation 6.8.",
+        "Compute S, then K, then the mean and the covariance of equation 6.7, one line each. In one dimension K is P / S. For matrices, choose the order and the transpose so that K is (n, m): P is (n, n), H is (m, n) and S is (m, m).",
+        "K = P Hᵀ S^-1 with S = H P Hᵀ + R. The new mean is mean + K @ innovation; the new covariance is equation 6.7, or (I - K H) P, which is the same for this gain.",
     ),
-    mistakes=[
-        Mistake(
-            "S without R",
-            _changed_update(no_R=True),
-            "R is missing in S: you take the measurement for exact. Where it has as many values as the state, nothing is left of the prediction.",
-        ),
-        Mistake(
-            "gain over R",
-            _changed_update(over_R=True),
-            "You divide by R alone. The innovation is uncertain by both, S = H P Hᵀ + R.",
-        ),
-        Mistake(
-            "no inverse",
-            _changed_update(no_inverse=True),
-            "You multiply by S; the gain divides by it: K = P Hᵀ S^-1.",
-        ),
-        Mistake(
-            "P left out of the gain",
-            _changed_update(one=True),
-            "P is missing in the gain: K = P Hᵀ S^-1. What is known poorly has to move farther.",
-        ),
-        Mistake(
-            "gain transposed",
-            _changed_update(gain_transposed=True),
-            "Your gain is transposed: S^-1 H P is Kᵀ. K has a row for each value of the state and a column for each measurement.",
-        ),
-        Mistake(
-            "H P H",
-            _hph,
-            "It is H P Hᵀ, with the second H transposed: S has as many rows and columns as there are measurements. Where all shapes are alike, Python says nothing.",
-        ),
-        Mistake(
-            "innovation's sign",
-            _changed_update(minus=True),
-            "You go the wrong way: the mean moves by plus K times the innovation, which is measured less expected.",
-        ),
-        Mistake(
-            "* for @",
-            _times,
-            "K * innovation multiplies entry by entry. The matrix product is @.",
-        ),
-        Mistake(
-            "covariance not updated",
-            _changed_update(after="same"),
-            "The mean is right, the covariance is the old one: after a measurement the robot is surer.",
-        ),
-        Mistake(
-            "mean not updated",
-            _kept_mean,
-            "The covariance is right, the mean is the old one: it moves by K times the innovation.",
-        ),
-        Mistake(
-            "heading wrapped here",
-            _wrapped_heading,
-            "You wrap the third value. This function does not know that it is an angle: in lesson 07 a landmark may stand there. localize wraps.",
-        ),
-        Mistake(
-            "mean wrapped",
-            _wrapped_mean,
-            "You wrap the mean, as if all its values were angles. This function does not know which are: localize wraps the heading.",
-        ),
-        Mistake(
-            "innovation wrapped here",
-            _wrapped_innovation,
-            "You wrap the innovation, as if all its values were angles. It comes in as it is to be taken; 5 m stay 5 m.",
-        ),
-        Mistake(
-            "bearing wrapped here",
-            _wrapped_bearing,
-            "You wrap the innovation's first value. This function does not know that it is an angle: it comes in as it is to be taken.",
-        ),
-        Mistake(
-            "1 for I",
-            _changed_update(after="ones"),
-            "1 - K @ H takes every entry of K H from 1. The matrix I has ones on the diagonal only: np.eye(len(mean)).",
-        ),
-        Mistake(
-            "Joseph's form without a transpose",
-            _changed_update(after="not_transposed"),
-            "In Joseph's form the second I - K H is transposed: (I - K H) P (I - K H)ᵀ. Without it the matrix is not even symmetric.",
-        ),
-        Mistake(
-            "P forgotten behind",
-            _changed_update(after="left"),
-            "You return I - K H: it is the factor by which P shrinks, (I - K H) P.",
-        ),
-        Mistake(
-            "plus for minus",
-            _changed_update(after="added"),
-            "Your covariance grows by the measurement: it is I - K H.",
-        ),
-        Mistake(
-            "wrong side",
-            _changed_update(after="behind"),
-            "You multiply from the other side: (I - K H) P, not P (I - K H). Your matrix is not even symmetric.",
-        ),
-        Mistake(
-            "half of Joseph's form",
-            _changed_update(after="no_noise"),
-            "(I - K H) P (I - K H)ᵀ alone forgets that the measurement has noise: K R Kᵀ belongs to it.",
-        ),
-    ],
-    alternatives={
-        "symmetrised": _symmetrised,
-        "what is known is taken off": _less_what_is_known,
-        "information form": _information,
-        "the short form, as lists": _as_lists,
-    },
-    equivalents={
-        "left = K @ H - np.eye(len(mean))": "it stands there twice, so its sign does not matter",
-    },
+    mistakes=catalogue("""
+        S without R: H.T + R => H.T
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            R is missing in your S, so you treat the measurement as exact. The innovation has both sources of uncertainty: S = H P Hᵀ + R.
+        gain over R: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(R)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your gain uses the inverse of R alone. The innovation has both sources of uncertainty: use the inverse of S = H P Hᵀ + R.
+        no inverse: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ S
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your gain multiplies by S. A more uncertain innovation must get a smaller weight, so multiply by the inverse of S.
+        divided entry by entry: np.linalg.solve(S, H @ covariance).T => covariance @ H.T / S
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You divide by S entry by entry. For matrices, multiply by the inverse: np.linalg.inv(S), or np.linalg.solve.
+        P left out of the gain: np.linalg.solve(S, H @ covariance).T => H.T @ np.linalg.inv(S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            P is missing in your gain. A more uncertain estimate must move farther: in one dimension the gain is P / S.
+        inverse on the left: np.linalg.solve(S, H @ covariance).T => np.linalg.inv(S) @ covariance @ H.T
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            The inverse of S is on the wrong side of your gain. K has n rows and m columns, so the factor of shape (n, n) comes first and the inverse of S, which is (m, m), comes last.
+        H not transposed in the gain: np.linalg.solve(S, H @ covariance).T => covariance @ H @ np.linalg.inv(S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            H is not transposed in your gain. P is (n, n) and H is (m, n), so P can be multiplied only by the transpose of H, which is (n, m).
+        R outside of the inverse: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(H @ covariance @ H.T) + R
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You add R after the inverse. R belongs to S, so compute S first: S = H P Hᵀ + R, and then its inverse.
+        entries of S inverted: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ (1 / S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You invert each entry of S, which is also what S**-1 does. For the inverse of a matrix use np.linalg.inv(S).
+        first H transposed: H @ covariance @ H.T + R => H.T @ covariance @ H + R
+            np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your S has the wrong H transposed. S is (m, m), so it is H P Hᵀ + R, because H is (m, n).
+        H left out: np.linalg.solve(S, H @ covariance).T => covariance / (covariance + R)
+            left @ covariance @ left.T + K @ R @ K.T => (np.eye(len(mean)) - K) @ covariance
+            You use the formulas of one dimension, where H is 1. With matrices, S = H P Hᵀ + R, and H or its transpose is also a factor of the gain and of the covariance.
+        gain transposed: covariance).T => covariance)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your gain is transposed: S^-1 H P is Kᵀ. K has a row for each value of the state and a column for each measurement.
+        H P H: H @ covariance @ H.T + R => H @ covariance @ H + R
+            np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your S has H P H. The second H must be transposed: S = H P Hᵀ + R. If n equals m, Python raises no error.
+        innovation's sign: mean + K => mean - K
+            Your mean moves in the wrong direction. Add K @ innovation, because the innovation is measured minus expected.
+        * for @: K @ innovation => K * innovation
+            K * innovation multiplies entry by entry. Use the matrix product K @ innovation.
+        covariance not updated: left @ covariance @ left.T + K @ R @ K.T => covariance
+            Your mean is right, but you return the old covariance. A measurement reduces it: see equation 6.7.
+        mean not updated: mean + K @ innovation => mean
+            Your covariance is right, but you return the old mean. Add K @ innovation.
+        heading wrapped here: return mean + K @ innovation => return moved
+            - K @ H => - K @ H
+            + moved = mean + K @ innovation
+            + moved[2:3] = (moved[2:3] + np.pi) % (2 * np.pi) - np.pi
+            You wrap the third value of the mean. This function works for any state, and in lesson 07 the third value is not always an angle. Wrap the heading in localize instead.
+        bearing wrapped here: + innovation = np.append((innovation[0] + np.pi) % (2 * np.pi) - np.pi, innovation[1:])
+            You wrap the first value of the innovation. This function works for any measurement, and the first value is not always an angle. The function innovation has wrapped it already.
+        1 for I: np.eye(len(mean)) => 1
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            1 - K @ H subtracts each entry of K H from 1. The matrix I has ones on its diagonal only: use np.eye(len(mean)).
+        I of a pose: np.eye(len(mean)) => np.eye(3)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You use np.eye(3), which fits only a state of three values. The state may have any number n of values: use np.eye(len(mean)).
+        H K for K H: - K @ H => - H @ K
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You compute I - H K. It is I - K H: K H is (n, n) like P, while H K is (m, m), so the two fit together only if n equals m.
+        H K for K H in Joseph's form: - K @ H => - H @ K
+            You compute I - H K, but it is I - K H: K H is (n, n) like P, while H K is (m, m). If you use Joseph's form, exchange H and K in both of its factors.
+        I of the measurement's size: np.eye(len(mean)) - K @ H => np.eye(len(innovation)) - K @ H
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your I has as many rows as there are measurements. K H is (n, n), so I needs a row for each value of the state: np.eye(len(mean)).
+        Joseph's form without a transpose: left.T => left
+            The second I - K H of equation 6.7 must be transposed: (I - K H) P (I - K H)ᵀ. Your matrix is not symmetric.
+        P multiplied entry by entry: left @ covariance @ left.T + K @ R @ K.T => left * covariance
+            You multiply I - K H and P entry by entry with *. Use the matrix product: (I - K H) @ P.
+        second K of Joseph's form not transposed: K @ R @ K.T => K @ R @ K
+            The second K of K R Kᵀ must be transposed: K is (n, m) and R is (m, m).
+        P forgotten behind: left @ covariance @ left.T + K @ R @ K.T => left
+            You return I - K H without P. It is the factor by which P becomes smaller: multiply it by P.
+        plus for minus: len(mean)) - K => len(mean)) + K
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your covariance grows with the measurement, because you have I + K H. Use I - K H.
+        wrong side: left @ covariance @ left.T + K @ R @ K.T => covariance @ left
+            You compute P (I - K H), and the result is not symmetric. Multiply from the other side: (I - K H) P.
+        half of Joseph's form: left.T + K @ R @ K.T => left.T
+            Your covariance is (I - K H) P (I - K H)ᵀ alone, which leaves out the measurement noise. Add K R Kᵀ.
+    """),
+    alternatives={"subtraction": _subtracted, "information form": _information, "one by one": _one_by_one},
+    equivalents={"left = K @ H - np.eye(len(mean))": "it occurs twice, so its sign does not matter"},
 )
 
 
-# --- 6.7 localize ---
+# --- 6.6 localize ---
+def _localized_by(update: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a `localize` that uses this Kalman update."""
+
+    def localize(pose: Array, covariance: Array, measurement: Array, landmark: Array, R: Array) -> Any:
+        difference = measurement - range_and_bearing(pose, landmark)
+        difference[0] = np.angle(np.exp(1j * difference[0]))
+        new, new_covariance = update(pose, covariance, difference, jacobian_at(pose, landmark)[:, :3], R)
+        return [*new[:2], wrap_angle(new[2])], new_covariance
+
+    return localize
 
 
-def _bearing_range(pose: Any, landmark: Any) -> Array:
-    (x, y), *_ = Pose(*pose).to_local(landmark)
-    return np.array([np.arctan2(y, x), np.hypot(x, y)])
-
-
-def _slopes(pose: Any, landmark: Any) -> Array:
-    """How bearing and range change with the pose, by central differences."""
-    columns = []
-    for step in 1e-6 * np.eye(3):
-        change = _bearing_range(np.add(pose, step), landmark) - _bearing_range(
-            np.subtract(pose, step), landmark
-        )
-        change[0] = wrapped(change[0])
-        columns.append(change / 2e-6)
-    return np.column_stack(columns)
-
-
-def _heading_by(rule: Callable[[float], float]) -> Callable[[Array], Array]:
-    return lambda pose: np.array([pose[0], pose[1], rule(pose[2])])
-
-
-_HEADINGS: dict[str, Callable[[Array], Array]] = {
-    "right": _heading_by(wrapped),
-    "as it is": _heading_by(float),
-    "0 to a turn": _heading_by(lambda angle: angle % TURN),
-    "too large only": _heading_by(lambda angle: angle - TURN * (angle > np.pi)),
-    "too small only": _heading_by(lambda angle: angle + TURN * (angle < -np.pi)),
-    "all": lambda pose: np.asarray(wrapped(pose)),
-}
-
-
-def _localized(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any, **changed: Any) -> Any:
-    """One look with one thing done in another way."""
-    expected = _bearing_range(pose, landmark)
-    if changed.get("degrees"):
-        expected[0] = np.degrees(expected[0])
-    difference = np.asarray(measurement) - expected
-    if changed.get("minus"):
-        difference = -difference
-    if not changed.get("unwrapped"):
-        difference[0] = wrapped(difference[0])
-    H = _slopes(pose, landmark)
-    if changed.get("of_landmark"):
-        H = np.column_stack([-H[:, :2], np.zeros(2)])
-    if changed.get("no_heading"):
-        H = H * (1.0, 1.0, 0.0)
-    if changed.get("rows"):
-        H = H[::-1]
-    noise = np.sqrt(R) if changed.get("roots") else R
-    new, left = _update(pose, covariance, difference, H, noise)
-    new = _HEADINGS[changed.get("heading", "right")](new)
-    return new, (covariance if changed.get("same") else left)
-
-
-def _changed_look(**changed: Any) -> Any:
-    def function(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-        return _localized(pose, covariance, measurement, landmark, R, **changed)
-
-    return function
-
-
-def _twice(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    return _localized(*_localized(pose, covariance, measurement, landmark, R), measurement, landmark, R)
-
-
-def _bearing_alone(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    difference = wrapped(np.asarray(measurement) - _bearing_range(pose, landmark))
-    new, left = _update(pose, covariance, difference[:1], _slopes(pose, landmark)[:1], R[:1, :1])
-    return _HEADINGS["right"](new), left
-
-
-def _nothing_behind(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    if abs(measurement[0]) > np.pi / 2:
-        return pose, covariance
-    return _localized(pose, covariance, measurement, landmark, R)
-
-
-def _one_by_one(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    """Bearing and range after each other, both linearised where the first one was; R is diagonal."""
-    difference = np.asarray(measurement) - _bearing_range(pose, landmark)
-    difference[0] = wrapped(difference[0])
-    slopes, new, left = _slopes(pose, landmark), np.array(pose, dtype=float), covariance
-    for row in range(2):
-        H = slopes[row : row + 1]
-        still = difference[row : row + 1] - H @ (new - pose)
-        new, left = _update(new, left, still, H, R[row : row + 1, row : row + 1])
-    new[2] = np.arctan2(np.sin(new[2]), np.cos(new[2]))
-    return new, left
-
-
-def _with_information(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    H = _slopes(pose, landmark)
-    difference = np.asarray(measurement) - _bearing_range(pose, landmark)
-    difference[0] = np.angle(np.exp(1j * difference[0]))
-    new, left = _information(np.asarray(pose), covariance, difference, H, R)
-    return [[new[0], new[1], np.angle(np.exp(1j * new[2]))], left]
-
-
-def _less(pose: Any, covariance: Any, measurement: Any, landmark: Any, R: Any) -> Any:
-    """What is known is taken off."""
-    difference = np.asarray(measurement) - _bearing_range(pose, landmark)
-    difference[0] = wrapped(difference[0])
-    new, left = _less_what_is_known(np.asarray(pose), covariance, difference, _slopes(pose, landmark), R)
-    while abs(new[2]) > np.pi:
-        new[2] -= np.sign(new[2]) * TURN
-    return new, left
-
-
-def _look(
+def _measured(
     pose: Any, landmark: Any, error: Any, sigmas: tuple[float, float], covariance: Array, name: str = ""
 ) -> Case:
-    measured = _bearing_range(pose, landmark) + error
-    measured[0] = wrapped(measured[0])
-    return Case(
-        (
-            np.array(pose, dtype=float),
-            covariance,
-            measured,
-            np.array(landmark, dtype=float),
-            np.diag(sigmas) ** 2,
-        ),
-        name,
-    )
+    """Return a case with a landmark measured from a pose with this error."""
+    at, there = (np.array(each, dtype=float) for each in (pose, landmark))
+    bearing, distance = range_and_bearing(at, there) + error
+    measured = np.array([float(wrap_angle(bearing)), distance])
+    return Case((at, covariance, measured, there, np.diag(sigmas) ** 2), name)
 
 
 def _localize_public() -> list[Case]:
     wide = np.diag([0.09, 0.09, 0.03])
     tight = np.array([[0.02, 0.005, 0.001], [0.005, 0.03, -0.002], [0.001, -0.002, 0.004]])
+    near, behind = "a near corner, correlated covariance", "a corner behind, at 179 degrees"
+    high, goal = "a heading that passes 180 degrees", "a robot behind the goal line, x = 3.4"
     return [
-        _look((0.0, 0.0, 0.0), (2.0, 0.0), (0.1, -0.2), (0.05, 0.1), wide, "a landmark straight ahead"),
-        _look((1.2, 0.3, 0.15), (3.0, 0.7), (-0.05, 0.15), (0.03, 0.09), wide, "a goal post"),
-        _look(
-            (1.5, 1.0, -0.63), (0.0, 2.0), (-0.5, 0.1), (0.03, 0.09), wide, "a corner behind, at 179 degrees"
+        _measured((0.0, 0.0, 0.0), (2.0, 0.0), (0.1, -0.2), (0.05, 0.1), wide, "a landmark straight ahead"),
+        _measured((1.2, 0.3, 0.15), (3.0, 0.7), (-0.05, 0.15), (0.03, 0.09), wide, "a goal post"),
+        _measured((1.5, 1.0, -0.63), (0.0, 2.0), (-0.5, 0.1), (0.03, 0.09), wide, behind),
+        _measured((2.0, -1.0, 2.4), (2.4, -1.1), (0.08, 0.05), (0.04, 0.05), tight, near),
+        _measured(
+            (0.5, 0.0, -1.0), (3.0, 2.0), (0.0, 0.0), (0.03, 0.1), tight, "a measurement exactly as expected"
         ),
-        _look(
-            (2.0, -1.0, 2.4),
-            (2.4, -1.1),
-            (0.08, 0.05),
-            (0.04, 0.05),
-            tight,
-            "a corner near by, correlated doubts",
+        _measured((2.2, 0.4, 3.1), (0.0, 2.0), (-0.2, 0.1), (0.03, 0.1), wide, high),
+        _measured(
+            (2.2, -0.4, -3.1),
+            (0.0, -2.0),
+            (0.2, 0.1),
+            (0.03, 0.1),
+            wide,
+            "a heading that passes -180 degrees",
         ),
-        _look((0.5, 0.0, -1.0), (3.0, 2.0), (0.0, 0.0), (0.03, 0.1), tight, "a measurement just as expected"),
-        _look(
-            (2.2, 0.4, 3.1), (0.0, 2.0), (-0.2, 0.1), (0.03, 0.1), wide, "a heading that passes 180 degrees"
-        ),
-        _look((2.2, -0.4, -3.1), (0.0, -2.0), (0.2, 0.1), (0.03, 0.1), wide, "and one that passes -180"),
-        _look(
-            (3.4, 0.2, 3.0),
-            (2.4, 1.1),
-            (0.05, 0.1),
-            (0.03, 0.05),
-            tight,
-            "a robot behind the goal line, x = 3.4",
-        ),
+        _measured((3.4, 0.2, 3.0), (2.4, 1.1), (0.05, 0.1), (0.03, 0.05), tight, goal),
     ]
 
 
@@ -1100,172 +595,113 @@ def _localize_hidden(rng: np.random.Generator) -> list[Case]:
         away, direction = rng.uniform(0.6, 3.0), rng.uniform(-np.pi, np.pi)
         landmark = (pose[0] + away * np.cos(direction), pose[1] + away * np.sin(direction))
         error = rng.normal(0, 1, 2) * (0.1, 0.2)
-        cases.append(
-            _look(
-                pose,
-                landmark,
-                error,
-                (float(rng.uniform(0.02, 0.1)), float(rng.uniform(0.05, 0.2))),
-                spread(rng, 3, scale=0.25),
-            )
-        )
+        sigmas = (float(rng.uniform(0.02, 0.1)), float(rng.uniform(0.05, 0.2)))
+        cases.append(_measured(pose, landmark, error, sigmas, random_covariance(rng, 3, scale=0.25)))
     for turn in (0.2, -0.2):  # just behind the robot
-        pose = (1.0, float(rng.uniform(-0.5, 0.5)), 0.0)
-        cases.append(
-            _look(pose, (-1.0, pose[1] + 0.1 * turn), (turn, 0.1), (0.05, 0.1), spread(rng, 3, scale=0.3))
-        )
-    doubt = np.diag([0.04, 0.04, 0.2])
+        y = float(rng.uniform(-0.5, 0.5))
+        landmark, wide = (-1.0, y + 0.1 * turn), random_covariance(rng, 3, scale=0.3)
+        cases.append(_measured((1.0, y, 0.0), landmark, (turn, 0.1), (0.05, 0.1), wide))
+    uncertain = np.diag([0.04, 0.04, 0.2])
     for side in (1.0, -1.0):  # the heading passes half a turn, on the field and beside it
         for x in (rng.uniform(0.5, 2.0), rng.uniform(3.5, 4.0)):
             pose = (x, rng.uniform(-1.0, 1.0), side * rng.uniform(3.06, 3.12))
             away = (x - 2.0, rng.uniform(-1.0, 1.0))
-            cases.append(_look(pose, away, (-0.3 * side, 0.1), (0.03, 0.1), doubt))
+            cases.append(_measured(pose, away, (-0.3 * side, 0.1), (0.03, 0.1), uncertain))
     return cases
 
 
 LOCALIZE = Exercise(
     name="localize",
-    points=5,
+    points=6,
     stars=3,
     uses=("innovation", "kalman_update", "05:expected_measurement", "05:measurement_jacobian_pose"),
     public=_localize_public,
     hidden=_localize_hidden,
     comparison=Each((Close(atol=1e-7), Close(atol=1e-8))),
     hints=(
-        "What do you expect to see from where you believe to be? How does that change with the pose? Two functions of lesson 05 say so, two of this lesson do the rest.",
-        "Four lines: the innovation of expected_measurement(pose, landmark) and the measurement; H = measurement_jacobian_pose(pose, landmark); kalman_update with both; wrap the heading.",
+        "Which measurement do you expect at the estimated pose, and how does it change with the pose? Lesson 05 has a function for each; innovation and kalman_update do the rest.",
+        "Four lines: innovation(expected_measurement(pose, landmark), measurement); H = measurement_jacobian_pose(pose, landmark); kalman_update with both; wrap the heading of the result.",
     ),
-    mistakes=[
-        Mistake(
-            "innovation unwrapped",
-            _changed_look(unwrapped=True),
-            "Right until the landmark is behind the robot: there a bearing of 179 degrees is expected and -152 measured, and your estimate leaps. Wrap the innovation.",
-        ),
-        Mistake(
-            "innovation's sign",
-            _changed_look(minus=True),
-            "You correct the wrong way: the innovation is measured less expected (innovation takes the expected one first), and H has the sign of equation 6.5.",
-        ),
-        Mistake(
-            "Jacobian by the landmark",
-            _changed_look(of_landmark=True),
-            "Your H is that by the landmark's position. The landmark is known; it is the pose that moves: three columns, and -1 for the heading.",
-        ),
-        Mistake(
-            "heading not wrapped",
-            _changed_look(heading="as it is"),
-            "Right, except where the heading passes half a turn: wrap the new pose's heading, too. It comes back between -pi and pi.",
-        ),
-        Mistake(
-            "heading 0 to a full turn",
-            _changed_look(heading="0 to a turn"),
-            "Your heading is between 0 and 2 pi; between -pi and pi is wanted: (angle + np.pi) % (2 * np.pi) - np.pi.",
-        ),
-        Mistake(
-            "heading wrapped from above only",
-            _changed_look(heading="too large only"),
-            "You take a turn off where the heading is above pi. Where it is below -pi, one has to be added.",
-        ),
-        Mistake(
-            "heading wrapped from below only",
-            _changed_look(heading="too small only"),
-            "You add a turn where the heading is below -pi. Where it is above pi, one has to be taken off.",
-        ),
-        Mistake(
-            "pose wrapped",
-            _changed_look(heading="all"),
-            "You wrap all of the pose. x and y are metres: at x = 3.4 your robot leaps to the other side of the field. Wrap the heading alone.",
-        ),
-        Mistake(
-            "heading left out",
-            _changed_look(no_heading=True),
-            "Your heading never changes: the third column of H is (-1, 0), for a turn to the left brings the landmark to the right.",
-        ),
-        Mistake(
-            "rows exchanged",
-            _changed_look(rows=True),
-            "The rows of H are exchanged: bearing first, then range, as in the measurement.",
-        ),
-        Mistake(
-            "taken in twice",
-            _twice,
-            "You take the measurement in twice. It tells something new only once: the second time your covariance is too small.",
-        ),
-        Mistake(
-            "bearing alone",
-            _bearing_alone,
-            "You use the bearing alone: the range tells how far away the robot is. Hand both rows on.",
-        ),
-        Mistake(
-            "nothing behind",
-            _nothing_behind,
-            "You leave out what is behind the robot. A landmark there tells as much as any other.",
-        ),
-        Mistake(
-            "R as standard deviations",
-            _changed_look(roots=True),
-            "You take the root of R. It holds variances already, and S adds variances.",
-        ),
-        Mistake(
-            "covariance kept",
-            _changed_look(same=True),
-            "The pose is right, the covariance is the old one: return that of kalman_update.",
-        ),
-        Mistake(
-            "degrees",
-            _changed_look(degrees=True),
-            "You mix degrees and radians: the expected bearing is in radians, like the measured one.",
-        ),
-    ],
+    mistakes=catalogue("""
+        innovation unwrapped: innovation(expected_measurement(pose, landmark), measurement) => measurement - expected_measurement(pose, landmark)
+            Your estimate jumps if the landmark is behind the robot: 179 degrees are expected and -152 measured, and you use -331 degrees. Compute the difference with your function innovation, which wraps it.
+        innovation's sign: difference, jacobian => -difference, jacobian
+            Your correction has the wrong direction. The innovation is measured minus expected: the expected measurement is the first argument of innovation, and H is the Jacobian of the expected measurement.
+        Jacobian by the landmark: jacobian, R => jacobian * [-1, -1, 0], R
+            Your H is the Jacobian by the landmark's position. The landmark is known; you estimate the pose, so use measurement_jacobian_pose, which is (2, 3).
+        landmark for expected measurement: innovation(expected_measurement(pose, landmark), measurement) => innovation(landmark, measurement)
+            You compare the measurement with the landmark's position. The expected measurement is the bearing and range at which the estimated pose should see that landmark: expected_measurement(pose, landmark).
+        heading not wrapped: np.arctan2(np.sin(theta), np.cos(theta)) => theta
+            Your result is right until the new heading passes pi or -pi. Wrap the heading after the update.
+        heading 0 to a full turn: np.arctan2(np.sin(theta), np.cos(theta)) => theta % (2 * np.pi)
+            Your heading is between 0 and 2 pi. Return it between -pi and pi: (angle + np.pi) % (2 * np.pi) - np.pi.
+        heading wrapped from above only: np.arctan2(np.sin(theta), np.cos(theta)) => theta - 2 * np.pi * (theta > np.pi)
+            You subtract a full turn if the heading is above pi, which is right. If it is below -pi, add a full turn.
+        heading wrapped from below only: np.arctan2(np.sin(theta), np.cos(theta)) => theta + 2 * np.pi * (theta < -np.pi)
+            You add a full turn if the heading is below -pi, which is right. If it is above pi, subtract a full turn.
+        pose wrapped: np.array([x, y, np.arctan2(np.sin(theta), np.cos(theta))]) => (np.array([x, y, theta]) + np.pi) % (2 * np.pi) - np.pi
+            You wrap the whole pose. x and y are in metres, so at x = 3.4 your robot jumps to the other side of the field. Wrap the heading only.
+        heading left out: jacobian, R => jacobian * [1, 1, 0], R
+            Your heading is never corrected, because the third column of your H is 0. It is (-1, 0): if the robot turns to the left, the bearing of the landmark becomes smaller.
+        rows exchanged: jacobian, R => jacobian[::-1], R
+            The rows of your H are exchanged. The bearing comes first, then the range, as in the measurement.
+        used twice: jacobian, R) => jacobian, R)
+            + difference = innovation(expected_measurement((x, y, theta), landmark), measurement)
+            + jacobian = measurement_jacobian_pose((x, y, theta), landmark)
+            + (x, y, theta), covariance = kalman_update(np.array([x, y, theta]), covariance, difference, jacobian, R)
+            You update twice with the same measurement. The second time it contains no new information, so your covariance becomes too small. Update once.
+        bearing alone: difference, jacobian, R => difference[:1], jacobian[:1], R[:1, :1]
+            You update with the bearing only. The range contains information about the distance, so use both rows.
+        R as standard deviations: jacobian, R => jacobian, np.sqrt(R)
+            You take the square root of R. R has variances already, and S adds variances, so use R as it is.
+        covariance kept: (x, y, theta), covariance => (x, y, theta), _
+            Your pose is right, but you return the old covariance. Return the one from kalman_update.
+        degrees: expected_measurement(pose, landmark) => expected_measurement(pose, landmark) * [180 / np.pi, 1]
+            Your expected bearing is in degrees, but the measured one is in radians. Use radians for both.
+    """),
     alternatives={
-        "bearing, then range": _one_by_one,
-        "information form": _with_information,
-        "what is known is taken off": _less,
+        "bearing, then range": _localized_by(_one_by_one),
+        "information form": _localized_by(_information),
+        "subtraction": _localized_by(_subtracted),
     },
     equivalents={
-        "return ([x, y, np.arctan2(np.sin(theta), np.cos(theta))], covariance)": "a list of the same numbers",
+        "return ([x, y, np.arctan2(np.sin(theta), np.cos(theta))], covariance)": "a list of the same numbers"
     },
 )
 
 
 PLAN = LessonPlan(
-    exercises=[FUSE, INNOVATION, NEES, NIS, COVARIANCE_ELLIPSE, KALMAN_UPDATE, LOCALIZE],
+    exercises=[FUSE, INNOVATION, NEES, COVARIANCE_ELLIPSE, KALMAN_UPDATE, LOCALIZE],
     questions=[
         Question(
             "how_much_weight",
-            "The measurement's standard deviation is three times that of the prediction. Which weight does the measurement get?",
+            "The measurement has three times the standard deviation of the prediction. Which weight does the measurement get?",
             {
-                "0: the prediction is better.": "The better one is not all that counts. Even a poor measurement makes the result surer than the "
-                "prediction alone.",
-                "1/4": "That is the weight by standard deviations, 1 / (1 + 3). The variances are what counts.",
-                "1/10": "Its variance is nine times as large: 1 / (1 + 9).",
-                "1/3": "Weights add up to one: with 1/3 the prediction would get 2/3, twice as much. How many times larger is the variance?",
+                "0, because the prediction is better": "Even an imprecise measurement contains information: with a weight above 0 the result is more precise than the prediction alone.",
+                "1/4": "1 / (1 + 3) is the weight computed from standard deviations. Use the variances.",
+                "1/10": "Its variance is nine times as large, so the weight is 1 / (1 + 9).",
+                "1/3": "The weights sum to one, so the prediction would get 2/3, only twice as much. By which factor do the variances differ?",
             },
             "1/10",
         ),
         Question(
             "near_or_far",
-            "A robot knows its position to 5 cm, but its heading only to 20 degrees. Which landmark should it look at?",
+            "A robot knows its position to 5 cm, but its heading only to 20 degrees. Which landmark should it measure?",
             {
-                "The nearest: it is measured best.": "Its range is, but the position is known already. Seen from 5 cm beside, a landmark half a metre away "
-                "is 6 degrees off: so much is left of the heading's doubt.",
-                "The farthest it can see.": "From 5 cm beside, a landmark 4 m away is 0.7 degrees off: little beside the bearing's own noise. The heading is "
-                "then known to 1.7 degrees.",
-                "It makes no difference: a bearing is a bearing.": "The bearing's noise is the same. But the direction in which a landmark should lie "
-                "depends on where the robot is, the more so the nearer it is.",
+                "The nearest, because it is measured most precisely": "Its range is, but the position is already known. A position error of 5 cm changes the bearing of a landmark at half a metre by 6 degrees, so the heading keeps that much uncertainty.",
+                "The farthest that it can see": "A position error of 5 cm changes the bearing of a landmark at 4 m by 0.7 degrees, which is less than the bearing's own noise. The heading is then known to 1.7 degrees.",
+                "It makes no difference, because the bearing noise is the same": "The noise is the same. But the expected bearing also depends on the uncertain position, and for a near landmark more than for a far one.",
             },
-            "The farthest it can see.",
+            "The farthest that it can see",
         ),
         Question(
             "without_truth",
-            "On a real field nobody knows the true pose: there is no NEES. Which fault of the table would you not find there?",
+            "On a real field the true pose is unknown, so there is no NEES. Which of these faults would you not find there?",
             {
-                "Q is forgotten": "NIS climbs from 3 to 28 times its healthy value: the robot itself can see that.",
-                "R is left out of S": "NIS is nearly twice its healthy value from the first steps on: little beside a NEES of a million, but enough to be seen in "
-                "twenty drives.",
-                "each measurement is used twice": "Residuals are right, and NIS is within a tenth of its healthy value. Only the truth shows that the ellipse is too "
-                "small. The same happens where two measurements share one error, as the landmarks of one tilted picture do.",
-                "ranges 15 % too long": "The range's residuals lie 1.6 standard deviations off zero, all on one side.",
+                "Q is missing": "Its NIS grows from 3 to 28 times the healthy value, so the robot can detect this fault by itself.",
+                "R is missing in S": "Its NIS is nearly twice its healthy value from the first steps on. That is small beside a NEES of a million, but twenty drives are enough to notice it.",
+                "each measurement is used twice": "Its residuals look right, and its NIS is within a tenth of the healthy value. Only the truth shows that the ellipse is too small. The same happens if two measurements share an error, like the landmarks in one picture of a tilted robot.",
+                "ranges 15 % too long": "Its range residuals have a median of 1.6 standard deviations, all on one side, so the robot can detect this fault by itself.",
             },
             "each measurement is used twice",
         ),
@@ -1274,10 +710,8 @@ PLAN = LessonPlan(
         Written(
             "explain_band",
             points=2,
-            question="Why does the 95 % band hold for one step over many drives, and not for one drive over its steps?",
-            rubric="1 point: the band is that of a mean of independent values; different drives are independent. 1 point: errors of neighbouring steps of one drive "
-            "are nearly the same (the pose carries over from step to step), so a drive has far fewer independent values than steps, and its mean spreads more "
-            "widely.",
+            question="Why does the 95 % band hold for one step over many drives, but not for one drive over its steps?",
+            rubric="1 point: the band holds for the mean of independent values, and different drives are independent. 1 point: the errors of neighbouring steps of one drive are nearly the same, because the error of a pose carries over from step to step; so a drive has far fewer independent values than steps, and its mean varies more.",
         )
     ],
 )

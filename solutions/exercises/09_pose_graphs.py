@@ -1,4 +1,4 @@
-"""Lesson 09, pose graphs: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Lesson 09, pose graphs: its exercises, typical mistakes, and alternative correct solutions."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import scipy.sparse.linalg
 from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
 from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph, matrices
+from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.pose_graphs.judging.comparing import SolvedStates
 from nao_course.lessons.pose_graphs.worlds import (
     building,
@@ -25,456 +26,195 @@ from nao_course.lessons.pose_graphs.worlds import (
 )
 
 Array = npt.NDArray[np.float64]
-Pair = tuple[Array, Array]
 DRIVERS = "nao_course.lessons.pose_graphs.judging.drivers"
 BLOCKS, AS_ARRAY = f"{DRIVERS}:blocks_of_inverse", f"{DRIVERS}:as_array"
 FINE = Close(rtol=1e-6, atol=1e-7)
 
 
-# --- the functions, with something changed: what they hold without a change is right ---
-
-
-def _parts(values: Any) -> Array:
-    """The columns of (3,) or (E, 3): numbers, or arrays (E,)."""
-    return np.asarray(values, dtype=float).T
-
-
-def _seen(pose: Any, place: Any, sign: float = 1.0) -> Pair:
-    """A place (2,) or (E, 2) in a pose's frame, x and y; `sign` -1 turns the wrong way."""
-    x, y, theta = _parts(pose)
-    px, py = _parts(place)[:2]
-    c, s = np.cos(theta), sign * np.sin(theta)
-    return c * (px - x) + s * (py - y), -s * (px - x) + c * (py - y)
-
-
-def _landmark(change: str = "") -> Callable[..., Any]:
-    def function(pose: Any, landmark: Any, z: Any) -> Any:
-        x, y, theta = _parts(pose)
-        lx, ly = _parts(landmark)
-        zx, zy = _parts(z)
-        if change == "one":
-            x, y, theta = pose
-        if change == "three" and len(pose) == 3 and np.ndim(pose) == 2:
-            lx, ly = landmark
-        if change == "degrees":
-            theta = np.radians(theta)
-        here = np.stack([x, y, theta], axis=-1)
-        ahead, left = _seen(here, landmark, -1.0 if change == "turn" else 1.0)
-        c, s = np.cos(theta), np.sin(theta)
-        if change == "no shift":
-            ahead, left = c * lx + s * ly, -s * lx + c * ly
-        if change == "shift last":
-            ahead, left = c * lx + s * ly - x, -s * lx + c * ly - y
-        if change == "no turn":
-            ahead, left = lx - x, ly - y
-        e = [ahead - zx, left - zy]
-        if change == "sign":
-            e = [zx - ahead, zy - left]
-        if change == "no z":
-            e = [ahead, left]
-        if change == "world":
-            e = [lx - x - (c * zx - s * zy), ly - y - (s * zx + c * zy)]
-        if change == "polar":
-            gone = np.hypot(ahead, left) - np.hypot(zx, zy)
-            e = [wrap_angle(np.arctan2(left, ahead) - np.arctan2(zy, zx)), gone]
-        return _shaped(change, e)
-
-    return function
-
-
-def _shaped(change: str, e: Sequence[Any]) -> Any:
-    """The numbers of a residual as (E, d); or with one edge, or none, in another shape."""
-    rows = np.stack(np.broadcast_arrays(*e), axis=-1)
-    if change == "columns":
-        return np.array(e)
-    if change == "list":
-        return list(e)
-    if change == "squeezed":
-        return np.squeeze(rows)
-    return np.array(list(rows)) if change == "loop" else rows
-
-
-def _landmark_complex(pose: Any, landmark: Any, z: Any) -> Any:
-    x, y, theta = np.asarray(pose).T
-    away = (np.asarray(landmark) @ [1, 1j] - x - 1j * y) * np.exp(-1j * theta) - np.asarray(z) @ [1, 1j]
-    return np.array([away.real, away.imag]).T
-
-
-def _landmark_rotations(pose: Any, landmark: Any, z: Any) -> Any:
-    theta = np.asarray(pose)[..., 2]
-    turn = matrices([[np.cos(theta), np.sin(theta)], [-np.sin(theta), np.cos(theta)]])
-    return np.einsum("...ij,...j->...i", turn, np.asarray(landmark) - np.asarray(pose)[..., :2]) - z
-
-
-def _landmark_polar(pose: Any, landmark: Any, z: Any) -> Any:
-    away = np.asarray(landmark) - np.asarray(pose)[..., :2]
-    angle = np.arctan2(away[..., 1], away[..., 0]) - np.asarray(pose)[..., 2]
-    return np.hypot(away[..., :1], away[..., 1:]) * np.stack([np.cos(angle), np.sin(angle)], axis=-1) - z
-
-
-def _landmark_slopes(change: str = "") -> Callable[..., Any]:
-    def function(pose: Any, landmark: Any, z: Any) -> Any:
-        theta = _parts(pose)[2]
-        c, s = np.cos(theta), np.sin(theta)
-        if change == "turn":
-            s = -s
-        ahead, left = _seen(pose, landmark)
-        if change == "less z":
-            ahead, left = ahead - _parts(z)[0], left - _parts(z)[1]
-        if change == "in the field":
-            ahead, left = _parts(landmark)[0] - _parts(pose)[0], _parts(landmark)[1] - _parts(pose)[1]
-        by_theta = {"theta 0": (0 * ahead, 0 * left), "theta sign": (-left, ahead)}.get(
-            change, (left, -ahead)
-        )
-        if change == "theta order":
-            by_theta = (-ahead, left)
-        pose_rows = [[-c, -s, by_theta[0]], [s, -c, by_theta[1]]]
-        mark_rows = [[c, s], [-s, c]]
-        if change == "sign":
-            pose_rows, mark_rows = (
-                [[-each for each in row] for row in rows] for rows in (pose_rows, mark_rows)
-            )
-        if change == "pose sign":
-            pose_rows = [[c, s, by_theta[0]], [-s, c, by_theta[1]]]
-        both = matrices(pose_rows), matrices(mark_rows)
-        if change == "swapped":
-            return both[::-1]
-        if change == "transposed":
-            return tuple(each.swapaxes(-1, -2) for each in both)
-        if change == "one matrix":
-            return np.concatenate(both, axis=-1)
-        if change == "last":
-            return tuple(np.moveaxis(each, 0, -1) if each.ndim == 3 else each for each in both)
-        return both
-
-    return function
-
-
-def _each(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of one pair, for many too, one after the other."""
-
-    def for_all(first: Any, second: Any, z: Any) -> Any:
-        if np.ndim(first) == 1:
-            return function(first, second, z)
-        rows = z.shape[1]
-        found = [np.empty((len(z), rows, 3)), np.empty((len(z), rows, rows))]
-        for k, pair in enumerate(zip(first, second, z, strict=True)):
-            found[0][k], found[1][k] = function(*pair)
-        return tuple(found)
-
-    return for_all
-
-
-def _differences(residual: Callable[..., Array]) -> Callable[..., Any]:
-    """Central differences of a residual, for one pair."""
-
-    def slopes(first: Any, second: Any, z: Any) -> tuple[Array, ...]:
-        ends, found = [np.array(first, dtype=float), np.array(second, dtype=float)], []
-        for which in (0, 1):
-            columns = []
-            for number in range(len(ends[which])):
-                step = np.zeros(len(ends[which]))
-                step[number] = 1e-5
-                high, low = (
-                    residual(*[end + sign * step if k == which else end for k, end in enumerate(ends)], z)
-                    for sign in (1, -1)
-                )
-                columns.append((high - low) / 2e-5)
-            found.append(np.stack(columns, axis=1))
-        return tuple(found)
-
-    return slopes
-
-
-def _landmark_slopes_one(pose: Any, landmark: Any, z: Any) -> Any:
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    turn = np.array([[c, s], [-s, c]])
-    slope = np.array([[-s, c], [-c, -s]]) @ (np.asarray(landmark) - np.asarray(pose)[:2])
-    return np.column_stack([-turn, slope]), turn
-
-
-def _pose(change: str = "") -> Callable[..., Any]:
-    def function(first: Any, second: Any, z: Any) -> Any:
-        if change == "order":
-            first, second = second, first
-        zx, zy, turn = _parts(z)
-        theta = _parts(second)[2] - _parts(first)[2]
-        if change == "one":
-            _, _, _ = first
-        if change == "three" and len(first) == 3 and np.ndim(first) == 2:
-            first, second, z = (np.asarray(each).T for each in (first, second, z))
-            return _pose()(first, second, z).T
-        ahead, left = _seen(first, second, -1.0 if change == "turn" else 1.0)
-        ahead, left = ahead - zx, left - zy
-        c, s = np.cos(turn), np.sin(turn)
-        if change == "z turn":
-            s = -s
-        if change == "z rotated late":
-            ahead, left = ahead + zx, left + zy
-        if change != "frame":
-            ahead, left = c * ahead + s * left, -s * ahead + c * left
-        if change == "z rotated late":
-            ahead, left = ahead - zx, left - zy
-        angle = theta + turn if change == "plus z" else theta - turn
-        wrapped = {
-            "unwrapped": angle,
-            "0 to 2 pi": angle % (2 * np.pi),
-            "degrees": np.degrees(wrap_angle(angle)),
-            "z unwrapped": wrap_angle(theta) - turn,
-            "sine": np.sin(angle),
-            "no turn": wrap_angle(theta),
-        }.get(change, wrap_angle(angle))
-        e = [ahead, left, wrapped]
-        if change == "sign":
-            e = [-each for each in e]
-        if change == "difference":
-            e = [*(_parts(second) - _parts(first) - _parts(z))[:2], wrapped]
-        if change == "wrapped all":
-            e = [wrap_angle(each) for each in e]
-        if change == "z last":
-            goal = _pose()(np.zeros(3), np.stack([-zx, -zy, -turn], axis=-1), np.zeros(3))
-            back = _seen(np.stack([0 * zx, 0 * zx, turn], axis=-1), goal)
-            apart, ahead, left = theta, *_seen(first, second)
-            c, s = np.cos(apart), np.sin(apart)
-            e = [ahead + c * back[0] - s * back[1], left + s * back[0] + c * back[1], e[2]]
-        return _shaped(change, e)
-
-    return function
-
-
-def _matrix_of(pose: Any) -> Array:
-    x, y, theta = _parts(pose)
+def _rotated(theta: Any, x: Any, y: Any) -> Array:
+    """Return poses as matrices: (3, 3), or (E, 3, 3)."""
     c, s = np.cos(theta), np.sin(theta)
     return matrices([[c, -s, x], [s, c, y], [0, 0, 1]])
 
 
-def _pose_matrices(first: Any, second: Any, z: Any) -> Any:
-    e = np.linalg.inv(_matrix_of(z)) @ np.linalg.inv(_matrix_of(first)) @ _matrix_of(second)
-    return np.stack([e[..., 0, 2], e[..., 1, 2], np.arctan2(e[..., 1, 0], e[..., 0, 0])], axis=-1)
-
-
-def _pose_complex(first: Any, second: Any, z: Any) -> Any:
-    x, y, theta = (np.asarray(each).T for each in (first, second, z))
-    place = [each[0] + 1j * each[1] for each in (x, y, theta)]
-    away = ((place[1] - place[0]) * np.exp(-1j * x[2]) - place[2]) * np.exp(-1j * theta[2])
-    return np.array([away.real, away.imag, np.angle(np.exp(1j * (y[2] - x[2] - theta[2])))]).T
-
-
-def _pose_goal(first: Any, second: Any, z: Any) -> Any:
-    """Where z puts the second pose, and the second pose in that frame."""
-    x, y, theta = _parts(first)
-    zx, zy, turn = _parts(z)
-    c, s = np.cos(theta), np.sin(theta)
-    goal = np.stack(np.broadcast_arrays(x + c * zx - s * zy, y + s * zx + c * zy, theta + turn), axis=-1)
-    ahead, left = _seen(goal, second)
-    delta = _parts(second)[2] - goal[..., 2]
-    return np.stack([ahead, left, np.arctan2(np.sin(delta), np.cos(delta))], axis=-1)
-
-
-def _pose_slopes(change: str = "") -> Callable[..., Any]:
-    def function(first: Any, second: Any, z: Any) -> Any:
-        theta, turn = _parts(first)[2], _parts(z)[2]
-        angle = {"no z": theta, "only z": turn + 0 * theta, "minus z": theta - turn}.get(change, theta + turn)
-        c, s = np.cos(angle), np.sin(angle)
-        if change == "turn":
-            s = -s
-        dx, dy = (_parts(second) - _parts(first))[:2]
-        column = [-s * dx + c * dy, -c * dx - s * dy, -1.0]
-        if change == "theta 0":
-            column = [0.0, 0.0, -1.0]
-        if change == "theta sign":
-            column = [-column[0], -column[1], -1.0]
-        if change == "less z":
-            zx, zy = _parts(z)[:2]
-            cz, sz = np.cos(turn), np.sin(turn)
-            column = [column[0] - (-sz * zx + cz * zy), column[1] - (-cz * zx - sz * zy), -1.0]
-        if change == "less z as it stands":
-            zx, zy = _parts(z)[:2]
-            column = [column[0] - zy, column[1] + zx, -1.0]
-        last = {"plus 1": 1.0, "no -1": 0.0}.get(change, -1.0)
-        first_rows = [[-c, -s, column[0]], [s, -c, column[1]], [0, 0, last]]
-        second_rows = [[c, s, 0], [-s, c, 0], [0, 0, 1]]
-        if change == "sign":
-            first_rows, second_rows = (
-                [[-each for each in row] for row in rows] for rows in (first_rows, second_rows)
-            )
-        if change == "second too":
-            second_rows = [[c, s, -column[0]], [-s, c, -column[1]], [0, 0, 1]]
-        both = matrices(first_rows), matrices(second_rows)
-        if change == "swapped":
-            return both[::-1]
-        if change == "transposed":
-            return tuple(each.swapaxes(-1, -2) for each in both)
-        if change == "one matrix":
-            return np.concatenate(both, axis=-1)
-        if change == "last":
-            return tuple(np.moveaxis(each, 0, -1) if each.ndim == 3 else each for each in both)
-        return both
-
-    return function
-
-
-def _pose_slopes_products(first: Any, second: Any, z: Any) -> Any:
-    """The second by rotations; the first is minus the second times a pose's move."""
-    angle = np.asarray(first)[..., 2] + np.asarray(z)[..., 2]
-    zero, one = np.zeros_like(angle), np.ones_like(angle)
-    by_second = matrices(
-        [[np.cos(angle), np.sin(angle), zero], [-np.sin(angle), np.cos(angle), zero], [0, 0, one]]
-    )
-    dx, dy = (_parts(second) - _parts(first))[:2]
-    lever = matrices([[1, 0, -dy], [0, 1, dx], [0, 0, one]])
-    return -(by_second @ lever), by_second
-
-
-def _pose_slopes_one(first: Any, second: Any, z: Any) -> Any:
-    turn = _matrix_of([0.0, 0.0, first[2] + z[2]]).T
-    away = np.array([second[0] - first[0], second[1] - first[1], 0.0])
-    slope = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 0]]) @ turn @ away - [0, 0, 1]
-    return np.column_stack([-turn[:, :2], slope]), turn
-
-
-# --- 9.1 to 9.4: pairs to try them on ---
-
-
-def _any(rng: np.random.Generator, count: int, width: int = 3, spread: float = 4.0) -> Array:
-    """Poses (count, 3) with headings all round, or places (count, 2)."""
-    values = rng.normal(0.0, spread, (count, width))
+def _any(rng: np.random.Generator, count: int, width: int = 3) -> Array:
+    """Return random poses (count, 3) with headings in all directions, or positions (count, 2)."""
+    values = rng.normal(0.0, 4.0, (count, width))
     if width == 3:
         values[:, 2] = rng.uniform(-np.pi, np.pi, count)
     return values
 
 
+def _landmark(pose: Any, landmark: Any, z: Any) -> Any:
+    """Compute the residual with rotation matrices."""
+    return np.einsum("...ji,...j->...i", _rotated(pose.T[2], 0, 0)[..., :2, :2], landmark - pose[..., :2]) - z
+
+
+def _landmark_complex(pose: Any, landmark: Any, z: Any) -> Any:
+    x, y, theta = pose.T
+    away = (landmark @ [1, 1j] - x - 1j * y) * np.exp(-1j * theta) - z @ [1, 1j]
+    return np.array([away.real, away.imag]).T
+
+
+def _landmark_jacobians(pose: Any, landmark: Any, z: Any) -> Any:
+    """Compute the Jacobians as products of the rotation and the derivative of the way to the landmark."""
+    turn = _rotated(pose.T[2], 0, 0)[..., :2, :2].mT
+    dx, dy = (landmark - pose[..., :2]).T
+    return -turn @ matrices([[1, 0, -dy], [0, 1, dx]]), turn
+
+
+def _differences(residual: Callable[..., Array]) -> Callable[..., Any]:
+    """Return a function that computes Jacobians by central differences."""
+
+    def jacobians(first: Any, second: Any, z: Any) -> Any:
+        def by(end: Array, at: Callable[[Array], Array]) -> Array:
+            steps = 1e-5 * np.eye(end.shape[-1])
+            return np.stack([at(end + step) - at(end - step) for step in steps], axis=-1) / 2e-5
+
+        return by(first, lambda end: residual(end, second, z)), by(
+            second, lambda end: residual(first, end, z)
+        )
+
+    return jacobians
+
+
+def _edge_by_edge(function: Callable[..., Any], otypes: str, signature: str) -> Callable[..., Any]:
+    return np.vectorize(function, otypes=otypes, signature=f"(i),(j),(k)->{signature}")
+
+
+def _pair(rng: np.random.Generator, count: int | None, width: int, label: str = "") -> Case:
+    """Return poses (E, 3), other ends (E, width) and measurements (E, width); without E, one of each."""
+    ends = [_any(rng, 1 if count is None else count, each) for each in (3, width, width)]
+    return Case(tuple(each[0] if count is None else each for each in ends), label)
+
+
+FEW_EDGES = {
+    "three edges, as many as a pose has numbers": 3,
+    "an array of one edge": 1,
+    "an array of no edge": 0,
+}
+
+
+def _shaped(name: str, arguments: str, end: str, columns: str) -> list[Mistake]:
+    """Return mistakes in the shape of both residuals.
+
+    `end` is how the last line of the solution ends, and `columns` is the change that transposes its answer.
+    """
+    return catalogue(
+        f"""
+        squeezed: return np.array => return np.squeeze(np.array
+            {end} => {end})
+            Your function is correct except for an array of one edge: np.squeeze turns its shape (1, 3) into (3,). Remove the squeeze.
+        a list of no rows: + if z.ndim == 2: return np.array([{name}(*each) for each in zip({arguments})])
+            Your function is correct except for an array with no edge, where the result has no columns. A graph without landmarks has such an array. Compute with whole arrays in place of the loop.
+        a list: return np.array => return list(np.array
+            {end} => {end})
+            Your function returns a list. linearize computes with the result, so return one array: np.array([...]).T.
+        columns: {columns}
+            Your answer has one column per edge, but it should have one row per edge. End with .T, which does not change the result for a single edge.
+        """
+    )
+
+
 def _landmark_public() -> list[Case]:
     rng = np.random.default_rng(91)
     ahead = np.array([1.0, 2.0, np.pi / 2])
+    counts = {"a crooked heading": None, "four edges at once": 4, **FEW_EDGES}
     return [
         Case((ahead, np.array([0.0, 5.0]), np.array([2.5, 1.0])), "the robot looks along y"),
         Case((np.array([1.0, 0.0, 0.0]), np.array([3.0, 1.0]), np.array([2.0, 1.0])), "measured exactly"),
-        Case((_any(rng, 1)[0], _any(rng, 1, 2)[0], _any(rng, 1, 2)[0]), "a crooked heading"),
-        Case((_any(rng, 4), _any(rng, 4, 2), _any(rng, 4, 2)), "four edges at once"),
-        Case((_any(rng, 3), _any(rng, 3, 2), _any(rng, 3, 2)), "three edges, as many as a pose has numbers"),
-        Case((_any(rng, 1), _any(rng, 1, 2), _any(rng, 1, 2)), "an array of one edge"),
-        Case((_any(rng, 0), _any(rng, 0, 2), _any(rng, 0, 2)), "an array of no edge"),
+        *(_pair(rng, count, 2, label) for label, count in counts.items()),
     ]
 
 
 def _landmark_hidden(rng: np.random.Generator) -> list[Case]:
-    one = [Case((_any(rng, 1)[0], _any(rng, 1, 2)[0], _any(rng, 1, 2)[0])) for _ in range(3)]
-    return [*one, *(Case((_any(rng, n), _any(rng, n, 2), _any(rng, n, 2))) for n in (1, 3, 2, 50, 0))]
-
-
-def _pose_public() -> list[Case]:
-    rng = np.random.default_rng(93)
-    return [
-        Case(
-            (np.array([1.0, 2.0, np.pi / 2]), np.array([1.0, 4.0, np.pi]), np.array([1.5, 0.0, np.pi / 2])),
-            "two steps where 1.5 were measured, then a left turn",
-        ),
-        Case(
-            (np.array([0.0, 0.0, 3.0]), np.array([-1.0, 0.2, -3.1]), np.array([1.0, 0.0, 0.1])),
-            "headings on both sides of pi",
-        ),
-        Case((_any(rng, 1)[0], _any(rng, 1)[0], _any(rng, 1)[0]), "crooked headings"),
-        Case((_any(rng, 5), _any(rng, 5), _any(rng, 5)), "five edges at once"),
-        Case((_any(rng, 3), _any(rng, 3), _any(rng, 3)), "three edges, as many as a pose has numbers"),
-        Case((_any(rng, 1), _any(rng, 1), _any(rng, 1)), "an array of one edge"),
-        Case((_any(rng, 0), _any(rng, 0), _any(rng, 0)), "an array of no edge"),
-    ]
-
-
-def _pose_hidden(rng: np.random.Generator) -> list[Case]:
-    near = np.array([0.0, 0.0, np.pi - 1e-3])
-    cases = [Case((_any(rng, 1)[0], _any(rng, 1)[0], _any(rng, 1)[0])) for _ in range(3)]
-    cases += [Case((near, _any(rng, 1)[0] * [1, 1, 0] - near, _any(rng, 1)[0] * [1, 1, 0.1]))]
-    return [*cases, *(Case((_any(rng, n), _any(rng, n), _any(rng, n))) for n in (1, 3, 60, 0))]
-
-
-ONE_ONLY = (
-    "Right for one edge, and not for many at once: with arrays (E, 3) your unpacking takes rows for columns. Unpack the transpose, as in "
-    "the worked example: x, y, theta = pose.T"
-)
-THREE_EDGES = (
-    "Right but for three edges at once: len(pose) == 3 does not tell three edges from one pose. No question is needed: pose.T unpacks both, "
-    "as in the worked example."
-)
-SQUEEZED = (
-    "Right but for an array of one edge: (1, 3) stays an array of one row. A squeeze takes that row away."
-)
-NO_EDGE = (
-    "Right but for an array of no edge: what comes back has no columns. A graph without landmarks has no edge to one. Calculate with whole "
-    "arrays, without a loop, and it comes out by itself."
-)
-A_LIST = "Return one array, np.array([...]).T: linearize calculates with it, and a list cannot be indexed by columns."
-BY_COLUMNS = "Your answer has one column an edge; wanted is one row an edge. End with .T, which changes nothing for a single edge."
+    return [_pair(rng, count, 2) for count in (None, None, None, 1, 3, 2, 50, 0)]
 
 
 LANDMARK_RESIDUAL = Exercise(
     name="landmark_residual",
     points=1,
-    stars=1,
     public=_landmark_public,
     hidden=_landmark_hidden,
     comparison=FINE,
     driver=AS_ARRAY,
     in_place=True,
     hints=(
-        "First the way from the pose to the landmark, then turn it into the robot's frame, then take away what was measured.",
-        "With dx, dy from pose to landmark, c and s of the heading: ahead is c dx + s dy, left is -s dx + c dy. End as the worked example does.",
+        "Compute the vector from the pose to the landmark in the map frame, rotate it into the robot's frame, and subtract the measurement.",
+        "Let dx, dy be the vector from the pose to the landmark, and c, s the cosine and sine of the heading. Then ahead is c dx + s dy, and left is -s dx + c dy. End with .T as the worked example does.",
     ),
     mistakes=[
-        Mistake(
-            "turned the wrong way",
-            _landmark("turn"),
-            "You turn into the field's frame, not into the robot's: the signs of the two sines are exchanged.",
-        ),
-        Mistake(
-            "sign",
-            _landmark("sign"),
-            "Your sign is opposite: expected minus measured, as equation 9.1 has it.",
-        ),
-        Mistake(
-            "z left out",
-            _landmark("no z"),
-            "That is where the landmark should be seen. Take away z, where it was seen.",
-        ),
-        Mistake(
-            "position left out",
-            _landmark("no shift"),
-            "You turn the landmark's place in the field. First comes the way from the robot to it: landmark minus position.",
-        ),
-        Mistake(
-            "turned before it was shifted",
-            _landmark("shift last"),
-            "You turn first and subtract the position after that. The position is in the field's frame: subtract it before you turn.",
-        ),
-        Mistake(
-            "heading left out",
-            _landmark("no turn"),
-            "The difference is still in the field's frame, and z is in the robot's. Turn it by minus the heading.",
-        ),
-        Mistake(
-            "in the field's frame",
-            _landmark("world"),
-            "You turned z into the field's frame and compare there. The length of the residual is the same; wanted is the robot's frame, in which "
-            "z and its information are given.",
-        ),
-        Mistake(
-            "bearing and range",
-            _landmark("polar"),
-            "You compare bearings and ranges. Here z is Cartesian: metres ahead and metres to the left.",
-        ),
-        Mistake("degrees", _landmark("degrees"), "The heading is in radians already. Do not convert it."),
-        Mistake("one edge only", _landmark("one"), ONE_ONLY),
-        Mistake("three edges for one", _landmark("three"), THREE_EDGES),
-        Mistake("squeezed", _landmark("squeezed"), SQUEEZED),
-        Mistake("a list of no rows", _landmark("loop"), NO_EDGE),
-        Mistake("a list", _landmark("list"), A_LIST),
-        Mistake("columns", _landmark("columns"), BY_COLUMNS),
+        *catalogue("""
+        turned the wrong way: np.sin(theta) => np.sin(-theta)
+            You rotate by R, but equation 9.1 has its transpose. R rotates from the robot's frame into the map frame, so you need the opposite rotation: exchange the signs of the two sines.
+        sign: return np.array => return z - np.array
+            .T - z => .T
+            All signs are opposite. Equation 9.1 is the expected measurement minus z.
+        z left out: .T - z => .T
+            You return where the robot should measure the landmark. Subtract z, the actual measurement.
+        position left out: lx - x, ly - y => lx, ly
+            You rotate the landmark's position in the map. First subtract the robot's position, then rotate the difference.
+        turned before it was shifted: lx - x, ly - y => lx, ly
+            .T - z => .T - pose[..., :2] - z
+            You rotate first and subtract the robot's position afterwards. The position is given in the map frame, so subtract it before you rotate.
+        heading left out: c * dx + s * dy, -s * dx + c * dy => dx, dy
+            Your difference is still in the map frame, but z is in the robot's frame. Rotate the difference by minus the heading before you subtract z.
+        in the field's frame: return np.array([c * dx + s * dy, -s * dx + c * dy]).T - z => zx, zy = z.T
+            + return np.array([dx - c * zx + s * zy, dy - s * zx - c * zy]).T
+            You rotate z into the map frame and compare there. The result has the right length, but it must be in the robot's frame, because the information of z refers to that frame.
+        bearing and range: return np.array([c * dx + s * dy, -s * dx + c * dy]).T - z => bearing = np.arctan2(dy, dx) - theta - np.arctan2(z.T[1], z.T[0])
+            + return np.array([wrap_angle(bearing), np.hypot(dx, dy) - np.hypot(*z.T)]).T
+            You compare bearings and ranges. In this lesson z is Cartesian: metres ahead and metres to the left.
+        degrees: (theta) =>> (np.radians(theta))
+            The heading is already in radians, so do not convert it.
+        one edge only: pose.T => pose
+            landmark.T => landmark
+            .T - z => - z
+            Your function is correct for one edge, but x, y, theta = pose does not unpack E poses, because the rows of (E, 3) are poses. Write x, y, theta = pose.T and lx, ly = landmark.T, and end with .T as the worked example does.
+        the pose without .T: pose.T => pose
+            You unpack the pose without .T. For E poses this takes the first three poses as x, y and theta. Write x, y, theta = pose.T.
+        numbered like one edge: pose.T => pose[0], pose[1], pose[2]
+            landmark.T => landmark[0], landmark[1]
+            Your function is correct for one edge. For E edges pose[0], pose[2] and pose[:2] are poses, and there are E rotations. Unpack the transpose, x, y, theta = pose.T, and write the two rows as sums.
+        many edges only: pose.T => pose[:, 0], pose[:, 1], pose[:, 2]
+            landmark.T => landmark[:, 0], landmark[:, 1]
+            Your function is correct for E edges, but pose[:, 0] does not work for one pose, whose shape is (3,). Unpack the transpose, which works for both: x, y, theta = pose.T.
+        R, and one edge only: pose.T => pose
+            landmark.T => landmark
+            .T - z => - z
+            np.sin(theta) => np.sin(-theta)
+            You rotate by R, but equation 9.1 has its transpose. Besides, x, y, theta = pose does not unpack E poses: write pose.T and landmark.T, and end with .T.
+        R as a matrix for one edge: + c, s = np.cos(pose[2]), np.sin(pose[2])
+            + return np.array([[c, -s], [s, c]]) @ (landmark - pose[:2]) - z
+            You multiply by R, but equation 9.1 has its transpose. Besides, one matrix works for one edge only: write the two rows as sums, as the worked example does.
+        subtracted before .T: .T - z => - z
+            For E edges your rows are an array (2, E), and z is (E, 2). Put .T before you subtract: np.array([...]).T - z.
+        a matrix of all headings: + c, s = np.cos(pose.T[2]), np.sin(pose.T[2])
+            + return np.array([[c, -s], [s, c]]).T @ (landmark - pose[..., :2]).T - z
+            Your function is correct for one edge. For E headings, np.array([[c, -s], [s, c]]) is one array and not E matrices. Write the two rows as sums, as the worked example does.
+        stacked along axis 1: return np.array([c * dx + s * dy, -s * dx + c * dy]).T - z => return np.stack([c * dx + s * dy, -s * dx + c * dy], axis=1) - z
+            Your function is correct for E edges, but one edge has no axis 1. Write axis=-1, or np.array([...]).T, which work for both.
+        the worked example for the landmark: c * dx + s * dy, -s * dx + c * dy => x + c * lx - s * ly, y + s * lx + c * ly
+            You transform the landmark as the worked example transforms z. That goes from the robot's frame to the map frame, but here you need the opposite direction: subtract the robot's position first, then rotate by minus the heading.
+        z placed on the map: return np.array([c * dx + s * dy, -s * dx + c * dy]).T - z => zx, zy = z.T
+            + return np.array([c * zx - s * zy - dx, s * zx + c * zy - dy]).T
+            You place z on the map and subtract the landmark there. Equation 9.1 compares in the robot's frame: rotate the vector from the robot to the landmark by minus the heading, and subtract z.
+        rows exchanged: c * dx + s * dy, -s * dx + c * dy => -s * dx + c * dy, c * dx + s * dy
+            Your two rows are in the wrong order. z has the metres ahead first and the metres to the left second.
+        from the landmark to the robot: lx - x, ly - y => x - lx, y - ly
+            You rotate the vector from the landmark to the robot. Equation 9.1 has the landmark minus the robot.
+        both sines with one sign: -s * dx => s * dx
+            The two sines of your rotation have the same sign. In every rotation they have opposite signs.
+        three edges for one: pose.T => pose if len(pose) == 3 else pose.T
+            landmark.T => landmark if len(pose) == 3 else landmark.T
+            Your function is correct except for three edges at once, because len(pose) == 3 holds for one pose and for three poses. You need no distinction: pose.T works for both.
+        """),
+        *_shaped("landmark_residual", "pose, landmark, z", ".T - z", ".T - z => - z.T"),
     ],
     alternatives={
         "complex numbers": _landmark_complex,
-        "rotation matrices": _landmark_rotations,
-        "by way of the bearing": _landmark_polar,
+        "rotation matrices": _landmark,
+        "edge by edge": _edge_by_edge(_landmark, "d", "(k)"),
     },
 )
 
@@ -488,85 +228,99 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
         rtol=1e-6, atol=1e-7, names=("the Jacobian by the pose", "the Jacobian by the landmark")
     ),
     hints=(
-        "By the landmark it is the rotation itself. By x and y of the pose it is minus that. By theta: derive both rows on the sheet above.",
-        "Derived by theta, the first row becomes the second one without z: -s dx + c dy. The second becomes minus the first one without z. matrices(...) takes numbers and arrays.",
+        "The Jacobian by the landmark is the rotation Rᵀ, and the columns of x and y are its negative. For the column of theta, differentiate both rows on the sheet above.",
+        "The derivative of the first row by theta is the second row without z: -s dx + c dy. The derivative of the second row is minus the first row without z. matrices(...) accepts numbers and arrays.",
     ),
-    mistakes=[
-        Mistake(
-            "sign",
-            _landmark_slopes("sign"),
-            "All signs are opposite: this is the Jacobian of measured minus expected. The residual is expected minus measured.",
-        ),
-        Mistake(
-            "sign by the pose",
-            _landmark_slopes("pose sign"),
-            "Check the columns of x and y: when the robot goes ahead, the landmark comes nearer, so what it sees gets smaller.",
-        ),
-        Mistake(
-            "theta forgotten",
-            _landmark_slopes("theta 0"),
-            "The column of theta is 0 in yours. When the robot turns, everything that it sees moves.",
-        ),
-        Mistake(
-            "sign of theta",
-            _landmark_slopes("theta sign"),
-            "The column of theta has the opposite sign: when the robot turns left, what it sees moves to the right.",
-        ),
-        Mistake(
-            "rows of theta",
-            _landmark_slopes("theta order"),
-            "The column of theta: turning moves a point at right angles to where it is seen. By turning, ahead changes with how far left the "
-            "landmark is, and left with how far ahead.",
-        ),
-        Mistake(
-            "theta from the residual",
-            _landmark_slopes("less z"),
-            "In the column of theta you use the residual, with z taken away. z does not turn with the robot: only the landmark as it should be seen does.",
-        ),
-        Mistake(
-            "theta in the field's frame",
-            _landmark_slopes("in the field"),
-            "In the column of theta you use the way to the landmark in the field's frame. It has to be turned into the robot's.",
-        ),
-        Mistake(
-            "turned the wrong way",
-            _landmark_slopes("turn"),
-            "The sines have the wrong signs: the rotation here leads from the field's frame into the robot's.",
-        ),
-        Mistake(
-            "order",
-            _landmark_slopes("swapped"),
-            "The Jacobian by the pose comes first, then the one by the landmark.",
-        ),
-        Mistake(
-            "transposed",
-            _landmark_slopes("transposed"),
-            "Both are transposed: a row for each number of the residual, a column for each number that it is derived by.",
-        ),
-        Mistake(
-            "one matrix",
-            _landmark_slopes("one matrix"),
-            "Return two matrices, (2, 3) and (2, 2), not one beside the other.",
-        ),
-        Mistake(
-            "edges last",
-            _landmark_slopes("last"),
-            "Right for one edge. For E of them the shape is (E, 2, 3), edges first: matrices(...) of the worked example makes that.",
-        ),
-    ],
+    mistakes=catalogue("""
+        sign: return matrices => return -matrices
+            , matrices => , -matrices
+            All signs are opposite. Your Jacobians belong to measured minus expected, but the residual is expected minus measured.
+        sign of the first matrix: return matrices => return -matrices
+            Your Jacobian by the pose has the opposite sign, and your Jacobian by the landmark is correct.
+        sign of the second matrix: , matrices => , -matrices
+            Your Jacobian by the pose is correct, but your Jacobian by the landmark has the opposite sign. If the landmark moves away ahead of the robot, the expected distance ahead increases.
+        one edge only: pose.T => pose
+            landmark.T => landmark
+            Your function is correct for one edge, but x, y, theta = pose does not unpack E poses. Write pose.T and landmark.T, as in exercise 9.1.
+        R all through: np.sin(theta) => np.sin(-theta)
+            All your sines have the opposite sign, as if the residual were rotated by R. Equation 9.1 has its transpose.
+        R by the landmark: [c, s], [-s, c] => [c, -s], [s, c]
+            Your Jacobian by the landmark is R. The residual contains Rᵀ times the landmark, so it is Rᵀ.
+        sign by the pose: [-c, -s, left], [s, -c, => [c, s, left], [-s, c,
+            The columns of x and y have the wrong sign. If the robot moves towards the landmark, the expected distance ahead decreases.
+        theta forgotten: left], => 0],
+            -ahead] => 0]
+            Your column of theta is 0. If the robot turns, everything moves in its frame, so this column depends on the landmark.
+        sign of theta: left], => -left],
+            -ahead] => ahead]
+            Your column of theta has the opposite sign. If the robot turns left, the landmark moves to the right in its frame.
+        rows of theta: left], => -ahead],
+            -ahead]]) => left]])
+            The two rows in your column of theta are wrong. A turn changes `ahead` by how far left the landmark is, and `left` by minus how far ahead it is.
+        theta from the residual: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => landmark_residual(pose, landmark, z).T
+            Your column of theta contains the residual. z does not depend on the heading, so use the expected measurement without subtracting z.
+        theta in the field's frame: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => lx - x, ly - y
+            Your column of theta contains the vector to the landmark in the map frame. Rotate it into the robot's frame first.
+        turned the wrong way: [-c, -s, left], [s, => [-c, s, left], [-s,
+            [c, s], [-s, c] => [c, -s], [s, c]
+            Your sines have the wrong signs, so this is R. The residual uses its transpose, which rotates from the map frame into the robot's frame.
+        order: return matrices => return (matrices
+            [-s, c]]) => [-s, c]]))[::-1]
+            The order of your two matrices is wrong. Return the Jacobian by the pose first and the Jacobian by the landmark second.
+        transposed: -ahead]]) => -ahead]]).mT
+            [-s, c]]) => [-s, c]]).mT
+            Both matrices are transposed. A row belongs to a number of the residual, and a column belongs to the variable of the derivative.
+        one matrix
+            return matrices([[-c, -s, left], [s, -c, -ahead]]), matrices([[c, s], [-s, c]]) => return matrices([[-c, -s, left, c, s], [s, -c, -ahead, -s, c]])
+            You return one matrix. Return two matrices, (2, 3) and (2, 2).
+        edges last: matrices( =>> np.array(
+            Your matrices are correct for one edge. For E edges the first axis must count the edges, (E, 2, 3); matrices([[...], [...]]) makes this shape.
+    """),
     alternatives={
-        "central differences": _each(_differences(_landmark())),
-        "edge by edge": _each(_landmark_slopes_one),
-        "products": lambda pose, landmark, z: _landmark_slopes_by_lever(pose, landmark),
+        "central differences": _differences(_landmark),
+        "edge by edge": _edge_by_edge(_landmark_jacobians, "dd", "(k,i),(k,j)"),
+        "products": _landmark_jacobians,
     },
 )
 
 
-def _landmark_slopes_by_lever(pose: Any, landmark: Any) -> Any:
-    theta = np.asarray(pose)[..., 2]
-    turn = matrices([[np.cos(theta), np.sin(theta)], [-np.sin(theta), np.cos(theta)]])
-    dx, dy = _parts(landmark) - _parts(pose)[:2]
-    return -turn @ matrices([[1, 0, -dy], [0, 1, dx]]), turn
+def _pose(first: Any, second: Any, z: Any) -> Any:
+    """Compute the residual with the matrices of equation 9.3."""
+    Z, start, end = (_rotated(each.T[2], *each.T[:2]) for each in (z, first, second))
+    e = np.linalg.inv(Z) @ np.linalg.inv(start) @ end
+    return np.stack([e[..., 0, 2], e[..., 1, 2], np.arctan2(e[..., 1, 0], e[..., 0, 0])], axis=-1)
+
+
+def _pose_complex(first: Any, second: Any, z: Any) -> Any:
+    here, there, step = (each.T[0] + 1j * each.T[1] for each in (first, second, z))
+    away = ((there - here) * np.exp(-1j * first.T[2]) - step) * np.exp(-1j * z.T[2])
+    return np.array([away.real, away.imag, np.angle(np.exp(1j * (second - first - z).T[2]))]).T
+
+
+def _pose_jacobians(first: Any, second: Any, z: Any) -> Any:
+    """Compute the Jacobians as products of the rotation and the derivative of the way to the second pose."""
+    by_second = _rotated((first + z).T[2], 0, 0).mT
+    dx, dy, _ = (second - first).T
+    return -by_second @ matrices([[1, 0, -dy], [0, 1, dx], [0, 0, 1]]), by_second
+
+
+def _pose_public() -> list[Case]:
+    rng = np.random.default_rng(93)
+    left = [[1.0, 2.0, np.pi / 2], [1.0, 4.0, np.pi], [1.5, 0.0, np.pi / 2]]
+    around = [[0.0, 0.0, 3.0], [-1.0, 0.2, -3.1], [1.0, 0.0, 0.1]]
+    counts = {"crooked headings": None, "five edges at once": 5, **FEW_EDGES}
+    return [
+        Case(tuple(map(np.array, left)), "two steps where 1.5 were measured, then a left turn"),
+        Case(tuple(map(np.array, around)), "headings on both sides of pi"),
+        *(_pair(rng, count, 3, label) for label, count in counts.items()),
+    ]
+
+
+def _pose_hidden(rng: np.random.Generator) -> list[Case]:
+    near = np.array([0.0, 0.0, np.pi - 1e-3])
+    one = [_pair(rng, None, 3) for _ in range(3)]
+    around = Case((near, _any(rng, 1)[0] * [1, 1, 0] - near, _any(rng, 1)[0] * [1, 1, 0.1]))
+    return [*one, around, *(_pair(rng, count, 3) for count in (1, 3, 60, 0))]
 
 
 POSE_RESIDUAL = Exercise(
@@ -579,95 +333,120 @@ POSE_RESIDUAL = Exercise(
     driver=AS_ARRAY,
     in_place=True,
     hints=(
-        "Two changes of frame, one after the other, each like that of exercise 9.1: the second pose in the frame of the first, and that in the frame of z.",
-        "After the first change subtract z's x and y and turn by z's own angle. The headings simply subtract: second - first - z, and then "
-        "wrap_angle.",
+        "Change the frame twice, each time as in exercise 9.1: express the second pose in the frame of the first one, and the result in the frame of z.",
+        "After the first change of frame, subtract the x and y of z and rotate by minus the angle of z. The third number is second - first - z of the headings, and wrap_angle is applied last.",
     ),
     mistakes=[
-        Mistake(
-            "unwrapped",
-            _pose("unwrapped"),
-            "The angle is not wrapped: headings of 3.1 and -3.1 are nearly the same direction, and your residual says 6.2 rad. wrap_angle is loaded.",
-        ),
-        Mistake(
-            "wrapped too early",
-            _pose("z unwrapped"),
-            "You wrap the difference of the headings and subtract z's angle after that: the result can leave (-pi, pi] again. Wrap last.",
-        ),
-        Mistake(
-            "from 0 to 2 pi",
-            _pose("0 to 2 pi"),
-            "Your angle goes from 0 to 2 pi: an error of -0.1 becomes 6.18, as far from 0 as can be. wrap_angle has 0 in its middle.",
-        ),
-        Mistake("degrees", _pose("degrees"), "The angle has to stay in radians."),
-        Mistake(
-            "the sine of it",
-            _pose("sine"),
-            "The third number is the angle itself, wrapped; you return its sine.",
-        ),
-        Mistake(
-            "not in z's frame",
-            _pose("frame"),
-            "Nearly: x and y are in the first pose's frame, second minus z. inv(Z) also turns them by minus z's angle. Both forms exist in books, "
-            "with other Jacobians, and with the information in another frame; ours is equation 9.4.",
-        ),
-        Mistake(
-            "Z at the end",
-            _pose("z last"),
-            "You multiply inv(X_first) X_second inv(Z). Equation 9.3 has inv(Z) in front: what is, seen from where z leads.",
-        ),
-        Mistake(
-            "turned by plus z",
-            _pose("z turn"),
-            "inv(Z) turns by minus z's angle; yours turns by plus.",
-        ),
-        Mistake(
-            "z turned first",
-            _pose("z rotated late"),
-            "z's x and y are in the first pose's frame: subtract them before you turn by z's angle, not after.",
-        ),
-        Mistake(
-            "turned the wrong way",
-            _pose("turn"),
-            "The first change of frame turns the wrong way: into the first pose's frame by minus its heading, as in exercise 9.1.",
-        ),
-        Mistake(
-            "difference",
-            _pose("difference"),
-            "You subtract x and y as they stand. z is measured in the first pose's frame: first bring the second pose there.",
-        ),
-        Mistake("plus z", _pose("plus z"), "The angle of z has to be taken away: second - first - z."),
-        Mistake(
-            "angle without z",
-            _pose("no turn"),
-            "The third number lacks z: how much the robot turned minus what was measured of that.",
-        ),
-        Mistake(
-            "sign",
-            _pose("sign"),
-            "Your sign is opposite: equation 9.4 is what is, seen from what was measured.",
-        ),
-        Mistake(
-            "order",
-            _pose("order"),
-            "First and second pose are exchanged: z is where the second is, seen from the first.",
-        ),
-        Mistake(
-            "all wrapped",
-            _pose("wrapped all"),
-            "You wrap all three numbers. Only the third is an angle; x and y are metres.",
-        ),
-        Mistake("one edge only", _pose("one"), ONE_ONLY),
-        Mistake("three edges for one", _pose("three"), THREE_EDGES),
-        Mistake("squeezed", _pose("squeezed"), SQUEEZED),
-        Mistake("a list of no rows", _pose("loop"), NO_EDGE),
-        Mistake("a list", _pose("list"), A_LIST),
-        Mistake("columns", _pose("columns"), BY_COLUMNS),
+        *catalogue("""
+        unwrapped: wrap_angle(theta2 - theta - turn) => theta2 - theta - turn
+            Your angle is not wrapped. Headings of 3.1 and -3.1 are nearly the same direction, but your residual is 6.2 rad. Apply wrap_angle to the third number.
+        wrapped too early: wrap_angle(theta2 - theta - turn) => wrap_angle(theta2 - theta) - turn
+            You wrap the difference of the headings and subtract the angle of z afterwards, so the result can leave (-pi, pi]. Apply wrap_angle last.
+        from 0 to 2 pi: wrap_angle(theta2 - theta - turn) => (theta2 - theta - turn) % (2 * np.pi)
+            Your angle goes from 0 to 2 pi, so an error of -0.1 becomes 6.18. wrap_angle returns values from -pi to pi.
+        degrees: wrap_angle(theta2 - theta - turn) => np.degrees(wrap_angle(theta2 - theta - turn))
+            Your angle is in degrees. Leave it in radians.
+        the sine of it: wrap_angle => np.sin
+            You return the sine of the angle. The third number is the wrapped angle itself.
+        not in z's frame: c * ahead + s * left, -s * ahead + c * left => ahead, left
+            You forgot R_zᵀ: your x and y are in the frame of the first pose. Rotate them by minus the angle of z. (Some books leave this rotation out, but then the information and the Jacobians refer to another frame.)
+        first rotation left out: c * (x2 - x) + s * (y2 - y) - zx => x2 - x - zx
+            -s * (x2 - x) + c * (y2 - y) - zy => y2 - y - zy
+            You forgot R(theta_i)ᵀ, the first rotation. z is measured in the frame of the first pose, so rotate the difference of the positions by minus the first heading before you subtract z.
+        overwritten: c, s = np.cos(turn), np.sin(turn) => c, s = np.cos(turn), np.sin(turn)
+            + ahead = c * ahead + s * left
+            c * ahead + s * left, -s * ahead + c * left => ahead, -s * ahead + c * left
+            You replace `ahead` by its rotated value, and then you use the new value to rotate `left`. Compute both from the old values: give the rotated ones other names.
+        Z at the end: - zx =>
+            - zy =>
+            (turn) =>> (theta2 - theta - turn)
+            c * ahead + s * left, -s * ahead + c * left => ahead - c * zx + s * zy, left - s * zx - c * zy
+            You compute inv(X_first) X_second inv(Z). In equation 9.3, inv(Z) is the first factor.
+        turned by plus z: np.sin(turn) => np.sin(-turn)
+            Your second rotation uses R_z instead of its transpose. inv(Z) rotates by minus the angle of z.
+        z turned first: - zx =>
+            - zy =>
+            c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
+            You rotate by the angle of z before you subtract its x and y. They are in the frame of the first pose, so subtract them first.
+        turned the wrong way: np.sin(theta) => np.sin(-theta)
+            Your first rotation uses R instead of its transpose. To express the second pose in the frame of the first, rotate by minus the first heading, as in exercise 9.1.
+        difference: c * ahead + s * left, -s * ahead + c * left => x2 - x - zx, y2 - y - zy
+            You subtract x and y in the map frame. z is measured in the frame of the first pose, so rotate the difference into that frame first.
+        plus z: theta - turn => theta + turn
+            You add the angle of z, but it has to be subtracted: second - first - z.
+        angle without z: theta - turn => theta
+            Your third number does not contain z. It is the turn of the robot minus the measured turn.
+        sign: return np.array => return -np.array
+            All signs are opposite. Equation 9.4 is the second pose as seen from the measured pose.
+        order: + first, second = second, first
+            You exchanged the two poses. z is the second pose in the frame of the first one.
+        all wrapped: return np.array => return wrap_angle(np.array
+            turn)]).T => turn)]).T)
+            You wrap all three numbers. Only the third one is an angle; x and y are metres.
+        one edge only: first.T => first
+            second.T => second
+            z.T => z
+            turn)]).T => turn)])
+            Your function is correct for one edge, but x, y, theta = first does not unpack E poses, because the rows of (E, 3) are poses. Write x, y, theta = first.T, the same for second and z, and end with .T.
+        one edge only, and unwrapped: first.T => first
+            second.T => second
+            z.T => z
+            wrap_angle(theta2 - theta - turn)]).T => theta2 - theta - turn])
+            The angle is not wrapped: apply wrap_angle to the third number. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T, and end with .T.
+        one edge only, and not in z's frame: first.T => first
+            second.T => second
+            z.T => z
+            c * ahead + s * left, -s * ahead + c * left => ahead, left
+            ]).T => ])
+            You forgot R_zᵀ: rotate x and y by minus the angle of z. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T, and end with .T.
+        one edge only, and turned the wrong way: first.T => first
+            second.T => second
+            z.T => z
+            np.sin(theta) => np.sin(-theta)
+            ]).T => ])
+            Your first rotation uses R instead of its transpose. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T, and end with .T.
+        unpacked without .T, and not in z's frame: first.T => first
+            second.T => second
+            z.T => z
+            c * ahead + s * left, -s * ahead + c * left => ahead, left
+            You forgot R_zᵀ: rotate x and y by minus the angle of z. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T; the .T at your end is right.
+        unpacked without .T, and turned the wrong way: first.T => first
+            second.T => second
+            z.T => z
+            np.sin(theta) => np.sin(-theta)
+            Your first rotation uses R instead of its transpose. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T; the .T at your end is right.
+        unpacked without .T, and unwrapped: first.T => first
+            second.T => second
+            z.T => z
+            wrap_angle(theta2 - theta - turn) => theta2 - theta - turn
+            You did not wrap the angle: apply wrap_angle to the third number. Besides, x, y, theta = first does not unpack E poses: write first.T, second.T and z.T; the .T at your end is right.
+        sliced like one edge: + lx, ly = second[:2].T
+            Your function is correct for one edge. For E edges second[:2] is the first two poses, and a 3 by 3 matrix made of arrays is not E matrices. Use second[..., :2], or unpack x2, y2, theta2 = second.T, and write the rows of equation 9.4 as sums.
+        unpacked without .T: first.T => first
+            second.T => second
+            z.T => z
+            Your function is correct for one edge, but x, y, theta = first does not unpack E poses, because the rows of (E, 3) are poses. Unpack first.T, second.T and z.T; the .T at your end is right.
+        numbered like one edge: first.T => first[0], first[1], first[2]
+            second.T => second[0], second[1], second[2]
+            z.T => z[0], z[1], z[2]
+            Your function is correct for one edge. For E edges first[0] is the first of E poses and not the x of all poses. Unpack the transpose: x, y, theta = first.T.
+        many edges only: first.T => first[:, 0], first[:, 1], first[:, 2]
+            second.T => second[:, 0], second[:, 1], second[:, 2]
+            z.T => z[:, 0], z[:, 1], z[:, 2]
+            Your function is correct for E edges, but first[:, 0] does not work for one pose, whose shape is (3,). Unpack the transpose, which works for both: x, y, theta = first.T.
+        three edges for one: first.T => first if len(first) == 3 else first.T
+            second.T => second if len(second) == 3 else second.T
+            z.T => z if len(z) == 3 else z.T
+            return np.array => answer = np.array
+            + return answer.T if first.shape == (3, 3) else answer
+            Your function is correct except for three edges at once, because len(first) == 3 holds for one pose and for three poses. You need no distinction: first.T works for both.
+        """),
+        *_shaped("pose_residual", "first, second, z", "turn)]).T", "]).T => ])"),
     ],
     alternatives={
-        "matrices": _pose_matrices,
+        "matrices": _pose,
         "complex numbers": _pose_complex,
-        "where z leads": _pose_goal,
+        "edge by edge": _edge_by_edge(_pose, "d", "(k)"),
     },
 )
 
@@ -681,226 +460,132 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
         rtol=1e-6, atol=1e-7, names=("the Jacobian by the first pose", "the Jacobian by the second pose")
     ),
     hints=(
-        "Both turns together are one by theta + z's angle. With it, x and y are as in exercise 9.2; the headings add a third row.",
-        "By the second pose: the rotation, and a 1. By the first: minus the rotation, a column by theta as in exercise 9.2, and a -1. z's x and y are in none of them.",
+        "The two rotations together are one rotation by theta + the angle of z. With this angle, x and y are as in exercise 9.2, and the headings add a third row.",
+        "The Jacobian by the second pose contains the rotation and a 1. The Jacobian by the first pose contains minus the rotation, a column of theta as in exercise 9.2, and a -1. The x and y of z appear in neither.",
     ),
-    mistakes=[
-        Mistake(
-            "z's angle left out",
-            _pose_slopes("no z"),
-            "You turn by the first pose's heading only. The residual is in z's frame: the angle is theta plus that of z.",
-        ),
-        Mistake(
-            "only z's angle",
-            _pose_slopes("only z"),
-            "You turn by z's angle only. From the field's frame it is theta plus that of z.",
-        ),
-        Mistake(
-            "minus z's angle",
-            _pose_slopes("minus z"),
-            "The two turns add up: theta plus z's angle, not minus.",
-        ),
-        Mistake(
-            "sign",
-            _pose_slopes("sign"),
-            "All signs are opposite. Move the second pose a little ahead: its x, seen from anywhere behind, grows.",
-        ),
-        Mistake(
-            "theta forgotten",
-            _pose_slopes("theta 0"),
-            "The column by theta of the first pose has only its -1. When the first pose turns, the second moves in its view.",
-        ),
-        Mistake(
-            "sign of theta",
-            _pose_slopes("theta sign"),
-            "The column by theta of the first pose has the opposite sign in its first two rows.",
-        ),
-        Mistake(
-            "theta from the residual",
-            _pose_slopes("less z"),
-            "In the column by theta you use the residual's x and y. z does not turn with the first pose: only the way to the second pose does.",
-        ),
-        Mistake(
-            "theta less z as it stands",
-            _pose_slopes("less z as it stands"),
-            "In the column by theta you take z's x and y away. They do not turn with the first pose: the column has only the way to the second.",
-        ),
-        Mistake(
-            "plus 1",
-            _pose_slopes("plus 1"),
-            "The angle falls when the first pose turns left: its slope is -1, not 1.",
-        ),
-        Mistake(
-            "angle by theta forgotten",
-            _pose_slopes("no -1"),
-            "The third row of the Jacobian by the first pose is not all 0: the angle changes with theta.",
-        ),
-        Mistake(
-            "theta of the second",
-            _pose_slopes("second too"),
-            "The second pose's place does not change when it turns: its column by theta has only the 1 of the angle.",
-        ),
-        Mistake(
-            "turned the wrong way",
-            _pose_slopes("turn"),
-            "The sines have the wrong signs: the rotation leads from the field's frame into that of z.",
-        ),
-        Mistake(
-            "order",
-            _pose_slopes("swapped"),
-            "The Jacobian by the first pose comes first, then the one by the second pose.",
-        ),
-        Mistake(
-            "transposed",
-            _pose_slopes("transposed"),
-            "The two matrices are transposed: rows belong to the residual's three numbers, columns to what it is derived by.",
-        ),
-        Mistake(
-            "one matrix", _pose_slopes("one matrix"), "Return two matrices of (3, 3), not one of (3, 6)."
-        ),
-        Mistake(
-            "edges last",
-            _pose_slopes("last"),
-            "For one edge this is right. For E edges the shape is (E, 3, 3), edges first, as matrices(...) makes it.",
-        ),
-    ],
+    mistakes=catalogue("""
+        z's angle left out: theta + z.T[2] => theta
+            You rotate by the heading of the first pose only. The residual is in the frame in which z ends, so the angle is theta plus the angle of z.
+        only z's angle: theta + z.T[2] => z.T[2]
+            You rotate by the angle of z only. The rotation from the map frame has the angle theta plus the angle of z.
+        minus z's angle: theta + z.T[2] => theta - z.T[2]
+            You subtract the angle of z. Two rotations in a row add up: theta plus the angle of z.
+        sign: return by_first, matrices => return -by_first, -matrices
+            All signs are opposite. If the second pose moves ahead, its x in the first pose's frame increases.
+        theta forgotten: -s * dx + c * dy => 0
+            -c * dx - s * dy => 0
+            Your column of theta contains only the -1. If the first pose turns, the second one moves in its frame, so the first two rows are not 0.
+        sign of theta: -s * dx + c * dy => s * dx - c * dy
+            -c * dx - s * dy => c * dx + s * dy
+            The column of theta has the opposite sign in its first two rows. If the first pose turns left, the second one moves to the right in its frame.
+        theta from the residual: dx, dy = x2 - x, y2 - y => ahead, left, _ = pose_residual(first, second, z).T
+            -s * dx + c * dy => left
+            -c * dx - s * dy => -ahead
+            Your column of theta contains the x and y of the residual. z does not depend on the first heading, so use the rotated vector to the second pose without subtracting z.
+        plus 1: [0, 0, -1] => [0, 0, 1]
+            If the first pose turns left, the measured turn to the second one decreases. Its derivative is -1, not 1.
+        angle by theta forgotten: [0, 0, -1] => [0, 0, 0]
+            The third row of your Jacobian by the first pose is 0, but the angle depends on the first heading.
+        theta of the second: [[c, s, 0], [-s, c, 0], => [[c, s, s * dx - c * dy], [-s, c, c * dx + s * dy],
+            A pose does not change its position when it turns. The column of theta in the Jacobian by the second pose contains only the 1 of the angle.
+        turned the wrong way: np.sin(angle) => np.sin(-angle)
+            Your sines have the wrong signs. Rotate from the map frame into the frame of z, by minus the angle.
+        order: return by_first, matrices => return (by_first, matrices
+            0, 1]]) => 0, 1]]))[::-1]
+            The order of your two matrices is wrong. Return the Jacobian by the first pose first and the Jacobian by the second pose second.
+        transposed: return by_first => return by_first.mT
+            0, 1]]) => 0, 1]]).mT
+            Both matrices are transposed. The rows belong to the three numbers of the residual, and the columns to x, y and theta of a pose.
+        one matrix: return by_first, matrices => return np.concatenate((by_first, matrices
+            0, 1]]) => 0, 1]])), axis=-1)
+            You return one matrix of shape (3, 6). Return two matrices of shape (3, 3).
+        np.array for matrices, and z's angle left out: matrices( =>> np.array(
+            theta + z.T[2] => theta
+            You rotate by the heading of the first pose only: the angle is theta plus the angle of z. Besides, np.array cannot put the numbers and arrays of E edges into one matrix; matrices([[...], ...]) can.
+        np.array for matrices: matrices( =>> np.array(
+            Your matrices are correct for one edge. For E edges np.array cannot put numbers and arrays into one matrix; matrices([[...], ...]) can, and returns (E, 3, 3).
+        one edge only: first.T => first
+            second.T => second
+            z.T[2] => z[2]
+            Your function is correct for one edge, but x, y, theta = first does not unpack E poses. Write first.T, second.T and z.T, as in exercise 9.3.
+        sign of the first matrix: return by_first => return -by_first
+            Your Jacobian by the first pose has the opposite sign, and your Jacobian by the second pose is correct.
+        sign of the second matrix: by_first, matrices => by_first, -matrices
+            Your Jacobian by the first pose is correct, but your Jacobian by the second pose has the opposite sign. If the second pose moves ahead, its x in the first pose's frame increases.
+        angle by the second theta forgotten: [0, 0, 1]] => [0, 0, 0]]
+            The third row of your Jacobian by the second pose is 0, but the angle depends on the second heading, too.
+        minus 1: [0, 0, 1]] => [0, 0, -1]]
+            If the second pose turns left, the turn to it increases. Its derivative is 1, not -1.
+    """),
     alternatives={
-        "central differences": _each(_differences(_pose())),
-        "edge by edge": _each(_pose_slopes_one),
-        "products": _pose_slopes_products,
+        "central differences": _differences(_pose),
+        "edge by edge": _edge_by_edge(_pose_jacobians, "dd", "(k,i),(k,j)"),
+        "products": _pose_jacobians,
     },
 )
 
 
-# --- 9.5 linearize ---
-
-
-def _assembled(change: str = "") -> Callable[..., Any]:
-    def function(graph: Graph, states: Any) -> Any:
-        poses, landmarks = graph.split(states)
-        H, b = np.zeros((graph.size, graph.size)), np.zeros(graph.size)
-        groups = [
-            (graph.pose_edges, poses, _pose(), _pose_slopes()),
-            (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
-        ]
-        if change == "poses only":
-            groups = groups[:1]
-        for edges, ends, residual, slopes in groups:
-            b = np.zeros(graph.size) if change == "b of the last kind" else b
-            for k, places in enumerate(edges.places):
-                pair = poses[edges.first[k]], ends[edges.second[k]], edges.z[k]
-                e, J, omega = residual(*pair), np.hstack(slopes(*pair)), edges.information[k]
-                if change == "covariance":
-                    omega = np.linalg.inv(omega)
-                if change == "no weights":
-                    omega = np.eye(len(e))
-                if change == "diagonal":
-                    omega = np.diag(np.diag(omega))
-                if change == "root":
-                    omega = np.linalg.cholesky(omega)
-                if change == "swapped":
-                    J = np.hstack([J[:, 3:], J[:, :3]]) if J.shape[1] == 6 else J
-                share, part = J.T @ omega @ J, J.T @ omega @ e
-                if change == "b unweighted":
-                    part = J.T @ e
-                if change == "no mixed":
-                    share[:3, 3:], share[3:, :3] = 0, 0
-                if change == "upper":
-                    share[3:, :3] = 0
-                if change == "mixed sign":
-                    share[:3, 3:], share[3:, :3] = -share[:3, 3:], -share[3:, :3]
-                if change == "assigned":
-                    H[np.ix_(places, places)], b[places] = share, part
-                    continue
-                H[np.ix_(places, places)] += share
-                if change == "last of b":
-                    b[places] = part
-                else:
-                    b[places] += part
-        if change == "sign":
-            b = -b
-        if change == "twice":
-            H, b = 2 * H, 2 * b
-        if change == "fixed":
-            H, b = H[3:, 3:], b[3:]
-        if change == "held":
-            H[:3, :3] += np.eye(3)
-        if change == "dense":
-            return H, b
-        if change == "column":
-            return scipy.sparse.csc_array(H), b[:, None]
-        if change == "b first":
-            return b, scipy.sparse.csc_array(H)
-        return scipy.sparse.csc_array(H), b
-
-    return function
-
-
-def _lost_repeats(graph: Graph, states: Any) -> Any:
-    """NumPy's += with repeated places, which adds only once."""
+def _kinds(graph: Graph, states: Any) -> list[tuple[Any, Array, Array, Array]]:
+    """Return the places (E, k), Jacobians, information and residuals of all edges, for each kind."""
     poses, landmarks = graph.split(states)
-    b = np.zeros(graph.size)
-    for edges, ends, residual, slopes in (
-        (graph.pose_edges, poses, _pose(), _pose_slopes()),
-        (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
+    kinds = []
+    for edges, ends, residual, jacobians in (
+        (graph.pose_edges, poses, _pose, _pose_jacobians),
+        (graph.landmark_edges, landmarks, _landmark, _landmark_jacobians),
     ):
-        pair = poses[edges.first], ends[edges.second], edges.z
-        J = np.concatenate(slopes(*pair), axis=-1)
-        b[edges.places] += np.einsum("kji,kjl,kl->ki", J, edges.information, residual(*pair))
-    return _assembled()(graph, states)[0], b
+        pairs = poses[edges.first], ends[edges.second], edges.z
+        J = np.concatenate(jacobians(*pairs), axis=-1)
+        kinds.append((edges.places, J, edges.information, residual(*pairs)))
+    return kinds
 
 
-def _whole_jacobian(graph: Graph, states: Any) -> Any:
-    """One tall Jacobian, whitened, and its square."""
-    poses, landmarks = graph.split(states)
-    tall, right = [], []
-    for edges, ends, residual, slopes in (
-        (graph.pose_edges, poses, _pose(), _pose_slopes()),
-        (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
-    ):
-        for k, places in enumerate(edges.places):
-            pair = poses[edges.first[k]], ends[edges.second[k]], edges.z[k]
-            root = np.linalg.cholesky(edges.information[k]).T
-            rows = np.zeros((len(root), graph.size))
-            rows[:, places] = root @ np.hstack(slopes(*pair))
-            tall.append(scipy.sparse.csr_array(rows))
-            right.append(root @ residual(*pair))
-    J = scipy.sparse.vstack(tall)
-    return J.T @ J, J.T @ np.concatenate(right)
+def _system(graph: Graph, states: Any) -> tuple[scipy.sparse.csc_array, Array]:
+    """Compute H and b with np.add.at and a sparse matrix that adds repeated entries."""
+    H, b = scipy.sparse.csc_array((graph.size, graph.size)), np.zeros(graph.size)
+    for places, J, information, e in _kinds(graph, states):
+        rows, columns = np.broadcast_arrays(places[:, :, None], places[:, None, :])
+        at = rows.ravel(), columns.ravel()
+        H += scipy.sparse.csc_array(((J.mT @ information @ J).ravel(), at), H.shape)
+        np.add.at(b, places, np.einsum("kji,kjl,kl->ki", J, information, e))
+    return H, b
 
 
-def _einsum(graph: Graph, states: Any) -> Any:
-    """Sums over edges by np.add.at."""
-    poses, landmarks = graph.split(states)
+def _edge_after_edge(graph: Graph, states: Any) -> Any:
     H, b = np.zeros((graph.size, graph.size)), np.zeros(graph.size)
-    for edges, ends, residual, slopes in (
-        (graph.pose_edges, poses, _pose(), _pose_slopes()),
-        (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
-    ):
-        pair = poses[edges.first], ends[edges.second], edges.z
-        J = np.concatenate(slopes(*pair), axis=-1)
-        np.add.at(b, edges.places, np.einsum("kji,kjl,kl->ki", J, edges.information, residual(*pair)))
-        shares = np.einsum("kji,kjl,klm->kim", J, edges.information, J)
-        np.add.at(H, (edges.places[:, :, None], edges.places[:, None, :]), shares)
+    for kind in _kinds(graph, states):
+        for places, J, information, e in zip(*kind, strict=True):
+            H[np.ix_(places, places)] += J.T @ information @ J
+            b[places] += J.T @ information @ e
     return scipy.sparse.csr_array(H), b
 
 
+def _whole_jacobian(graph: Graph, states: Any) -> Any:
+    """Compute H and b from one tall whitened Jacobian."""
+    tall, right = [], []
+    for kind in _kinds(graph, states):
+        for places, J, information, e in zip(*kind, strict=True):
+            root, rows = np.linalg.cholesky(information).T, np.zeros((len(e), graph.size))
+            rows[:, places] = root @ J
+            tall.append(scipy.sparse.csr_array(rows))
+            right.append(root @ e)
+    A = scipy.sparse.vstack(tall)
+    return A.T @ A, A.T @ np.concatenate(right)
+
+
 def _small_graph(rng: np.random.Generator, poses: int = 6, landmarks: int = 3) -> tuple[Graph, Array]:
-    """A graph with full information matrices, edges in any order, and states that do not satisfy it."""
-    pairs = [(k, k + 1) for k in range(poses - 1)] + [(poses - 1, 0), (3, 1)]
-    sights = (
-        [(int(rng.integers(poses)), poses + k % landmarks) for k in range(2 * landmarks)] if landmarks else []
-    )
-    edges = np.array(pairs + sights)
+    """Return a graph with full information matrices and edges in any order, and states that do not satisfy it."""
+    edges = [(k, k + 1) for k in range(poses - 1)] + [(poses - 1, 0), (3, 1)]
+    pairs = len(edges)
+    if landmarks:
+        edges += [(int(rng.integers(poses)), poses + k % landmarks) for k in range(2 * landmarks)]
     z = rng.normal(0.0, 1.0, (len(edges), 3))
     roots = rng.normal(0.0, 1.0, (len(edges), 3, 3)) + 2 * np.eye(3)
     information = roots @ roots.mT
-    z[len(pairs) :, 2] = 0
-    information[len(pairs) :, 2], information[len(pairs) :, :, 2] = 0, 0
+    z[pairs:, 2] = information[pairs:, 2] = information[pairs:, :, 2] = 0
     order = rng.permutation(len(edges))
     kinds = np.repeat([POSE, LANDMARK], [poses, landmarks])
     states = rng.normal(0.0, 2.0, 3 * poses + 2 * landmarks)
-    return Graph(edges[order], z[order], information[order], kinds), states
+    return Graph(np.array(edges)[order], z[order], information[order], kinds), states
 
 
 def _two(rng: np.random.Generator) -> tuple[Graph, Array]:
@@ -927,7 +612,6 @@ def _linearize_hidden(rng: np.random.Generator) -> list[Case]:
 
 
 RESIDUALS = ["pose_residual", "landmark_residual"]
-SLOPES = ["pose_residual_jacobians", "landmark_residual_jacobians"]
 
 LINEARIZE = Exercise(
     name="linearize",
@@ -936,261 +620,136 @@ LINEARIZE = Exercise(
     public=_linearize_public,
     hidden=_linearize_hidden,
     comparison=Close(rtol=1e-6, atol=1e-6, names=("your H", "your b")),
-    uses=[*RESIDUALS, *SLOPES],
+    uses=[*RESIDUALS, "pose_residual_jacobians", "landmark_residual_jacobians"],
     hints=(
-        "For each kind of edges: residuals e, the Jacobians side by side as J, then Jᵀ Omega J and Jᵀ Omega e for all edges at once with @. What is left is to "
-        "add them up at their places.",
-        "J.mT @ edges.information is Jᵀ Omega of all edges; times J it is their blocks, and graph.add_blocks puts those together. For b: residuals as columns, "
-        "[:, :, None], and np.bincount over edges.places.",
+        "Compute for each kind of edges the residuals e, the Jacobians side by side as J, and then Jᵀ Omega J and Jᵀ Omega e for all edges at once with @. Then add them at their places.",
+        "J.mT @ edges.information is Jᵀ Omega of all edges. Multiplied by J it gives the blocks, and graph.add_blocks adds these to a sparse matrix. For b, multiply by the residuals as columns, [:, :, None], and add with np.bincount over edges.places.",
     ),
-    mistakes=[
-        Mistake(
-            "sign of b",
-            _assembled("sign"),
-            "H is right, and b has the opposite sign: b = Jᵀ Omega e. The minus stands in the equation H delta = -b.",
-        ),
-        Mistake(
-            "covariance for information",
-            _assembled("covariance"),
-            "You use the inverse of the information, the covariance: then the worst measurements weigh most.",
-        ),
-        Mistake(
-            "no weights",
-            _assembled("no weights"),
-            "That is J'J and J'e: every measurement weighs the same. Omega is missing between them.",
-        ),
-        Mistake(
-            "b without weights",
-            _assembled("b unweighted"),
-            "H is right. In b the information is missing: b = Jᵀ Omega e.",
-        ),
-        Mistake(
-            "a root of the information",
-            _assembled("root"),
-            "You use a root of the information where the matrix itself belongs: Jᵀ Omega J has it once, whole.",
-        ),
-        Mistake(
-            "Jacobians exchanged",
-            _assembled("swapped"),
-            "The Jacobians by the first and the second pose are exchanged: that by the first belongs to the places of the first.",
-        ),
-        Mistake(
-            "blocks off the diagonal left out",
-            _assembled("no mixed"),
-            "H has no blocks between the two ends of an edge: those are J_iᵀ Omega J_j and its transpose, the link itself.",
-        ),
-        Mistake(
-            "one triangle",
-            _assembled("upper"),
-            "H must be symmetric: the block of (second, first) is missing. It is the transpose of that of (first, second).",
-        ),
-        Mistake(
-            "sign off the diagonal",
-            _assembled("mixed sign"),
-            "The blocks between two ends have the wrong sign. The Jacobians bring their own signs: add Jᵀ Omega J as it comes.",
-        ),
-        Mistake(
-            "assigned",
-            _assembled("assigned"),
-            "You assign where you should add: a pose has many edges, and only the last is left.",
-        ),
-        Mistake(
-            "b assigned",
-            _assembled("last of b"),
-            "H is right. In b you assign where you should add: of each pose only the last edge is left.",
-        ),
-        Mistake(
-            "b of the last kind",
-            _assembled("b of the last kind"),
-            "H is right. b has the edges to landmarks only: in the loop over both kinds it begins anew. Add each kind's share, b += ...",
-        ),
-        Mistake(
-            "diagonal of the information",
-            _assembled("diagonal"),
-            "You use only the diagonal of the information. Where a residual's numbers are wrong together, the rest of it counts, too.",
-        ),
-        Mistake(
-            "+= with repeated places",
-            _lost_repeats,
-            "H is right. b[places] += shares adds only once where a place stands in `places` many times: NumPy's known trap. Use np.bincount or np.add.at.",
-        ),
-        Mistake(
-            "landmarks left out",
-            _assembled("poses only"),
-            "The edges to landmarks are missing: graph.landmark_edges.",
-        ),
-        Mistake(
-            "twice",
-            _assembled("twice"),
-            "Both are twice as large: the 2 of the derivative cancels in H delta = -b and is left out of both.",
-        ),
-        Mistake(
-            "first pose removed",
-            _assembled("fixed"),
-            "You removed the first pose's rows. Here H and b have all of them; gauss_newton is where it is held.",
-        ),
-        Mistake(
-            "first pose held",
-            _assembled("held"),
-            "You added something to the first pose's block. linearize tells what the edges say, and nothing else; gauss_newton holds the pose.",
-        ),
-        Mistake("b first", _assembled("b first"), "Return H first, then b."),
-        Mistake("b as a column", _assembled("column"), "b has to be flat, (n,): yours is a column (n, 1)."),
-    ],
+    mistakes=catalogue("""
+        sign of b: (*blocks), b => (*blocks), -b
+            H is correct, but b has the opposite sign: b = Jᵀ Omega e. The minus is in the equation H delta = -b.
+        covariance for information: edges.information => np.linalg.inv(edges.information)
+            You use the inverse of the information, which is the covariance, so the least certain measurements get the largest weight. Use edges.information itself.
+        no weights: J.mT @ edges.information => J.mT
+            You compute JᵀJ and Jᵀe, so every measurement has the same weight. Multiply by Omega between the two factors.
+        b without weights: shares = weighted => shares = J.mT
+            H is correct, but b does not contain the information: b = Jᵀ Omega e.
+        Jacobians exchanged: jacobians(*pairs) => jacobians(*pairs)[::-1]
+            You exchanged the two Jacobians. The places of the first end come first, so the Jacobian by the first end does, too.
+        blocks off the diagonal left out: blocks.append(weighted @ J) => first = np.arange(J.shape[2]) < 3
+            + blocks.append(weighted @ J * (first[:, None] == first))
+            Your H has no blocks that connect the two ends of an edge. These are J_iᵀ Omega J_j and its transpose.
+        one triangle: blocks.append(weighted @ J) => first = np.arange(J.shape[2]) < 3
+            + blocks.append(weighted @ J * (first[:, None] >= first))
+            Your H is not symmetric, because the block at (second, first) is missing. It is the transpose of the block at (first, second).
+        sign off the diagonal: blocks.append(weighted @ J) => first = np.arange(J.shape[2]) < 3
+            + blocks.append(weighted @ J * np.where(first[:, None] == first, 1, -1))
+            The blocks that connect two ends have the wrong sign. The signs are already in the Jacobians, so add Jᵀ Omega J without a change.
+        assigned: blocks, b = [], => H, b = np.zeros((graph.size, graph.size)),
+            blocks.append(weighted @ J) => H[edges.places[:, :, None], edges.places[:, None]] = weighted @ J
+            b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size) => b[edges.places] = shares[:, :, 0]
+            graph.add_blocks(*blocks) => csc_array(H)
+            You assign where you should add. A pose has several edges, and only the last one is left in your H and b.
+        b assigned: b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size) => b[edges.places] = shares[:, :, 0]
+            H is correct, but in b you assign where you should add. Only the last edge of each pose is left.
+        b of the last kind: b += => b =
+            H is correct, but b contains only the edges to landmarks, because it starts anew for each kind of edge. Add the contributions: b += ...
+        diagonal of the information: edges.information => (edges.information * np.eye(J.shape[1]))
+            You use only the diagonal of the information. The other entries describe correlated errors and belong to the sum.
+        += with repeated places: b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size) => b[edges.places] += shares[:, :, 0]
+            H is correct. But b[places] += contributions adds only once if an index occurs several times in `places`, as NumPy does for all such indexing. Use np.bincount or np.add.at.
+        landmarks left out: edges.information => edges.information * (ends is poses)
+            The edges to landmarks, graph.landmark_edges, are missing.
+        twice: J.mT @ => 2 * J.mT @
+            H and b are twice as large as they should be. The factor 2 of the derivative cancels in H delta = -b, so leave it out.
+        first pose removed: graph.add_blocks(*blocks), b => graph.add_blocks(*blocks)[3:, 3:], b[3:]
+            You removed the rows of the first pose. linearize returns all of them; gauss_newton will hold the first pose.
+        first pose held: return graph.add_blocks(*blocks), b => H = graph.add_blocks(*blocks)
+            + H[[0, 1, 2], [0, 1, 2]] += 1
+            + return H, b
+            You added something to the block of the first pose. linearize returns the sum over the edges and nothing else; gauss_newton will hold the first pose.
+        b first: graph.add_blocks(*blocks), b => b, graph.add_blocks(*blocks)
+            The order is wrong. Return H first and b second.
+        b as a column: (*blocks), b => (*blocks), b[:, None]
+            Your b is a column (n, 1). It should be flat, (n,).
+    """),
     alternatives={
-        "edge by edge": _assembled(),
+        "edge by edge": _edge_after_edge,
         "one tall Jacobian": _whole_jacobian,
-        "np.add.at": _einsum,
+        "np.add.at": _system,
     },
 )
 
 
-# --- 9.6 gauss_newton ---
-
-
 def _squares(graph: Graph, states: Any) -> float:
-    return float(graph.squared_errors(states, _pose(), _landmark()).sum())
+    return float(graph.squared_errors(states, _pose, _landmark).sum())
 
 
-def _system(graph: Graph, states: Any) -> tuple[scipy.sparse.csc_array, Array]:
-    """H and b, all edges of a kind at once."""
-    poses, landmarks = graph.split(states)
-    H, b = scipy.sparse.csc_array((graph.size, graph.size)), np.zeros(graph.size)
-    for edges, ends, residual, slopes in (
-        (graph.pose_edges, poses, _pose(), _pose_slopes()),
-        (graph.landmark_edges, landmarks, _landmark(), _landmark_slopes()),
-    ):
-        pair = poses[edges.first], ends[edges.second], edges.z
-        J, wide = np.concatenate(slopes(*pair), axis=-1), edges.places.shape[1]
-        at = np.repeat(edges.places, wide, axis=1).ravel(), np.tile(edges.places, wide).ravel()
-        entries = (J.mT @ edges.information @ J).ravel()
-        H = H + scipy.sparse.coo_array((entries, at), H.shape).tocsc()
-        shares = np.einsum("kji,kjl,kl->ki", J, edges.information, residual(*pair))
-        b += np.bincount(edges.places.ravel(), shares.ravel(), graph.size)
-    return H, b
+def _steps(step: Callable[[Graph, Array], Array]) -> Callable[..., Any]:
+    """Return a solver from a function that computes a step (n - 3,); the solver returns lists."""
 
-
-def _newton(change: str = "") -> Callable[..., Any]:
     def function(graph: Graph, states: Any, iterations: int) -> Any:
-        states = np.array(states, dtype=float)
-        history = [_squares(graph, states)]
-        H, b = _system(graph, states)
-        order = graph.elimination_order
-        if change == "one step":
-            iterations = min(iterations, 1)
-        if change == "one more":
-            iterations += 1
+        path = [np.array(states, dtype=float)]
         for _ in range(iterations):
-            if change != "once":
-                H, b = _system(graph, states) if change != "H once" else (H, _system(graph, states)[1])
-            A = H.toarray()
-            if change == "none":
-                step = -np.linalg.lstsq(A, b, rcond=None)[0]
-            elif change == "last":
-                step = np.zeros(len(b))
-                step[:-3] = -np.linalg.solve(A[:-3, :-3], b[:-3])
-            elif change == "place only":
-                step = np.zeros(len(b))
-                keep = np.r_[2 : len(b)]
-                step[keep] = -np.linalg.lstsq(A[np.ix_(keep, keep)], b[keep], rcond=None)[0]
-            elif change == "damped":
-                step = np.zeros(len(b))
-                step[3:] = -np.linalg.solve(A[3:, 3:] + 1e-3 * np.diag(np.diag(A)[3:]), b[3:])
-            elif change == "order":
-                step = np.zeros(len(b))
-                step[3:] = -np.linalg.solve(A[np.ix_(order, order)], b[order])
-            else:
-                step = np.zeros(len(b))
-                step[3:] = -np.linalg.solve(A[3:, 3:], b[3:])
-            if change == "early" and np.abs(step).max() < 1e-9:
-                break
-            if change == "never up" and _squares(graph, states + step) > history[-1]:
-                step = 0 * step
-            if change == "uphill":
-                step = -step
-            if change == "half":
-                step = step / 2
-            if change == "composed":
-                for k in range(1, graph.poses):
-                    c, s = np.cos(states[3 * k + 2]), np.sin(states[3 * k + 2])
-                    dx, dy = step[3 * k : 3 * k + 2]
-                    step[3 * k : 3 * k + 2] = c * dx - s * dy, s * dx + c * dy
-            states = states + step
-            history.append(_squares(graph, states))
-        if change == "wrapped":
-            states = np.where(np.arange(len(states)) < 0, states, wrap_angle(states))
-        told = {
-            "no first": history[1:],
-            "no last": history[:-1],
-            "last only": history[-1],
-            "late": [*history[:1], *history[:-1]],
-            "half chi2": [each / 2 for each in history],
-            "root": np.sqrt(history),
-        }.get(change, history)
-        if change == "history first":
-            return np.array(told), states
-        if change == "states only":
-            return states
-        return states, np.array(told)
+            path.append(path[-1] + np.append(np.zeros(3), step(graph, path[-1])))
+        return [path[-1], [_squares(graph, each) for each in path]]
 
     return function
 
 
-def _newton_unweighted(graph: Graph, states: Any, iterations: int) -> Any:
-    found, _ = _newton()(graph, states, iterations)
-    ones = dataclasses.replace(graph, information=np.sign(np.abs(graph.information)) * np.eye(3))
-    return found, np.array([_squares(ones, _newton()(graph, states, n)[0]) for n in range(iterations + 1)])
+def _step_anchored(graph: Graph, states: Array) -> Array:
+    """Return a step in which added entries hold the first pose."""
+    H, b = _system(graph, states)
+    anchor = scipy.sparse.diags_array(np.where(np.arange(len(b)) < 3, 1.0, 0.0))
+    return -scipy.sparse.linalg.spsolve((H + anchor).tocsc(), b)[3:]
 
 
-def _newton_in_place(graph: Graph, states: Any, iterations: int) -> Any:
-    found, history = _newton()(graph, states, iterations)
-    states[:] = found
-    return states, history
+def _step_cholesky(graph: Graph, states: Array) -> Array:
+    H, b = _system(graph, states)
+    L = np.linalg.cholesky(H.toarray()[3:, 3:])
+    return -np.linalg.solve(L.T, np.linalg.solve(L, b[3:]))
 
 
-def _newton_anchored(graph: Graph, states: Any, iterations: int) -> Any:
-    """The first pose held by an entry of its own."""
-    states, history = np.array(states, dtype=float), []
-    anchor = scipy.sparse.diags_array(np.where(np.arange(len(states)) < 3, 1.0, 0.0))
-    for _ in range(iterations):
-        history.append(_squares(graph, states))
-        H, b = _system(graph, states)
-        states = states - scipy.sparse.linalg.spsolve((H + anchor).tocsc(), b)
-    return states, np.array([*history, _squares(graph, states)])
-
-
-def _newton_dense(graph: Graph, states: Any, iterations: int) -> Any:
-    """By QR of the whitened Jacobian, lists for the answer."""
-    states, history = np.array(states, dtype=float), []
-    for step in range(iterations + 1):
-        history.append(_squares(graph, states))
-        if step < iterations:
-            H, b = _system(graph, states)
-            L = np.linalg.cholesky(H.toarray()[3:, 3:])
-            states[3:] -= np.linalg.solve(L.T, np.linalg.solve(L, b[3:]))
-    return [states, history]
-
-
-def _newton_wrapped(graph: Graph, states: Any, iterations: int) -> Any:
-    """With headings brought into (-pi, pi] after each step."""
-    states, history = np.array(states, dtype=float), []
-    headings = np.arange(2, 3 * graph.poses, 3)
-    history.append(_squares(graph, states))
-    for _ in range(iterations):
-        H, b = _system(graph, states)
-        states[3:] = states[3:] + scipy.sparse.linalg.splu(H.tocsc()[3:, 3:]).solve(-b[3:])
-        states[headings[1:]] = wrap_angle(states[headings[1:]])
-        history.append(_squares(graph, states))
-    return states, np.array(history)
+def _step_wrapped(graph: Graph, states: Array) -> Array:
+    """Return a step after which all headings are in (-pi, pi]."""
+    H, b = _system(graph, states)
+    there = states[3:] - scipy.sparse.linalg.splu(H.tocsc()[3:, 3:]).solve(b[3:])
+    there[2 : 3 * graph.poses - 3 : 3] = wrap_angle(there[2 : 3 * graph.poses - 3 : 3])
+    return there - states[3:]
 
 
 def _turned(graph: Graph, states: Array) -> tuple[Graph, Array]:
-    """The same states, begun at another place and heading: nothing measured changes."""
+    """Return a graph and its states, moved and turned as a whole, so that no residual changes."""
     poses, marks = (each.copy() for each in graph.split(states))
     turn = rotation_2d(2.5)
     poses[:, :2], marks = poses[:, :2] @ turn.T + (6.0, -4.5), marks @ turn.T + (6.0, -4.5)
     poses[:, 2] += 2.5
     return graph, np.concatenate([poses.ravel(), marks.ravel()])
+
+
+def _weak_drift(drift: float) -> tuple[Graph, Array]:
+    """Return a loop whose first step increases chi2, with an information so small that any damping is noticed."""
+    world = drifting_loop(drift, 6)
+    return dataclasses.replace(world.graph, information=1e-4 * world.graph.information), world.odometry
+
+
+def _two_apart() -> tuple[Graph, Array]:
+    graph = Graph([[0, 1]], [[1.0, 0.0, 0.0]], [np.eye(3)], [POSE, POSE])
+    return graph, np.array([0.0, 0.0, 0.0, 5.0, 0.0, 0.0])
+
+
+def _held_landmarks(drive: Any) -> Graph:
+    """Return a field drive's graph with a weak measurement of each landmark from the first pose."""
+    graph, count = drive.graph, drive.graph.landmarks
+    edges = np.column_stack([np.zeros(count, dtype=int), graph.poses + np.arange(count)])
+    z = np.column_stack([graph.split(drive.truth)[1] - drive.truth[:2], np.zeros(count)])
+    weak = np.broadcast_to(np.diag([1e-2, 1e-2, 0.0]), (count, 3, 3))
+    return dataclasses.replace(
+        graph,
+        edges=np.concatenate([graph.edges, edges]),
+        measurements=np.concatenate([graph.measurements, z]),
+        information=np.concatenate([graph.information, weak]),
+    )
 
 
 def _newton_public() -> list[Case]:
@@ -1203,31 +762,6 @@ def _newton_public() -> list[Case]:
         Case((*_weak_drift(np.pi / 2), 3), "weak measurements, and a step that climbs"),
         Case((*_two_apart(), 3), "two poses that fit after one step"),
     ]
-
-
-def _weak_drift(drift: float) -> tuple[Graph, Array]:
-    """A loop whose first step makes chi2 larger; information so small that nothing can be added to H unseen."""
-    world = drifting_loop(drift, 6)
-    return dataclasses.replace(world.graph, information=1e-4 * world.graph.information), world.odometry
-
-
-def _two_apart() -> tuple[Graph, Array]:
-    graph = Graph([[0, 1]], [[1.0, 0.0, 0.0]], [np.eye(3)], [POSE, POSE])
-    return graph, np.array([0.0, 0.0, 0.0, 5.0, 0.0, 0.0])
-
-
-def _held_landmarks(drive: Any) -> Graph:
-    """A field drive's graph with a weak sight of each landmark from the first pose, so that all are held."""
-    graph, count = drive.graph, drive.graph.landmarks
-    edges = np.column_stack([np.zeros(count, dtype=int), graph.poses + np.arange(count)])
-    z = np.column_stack([graph.split(drive.truth)[1] - drive.truth[:2], np.zeros(count)])
-    weak = np.broadcast_to(np.diag([1e-2, 1e-2, 0.0]), (count, 3, 3))
-    return dataclasses.replace(
-        graph,
-        edges=np.concatenate([graph.edges, edges]),
-        measurements=np.concatenate([graph.measurements, z]),
-        information=np.concatenate([graph.information, weak]),
-    )
 
 
 def _newton_hidden(rng: np.random.Generator) -> list[Case]:
@@ -1255,234 +789,136 @@ GAUSS_NEWTON = Exercise(
     uses=["linearize", *RESIDUALS],
     in_place=True,
     hints=(
-        "Copy the states. In each step linearise where you are now, leave out the first pose's three rows and columns, solve as in lesson 08's solve_sparse, and move. The history begins before the first step.",
-        "The solution of H[3:, 3:] delta = b[3:] is what to take away from states[3:]. With free = graph.elimination_order the same stands between "
-        "H[free][:, free], b[free] and states[free].",
+        "Copy the states. In each iteration linearise at the current states, remove the rows and columns of the first pose, solve as in lesson 08's solve_sparse, and move. The history begins with chi2 before the first step.",
+        "Solve H[3:, 3:] x = b[3:] and subtract x from states[3:]. With free = graph.elimination_order, use H[free][:, free], b[free] and states[free] in the same way.",
     ),
-    mistakes=[
-        Mistake(
-            "uphill",
-            _newton("uphill"),
-            "You go uphill: H delta = -b. Take the solution away, or give b a minus.",
-        ),
-        Mistake(
-            "linearised once",
-            _newton("once"),
-            "You linearise once and solve the same system again and again. Each step needs H and b where it stands.",
-        ),
-        Mistake(
-            "H once",
-            _newton("H once"),
-            "You compute H once, before the loop, and b anew. Both change with the states: linearize belongs into the loop.",
-        ),
-        Mistake(
-            "order forgotten",
-            _newton("order"),
-            "The solution stands in the order in which you solved, and you add it in the order of the states. What was solved with b[free] belongs to states[free].",
-        ),
-        Mistake(
-            "never uphill",
-            _newton("never up"),
-            "You refuse a step that makes chi2 larger. That is careful, and good in practice; here the plain step is wanted, also where it climbs: you will look at one that does.",
-        ),
-        Mistake(
-            "stops early",
-            _newton("early"),
-            "You stop when nothing moves any more. Good in practice; here `iterations` steps are wanted, and so many numbers in the history.",
-        ),
-        Mistake(
-            "chi2 too early",
-            _newton("late"),
-            "You note chi2 before each step moves anything: the first number stands there twice, and the last is missing. Append it after the step.",
-        ),
-        Mistake(
-            "nothing held",
-            _newton("none"),
-            "Your first pose moves. H alone is singular: the whole map can be shifted and turned. Solve without the first pose's three rows and columns, and leave it where it is.",
-        ),
-        Mistake(
-            "last pose held",
-            _newton("last"),
-            "You hold the last three numbers. The first pose is what has to stay: rows and columns 3 and on are solved for.",
-        ),
-        Mistake(
-            "two of three held",
-            _newton("place only"),
-            "You hold two numbers of the first pose; it has three: x, y and the heading.",
-        ),
-        Mistake(
-            "one step",
-            _newton("one step"),
-            "You make one step, whatever `iterations` says. Is there a return inside the loop?",
-        ),
-        Mistake(
-            "one step more",
-            _newton("one more"),
-            "You make one step too many: the history has 1 + iterations numbers, the first before any step.",
-        ),
-        Mistake(
-            "half steps",
-            _newton("half"),
-            "Your steps are half as long: plain Gauss-Newton takes the whole step.",
-        ),
-        Mistake(
-            "damped",
-            _newton("damped"),
-            "You add something to H's diagonal. That is Levenberg and Marquardt's way, and a good one; here the plain step is wanted.",
-        ),
-        Mistake(
-            "composed",
-            _newton("composed"),
-            "You turn the step by each pose's heading, as if it were a motion of the robot. Your Jacobians are by x, y and theta themselves, so the step is "
-            "simply added to them.",
-        ),
-        Mistake(
-            "everything wrapped",
-            _newton("wrapped"),
-            "You wrap all states into (-pi, pi], x and y too: those are metres.",
-        ),
-        Mistake(
-            "history without its begin",
-            _newton("no first"),
-            "The history lacks the chi2 before the first step.",
-        ),
-        Mistake(
-            "history without its end", _newton("no last"), "The history lacks the chi2 after the last step."
-        ),
-        Mistake(
-            "last chi2 only",
-            _newton("last only"),
-            "The states are right. Of chi2 the whole history is wanted: before the first step and after each.",
-        ),
-        Mistake(
-            "half chi2",
-            _newton("half chi2"),
-            "Your chi2 is half of it: here it is the sum of e' Omega e, without the 1/2 of some books.",
-        ),
-        Mistake("root of chi2", _newton("root"), "You take a root of chi2. It is the sum of squares itself."),
-        Mistake(
-            "chi2 without weights",
-            _newton_unweighted,
-            "The states are right. Your chi2 is a sum of squares without the information: e' Omega e.",
-        ),
-        Mistake("history first", _newton("history first"), "Return the states first, then the history."),
-        Mistake(
-            "no history", _newton("states only"), "Return two things: the states, and the history of chi2."
-        ),
-        Mistake(
-            "in place",
-            _newton_in_place,
-            "You wrote into the states that you were given. Work on a copy: states = states.copy().",
-        ),
-    ],
+    mistakes=catalogue("""
+        uphill: -= splu => += splu
+            You step uphill, because you add the solution of H x = b. The equation is H delta = -b: subtract the solution, or negate b.
+        the step for the states: -= splu => = -splu
+            You replace the states by the step. The step has to be added to the states: x becomes x + delta.
+        chi2 of each edge: residual).sum()] => residual)]
+            residual).sum()) => residual))
+            Your history has one number for each edge. chi2 is their sum: add .sum().
+        linearised once: H, b = linearize(graph, states) =>
+            free = graph.elimination_order => free, (H, b) = graph.elimination_order, linearize(graph, states)
+            You linearise once and solve the same system in each iteration. Call linearize with the current states inside the loop.
+        H once: H, b = linearize(graph, states) => _, b = linearize(graph, states)
+            free = graph.elimination_order => free, (H, _) = graph.elimination_order, linearize(graph, states)
+            You compute b anew in each iteration, but H only once. Both depend on the states, so call linearize inside the loop.
+        order forgotten: states[free] -= => states[3:] -=
+            You solve for states[free] but add the step to states[3:], which has another order. A step that was solved with b[free] belongs to states[free].
+        never uphill: H, b = linearize(graph, states) => H, b = linearize(graph, before := states.copy())
+            history.append(graph => history.append(graph
+            + if history[-1] > history[-2]: states, history[-1] = before, history[-2]
+            You refuse a step that increases chi2. This is good practice, but gauss_newton should take every step here, because you will study a step that increases chi2.
+        stops early: states[free] -= splu => step = splu
+            + if np.abs(step).max() < 1e-9: break
+            + states[free] -= step
+            You stop when the states no longer move. This is good practice, but gauss_newton should take all `iterations` steps, and its history should have a number for each.
+        chi2 too early: np.array(history) => np.array(history[:1] + history[:-1])
+            You compute chi2 before the states have moved, so your history contains the first number twice and lacks the last one. Append it after the step.
+        nothing held: states[free] -= splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => states -= np.linalg.lstsq(H.toarray(), b)[0]
+            Your first pose moves. H alone is singular, because the whole map can be shifted and turned. Solve without the three rows and columns of the first pose, and leave that pose unchanged.
+        last pose held: graph.elimination_order => np.arange(graph.size - 3)
+            You hold the last three numbers. Hold the first pose: solve for the rows and columns from 3 on.
+        two of three held: graph.elimination_order => np.arange(2, graph.size)
+            splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => np.linalg.lstsq(H[free][:, free].toarray(), b[free])[0]
+            You hold two numbers of the first pose. It has three: x, y and the heading.
+        one step: range(iterations) => range(min(iterations, 1))
+            You take one step, whatever `iterations` is. Is there a return inside the loop?
+        one step more: range(iterations) => range(iterations + 1)
+            You take one step too many. The history has 1 + iterations numbers, and the first one belongs to the initial states.
+        damped: H, b = linearize(graph, states) => H, b = linearize(graph, states)
+            + H += csc_array(np.diag(1e-3 * H.diagonal()))
+            You add something to the diagonal of H. This is the idea of Levenberg and Marquardt, but gauss_newton should take the plain step here.
+        composed: states[free] -= splu => step = splu
+            + poses, delta = slice(0, 3 * graph.poses), np.zeros(graph.size)
+            + delta[free] = step
+            + x, y, theta = delta[poses][0::3], delta[poses][1::3], states[poses][2::3]
+            + x[:], y[:] = np.cos(theta) * x - np.sin(theta) * y, np.sin(theta) * x + np.cos(theta) * y
+            + states -= delta
+            You rotate the step by the heading of each pose. The Jacobians are by x, y and theta in the map frame, so add the step directly.
+        everything wrapped: return states => return wrap_angle(states)
+            You wrap all states to (-pi, pi]. This changes x and y, too, which are metres.
+        history without its begin: np.array(history) => np.array(history[1:])
+            Your history lacks chi2 before the first step.
+        history without its end: np.array(history) => np.array(history[:-1])
+            Your history lacks chi2 after the last step.
+        last chi2 only: np.array(history) => history[-1]
+            Your states are correct. Return the whole history of chi2 with them: before the first step, and after each step.
+        half chi2: np.array(history) => np.array(history) / 2
+            Your chi2 is half as large as it should be. It is the sum of eᵀ Omega e, without the factor 1/2 of some books.
+        chi2 without weights: + plain = replace(graph, information=np.sign(graph.information) * np.eye(3))
+            graph.squared_errors =>> plain.squared_errors
+            Your states are correct. But your chi2 is a sum of squares without the information; it should be the sum of eᵀ Omega e.
+        history first: return states, np.array(history) => return np.array(history), states
+            The order is wrong. Return the states first and the history second.
+        no history: return states, np.array(history) => return states
+            You return only the states. Return two things: the states and the history of chi2.
+        in place: states = states.copy() =>
+            You changed the states that were given to your function. Begin with a copy: states = states.copy().
+    """),
     alternatives={
-        "an anchor on the first pose": _newton_anchored,
-        "Cholesky": _newton_dense,
-        "headings wrapped": _newton_wrapped,
+        "an anchor on the first pose": _steps(_step_anchored),
+        "Cholesky": _steps(_step_cholesky),
+        "headings wrapped": _steps(_step_wrapped),
     },
 )
 
 
-# --- 9.7 marginal_covariances ---
-
-
-def _information(graph: Graph, states: Array) -> scipy.sparse.csc_array:
-    """H without the first pose."""
-    return scipy.sparse.csc_array(_system(graph, states)[0][3:, 3:])
-
-
-def _blocks(change: str = "") -> Callable[..., Any]:
-    def function(H: Any, indices: Any) -> Any:
-        if change == "dense":
-            P = np.linalg.inv(H.toarray())
-            return [P[np.ix_(each, each)] for each in indices]
-        if change in ("conditional", "information"):
-            own = [H.tocsr()[each][:, each].toarray() for each in indices]
-            return [np.linalg.inv(each) for each in own] if change == "conditional" else own
-        if change == "first rows":
-            return _blocks_solved(H, [np.arange(len(each)) for each in indices])
-        if change == "whole columns":
-            units = [np.eye(1, H.shape[0], row)[0] for each in indices for row in each]
-            columns = scipy.sparse.linalg.splu(H.tocsc()).solve(np.array(units).T)
-            return np.split(columns, np.cumsum([len(each) for each in indices])[:-1], axis=1)
-        if change == "sorted":
-            return _blocks_solved(H, [np.sort(each) for each in indices])
-        if change == "stacked":
-            return _blocks_solved(H, [np.concatenate(indices)])[0]
-        blocks = _blocks_solved(H, indices)
-        if change == "marginal information":
-            return [np.linalg.inv(each) for each in blocks]
-        if change == "diagonal":
-            return [np.diag(each) for each in blocks]
-        if change == "diagonal matrix":
-            return [np.diag(np.diag(each)) for each in blocks]
-        if change == "deviations":
-            return [np.sqrt(np.abs(each)) for each in blocks]
-        return blocks[0] if change == "first" else blocks
-
-    return function
-
-
 def _blocks_solved(H: Any, indices: Sequence[Any]) -> Any:
-    factor = scipy.sparse.linalg.splu(H.tocsc())
+    """Solve for all columns of all blocks at once."""
     every = np.unique(np.concatenate(indices))
     unit = np.zeros((H.shape[0], len(every)))
     unit[every, np.arange(len(every))] = 1
-    columns = factor.solve(unit)
+    columns = scipy.sparse.linalg.splu(H.tocsc()).solve(unit)
     return [columns[np.ix_(each, np.searchsorted(every, each))] for each in indices]
 
 
 def _blocks_eliminated(H: Any, indices: Sequence[Any]) -> Any:
-    """Lesson 08's marginalisation, and the inverse of what it leaves."""
-    found = []
-    H = H.tocsr()
+    """Invert the remainder of lesson 08's marginalisation."""
+    found, H = [], H.tocsr()
     for each in indices:
         gone = np.setdiff1d(np.arange(H.shape[0]), each)
-        rows = H[gone]
-        between = rows[:, each].toarray()
-        share = scipy.sparse.linalg.splu(rows[:, gone].tocsc(), permc_spec="MMD_AT_PLUS_A").solve(between)
+        between = H[gone][:, each].toarray()
+        share = scipy.sparse.linalg.splu(H[gone][:, gone].tocsc(), permc_spec="MMD_AT_PLUS_A").solve(between)
         found.append(np.linalg.inv(H[each][:, each].toarray() - between.T @ share))
     return found
 
 
 def _blocks_one_by_one(H: Any, indices: Sequence[Any]) -> Any:
-    solve = scipy.sparse.linalg.factorized(H.tocsc())
-    units = [[np.where(np.arange(H.shape[0]) == row, 1.0, 0.0) for row in each] for each in indices]
-    return [np.array([solve(unit)[each] for unit in rows]) for each, rows in zip(indices, units, strict=True)]
+    solve, rows = scipy.sparse.linalg.factorized(H.tocsc()), np.arange(H.shape[0])
+    return [np.array([solve(1.0 * (rows == row))[each] for row in each]) for each in indices]
+
+
+def _information(graph: Graph, states: Array) -> scipy.sparse.csc_array:
+    """Return H without the first pose."""
+    return scipy.sparse.csc_array(_system(graph, states)[0][3:, 3:])
 
 
 def _of_poses(numbers: Sequence[int]) -> list[Any]:
-    """Rows of some poses in an H without the first."""
+    """Return the rows of some poses in an H without the first pose."""
     return [3 * (number - 1) + np.arange(3) for number in numbers]
 
 
 def _blocks_public() -> list[Case]:
-    square, walk = loop(1, side=2), building(4, 500)
-    drive = field_drive(3, 6)
+    square, walk, drive = loop(1, side=2), building(4, 500), field_drive(3, 6)
     graph = _held_landmarks(drive)
     begin = 3 * graph.poses - 3
+    two = scipy.sparse.csc_array([[2.0, -1.0], [-1.0, 1.0]])
+    mixed = [begin + np.array([0, 1]), begin + np.array([7, 6]), np.array([4])]
     return [
-        Case(
-            (scipy.sparse.csc_array([[2.0, -1.0], [-1.0, 1.0]]), [np.array([0]), np.array([1])]),
-            "two variables",
-        ),
+        Case((two, [np.array([0]), np.array([1])]), "two variables"),
         Case((_information(square.graph, square.truth), _of_poses([1, 4, 8])), "three poses of a loop"),
-        Case(
-            (
-                _information(graph, drive.truth),
-                [begin + np.array([0, 1]), begin + np.array([7, 6]), np.array([4])],
-            ),
-            "landmarks, one of them with y before x, and one y",
-        ),
+        Case((_information(graph, drive.truth), mixed), "landmarks, one of them with y before x, and one y"),
         Case((_information(walk.graph, walk.truth), _of_poses([250, 499])), "1,497 variables"),
     ]
 
 
 def _blocks_hidden(rng: np.random.Generator) -> list[Case]:
-    walk, square = (
-        building(int(rng.integers(1000)), 3000, size=(12, 12)),
-        loop(int(rng.integers(1000)), side=4),
-    )
+    walk = building(int(rng.integers(1000)), 3000, size=(12, 12))
+    square = loop(int(rng.integers(1000)), side=4)
     some = np.sort(rng.choice(np.arange(1, 3000), 12, replace=False)).tolist()
     mixed = [rng.permutation(45)[:4], rng.permutation(45)[:2], np.array([44])]
     return [
@@ -1501,69 +937,40 @@ MARGINAL_COVARIANCES = Exercise(
     comparison=Close(rtol=1e-7, atol=1e-11),
     driver=BLOCKS,
     hints=(
-        "Column k of the inverse is the x that solves H x = unit vector k. Which columns does a block need?",
-        "Factor H once (splu). For the rows of a block, a tall array of unit vectors is solved at once; of the columns that come back take the block's rows.",
+        "Column k of the inverse is the solution x of H x = e_k, where e_k is a unit vector. Which columns does a block need?",
+        "Factorise H once with splu. For each block, solve for an (n, k) array of unit vectors, and keep the rows of the block from the result.",
     ),
-    mistakes=[
-        Mistake(
-            "conditional",
-            _blocks("conditional"),
-            "You invert the block of H. That is the covariance if all other variables were known exactly, and much too small. The block has to come from the inverse of the whole.",
-        ),
-        Mistake(
-            "information",
-            _blocks("information"),
-            "Those are blocks of H, the information. Wanted are blocks of its inverse.",
-        ),
-        Mistake(
-            "inverted once more",
-            _blocks("marginal information"),
-            "You invert the blocks of the inverse: that is what lesson 08's marginalize gives. The covariance is the block itself.",
-        ),
-        Mistake(
-            "diagonal",
-            _blocks("diagonal"),
-            "You return the variances only. A block has the covariances, too: (k, k).",
-        ),
-        Mistake(
-            "off the diagonal zero",
-            _blocks("diagonal matrix"),
-            "Off the diagonal your blocks are 0: an ellipse drawn from them cannot lean.",
-        ),
-        Mistake(
-            "deviations", _blocks("deviations"), "You take roots. Covariances are squares, m^2 and rad^2."
-        ),
-        Mistake(
-            "always the first rows",
-            _blocks("first rows"),
-            "You return the upper left corner of the inverse each time. The rows are those of the indices.",
-        ),
-        Mistake(
-            "whole columns",
-            _blocks("whole columns"),
-            "Those are whole columns of the inverse. Of them, take the rows of the block.",
-        ),
-        Mistake(
-            "sorted",
-            _blocks("sorted"),
-            "You sort the indices. Rows and columns of a block come in the order given.",
-        ),
-        Mistake(
-            "one matrix",
-            _blocks("stacked"),
-            "You return one matrix for all. Wanted is a list: a block for each of the indices.",
-        ),
-        Mistake(
-            "first only",
-            _blocks("first"),
-            "You return the first block only: is there a return inside the loop?",
-        ),
-        Mistake(
-            "dense inverse",
-            _blocks("dense"),
-            "You make H dense. Of a map with 3,000 poses that is 650 MB. Keep H sparse: a few columns of its inverse are enough.",
-        ),
-    ],
+    mistakes=catalogue("""
+        conditional: factor.solve(units)[index] => np.linalg.inv(H.tocsr()[index][:, index].toarray())
+            You invert the block of H. This is the covariance if all other variables were known exactly, so it is too small. Take the block of the inverse of the whole matrix.
+        information: factor.solve(units)[index] => H.tocsr()[index][:, index].toarray()
+            You return blocks of H, which are information. Return blocks of its inverse.
+        inverted once more: factor.solve(units)[index] => np.linalg.inv(factor.solve(units)[index])
+            You invert the blocks of the inverse, as lesson 08's marginalize does. The covariance is the block itself.
+        diagonal: factor.solve(units)[index] => np.diag(factor.solve(units)[index])
+            You return only the variances. A block also contains the covariances, so its shape is (k, k).
+        deviations: factor.solve(units)[index] => np.sqrt(np.abs(factor.solve(units)[index]))
+            You take square roots. The entries of a covariance are in m^2 and rad^2.
+        a single right side: np.zeros((H.shape[0], len(index))) => np.zeros(H.shape[0])
+            units[index, np.arange(len(index))] => units[index]
+            You solve for one vector with a 1 in every row of the block, which gives the sum of k columns of the inverse. Solve for k unit vectors, an array (n, k) with one 1 in each column.
+        rows of ones: units[index, np.arange(len(index))] => units[index]
+            units[index] = 1 sets whole rows, so each of your columns has k ones. A unit vector has one: set units[index, np.arange(len(index))].
+        always the first rows: in indices: => in map(np.arange, map(len, indices)):
+            You return the upper left corner of the inverse for every block. Use the rows given in `indices`.
+        whole columns: (units)[index] => (units)
+            You return whole columns of the inverse. Keep only the rows of the block.
+        sorted: in indices: => in map(np.sort, indices):
+            You sort the indices. The rows and columns of a block must be in the given order.
+        one matrix: in indices: => in [np.concatenate(indices)]:
+            return blocks => return blocks[0]
+            You return one matrix for all indices. Return a list with one block for each element of `indices`.
+        first only: return blocks => return blocks[0]
+            You return only the first block. Is there a return inside the loop?
+        dense inverse: + P = np.linalg.inv(H.toarray())
+            + return [P[np.ix_(each, each)] for each in indices]
+            You make H dense, which takes 650 MB for 3,000 poses. Keep H sparse, because you only need a few columns of its inverse.
+    """),
     alternatives={
         "all columns at once": _blocks_solved,
         "eliminating the others": _blocks_eliminated,
@@ -1572,78 +979,23 @@ MARGINAL_COVARIANCES = Exercise(
 )
 
 
-# --- 9.8 reweight ---
-
-
-def _reweighted(change: str = "") -> Callable[..., Any]:
-    def function(graph: Graph, states: Any, width: float) -> Any:
-        squares = graph.squared_errors(states, _pose(), _landmark())
-        weights = {
-            "squared width": 1 / (1 + squares / width),
-            "no width": 1 / (1 + squares),
-            "inverse": 1 + squares / width**2,
-            "root": 1 / np.sqrt(1 + squares / width**2),
-            "square": 1 / (1 + squares / width**2) ** 2,
-            "cut": np.where(squares > width**2, 0.0, 1.0),
-            "huber": np.minimum(1, width / np.sqrt(np.maximum(squares, 1e-12))),
-            "length": 1 / (1 + np.sqrt(squares) / width),
-            "kernel": width**2 * np.log1p(squares / width**2),
-            "kernel over q": np.log1p(squares / width**2) / np.maximum(squares / width**2, 1e-300),
-        }.get(change, 1 / (1 + squares / width**2))
-        if change == "closures":
-            weights = np.where(graph.edges[:, 1] == graph.edges[:, 0] + 1, 1.0, weights)
-        if change == "sum":
-            weights = np.full(len(squares), 1 / (1 + squares.sum() / width**2))
-        if change == "weights":
-            return weights
-        if change == "measurements":
-            return dataclasses.replace(graph, measurements=graph.measurements * weights[:, None])
-        if change == "assigned":
-            graph.information = graph.information * weights[:, None, None]  # type: ignore[misc]
-        if change == "in place":
-            graph.information[:] *= weights[:, None, None]
-            return graph
-        if change == "replaced":
-            return dataclasses.replace(
-                graph,
-                information=np.broadcast_to(np.eye(3), graph.information.shape) * weights[:, None, None],
-            )
-        return dataclasses.replace(graph, information=graph.information * weights[:, None, None])
-
-    return function
-
-
-def _reweighted_euclidean(graph: Graph, states: Any, width: float) -> Any:
-    ones = dataclasses.replace(graph, information=np.sign(np.abs(graph.information)) * np.eye(3))
-    squares = ones.squared_errors(states, _pose(), _landmark())
-    return dataclasses.replace(graph, information=graph.information / (1 + squares / width**2)[:, None, None])
-
-
 def _reweighted_by_hand(graph: Graph, states: Any, width: float) -> Any:
-    """Edge by edge, into a new graph."""
-    poses, landmarks = graph.split(states)
-    information = []
-    for (i, j), z, omega in zip(graph.edges, graph.measurements, graph.information, strict=True):
-        if j < graph.poses:
-            e = _pose()(poses[i], poses[j], z)
-        else:
-            e = np.append(_landmark()(poses[i], landmarks[j - graph.poses], z[:2]), 0.0)
-        information.append(omega * width**2 / (width**2 + e @ omega @ e))
-    return Graph(graph.edges, graph.measurements, np.array(information), graph.kinds, graph.ids)
-
-
-def _reweighted_einsum(graph: Graph, states: Any, width: float) -> Any:
-    squares = graph.squared_errors(states, _pose(), _landmark())
-    return dataclasses.replace(
-        graph, information=np.einsum("k,kij->kij", width**2 / (squares + width**2), graph.information)
-    )
+    """Return a graph that is reweighted edge by edge."""
+    information = graph.information.copy()
+    for k, square in enumerate(graph.squared_errors(states, _pose, _landmark)):
+        information[k] *= width**2 / (width**2 + square)
+    return Graph(graph.edges, graph.measurements, information, graph.kinds, graph.ids)
 
 
 def _reweighted_float32(graph: Graph, states: Any, width: float) -> Any:
-    weights = np.float32(1) / (
-        1 + np.square(np.sqrt(graph.squared_errors(states, _pose(), _landmark())) / width)
-    )
-    return dataclasses.replace(graph, information=(graph.information.T * weights.astype(np.float32)).T)
+    weights = 1 / (1 + graph.squared_errors(states, _pose, _landmark).astype(np.float32) / width**2)
+    return dataclasses.replace(graph, information=(graph.information.T * weights).T)
+
+
+def _reweighted_by_roots(graph: Graph, states: Any, width: float) -> Any:
+    lengths = np.sqrt(graph.squared_errors(states, _pose, _landmark))
+    roots = np.cos(np.arctan(lengths / width))[:, None, None]
+    return dataclasses.replace(graph, information=roots * graph.information * roots)
 
 
 def _reweight_public() -> list[Case]:
@@ -1651,7 +1003,7 @@ def _reweight_public() -> list[Case]:
     square = with_false_closures(building(2, 40, size=(2, 2)), 0)
     return [
         Case((*_two(rng), 2.0), "one edge"),
-        Case((square.graph, square.truth, 3.0), "the truth: hardly anything changes"),
+        Case((square.graph, square.truth, 3.0), "the truth, where the weights are nearly 1"),
         Case((*_small_graph(rng), 5.0), "poses and landmarks that fit badly"),
     ]
 
@@ -1679,95 +1031,51 @@ REWEIGHT = Exercise(
         "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with another information.",
     ),
-    mistakes=[
-        Mistake(
-            "width not squared",
-            _reweighted("squared width"),
-            "chi2 is a square, so the width has to be squared, too.",
-        ),
-        Mistake(
-            "the kernel itself",
-            _reweighted("kernel"),
-            "You multiply by the kernel, c^2 ln(1 + q / c^2). The weight is its slope rho'(q), equation 9.6.",
-        ),
-        Mistake(
-            "the kernel over q",
-            _reweighted("kernel over q"),
-            "You divide the kernel by q: then chi2 itself is right, and not its slope. The weight is rho'(q), equation 9.6.",
-        ),
-        Mistake(
-            "in place",
-            _reweighted("in place"),
-            "You write into the graph that you were given: the next step would weigh what is weighed already. graph.information * weights is a new array, "
-            "and replace(graph, information=...) a new graph.",
-        ),
-        Mistake(
-            "assigned",
-            _reweighted("assigned"),
-            "A graph cannot be changed by assigning to it. replace(graph, information=...) is a copy of it with another information.",
-        ),
-        Mistake("width left out", _reweighted("no width"), "The width is missing: chi2 / width^2."),
-        Mistake(
-            "the other way round",
-            _reweighted("inverse"),
-            "Your weights grow with the error: the worst edges pull hardest. It is 1 over that.",
-        ),
-        Mistake("root", _reweighted("root"), "Your weight is the root of the one wanted."),
-        Mistake(
-            "square",
-            _reweighted("square"),
-            "Your weight is squared: that is Geman and McClure's kernel, which is known to work, too. Here Cauchy's is wanted, equation 9.6.",
-        ),
-        Mistake(
-            "cut off",
-            _reweighted("cut"),
-            "You cut edges off at the width. The kernel fades them out: an edge that fits again later must be able to come back.",
-        ),
-        Mistake(
-            "Huber",
-            _reweighted("huber"),
-            "That is Huber's kernel. A false closure still pulls with a constant force there; wanted is Cauchy's, equation 9.6.",
-        ),
-        Mistake(
-            "the error, not its square",
-            _reweighted("length"),
-            "You use the root of chi2 over the width; wanted is chi2 over the squared width.",
-        ),
-        Mistake(
-            "closures only",
-            _reweighted("closures"),
-            "You leave the odometry's edges as they are. That is a sound idea; here all edges are weighted alike.",
-        ),
-        Mistake(
-            "one weight for all",
-            _reweighted("sum"),
-            "All edges have the same weight in yours: it is computed from the sum of all squares, and each edge has its own.",
-        ),
-        Mistake(
-            "without information",
-            _reweighted_euclidean,
-            "You take the length of the residual without its information: chi2 is e' Omega e.",
-        ),
-        Mistake(
-            "weights only",
-            _reweighted("weights"),
-            "Those are the weights. Return a graph with them in its information.",
-        ),
-        Mistake(
-            "measurements weighted",
-            _reweighted("measurements"),
-            "You multiply the measurements: then a metre becomes half a metre. The weight belongs into the information.",
-        ),
-        Mistake(
-            "information lost",
-            _reweighted("replaced"),
-            "You replace the information by the weights. It is multiplied: what was exact before stays more exact than the others.",
-        ),
-    ],
+    mistakes=catalogue("""
+        width not squared: width**2 => width
+            You forgot to square the width: q is a squared error, so divide it by width^2.
+        the kernel itself: 1 / (1 + squares / width**2) => width**2 * np.log1p(squares / width**2)
+            You multiply by the kernel, c^2 ln(1 + q / c^2). The weight is its derivative rho'(q), equation 9.6.
+        the kernel over q: 1 / (1 + squares / width**2) => np.log1p(squares / width**2) / (squares / width**2)
+            You use the kernel divided by q as the weight. With it chi2 has the right value, but its derivative is wrong. The weight is rho'(q), equation 9.6.
+        in place: return replace(graph, information=graph.information * weights[:, None, None]) => graph.information[:] *= weights[:, None, None]
+            + return graph
+            You change the graph that was given to your function, so the next call would reweight it again. Make a new array with graph.information * weights and a new graph with replace(graph, information=...).
+        assigned
+            return replace(graph, information=graph.information * weights[:, None, None]) => graph.information = graph.information * weights[:, None, None]
+            + return graph
+            You assign to an attribute of the graph, which is not possible. replace(graph, information=...) returns a copy with another information.
+        width left out: squares / width**2 => squares
+            You forgot the width: divide the squared error by width^2.
+        the other way round: 1 / (1 + squares / width**2) => 1 + squares / width**2
+            Your weights increase with the error, so the worst edges get the largest weight. Use the reciprocal.
+        square: (1 + squares / width**2) => (1 + squares / width**2) ** 2
+            Your weight is squared. This is the kernel of Geman and McClure, which is also used in practice; return Cauchy's weight, equation 9.6.
+        cut off: 1 / (1 + squares / width**2) => np.where(squares > width**2, 0, 1)
+            You remove edges whose error is larger than the width. Cauchy's kernel only reduces their weight, so that they can recover if they fit later.
+        Huber: 1 / (1 + squares / width**2) => np.minimum(1, width / np.sqrt(squares))
+            This is Huber's kernel, with which a false closure keeps a constant pull. Return Cauchy's weight, equation 9.6.
+        the error, not its square: squares / width**2 => np.sqrt(squares) / width
+            You divide the root of the squared error by the width. Equation 9.6 has the squared error divided by width^2.
+        closures only: 1 / (1 + squares / width**2) => np.where(graph.edges[:, 1] == graph.edges[:, 0] + 1, 1, 1 / (1 + squares / width**2))
+            You leave the odometry's edges unchanged. This is a sensible idea, but reweight should treat all edges in the same way.
+        one weight for all: pose_residual, landmark_residual) => pose_residual, landmark_residual).sum(keepdims=True)
+            You use one weight for all edges, computed from the sum of all squared errors. Each edge has a weight of its own.
+        without information: graph.squared_errors => replace(graph, information=np.sign(graph.information) * np.eye(3)).squared_errors
+            You use the squared length of the residual without its information. The squared error is eᵀ Omega e.
+        weights only: replace(graph, information=graph.information * weights[:, None, None]) => weights
+            You return the weights. Return a graph whose information is multiplied by them.
+        weights without axes: weights[:, None, None] => weights
+            Your weights are (E,) and the information is (E, 3, 3), so they do not fit together. weights[:, None, None] is (E, 1, 1) and multiplies each edge's matrix by its own weight.
+        measurements weighted: information=graph.information * weights[:, None, None] => measurements=graph.measurements * weights[:, None]
+            You multiply the measurements, so a metre becomes half a metre. Multiply the information.
+        information lost: graph.information * weights => np.eye(3) * weights
+            You replace the information by the weights. Multiply the two, so that precise measurements keep more weight than others.
+    """),
     alternatives={
         "edge by edge": _reweighted_by_hand,
-        "einsum": _reweighted_einsum,
-        "roots": _reweighted_float32,
+        "float32": _reweighted_float32,
+        "roots, as cosines": _reweighted_by_roots,
     },
 )
 
@@ -1786,11 +1094,11 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "which_frame",
-            "A robot is lifted and put down elsewhere, with its whole map, and turned. Which of its residuals change?",
+            "You shift a whole map by 5 m and turn it by 30 degrees: all poses and all landmarks together. Which residuals change?",
             {
-                "All of them: their poses have changed.": "The poses have. A residual sees only one pose from another, and that is as before.",
-                "Those of the first pose, which is fixed.": "Its edges, too, only say where others are, seen from it.",
-                "None.": "Every residual is written in a frame that moves along. So nothing that was measured tells where the map is, and something must hold it.",
+                "All of them, because all poses have changed.": "The poses have changed, but a residual depends only on one pose as seen from another, and that is as before.",
+                "Only the residuals of the first pose, because it is held.": "An edge of the first pose also contains only the position of the other end as seen from it.",
+                "None.": "Right: each residual is expressed in a frame that moves with the map. So no measurement determines where the map is, and something must hold it.",
             },
             "None.",
         ),
@@ -1798,21 +1106,19 @@ PLAN = LessonPlan(
             "conditional",
             "You invert the 3 by 3 block of H that belongs to a pose. What do you get?",
             {
-                "The covariance of that pose.": "That is a block of the inverse, which is another matrix than the inverse of a block.",
-                "The covariance it would have if all other poses were known exactly.": "Right: it counts the direct links only. In the building its standard deviations are up to 27 times too small.",
-                "Nothing that has a meaning.": "It has one, and is useful: all other poses known, this is what is left. It is not what you may say about the map.",
+                "The covariance of that pose.": "The covariance is a block of the inverse. The inverse of a block is a different matrix.",
+                "The covariance that it would have if all other poses were known exactly.": "Right: the block contains only the pose's own edges. In the building its standard deviations are up to 27 times too small.",
+                "Nothing that has a meaning.": "It has a meaning: it is the uncertainty that remains if all other poses are known exactly. But in a map they are not.",
             },
-            "The covariance it would have if all other poses were known exactly.",
+            "The covariance that it would have if all other poses were known exactly.",
         ),
     ],
     written=[
         Written(
             "explain_headings",
             points=2,
-            question="Why does a wrong heading in the first guess spoil Gauss-Newton, and a wrong position does not?",
-            rubric="1 point: with the headings given, the residuals are linear in the positions (x and y are only subtracted and turned by fixed angles), so one step puts "
-            "positions right from anywhere. 1 point: headings stand in sines and cosines; a tangent is a good stand-in for an arc only over a small angle, so from far away steps "
-            "point to a wrong place and can end in another minimum (or none).",
+            question="Why do wrong headings in the initial estimate make Gauss-Newton fail, while wrong positions do not?",
+            rubric="1 point: for given headings the residuals are linear in the positions (x and y are only subtracted and rotated by fixed angles), so one step finds the right positions from any initial estimate. 1 point: headings appear in sines and cosines. A linearisation approximates an arc only for a small angle, so from far away a step leads to a wrong place, and the steps can end in another minimum or in none.",
         )
     ],
 )

@@ -1,9 +1,8 @@
-"""Lesson 10, experiments: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Declare the exercises of lesson 10, experiments: cases, known mistakes, and alternative solutions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import cycle, product
+from itertools import product
 from typing import Any
 
 import cv2
@@ -11,111 +10,63 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.colours import GREEN, YELLOW
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question, Written
 from nao_course.geometry import Pose
-from nao_course.lessons.experiments.intervals import SEEDS, Interval, case_of
+from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.experiments.intervals import Interval, case_of
 from nao_course.sim import NAO_V4, CameraView
 from nao_course.student import earlier
 
 Array = npt.NDArray[Any]
-HIT, FALSE, MISSED = -1.333, 5.0, 1.0
 
-(
-    color_labels,
-    white_threshold,
-    find_corners,
-    measurement_covariance,
-    measurement_jacobian_pose,
-) = map(
-    earlier,
-    (
-        "01:color_labels",
-        "01:white_threshold",
-        "03:find_corners",
-        "04:measurement_covariance",
-        "05:measurement_jacobian_pose",
-    ),
-)
+color_labels = earlier("01:color_labels")
+white_threshold = earlier("01:white_threshold")
+find_corners = earlier("03:find_corners")
+measurement_covariance = earlier("04:measurement_covariance")
+measurement_jacobian_pose = earlier("05:measurement_jacobian_pose")
 
 
 # --- 10.1 paying_precision ---
-
-
-def _paying_public() -> list[Case]:
-    return [
-        Case((-1.333, 5.0, 1.0), "the paper's table"),
-        Case((0.0, 1.0, 1.0), "a hit that only spares the miss"),
-        Case((-2.0, 3.0, 0.0), "misses that cost nothing"),
-        Case((-1.0, 18.0, 1.0), "false ones that are dear"),
-    ]
-
-
-def _paying_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case((-float(rng.uniform(0.2, 3)), float(rng.uniform(1, 9)), float(rng.uniform(0.2, 3))))
-        for _ in range(6)
-    ]
-
-
 PAYING_PRECISION = Exercise(
     name="paying_precision",
     points=1,
-    stars=1,
-    public=_paying_public,
-    hidden=_paying_hidden,
+    public=lambda: [
+        Case((-1.333, 5.0, 1.0), "the paper's table"),
+        Case((0.0, 1.0, 1.0), "a hit that only avoids the cost of a miss"),
+        Case((-2.0, 3.0, 0.0), "misses that cost nothing"),
+        Case((-1.0, 18.0, 1.0), "expensive false reports"),
+    ],
+    hidden=lambda rng: [
+        Case((-float(rng.uniform(0.2, 3)), float(rng.uniform(1, 9)), float(rng.uniform(0.2, 3))))
+        for _ in range(6)
+    ],
     comparison=Close(),
     hints=(
-        "A report of precision p costs hit in p of all cases and false in the others. Keeping quiet costs missed in p of all cases, and nothing in the others. Where are both "
-        "equal?",
-        "p * hit + (1 - p) * false = p * missed. Bring all that has p to one side.",
+        "With precision p, a report costs hit with probability p and false otherwise. Reporting nothing costs missed with probability p and nothing otherwise. For which p are the two expected costs equal?",
+        "Solve p * hit + (1 - p) * false = p * missed for p.",
     ),
-    mistakes=[
-        Mistake(
-            "the miss that is spared forgotten",
-            lambda hit, false, missed: false / (false - hit),
-            "You compare a report with a picture that has no cost at all. Where there is a corner, keeping quiet costs `missed`.",
-        ),
-        Mistake(
-            "the hit forgotten",
-            lambda hit, false, missed: false / (false + missed),
-            "What a hit gains is not in yours: where there is a corner, a report costs `hit`, and not nothing.",
-        ),
-        Mistake(
-            "the paper's costs always",
-            lambda hit, false, missed: 5.0 / 7.333,
-            "Your answer is that of the paper's costs, whatever was given.",
-        ),
-        Mistake(
-            "signs lost",
-            lambda hit, false, missed: false / (false + missed + hit),
-            "A hit has a negative cost. It makes reporting better, so it is subtracted: false + missed - hit.",
-        ),
-        Mistake(
-            "the other part",
-            lambda hit, false, missed: (missed - hit) / (false + missed - hit),
-            "That is the part of reports that may be false. Precision is the part that is right.",
-        ),
-        Mistake(
-            "per cent",
-            lambda hit, false, missed: 100 * false / (false + missed - hit),
-            "Your answer is in per cent. A precision is a number from 0 to 1.",
-        ),
-        Mistake(
-            "false ones for each right one",
-            lambda hit, false, missed: false / (missed - hit),
-            "That is how many hits make up for one false report. Of all reports, hits are that many of that many and one.",
-        ),
-        Mistake(
-            "rounded",
-            lambda hit, false, missed: round(false / (false + missed - hit), 2),
-            "Right, but rounded. Return all digits; round where you print.",
-        ),
-        Mistake(
-            "a half",
-            lambda hit, false, missed: 0.5,
-            "A half would be right if a false report cost as much as a hit gains. Put the three costs in.",
-        ),
-    ],
+    mistakes=catalogue("""
+        the miss that is spared forgotten: (false + missed - hit) => (false - hit)
+            You compare a report with no cost at all. If there is a corner, reporting nothing costs `missed`.
+        each point that is not reported is missed: return false / (false + missed - hit) => return (false - missed) / (false - hit)
+            You charge `missed` for each point that is not reported. It is only due if there is a corner, with probability p.
+        costs as numbers of reports: return false / (false + missed - hit) => return hit / (hit + false)
+            You use the costs as if they were numbers of hits and of false reports. Compare the expected costs of reporting and of not reporting.
+        the hit forgotten: (false + missed - hit) => (false + missed)
+            Your formula does not contain the cost of a hit. If there is a corner, a report costs `hit`, not 0.
+        the paper's costs always: + hit, false, missed = -1.333, 5.0, 1.0
+            Your function uses the paper's costs and ignores its arguments.
+        signs lost: missed - hit => missed + hit
+            A hit has a negative cost. It makes reporting better, so it is subtracted: false + missed - hit.
+        the other part: return false => return (missed - hit)
+            This is the fraction of reports that may be false. Precision is the fraction that is right.
+        per cent: return false => return 100 * false
+            Your function returns a percentage. A precision is a number from 0 to 1.
+        false ones for each right one: (false + missed - hit) => (missed - hit)
+            This is the number of false reports per hit that breaks even, or its inverse. The precision is the number of hits divided by the number of all reports.
+        rounded: false / (false + missed - hit) => round(false / (false + missed - hit), 2)
+            Your answer is right but rounded. Return all digits, and round only when you print.
+    """),
     alternatives={
         "by the gain": lambda hit, false, missed: 1 / (1 + (missed - hit) / false),
         "as a root": lambda hit, false, missed: float(np.roots([hit - false - missed, false])[0]),
@@ -125,96 +76,31 @@ PAYING_PRECISION = Exercise(
 
 
 # --- 10.2 detection_cost ---
+def _sorted(detected: Array, truth: Array, tolerance: float) -> float:
+    apart = {(i, j): np.hypot(*(p - q)) for i, p in enumerate(detected) for j, q in enumerate(truth)}
+    hits: dict[int, int] = {}
+    for i, j in sorted(apart, key=apart.__getitem__):
+        if apart[i, j] <= tolerance and i not in hits and j not in hits.values():
+            hits[i] = j
+    return 5.0 * len(detected) + len(truth) - 7.333 * len(hits)
 
 
-def _cost(detected: Any, truth: Any, tolerance: float, **changed: Any) -> Any:
-    """Pair by pair from the closest on, with one thing done in another way."""
-    detected, truth = np.asarray(detected, float), np.asarray(truth, float)
-    pairs = [
-        (float(changed.get("apart", lambda d: np.hypot(*d))(p - q)), i, j)
-        for i, p in enumerate(detected)
-        for j, q in enumerate(truth)
-    ]
-    if not changed.get("as_they_come"):
-        pairs.sort(key=lambda pair: pair[0])
-    used: set[int] = set()
-    taken: set[int] = set()
-    hits = 0
-    for apart, i, j in pairs:
-        near = apart < tolerance if changed.get("strict") else apart <= tolerance
-        if not near or (i in used and not changed.get("again")) or (j in taken and not changed.get("double")):
-            continue
-        used.add(i)
-        taken.add(j)
-        hits += 1
-    weights = changed.get("weights", (HIT, FALSE, MISSED))
-    hit, false, missed = hits, len(detected) - hits, len(truth) - hits
-    if changed.get("double"):
-        hit, false, missed = len(used), len(detected) - len(used), len(truth) - len(taken)
-    return changed.get("total", lambda *n: float(np.dot(weights, n)))(hit, false, missed)
-
-
-def _costs(**changed: Any) -> Callable[..., Any]:
-    return lambda detected, truth, tolerance: _cost(detected, truth, tolerance, **changed)
-
-
-def _cost_by_assignment(detected: Any, truth: Any, tolerance: float) -> float:
-    """Corners in turn take the closest of all pairs that are left: by a masked array."""
-    apart = np.ma.masked_greater(
-        np.sqrt(((np.asarray(truth, float)[:, None] - np.asarray(detected, float)) ** 2).sum(axis=-1)),
-        tolerance,
-    )
+def _masked(detected: Array, truth: Array, tolerance: float) -> float:
+    apart = np.ma.masked_greater(np.sqrt(((truth[:, None] - detected) ** 2).sum(axis=-1)), tolerance)
     hits = 0
     while apart.count():
         row, column = np.unravel_index(np.ma.argmin(apart), apart.shape)
-        apart[row, :] = np.ma.masked
-        apart[:, column] = np.ma.masked
+        apart[row, :] = apart[:, column] = np.ma.masked
         hits += 1
     return 5.0 * len(detected) + 1.0 * len(truth) - 7.333 * hits
 
 
-def _cost_recursive(detected: Any, truth: Any, tolerance: float) -> float:
-    p, q = [tuple(each) for each in np.asarray(detected)], [tuple(each) for each in np.asarray(truth)]
-    near = [(np.hypot(a[0] - b[0], a[1] - b[1]), i, j) for i, a in enumerate(p) for j, b in enumerate(q)]
+def _recursive(detected: Array, truth: Array, tolerance: float) -> float:
+    near = [(np.hypot(*(a - b)), i, j) for i, a in enumerate(detected) for j, b in enumerate(truth)]
     if not near or min(near)[0] > tolerance:
-        return 5 * len(p) + len(q)
+        return 5 * len(detected) + len(truth)
     _, i, j = min(near)
-    rest = [np.array(each).reshape(-1, 2) for each in (p[:i] + p[i + 1 :], q[:j] + q[j + 1 :])]
-    return -1.333 + _cost_recursive(*rest, tolerance)
-
-
-def _cost_in_turn(detected: Any, truth: Any, tolerance: float) -> float:
-    """Each report in turn takes the closest corner that is still free."""
-    left = [np.asarray(each, float) for each in truth]
-    hits = 0
-    for p in np.asarray(detected, float):
-        apart = [float(np.hypot(*(p - q))) for q in left]
-        if apart and min(apart) <= tolerance:
-            left.pop(apart.index(min(apart)))
-            hits += 1
-    return float(HIT * hits + FALSE * (len(detected) - hits) + MISSED * len(left))
-
-
-def _cost_by_corner(detected: Any, truth: Any, tolerance: float) -> float:
-    """Each corner in turn takes the closest report that is still free."""
-    p, q = np.asarray(detected, float).reshape(-1, 2), np.asarray(truth, float).reshape(-1, 2)
-    hits = round((5 * len(q) + len(p) - _cost_in_turn(q, p, tolerance)) / 7.333)
-    return 5.0 * len(p) + len(q) - 7.333 * hits
-
-
-def _cost_matched(forbid: bool) -> Callable[..., float]:
-    """The assignment with the smallest sum of distances, with pairs beyond the tolerance allowed or not."""
-
-    def cost(detected: Any, truth: Any, tolerance: float) -> float:
-        from scipy.optimize import linear_sum_assignment
-
-        p, q = np.asarray(detected, float).reshape(-1, 2), np.asarray(truth, float).reshape(-1, 2)
-        apart = np.hypot(*(p[:, None] - q).transpose(2, 0, 1))
-        pairs = linear_sum_assignment(np.where(apart > tolerance, 1e6, apart) if forbid else apart)
-        hits = int((apart[pairs] <= tolerance).sum())
-        return 5.0 * len(p) + len(q) - 7.333 * hits
-
-    return cost
+    return -1.333 + _recursive(np.delete(detected, i, axis=0), np.delete(truth, j, axis=0), tolerance)
 
 
 def _points(*points: tuple[float, float]) -> Array:
@@ -224,8 +110,44 @@ def _points(*points: tuple[float, float]) -> Array:
 _TRUTH = _points((40, 30), (100, 60), (160, 90))
 
 
-def _cost_public() -> list[Case]:
+def _cost_hidden(rng: np.random.Generator) -> list[Case]:
+    cases = []
+    for tolerance in (3.0, 8.0, 8.0, 16.0):
+        truth = rng.uniform(0, 90, (int(rng.integers(2, 7)), 2))
+        near = truth[: int(rng.integers(1, len(truth) + 1))] + rng.uniform(-0.7, 0.7, 2) * tolerance
+        detected = rng.permutation(np.vstack([near, rng.uniform(0, 90, (int(rng.integers(0, 4)), 2))]))
+        cases.append(Case((detected, truth, tolerance)))
+    one = rng.uniform(20, 60, 2)
+    reach = float(rng.uniform(4, 9))
+    turn = float(rng.uniform(-3, 3))
+    across = reach * np.array([np.cos(turn), np.sin(turn)])
+    along = one + np.outer((1.8, 0.75, 0.0, 1.25), across)
     return [
+        *cases,
+        Case((along[:2], along[2:], reach)),
+        Case((one + np.outer((0, 0.8), across), one + np.outer((0.9, -0.95), across), reach)),
+        Case((along[1::-1], along[2:], reach)),
+        Case((along[1::-1], along[:1:-1], reach)),
+        Case((one + [(0, 0.1 * reach), (0, -1.1 * reach)], one + [(0, 0), (0, 1.2 * reach)], reach)),
+        Case((along[2:] - 0.01, along[:2], reach)),
+        Case((along[:1:-1] - 0.01, along[:2], reach)),
+        Case((np.floor(one)[None] + (np.ceil(reach) + 0.3, 0), np.floor(one)[None], float(np.ceil(reach)))),
+        Case((np.vstack([one, one + 1, one - 1]), one[None] + 0.5, reach)),
+        Case((one + [(0.9 * reach, 0), (0, 0)], one + [(0.1, 0), (1.7 * reach, 0)], reach)),
+        Case((one[None] + (0.75 * reach, 0.75 * reach), one[None], reach)),
+        Case((np.round(one)[None] + (3, 4), np.round(one)[None], 5.0)),
+        Case((one[None] + reach * np.array([0.6, 0.8]), np.vstack([one - 60, one]), 1.2 * reach)),
+        Case((np.zeros((0, 2)), rng.uniform(0, 90, (int(rng.integers(1, 6)), 2)), reach)),
+        Case((rng.uniform(0, 90, (int(rng.integers(1, 6)), 2)), np.zeros((0, 2)), reach)),
+        Case((np.zeros((0, 2)), np.zeros((0, 2)), reach)),
+    ]
+
+
+DETECTION_COST = Exercise(
+    name="detection_cost",
+    points=2,
+    stars=2,
+    public=lambda: [
         Case((_points((42, 30), (100, 63), (200, 20)), _TRUTH, 8.0), "two hits, one false, one missed"),
         Case((_points((42, 30), (38, 31), (41, 27)), _TRUTH, 8.0), "three reports at one corner"),
         Case(
@@ -248,190 +170,104 @@ def _cost_public() -> list[Case]:
         Case((_points((6, 0), (14.5, 0)), _points((10, 0), (0, 0)), 8.0), "one is left over"),
         Case((_points((0, 1), (0, -9)), _points((0, 0), (0, 10)), 8.0), "one close, one far"),
         Case((_points((8.4, 0)), _points((0, 0)), 8.0), "0.4 px too far"),
-    ]
-
-
-def _cost_hidden(rng: np.random.Generator) -> list[Case]:
-    cases = []
-    for tolerance in (3.0, 8.0, 8.0, 16.0):
-        truth = rng.uniform(0, 90, (int(rng.integers(2, 7)), 2))
-        near = truth[: int(rng.integers(1, len(truth) + 1))] + rng.uniform(-0.7, 0.7, 2) * tolerance
-        detected = rng.permutation(np.vstack([near, rng.uniform(0, 90, (int(rng.integers(0, 4)), 2))]))
-        cases.append(Case((detected, truth, tolerance)))
-    one = rng.uniform(20, 60, 2)
-    reach = float(rng.uniform(4, 9))
-    edge = one + reach * np.array([0.6, 0.8])
-    turn = float(rng.uniform(-3, 3))
-    along = one + np.outer((1.8, 0.75, 0.0, 1.25), reach * np.array([np.cos(turn), np.sin(turn)]))
-    return [
-        *cases,
-        Case((along[:2], along[2:], reach)),
-        Case((along[1::-1], along[2:], reach)),
-        Case((along[1::-1], along[:1:-1], reach)),
-        Case((one + [(0, 0.1 * reach), (0, -1.1 * reach)], one + [(0, 0), (0, 1.2 * reach)], reach)),
-        Case((along[2:] - 0.01, along[:2], reach)),
-        Case((along[:1:-1] - 0.01, along[:2], reach)),
-        Case((np.floor(one)[None] + (np.ceil(reach) + 0.3, 0), np.floor(one)[None], float(np.ceil(reach)))),
-        Case((np.vstack([one, one + 1, one - 1]), one[None] + 0.5, reach)),
-        Case(
-            (
-                np.vstack([one + (0.9 * reach, 0), one]),
-                np.vstack([one + (0.1, 0), one + (1.7 * reach, 0)]),
-                reach,
-            )
-        ),
-        Case((one[None] + (0.75 * reach, 0.75 * reach), one[None], reach)),
-        Case((np.round(one)[None] + (3, 4), np.round(one)[None], 5.0)),
-        Case((edge[None], np.vstack([one - 60, one]), 1.2 * reach)),
-        Case((np.zeros((0, 2)), rng.uniform(0, 90, (int(rng.integers(1, 6)), 2)), reach)),
-        Case((rng.uniform(0, 90, (int(rng.integers(1, 6)), 2)), np.zeros((0, 2)), reach)),
-        Case((np.zeros((0, 2)), np.zeros((0, 2)), reach)),
-    ]
-
-
-DETECTION_COST = Exercise(
-    name="detection_cost",
-    points=2,
-    stars=2,
-    public=_cost_public,
+    ],
     hidden=_cost_hidden,
     comparison=Close(),
     hints=(
-        "First all distances, (N, K): np.linalg.norm(detected[:, None] - truth, axis=2). Then, as long as the smallest is within the tolerance: that is a hit, and both its row and "
-        "its column are used up.",
-        "np.unravel_index(apart.argmin(), apart.shape) says row and column of the smallest; apart[i, :] = np.inf and apart[:, j] = np.inf use them up. An array without entries has no argmin: ask apart.size first. What "
-        "was reported and is no hit is false, what is there and is no hit is missed.",
+        "First compute all distances, an (N, K) array: np.linalg.norm(detected[:, None] - truth, axis=2). As long as the smallest distance is within the tolerance, count a hit and remove its row and its column.",
+        "np.unravel_index(distances.argmin(), distances.shape) returns the row i and the column j of the smallest distance; set distances[i, :] and distances[:, j] to np.inf to remove them. An empty array has no argmin, so test distances.size first. Reports without a hit are false, and corners without a hit are missed.",
     ),
-    mistakes=[
-        Mistake(
-            "doubles are hits",
-            _costs(double=True),
-            "Several reports at one corner all count as hits in yours. Each corner can be hit once: the others are false.",
-        ),
-        Mistake(
-            "one report hits two",
-            lambda detected, truth, tolerance: _cost(
-                truth,
-                detected,
-                tolerance,
-                double=True,
-                total=lambda hit, missed, false: HIT * hit + FALSE * false + MISSED * missed,
-            ),
-            "One report that is near two corners counts as two hits in yours. Each report is used once.",
-        ),
-        Mistake(
-            "in the order of the reports",
-            _costs(as_they_come=True),
-            "You give each report, in their order, a corner that another one is closer to. Pair from the closest on: then the order does not matter.",
-        ),
-        Mistake(
-            "each report in turn",
-            _cost_in_turn,
-            "Your reports choose in their order, each the closest corner that is free. Another pair may be closer: take the closest of all pairs first.",
-        ),
-        Mistake(
-            "each corner in turn",
-            _cost_by_corner,
-            "Your corners choose in their order, each the closest report that is free. Another pair may be closer: take the closest of all pairs first.",
-        ),
-        Mistake(
-            "as many pairs as there can be",
-            _cost_matched(forbid=True),
-            "You make as many pairs as there can be. Here they are made from the closest on, even where then one is left over.",
-        ),
-        Mistake(
-            "the smallest sum of distances",
-            _cost_matched(forbid=False),
-            "You make the pairs whose distances have the smallest sum. Here they are made from the closest on, even where then one is left over.",
-        ),
-        Mistake(
-            "whole pixels",
-            lambda detected, truth, tolerance: _cost(np.trunc(detected), np.trunc(truth), tolerance),
-            "You cut the pixels to whole numbers. Corners lie between pixels, too: keep them as they are.",
-        ),
-        Mistake(
-            "less than the tolerance",
-            _costs(strict=True),
-            "A report just at the tolerance is a hit: within means <=.",
-        ),
-        Mistake(
-            "a square for a circle",
-            _costs(apart=lambda d: float(np.abs(d).max())),
-            "You ask for u and v apart, so that your tolerance is a square. It is a distance: np.hypot of both.",
-        ),
-        Mistake(
-            "squares against the tolerance",
-            _costs(apart=lambda d: float((d**2).sum())),
-            "You hold squared distances against the tolerance: take the root, or square both.",
-        ),
-        Mistake(
-            "along both axes added",
-            _costs(apart=lambda d: float(np.abs(d).sum())),
-            "You add the distances along u and along v. As the crow flies it is np.hypot of both.",
-        ),
-        Mistake(
-            "the tolerance is always 8",
-            lambda detected, truth, tolerance: _cost(detected, truth, 8.0),
-            "Your tolerance is 8, whatever was given.",
-        ),
-        Mistake(
-            "false and missed changed",
-            _costs(weights=(HIT, MISSED, FALSE)),
-            "You take 5 for a missed corner and 1 for a false one. It is the other way round.",
-        ),
-        Mistake(
-            "a gain for a cost",
-            _costs(weights=(1.333, FALSE, MISSED)),
-            "A hit has the cost -1.333: it makes the sum smaller.",
-        ),
-        Mistake(
-            "four thirds",
-            _costs(weights=(-4 / 3, FALSE, MISSED)),
-            "You take four thirds for a hit. Table 6.1 prints 1.333, and later in this lesson the difference matters.",
-        ),
-        Mistake(
-            "the mean",
-            _costs(total=lambda *n: float(np.dot((HIT, FALSE, MISSED), n)) / max(sum(n), 1)),
-            "You divide by how many there are. A picture's cost is a sum.",
-        ),
-        Mistake(
-            "misses free",
-            _costs(weights=(HIT, FALSE, 0.0)),
-            "A corner that is there and not reported costs 1, and nothing in yours.",
-        ),
-        Mistake(
-            "all reports false",
-            _costs(total=lambda hit, false, missed: HIT * hit + FALSE * (hit + false) + MISSED * missed),
-            "You count all reports as false, those that are hits as well.",
-        ),
-        Mistake(
-            "all corners missed",
-            _costs(total=lambda hit, false, missed: HIT * hit + FALSE * false + MISSED * (hit + missed)),
-            "You count all corners as missed, those that are hit as well.",
-        ),
-    ],
-    alternatives={
-        "sorted pairs": _costs(),
-        "a masked array": _cost_by_assignment,
-        "by recursion": _cost_recursive,
-    },
+    mistakes=catalogue("""
+        doubles are hits: hits = 0 => taken = []
+            np.delete(np.delete(apart, report, axis=0), corner, axis=1) => np.delete(apart, report, axis=0)
+            hits += 1 => taken.append(corner)
+            len(truth) - hits => len(truth) - len(set(taken))
+            hits =>> len(taken)
+            You count several reports at one corner as hits. Each corner can be hit only once, so the other reports are false.
+        one report hits two: hits = 0 => taken = []
+            np.delete(np.delete(apart, report, axis=0), corner, axis=1) => np.delete(apart, corner, axis=1)
+            hits += 1 => taken.append(report)
+            len(detected) - hits => len(detected) - len(set(taken))
+            hits =>> len(taken)
+            You count one report near two corners as two hits. Each report can be used only once.
+        reports at one corner are all hits: np.delete(np.delete(apart, report, axis=0), corner, axis=1) => np.delete(apart, report, axis=0)
+            Your function counts several reports at one corner as hits, and the corner several times. A corner that was hit is no longer free, so the other reports near it are false.
+        a report hits all corners near it: np.delete(np.delete(apart, report, axis=0), corner, axis=1) => np.delete(apart, corner, axis=1)
+            Your function counts one report near two corners as two hits, and the report twice. A report that was used is no longer free, so the other corner is missed.
+        each report on its own: hits = 0 => hits = sum(bool(row.min() <= tolerance) for row in apart)
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
+            You search the nearest corner of each report on its own, so several reports hit the same corner. Use each corner only once. A picture without corners needs a test of its own, because there is no nearest corner.
+        every close pair: hits = 0 => hits = (apart <= tolerance).sum()
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
+            You count all pairs within the tolerance, so one point can belong to several pairs. Use each report and each corner only once.
+        the nearest partner only: hits = 0 => hits = len({row.argmin() for row in apart if row.size and row.min() <= tolerance})
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
+            You only try the nearest partner of a point. If this partner is taken, another one within the tolerance may still be free. After each hit, take the closest of all remaining pairs.
+        the smallest of an empty array: axis=2) => axis=2)
+            + apart.min()
+            Your function fails if there are no reports or no corners, because an empty array has no smallest value. Test for this case first, for example with distances.size.
+        no corner in the picture: axis=2) => axis=2)
+            + apart.min(initial=np.inf) if not len(detected) else apart.min()
+            Your function fails if there are reports but no corners, because an empty array has no smallest value. In this case all reports are false.
+        in the order of the reports: np.unravel_index(apart.argmin(), apart.shape) => np.argwhere(apart <= tolerance)[0]
+            You assign corners to the reports in the order of the reports, even if another report is closer. Start with the closest pair of all, so that the order does not matter.
+        each report in turn: report, corner = np.unravel_index(apart.argmin(), apart.shape) => report = (apart <= tolerance).any(axis=1).argmax()
+            + corner = apart[report].argmin()
+            You go through the reports and give each one the closest free corner. Another pair may be closer, so always take the closest of all remaining pairs.
+        each corner in turn: report, corner = np.unravel_index(apart.argmin(), apart.shape) => corner = (apart <= tolerance).any(axis=0).argmax()
+            + report = apart[:, corner].argmin()
+            You go through the corners and give each one the closest free report. Another pair may be closer, so always take the closest of all remaining pairs.
+        as many pairs as there can be: hits = 0 => from scipy.optimize import linear_sum_assignment
+            + pairs = linear_sum_assignment(np.where(apart > tolerance, 1e6, apart))
+            + return 5.0 * len(detected) + len(truth) - 7.333 * (apart[pairs] <= tolerance).sum()
+            You find the largest possible number of pairs. This exercise takes the closest pairs first, even if a report then stays without a partner.
+        the smallest sum of distances: hits = 0 => from scipy.optimize import linear_sum_assignment
+            + return 5.0 * len(detected) + len(truth) - 7.333 * (apart[linear_sum_assignment(apart)] <= tolerance).sum()
+            You minimise the sum of the distances. This exercise takes the closest pairs first, even if a report then stays without a partner.
+        whole pixels: + detected, truth = np.trunc(detected), np.trunc(truth)
+            You cut the coordinates to whole pixels. Corners also lie between pixels, so use the coordinates as they are.
+        less than the tolerance: apart.min() <= => apart.min() <
+            A report at a distance of exactly the tolerance is a hit, so compare with <=.
+        a square for a circle: np.linalg.norm(detected[:, None] - truth, axis=2) => np.abs(detected[:, None] - truth).max(axis=2)
+            You compare u and v separately with the tolerance, which makes it a square. Compare the distance np.hypot(du, dv) with it.
+        squares against the tolerance: axis=2) => axis=2) ** 2
+            You compare squared distances with the tolerance. Take the square root, or square the tolerance, too.
+        along both axes added: np.linalg.norm(detected[:, None] - truth, axis=2) => np.abs(detected[:, None] - truth).sum(axis=2)
+            You add the distances along u and along v. The straight distance is np.hypot(du, dv).
+        the tolerance is always 8: + tolerance = 8.0
+            Your tolerance is always 8. Use the argument `tolerance`.
+        false and missed changed: 5 * (len(detected) - hits) + (len => (len(detected) - hits) + 5 * (len
+            Your function charges 5 for a missed corner and 1 for a false report. A false report costs 5 and a missed corner 1.
+        a gain for a cost: -1.333 => 1.333
+            You add 1.333 for a hit. A hit costs -1.333, so it makes the sum smaller.
+        four thirds: -1.333 => -4 / 3
+            You use 4/3 for a hit. Table 6.1 prints 1.333, and later in this lesson the difference matters.
+        the mean: return -1.333 => total = -1.333
+            + return total / max(len(detected) + len(truth) - hits, 1)
+            You return a mean. The cost of a picture is a sum, so do not divide it.
+        misses free: (len(truth) - hits) => 0
+            Missed corners cost nothing in your function. Each corner without a report costs 1.
+        all reports false: (len(detected) - hits) => len(detected)
+            You count all reports as false, including the hits. Subtract the number of hits.
+        all corners missed: (len(truth) - hits) => len(truth)
+            You count all corners as missed, including the corners that were hit. Subtract the number of hits.
+    """),
+    alternatives={"sorted pairs": _sorted, "a masked array": _masked, "by recursion": _recursive},
     equivalents={
         "apart = np.linalg.norm(detected[:, None] - truth, axis=1 - 2)": "axis -1 is the last one, which is 2",
-        "apart = np.linalg.norm(truth - detected[:, None], axis=2)": "a difference the other way round is as long",
+        "apart = np.linalg.norm(truth - detected[:, None], axis=2)": "the sign of a difference does not change its length",
     },
 )
 
 
 # --- 10.3 grid_search ---
-
-
 def _labels(picture: Any, beta: float) -> Array:
     white = white_threshold(float(np.mean([picture.max(axis=2), picture.min(axis=2)])), beta)
-    return np.asarray(color_labels(picture, *(GREEN, YELLOW), white))
+    return np.asarray(color_labels(picture, GREEN, YELLOW, white))
 
 
 def _scene(rng: np.random.Generator, height: int, width: int) -> tuple[Array, Array]:
-    """Carpet with a bright corner, a dim one, and a dashed line; what is found at some setting counts as a corner."""
+    """Draw a carpet with a bright corner, a dim corner and a dashed line; what one setting finds counts as true corners."""
     picture = np.empty((height, width, 3), dtype=np.uint8)
     picture[:] = (60, 160, 60)
     u, v = int(rng.integers(10, 16)) * width // 64, int(rng.integers(13, 17)) * height // 48
@@ -449,83 +285,35 @@ def _scene(rng: np.random.Generator, height: int, width: int) -> tuple[Array, Ar
     return picture, np.vstack([found[:2] + off, [[width - 5.0, height - 5.0]]])
 
 
-def _grid(scenes: Any, betas: Any, gaps: Any, lengths: Any, /, **changed: Any) -> Any:
-    """All settings, the scenes within, with one thing done in another way."""
-    table: dict[Any, Any] = {}
-    for beta, gap, length in product(betas, gaps, lengths):
-        costs = []
-        for picture, corners in scenes:
-            shown = scenes[0][0] if changed.get("labels_of_first") else picture
-            labels = _labels(shown, changed.get("beta", beta))
-            values = (length, gap) if changed.get("swapped") else (gap, length)
-            found = find_corners(labels) if changed.get("defaults") else find_corners(labels, *values)
-            found = np.asarray(found)
-            tolerance = changed.get("tolerance", 8 * picture.shape[changed.get("axis", 0)] / 240)
-            if "tolerance_of" in changed:
-                tolerance = changed["tolerance_of"](picture)
-            if changed.get("truth_first"):
-                costs.append(_cost(corners, found, tolerance))
-            else:
-                costs.append(_cost(found, corners, tolerance))
-        key = changed.get("key", lambda *setting: setting)(beta, gap, length)
-        table[key] = changed.get("gather", np.array)(costs)
-    return table
+def _grid(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
+    """Search with the settings in the outer loop and the scenes in the inner loop."""
+
+    def cost(picture: Array, corners: Array, beta: float, *others: float) -> float:
+        return _masked(find_corners(_labels(picture, beta), *others), corners, len(picture) / 30)
+
+    settings = product(betas, gaps, lengths)
+    return {setting: np.array([cost(*scene, *setting) for scene in scenes]) for setting in settings}
 
 
-def _grids(**changed: Any) -> Callable[..., Any]:
-    return lambda scenes, betas, gaps, lengths: _grid(scenes, betas, gaps, lengths, **changed)
+def _grid_in_lists(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
+    costs: dict[Any, Any] = {setting: [] for setting in product(betas, gaps, lengths)}
+    for picture, corners in scenes:
+        labels = {beta: _labels(picture, beta) for beta in betas}
+        for beta, *others in costs:
+            found = find_corners(labels[beta], *others)
+            costs[beta, *others].append(_sorted(found, corners, 8 / 240 * len(picture)))
+    return costs
 
 
-def _grid_zip(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
-    found = {}
-    for beta, gap, length in zip(betas, gaps, lengths, strict=False):
-        found.update(_grid(scenes, [beta], [gap], [length]))
-    return found
-
-
-def _grid_array(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Array:
-    return np.array(list(_grid(scenes, betas, gaps, lengths).values()))
-
-
-def _grid_running(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
-    """One list for all settings, never emptied."""
-    table, costs = {}, []
-    for setting in product(betas, gaps, lengths):
-        costs += list(_grid(scenes, *([each] for each in setting))[setting])
-        table[setting] = np.array(costs)
-    return table
-
-
-def _grid_best(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
-    table = _grid(scenes, betas, gaps, lengths)
-    return min(table, key=lambda key: table[key].mean())
-
-
-def _grid_scenes_first(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
-    costs = np.array(
-        [
-            [
-                [
-                    [_cost(find_corners(labels, g, n), corners, len(picture) / 30) for n in lengths]
-                    for g in gaps
-                ]
-                for labels in (_labels(picture, beta) for beta in betas)
-            ]
-            for picture, corners in scenes
-        ]
-    )
-    return {
-        (beta, gap, length): costs[:, i, j, k]
-        for i, beta in enumerate(betas)
-        for j, gap in enumerate(gaps)
-        for k, length in enumerate(lengths)
-    }
+def _grid_as_array(scenes: Any, betas: Any, gaps: Any, lengths: Any) -> Any:
+    costs = [list(_grid([scene], betas, gaps, lengths).values()) for scene in scenes]
+    return dict(zip(product(betas, gaps, lengths), np.array(costs)[..., 0].T, strict=True))
 
 
 def _grid_public() -> list[Case]:
     rng = np.random.default_rng(103)
     scenes = [_scene(rng, 48, 64) for _ in range(4)]
-    narrow = _scene(rng, 48, 56)
+    narrow = _scene(rng, 40, 48)
     return [
         Case((scenes[:3], [100, 150], [1, 6], [8, 20]), "three scenes, eight settings"),
         Case(([narrow, scenes[0]], [100], [6], [8, 20]), "pictures of two shapes"),
@@ -555,104 +343,58 @@ GRID_SEARCH = Exercise(
     comparison=Close(),
     uses=["detection_cost", "01:color_labels", "01:white_threshold", "03:find_corners"],
     hints=(
-        "product(betas, gaps, lengths) goes through all settings. For each, the costs of all scenes in their order: labels, then corners, then detection_cost.",
-        "table = {setting: [] for setting in product(betas, gaps, lengths)}; then, with the scenes outside and the betas within, labels are made once for each beta: "
-        "table[beta, gap, length].append(...). np.array makes costs of each list.",
+        "product(betas, gaps, lengths) yields all settings. For each of them, go through the scenes: compute the labels, find the corners, and call detection_cost.",
+        "Start with table = {setting: [] for setting in product(betas, gaps, lengths)}. If the outer loop goes over the scenes and the next one over the betas, the labels are computed only once for each beta: table[beta, gap, length].append(...). Convert each list with np.array at the end.",
     ),
-    mistakes=[
-        Mistake(
-            "means only",
-            _grids(gather=lambda costs: float(np.mean(costs))),
-            "You return one mean for each setting. The costs of all scenes are wanted: without them nobody can say how sure a mean is.",
-        ),
-        Mistake(
-            "gap and length changed",
-            _grids(swapped=True),
-            "Gap and length have changed places on their way to find_corners: it takes the gap first.",
-        ),
-        Mistake(
-            "values not handed on",
-            _grids(defaults=True),
-            "find_corners does not get your gap and length: the costs do not depend on them.",
-        ),
-        Mistake(
-            "beta not handed on",
-            _grids(beta=120.0),
-            "Your costs do not depend on beta: label takes it as its second argument.",
-        ),
-        Mistake(
-            "always 8 pixels",
-            _grids(tolerance=8.0),
-            "Your tolerance is 8 px in every picture. It is 8 px at 240 rows, and in proportion in others.",
-        ),
-        Mistake(
-            "by the width",
-            _grids(axis=1),
-            "Your tolerance goes by the picture's width. It is 8 px at 240 rows: its height counts.",
-        ),
-        Mistake(
-            "by the width of 320",
-            _grids(tolerance_of=lambda picture: 8 * picture.shape[1] / 320),
-            "8 px at 320 columns is the same only where pictures are 4 to 3. The tolerance goes by the height: 8 px at 240 rows.",
-        ),
-        Mistake(
-            "whole pixels",
-            _grids(tolerance_of=lambda picture: 8 * len(picture) // 240),
-            "Your tolerance is cut to a whole number. 8 * H / 240 is 1.6 px for 48 rows.",
-        ),
-        Mistake(
-            "one picture's labels for all",
-            _grids(labels_of_first=True),
-            "All scenes have the labels of the first picture in yours. Each picture has its own.",
-        ),
-        Mistake(
-            "truth and reports changed",
-            _grids(truth_first=True),
-            "detection_cost takes what was found first, and what is true second.",
-        ),
-        Mistake(
-            "side by side",
-            _grid_zip,
-            "You take the first beta with the first gap and the first length, and so on. All combinations are wanted: itertools.product.",
-        ),
-        Mistake(
-            "another order of the key",
-            _grids(key=lambda beta, gap, length: (beta, length, gap)),
-            "Your keys are (beta, length, gap). A setting is (beta, gap, length).",
-        ),
-        Mistake(
-            "an array",
-            _grid_array,
-            "You return the costs without their settings. A dict is wanted: table[beta, gap, length] are the costs of one setting.",
-        ),
-        Mistake(
-            "a list that goes on",
-            _grid_running,
-            "The costs of one setting go on in the next one's: begin a new list for each.",
-        ),
-        Mistake(
-            "the sums",
-            _grids(gather=lambda costs: float(np.sum(costs))),
-            "You return one sum for each setting. One cost for each scene is wanted.",
-        ),
-        Mistake(
-            "the best only",
-            _grid_best,
-            "You return the best setting. The whole table is wanted; what is best in it comes later.",
-        ),
-        Mistake(
-            "keys of text",
-            _grids(key=lambda beta, gap, length: f"{beta}, {gap}, {length}"),
-            "Your keys are texts. A key is a tuple of three numbers: (beta, gap, length).",
-        ),
-    ],
+    mistakes=catalogue("""
+        means only: np.array(costs) => float(np.mean(costs))
+            You return one mean for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
+        one cost for each setting: .append(detection_cost(found, corners, tolerance)) => = detection_cost(found, corners, tolerance)
+            You keep only the cost of the last scene for each setting. Append the costs of all scenes to a list.
+        a new list for each scene: .append(detection_cost(found, corners, tolerance)) => = [detection_cost(found, corners, tolerance)]
+            You start a new list for each scene, so only the last scene's cost is left. Make the list once for each setting, before the loop over the scenes.
+        gap and length changed: (labels, gap, length) => (labels, length, gap)
+            You pass length and gap to find_corners in the wrong order. Its second argument is the gap, its third the length.
+        values not handed on: (labels, gap, length) => (labels)
+            You call find_corners without gap and length, so the costs do not depend on them. Pass both.
+        beta not handed on: labels = label(picture, beta) => labels = label(picture, 120.0)
+            Your costs do not depend on beta. Pass it to label as its second argument.
+        the first beta for all: labels = label(picture, beta) => labels = label(picture, betas[0])
+            You compute the labels with one beta and use them for all settings. Compute new labels for each beta.
+        one tolerance for all scenes: 8 * len(picture) / 240 => 8 * len(scenes[0][0]) / 240
+            You use the first picture's tolerance for all scenes. Compute it from the height of each picture.
+        always 8 pixels: 8 * len(picture) / 240 => 8.0
+            Your tolerance is 8 px in every picture. It should be proportional to the height: 8 px for 240 rows.
+        by the width: len(picture) / 240 => picture.shape[1] / 240
+            Your tolerance is proportional to the picture's width. It should be proportional to its height: 8 px for 240 rows.
+        by the width of 320: len(picture) / 240 => picture.shape[1] / 320
+            You use 8 px for 320 columns, which is the same only for pictures with an aspect ratio of 4:3. Use 8 px for 240 rows.
+        whole pixels: / 240 => // 240
+            You round the tolerance to a whole number. For 48 rows it is 8 * 48 / 240 = 1.6 px.
+        one picture's labels for all: labels = label(picture, beta) => labels = label(scenes[0][0], beta)
+            You use the labels of the first picture for all scenes. Compute the labels of each picture.
+        truth and reports changed: (found, corners, tolerance) => (corners, found, tolerance)
+            You call detection_cost with its arguments exchanged. The first is what was found, the second the true corners.
+        side by side: product(betas, gaps, lengths) => zip(betas, gaps, lengths)
+            product(gaps, lengths) => [each[1:] for each in table if each[0] == beta]
+            You combine the first beta with the first gap and the first length, and so on. Use itertools.product to get all combinations.
+        another order of the key: {setting: np.array(costs) for setting, costs => {(b, n, g): np.array(costs) for (b, g, n), costs
+            Your keys are (beta, length, gap). They should be (beta, gap, length).
+        an array: {setting: np.array(costs) for setting, costs in table.items()} => np.array(list(table.values()))
+            You return the costs without their settings. Return a dict, in which table[beta, gap, length] contains the costs of one setting.
+        a list that goes on: return {setting: np.array(costs) for setting, costs in table.items()} => costs = sum(table.values(), [])
+            + return {setting: np.array(costs[: (i + 1) * len(scenes)]) for i, setting in enumerate(table)}
+            The costs of each setting also contain the costs of the settings before it. Start a new list for each setting.
+        the best only: {setting: np.array(costs) for setting, costs in table.items()} => min(table, key=lambda each: np.mean(table[each]))
+            You return only the best setting. Return the whole table; the best setting is chosen later.
+    """),
     alternatives={
-        "settings outside": _grids(),
-        "an array first": _grid_scenes_first,
-        "lists of costs": _grids(gather=list),
+        "settings outside": _grid,
+        "scenes outside, lists": _grid_in_lists,
+        "an array first": _grid_as_array,
     },
     equivalents={
-        "return {setting: costs for setting, costs in table.items()}": "a list of costs will do",
+        "return {setting: costs for setting, costs in table.items()}": "a list of costs is accepted, too",
         "return color_labels(picture, (90.0, 160.0), (44.0, 68.0), white_threshold(beta, lightness.mean()))": "b + (255 - b) m / 255 is the same for m and b changed",
         "lightness = picture.max(axis=1 - 2) / 2 + picture.min(axis=2) / 2": "axis -1 is the last one, which is 2",
         "lightness = picture.max(axis=2) / 2 + picture.min(axis=1 - 2) / 2": "axis -1 is the last one, which is 2",
@@ -662,34 +404,9 @@ GRID_SEARCH = Exercise(
 
 
 # --- 10.4 bootstrap_interval ---
-
-DRAWS = 2000
-
-
-def _boot(values: Any, probability: float, rng: np.random.Generator, **changed: Any) -> Any:
-    """Draw all resamples at once, with one thing done in another way."""
-    values = np.asarray(values, dtype=float)
-    draws = changed.get("draws", DRAWS)
-    shape = (draws, changed.get("size", len)(values))
-    drawn = (
-        rng.permuted(np.tile(values, (draws, 1)), axis=1)
-        if changed.get("each")
-        else rng.choice(values, shape)
-    )
-    means = changed.get("of", np.mean)(drawn, axis=1)
-    out = (1 - probability) / changed.get("sides", 2)
-    return tuple(float(each) for each in np.quantile(means, [out, 1 - out]))
-
-
-def _boots(**changed: Any) -> Callable[..., Any]:
-    return lambda values, probability, rng: _boot(values, probability, rng, **changed)
-
-
-_OWN = cycle(range(len(SEEDS)))  # a generator that nobody seeds, but the same at each build
-
-
-def _boot_of_its_own(values: Any, probability: float, rng: Any) -> Any:
-    return _boot(values, probability, np.random.default_rng(next(_OWN)))
+def _boot(values: Any, probability: float, rng: np.random.Generator) -> Any:
+    means = [np.mean(rng.choice(values, len(values))) for _ in range(2500)]
+    return tuple(np.quantile(means, [(1 - probability) / 2, (1 + probability) / 2]))
 
 
 def _boot_counts(values: Any, probability: float, rng: np.random.Generator) -> Any:
@@ -704,15 +421,13 @@ def _boot_sorted(values: Any, probability: float, rng: np.random.Generator) -> A
     return means[round(draws * (1 - probability) / 2)], means[round(draws * (1 + probability) / 2) - 1]
 
 
-def _boot_normal(values: Any, probability: float, rng: np.random.Generator) -> Any:
-    from scipy.stats import norm
-
-    half = norm.ppf((1 + probability) / 2) * np.std(values) / np.sqrt(len(values))
-    return float(np.mean(values) - half), float(np.mean(values) + half)
-
-
 def _skewed(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([rng.normal(0, 0.5, n - n // 5), rng.uniform(10, 20, n // 5)])
+
+
+def _one_high(rng: np.random.Generator) -> Array:
+    """Return 20 costs of which one is high: the distribution of their mean is far from a normal one."""
+    return np.append(rng.normal(0, 0.3, 19), rng.uniform(12, 18))
 
 
 def _boot_public() -> list[Case]:
@@ -723,16 +438,7 @@ def _boot_public() -> list[Case]:
         case_of(_skewed(rng, 10), 0.68, "10 skewed costs, 68 %"),
         case_of(np.full(6, 2.5), 0.9, "six equal costs"),
         case_of(rng.normal(1, 3, 12), 0.5, "12 costs, 50 %"),
-    ]
-
-
-def _boot_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        case_of(_skewed(rng, int(rng.integers(10, 40))), 0.95),
-        case_of(rng.normal(float(rng.uniform(-2, 2)), 1.0, 30), 0.8),
-        case_of(rng.normal(3, 2, 56), 0.99),
-        case_of(-_skewed(rng, 15), 0.7),
-        case_of(rng.normal(1, 3, int(rng.integers(8, 30))), 0.4),
+        case_of(_one_high(rng), 0.9, "20 costs, one of them high, 90 %"),
     ]
 
 
@@ -741,158 +447,76 @@ BOOTSTRAP_INTERVAL = Exercise(
     points=3,
     stars=2,
     public=_boot_public,
-    hidden=_boot_hidden,
+    hidden=lambda rng: [
+        case_of(_skewed(rng, int(rng.integers(10, 40))), 0.95),
+        case_of(rng.normal(float(rng.uniform(-2, 2)), 1.0, 30), 0.8),
+        case_of(rng.normal(3, 2, 56), 0.99),
+        case_of(-_skewed(rng, 15), 0.7),
+        case_of(rng.normal(1, 3, int(rng.integers(8, 30))), 0.4),
+        case_of(_one_high(rng), 0.9),
+    ],
     comparison=Interval(),
     driver="nao_course.lessons.experiments.intervals:with_generators",
     hints=(
-        "One resample is rng.choice(values, len(values)): it draws with replacement, so that some come twice and some never. Its mean is one of thousands.",
-        "rng.choice(values, (2000, len(values))).mean(axis=1) are the means of 2000 resamples. np.quantile takes what lies below each end: half of 1 - probability is out on either "
-        "side.",
+        "One resample is rng.choice(values, len(values)). It draws with replacement, so some values appear twice and some not at all. Compute the means of thousands of resamples.",
+        "rng.choice(values, (2000, len(values))).mean(axis=1) returns the means of 2000 resamples. Half of 1 - probability lies below the lower end and half above the upper end; pass these two fractions to np.quantile.",
     ),
-    mistakes=[
-        Mistake(
-            "spread of the values",
-            lambda values, probability, rng: tuple(
-                np.quantile(rng.choice(values, DRAWS), [(1 - probability) / 2, (1 + probability) / 2])
-            ),
-            "Between these ends lie single costs. Take the mean of each resample first: the question is how sure the mean is.",
-        ),
-        Mistake(
-            "nothing drawn",
-            lambda values, probability, rng: tuple(
-                np.quantile(values, [(1 - probability) / 2, (1 + probability) / 2])
-            ),
-            "Those are quantiles of the costs themselves: between them lie single costs. Draw resamples, and take quantiles of their means.",
-        ),
-        Mistake(
-            "a hundred resamples",
-            _boots(draws=100),
-            "Your ends scatter too much from rng to rng. Draw at least 2000 resamples.",
-        ),
-        Mistake(
-            "without replacement",
-            _boots(each=True),
-            "All your resamples have the same mean: they are drawn without replacement, so each holds every value once.",
-        ),
-        Mistake(
-            "all of the rest on each side",
-            _boots(sides=1),
-            "You leave all of the rest out on either side. Half of 1 - probability belongs to each.",
-        ),
-        Mistake(
-            "from the lowest on",
-            lambda values, probability, rng: tuple(
-                np.quantile(rng.choice(values, (DRAWS, len(values))).mean(axis=1), [0, probability])
-            ),
-            "Your interval begins at the lowest mean. The part that is left out is left out on both sides.",
-        ),
-        Mistake(
-            "a normal curve",
-            _boot_normal,
-            "Those are the ends that a normal curve would have. Draw resamples with the rng: costs are skewed.",
-        ),
-        Mistake(
-            "medians",
-            _boots(of=np.median),
-            "You take the median of each resample. The mean cost is asked for.",
-        ),
-        Mistake(
-            "sums",
-            _boots(of=np.sum),
-            "You take the sum of each resample. Divide by how many there are: the mean is asked for.",
-        ),
-        Mistake(
-            "smaller resamples",
-            _boots(size=lambda values: len(values) // 2),
-            "Your resamples are half as large as what was given. A mean of fewer scatters more: draw as many as there are.",
-        ),
-        Mistake(
-            "larger resamples",
-            _boots(size=lambda values: 10 * len(values)),
-            "Your resamples are larger than what was given, as if there were more pictures: draw as many as there are.",
-        ),
-        Mistake(
-            "from 0 to 1 and 0 to 100 mixed",
-            lambda values, probability, rng: tuple(
-                np.percentile(
-                    rng.choice(values, (DRAWS, len(values))).mean(axis=1),
-                    [(1 - probability) / 2, (1 + probability) / 2],
-                )
-            ),
-            "np.percentile counts from 0 to 100, and np.quantile from 0 to 1.",
-        ),
-        Mistake(
-            "np.random",
-            _boot_of_its_own,
-            "Draw with the rng that is handed in, not with np.random or a generator of your own: then an experiment can be repeated.",
-        ),
-        Mistake(
-            "the upper end first",
-            lambda values, probability, rng: _boot(values, probability, rng)[::-1],
-            "The lower end comes first: (low, high).",
-        ),
-        Mistake(
-            "how far from the mean",
-            lambda values, probability, rng: tuple(
-                each - float(np.mean(values)) for each in _boot(values, probability, rng)
-            ),
-            "Those are distances from the mean. The ends themselves are wanted.",
-        ),
-    ],
-    alternatives={
-        "all at once": _boots(),
-        "how often each is drawn": _boot_counts,
-        "sorted": _boot_sorted,
-    },
+    mistakes=catalogue("""
+        spread of the values: (2000, len(values)) => (2000, 1)
+            Your interval describes single costs. Take the mean of each resample first, because the interval should describe the uncertainty of the mean.
+        nothing drawn: np.quantile(means => np.quantile(values
+            You return quantiles of the costs themselves, which describe single costs. Draw resamples and return quantiles of their means.
+        a hundred resamples: (2000, => (100,
+            The ends of your interval vary too much between generators. Draw at least 2000 resamples.
+        without replacement: values[drawn].mean(axis=1) => rng.permuted(np.tile(values, (2000, 1)), axis=1).mean(axis=1)
+            All your resamples have the same mean, because you draw without replacement and each contains every value once. Draw with replacement.
+        always 95 per cent: + probability = 0.95
+            Your interval always contains 95 % of the means. Use the argument `probability`.
+        half of the probability: (1 - probability) / 2 => probability / 2
+            You leave out probability / 2 on each side. Leave out half of 1 - probability instead.
+        about two standard deviations: np.quantile(means, [outside, 1 - outside]) => means.mean() - 1.96 * means.std(), means.mean() + 1.96 * means.std()
+            You return the mean and 1.96 standard deviations on both sides. This holds for 95 % of a normal distribution only, and costs are skewed. Return quantiles of the means.
+        from the smallest to the largest: [outside, 1 - outside] => [0, 1]
+            Your interval contains all means, from the smallest to the largest. Leave out half of 1 - probability on each side.
+        all of the rest on each side: (1 - probability) / 2 => 1 - probability
+            You leave 1 - probability out on each side. Leave half of it out on each side.
+        from the lowest on: [outside, 1 - outside] => [0, probability]
+            Your interval starts at the smallest mean. Leave out half of 1 - probability on each side.
+        a normal curve: + from scipy.stats import norm
+            np.quantile(means, [outside, => values.mean() + values.std() / np.sqrt(len(values)) * norm.ppf([outside,
+            These are the ends of a normal distribution with the standard error of the mean. Draw resamples with rng instead, because costs are skewed.
+        a normal curve with noise: values[drawn].mean(axis=1) => rng.normal(values.mean(), values.std() / np.sqrt(len(values)), 2000)
+            You draw means from a normal distribution. Draw resamples of the values and take their means, because costs are skewed.
+        medians: values[drawn].mean(axis=1) => np.median(values[drawn], axis=1)
+            You take the median of each resample. Take its mean.
+        sums: .mean(axis=1) => .sum(axis=1)
+            You take the sum of each resample. Divide it by the number of values to get the mean.
+        smaller resamples: (2000, len(values)) => (2000, len(values) // 2)
+            Your resamples have half as many values as the data, so their means vary too much. Draw len(values) values for each.
+        larger resamples: (2000, len(values)) => (2000, 10 * len(values))
+            Your resamples have more values than the data, as if there were more pictures. Draw len(values) values for each.
+        from 0 to 1 and 0 to 100 mixed: np.quantile => np.percentile
+            You pass fractions to np.percentile, which expects 0 to 100. Use np.quantile, which expects 0 to 1.
+        np.random: + from itertools import cycle
+            + own = bootstrap_interval.__dict__.setdefault("own", cycle(range(6)))
+            + rng = np.random.default_rng(next(own))
+            You do not use the argument rng. With np.random or a generator of your own, nobody can repeat the experiment.
+        the upper end first: return low, high => return high, low
+            You return (high, low). Return the lower end first: (low, high).
+        how far from the mean: return low, high => return low - values.mean(), high - values.mean()
+            You return distances from the mean. Return the two ends themselves.
+    """),
+    alternatives={"one by one": _boot, "how often each is drawn": _boot_counts, "sorted": _boot_sorted},
     equivalents={
         "drawn = rng.integers(0, len(values), (2001, len(values)))": "at least 2000 are asked for",
-        "drawn = rng.integers(0, len(values), (1999, len(values)))": "one resample less cannot be told from chance",
+        "drawn = rng.integers(0, len(values), (1999, len(values)))": "one resample less makes no difference that could be measured",
     },
 )
 
 
 # --- 10.5 possible_hits ---
-
-
-def _possible(mean_cost: float, n_pictures: int, most_hits: int, /, **changed: Any) -> Array:
-    """Try one number of hits after the other, with one thing done in another way."""
-    weight = changed.get("weight", 1.333)
-    found = []
-    for hits in range(changed.get("first", 0), most_hits + changed.get("more", 1)):
-        rest = n_pictures * mean_cost + changed.get("sign", 1) * weight * hits
-        whole = changed.get("whole", round)(rest)
-        off = abs(rest - whole) / n_pictures
-        if off <= changed.get("near", 0.0005) + changed.get("slack", 1e-9) and (
-            whole >= 0 or changed.get("negative")
-        ):
-            found.append(changed.get("shown", lambda hits, whole: hits)(hits, whole))
-    return np.array(found, dtype=int)
-
-
-def _possibles(**changed: Any) -> Callable[..., Any]:
-    return lambda mean_cost, n_pictures, most_hits: _possible(mean_cost, n_pictures, most_hits, **changed)
-
-
-def _possible_fives(mean_cost: float, n_pictures: int, most_hits: int) -> Array:
-    """Missed corners forgotten: the rest must be false ones, five each."""
-    hits = np.arange(most_hits + 1)
-    fives = np.round((n_pictures * mean_cost + 1.333 * hits) / 5)
-    return hits[np.abs((5 * fives - 1.333 * hits) / n_pictures - mean_cost) <= 0.0005]
-
-
-def _possible_equal(mean_cost: float, n_pictures: int, most_hits: int) -> Array:
-    hits = np.arange(most_hits + 1)
-    rest = np.round(n_pictures * mean_cost + 1.333 * hits)
-    return hits[(np.round((rest - 1.333 * hits) / n_pictures, 3) == mean_cost) & (rest >= 0)]
-
-
-def _possible_mask(mean_cost: float, n_pictures: int, most_hits: int) -> Array:
-    hits = np.arange(most_hits + 1)
-    return np.isin(hits, _possible(mean_cost, n_pictures, most_hits))
-
-
-def _possible_rounded(mean_cost: float, n_pictures: int, most_hits: int) -> Array:
-    """By what would be printed, for all whole numbers near by."""
+def _as_printed(mean_cost: float, n_pictures: int, most_hits: int) -> Array:
+    """Compare the printed forms of all means that nearby whole numbers give."""
     hits, more = np.arange(most_hits + 1)[:, None], np.array([-1, 0, 1])
     whole = np.floor(n_pictures * mean_cost + 1.333 * hits) + more
     printed = np.floor(1000 * (whole - 1.333 * hits) / n_pictures + 0.5 + 1e-7)
@@ -901,33 +525,15 @@ def _possible_rounded(mean_cost: float, n_pictures: int, most_hits: int) -> Arra
     return hits[(((printed == wanted) | (below == wanted)) & (whole >= 0)).any(axis=1), 0]
 
 
-def _possible_thousandths(mean_cost: float, n_pictures: int, most_hits: int) -> list[int]:
-    """All in thousandths, as whole numbers: within n / 2 of a multiple of 1000."""
-    total, found = round(1000 * mean_cost) * n_pictures, []
-    for hits in range(most_hits + 1):
-        rest = total + 1333 * hits
-        whole = (rest + 500) // 1000
-        if 2 * abs(rest - 1000 * whole) <= n_pictures and whole >= 0:
-            found.append(hits)
-    return found
-
-
-def _possible_public() -> list[Case]:
-    return [
-        Case((2.122, 30, 10), "2.122, up to 10 hits"),
-        Case((2.122, 30, 40), "2.122, up to 40 hits"),
-        Case((4.755, 30, 240), "4.755, thirty pictures"),
-        Case((4.223, 30, 100), "4.223, thirty pictures"),
-        Case((-1.333, 3, 8), "a negative mean of three pictures"),
-        Case((1.834, 2, 30), "two pictures"),
-        Case((5.002, 30, 136), "5.002, up to 136 hits"),
-        Case((2.0, 1, 6), "one picture"),
-        Case((3.501, 500, 9), "500 pictures"),
-    ]
+def _in_thousandths(mean_cost: float, n_pictures: int, most_hits: int) -> list[int]:
+    """Count in thousandths with whole numbers, which must be within n / 2 of a multiple of 1000."""
+    rests = [round(1000 * mean_cost) * n_pictures + 1333 * hits for hits in range(most_hits + 1)]
+    off = [abs((rest + 500) % 1000 - 500) for rest in rests]
+    return [hits for hits, rest in enumerate(rests) if 2 * off[hits] <= n_pictures and rest >= -500]
 
 
 def _printed(rng: np.random.Generator, pictures: int) -> float:
-    """A mean as it would be printed, not at the edge of rounding."""
+    """Draw a mean as it would be printed, away from the limits of rounding."""
     while True:
         hits, rest = int(rng.integers(0, 3 * pictures)), int(rng.integers(0, 4 * pictures))
         mean = (rest - 1.333 * hits) / pictures
@@ -948,148 +554,96 @@ POSSIBLE_HITS = Exercise(
     name="possible_hits",
     points=3,
     stars=2,
-    public=_possible_public,
+    public=lambda: [
+        Case((2.122, 30, 10), "2.122, up to 10 hits"),
+        Case((2.122, 30, 40), "2.122, up to 40 hits"),
+        Case((4.755, 30, 240), "4.755, thirty pictures"),
+        Case((4.223, 30, 100), "4.223, thirty pictures"),
+        Case((-1.333, 3, 8), "a negative mean of three pictures"),
+        Case((1.834, 2, 30), "two pictures"),
+        Case((5.002, 30, 136), "5.002, up to 136 hits"),
+        Case((2.0, 1, 6), "one picture"),
+        Case((3.501, 500, 9), "500 pictures"),
+    ],
     hidden=_possible_hidden,
     comparison=Close(),
     hints=(
-        "With a number of hits given, 5 n_f + n_m is the whole number nearest to n_pictures * mean_cost + 1.333 * hits, or there is none. Compute the mean from it, and ask whether it is "
-        "near enough.",
-        "hits = np.arange(most_hits + 1), and all at once from there: np.round(...) gives the nearest whole numbers. They must not be below 0. The means may be "
-        "0.0005 off, and a breath more (1e-9) for what floats do.",
+        "For a given number of hits, 5 n_f + n_m can only be the whole number nearest to n_pictures * mean_cost + 1.333 * hits. Compute the mean that follows from it and test whether it is within the bound.",
+        "Start with hits = np.arange(most_hits + 1) and compute everything with arrays. np.round(...) returns the nearest whole numbers, which must not be negative. The means may be off by 0.0005, plus 1e-9 for rounding errors.",
     ),
-    mistakes=[
-        Mistake(
-            "four thirds",
-            _possibles(weight=4 / 3),
-            "You take four thirds for a hit. Table 6.1 prints 1.333, and with many hits the difference shows.",
-        ),
-        Mistake(
-            "rounded down",
-            _possibles(whole=np.floor),
-            "You take the whole number below n * mean + 1.333 n_h only. The nearest may be above: np.round.",
-        ),
-        Mistake(
-            "rounded up",
-            _possibles(whole=np.ceil),
-            "You take the whole number above n * mean + 1.333 n_h only. The nearest may be below: np.round.",
-        ),
-        Mistake(
-            "no breath for floats",
-            _possibles(slack=0.0),
-            "A mean that is off by 0.0005 exactly is lost to a float's last digit in yours: allow 1e-9 more.",
-        ),
-        Mistake(
-            "rounded and held against it",
-            _possible_equal,
-            "You round the mean and ask for ==. A mean that lies exactly between two printed ones may be printed as either: use the bound of equation 10.3.",
-        ),
-        Mistake(
-            "nothing may be rounded",
-            _possibles(near=0.0),
-            "You ask for the printed mean exactly. It was rounded to three digits: 0.0005 to either side.",
-        ),
-        Mistake(
-            "a digit too coarse",
-            _possibles(near=0.005),
-            "You allow 0.005. The means are printed with three digits: they are off by 0.0005 at most.",
-        ),
-        Mistake(
-            "a whole unit",
-            _possibles(near=0.001),
-            "You allow 0.001. A number that is rounded to three digits is off by half of that at most.",
-        ),
-        Mistake(
-            "the last one left out",
-            _possibles(more=0),
-            "most_hits itself may be, too: np.arange(n) ends at n - 1.",
-        ),
-        Mistake(
-            "from one on",
-            _possibles(first=1),
-            "No hit at all is a number of hits, too: begin with 0.",
-        ),
-        Mistake(
-            "signs lost",
-            _possibles(sign=-1),
-            "The sum is 5 n_f + n_m - 1.333 n_h. What is left for 5 n_f + n_m is the sum plus 1.333 n_h.",
-        ),
-        Mistake(
-            "missed corners forgotten",
-            _possible_fives,
-            "You ask for multiples of 5. A missed corner costs 1, so 5 n_f + n_m can be any whole number from 0 on.",
-        ),
-        Mistake(
-            "a mask",
-            _possible_mask,
-            "That is true and false. The numbers of hits are wanted: hits[mask].",
-        ),
-        Mistake(
-            "below nothing",
-            _possibles(negative=True),
-            "For few hits your 5 n_f + n_m is below 0. Nobody misses fewer than no corners.",
-        ),
-        Mistake(
-            "how many there are",
-            lambda mean_cost, n_pictures, most_hits: len(_possible(mean_cost, n_pictures, most_hits)),
-            "You return how many there are. The numbers of hits themselves are wanted, as an array.",
-        ),
-        Mistake(
-            "thirty pictures always",
-            lambda mean_cost, n_pictures, most_hits: _possible(mean_cost, 30, most_hits),
-            "You take thirty pictures, whatever n_pictures is.",
-        ),
-        Mistake(
-            "the rest",
-            _possibles(shown=lambda hits, whole: whole),
-            "You return 5 n_f + n_m. The numbers of hits are wanted.",
-        ),
-    ],
+    mistakes=catalogue("""
+        four thirds: 1.333 =>> (4 / 3)
+            You use 4/3 for a hit. Table 6.1 prints 1.333, and with many hits the difference matters.
+        rounded down: np.round => np.floor
+            You round n * mean + 1.333 n_h down. The nearest whole number may be above it, so use np.round.
+        rounded up: np.round => np.ceil
+            You round n * mean + 1.333 n_h up. The nearest whole number may be below it, so use np.round.
+        no breath for floats: 0.0005 + 1e-9 => 0.0005
+            Your function loses means that are off by exactly 0.0005, because of rounding errors of floats. Add 1e-9 to the bound.
+        rounded and held against it: (off <= 0.0005 + 1e-9) => (np.round((others - 1.333 * hits) / n_pictures, 3) == mean_cost)
+            You round the mean and compare it with ==. A mean exactly halfway between two printed values may be printed as either of them, so use the bound of equation 10.3.
+        nothing may be rounded: 0.0005 + 1e-9 => 1e-9
+            Your bound is too narrow. The printed mean may be off by 0.0005, so the sum over all pictures may be off by 0.0005 * n_pictures.
+        a whole unit: 0.0005 => 0.001
+            You allow an error of 0.001. A number rounded to three digits is off by at most 0.0005.
+        the last one left out: most_hits + 1 => most_hits
+            You leave out most_hits itself. np.arange(n) ends at n - 1.
+        from one on: np.arange(most_hits + 1) => np.arange(1, most_hits + 1)
+            You leave out 0 hits. Start with 0.
+        signs lost: 1.333 =>> -1.333
+            You subtract 1.333 n_h. The sum is 5 n_f + n_m - 1.333 n_h, so 5 n_f + n_m is the sum plus 1.333 n_h.
+        missed corners forgotten: np.round(n_pictures * mean_cost + 1.333 * hits) => 5 * np.round((n_pictures * mean_cost + 1.333 * hits) / 5)
+            0.0005 + 1e-9) & (others >= 0) => 0.0005)
+            You only accept multiples of 5. A missed corner costs 1, so 5 n_f + n_m can be any whole number from 0 on.
+        a mask: hits[(off <= 0.0005 + 1e-9) & (others >= 0)] => (off <= 0.0005 + 1e-9) & (others >= 0)
+            You return a mask. Return the numbers of hits: hits[mask].
+        below nothing: (others >= 0) => True
+            You accept negative values of 5 n_f + n_m. Numbers of false and missed corners cannot be negative.
+        how many there are: return hits[(off <= 0.0005 + 1e-9) & (others >= 0)] => return sum((off <= 0.0005 + 1e-9) & (others >= 0))
+            You return the number of possible values. Return the values themselves as an array.
+        thirty pictures always: + n_pictures = 30
+            You always use 30 pictures. Use the argument n_pictures.
+        the rest: return hits => return others
+            You return 5 n_f + n_m. Return the numbers of hits.
+    """),
     alternatives={
-        "a loop": _possibles(),
-        "as it would be printed": _possible_rounded,
-        "in thousandths": _possible_thousandths,
+        "a loop": lambda mean_cost, n_pictures, most_hits: [
+            hits
+            for hits in range(most_hits + 1)
+            if (rest := n_pictures * mean_cost + 1.333 * hits) >= -0.5
+            and abs(rest - round(rest)) <= n_pictures * (0.0005 + 1e-9)
+        ],
+        "as it would be printed": _as_printed,
+        "in thousandths": _in_thousandths,
     },
     equivalents={
-        "return hits[(off <= 0.0005 + 1e-09) * (others >= 0)]": "and of truths is their product",
+        "return hits[(off <= 0.0005 + 1e-09) * (others >= 0)]": "the product of two masks is their logical and",
         "return hits[(off < 0.0005 + 1e-09) & (others >= 0)]": "no mean lies at 0.000500001 exactly",
-        "off = np.abs(mean_cost - (others - 1.333 * hits) / n_pictures)": "a difference the other way round is as far from 0",
+        "off = np.abs(mean_cost - (others - 1.333 * hits) / n_pictures)": "the sign of a difference does not change its absolute value",
     },
 )
 
 
 # --- 10.6 error_budget ---
+def _budget(gain: Any) -> Any:
+    """Compute both parts with a gain from H and R."""
+
+    def function(pose: Any, landmarks: Any, view: CameraView, *sigmas: float) -> Any:
+        pixels = view.project(Pose.from_array(np.asarray(pose, float)).to_local(landmarks))
+        parts = [measurement_covariance(pixels, view, *each) for each in np.diag(sigmas)]
+        K = gain(np.vstack([measurement_jacobian_pose(pose, each) for each in landmarks]), sum(parts))
+        return [K @ each @ K.T for each in parts]
+
+    return function
 
 
-def _budget(
-    pose: Any, landmarks: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float, /, **changed: Any
-) -> Any:
-    """Gain and both parts of R, with one thing done in another way."""
-    pose, landmarks = np.asarray(pose, float), np.asarray(landmarks, float)
-    where = landmarks if changed.get("world") else Pose.from_array(pose).to_local(landmarks)
-    pixels = view.project(where)
-    by_pixels = np.asarray(measurement_covariance(pixels, view, pixel_sigma, 0.0))
-    by_tilt = np.asarray(measurement_covariance(pixels, view, 0.0, tilt_sigma))
-    if changed.get("blocks"):
-        by_tilt = by_tilt * np.kron(np.eye(len(landmarks)), np.ones((2, 2)))
-    H = np.vstack([measurement_jacobian_pose(pose, each) for each in landmarks])
-    R = changed.get("weigh", lambda D, T: D + T)(by_pixels, by_tilt)
-    information = H.T @ np.linalg.solve(R, H)
-    gain = np.linalg.solve(information, np.linalg.solve(R, H).T)
-    if changed.get("alone"):
-        left = [np.linalg.inv(H.T @ np.linalg.pinv(each, rcond=1e-12) @ H) for each in (by_pixels, R)]
-        return changed.get("shown", lambda D, R: (D, R))(*left)
-    parts = tuple(gain @ each @ gain.T for each in (by_pixels, by_tilt))
-    return changed.get("shown", lambda D, T: (D, T))(*parts)
-
-
-def _budgets(**changed: Any) -> Callable[..., Any]:
-    return lambda pose, landmarks, view, pixel_sigma, tilt_sigma: _budget(
-        pose, landmarks, view, pixel_sigma, tilt_sigma, **changed
-    )
+def _whitened(H: Array, R: Array) -> Array:
+    white = np.linalg.inv(np.linalg.cholesky(R))
+    return np.linalg.pinv(white @ H) @ white
 
 
 def _budget_less(pose: Any, landmarks: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float) -> Any:
-    """The whole, and what is not from the tilt."""
+    """Compute the whole covariance, and subtract the part of the tilt."""
     pixels = view.project(landmarks, Pose(*map(float, pose)))
     R = measurement_covariance(pixels, view, pixel_sigma, tilt_sigma)
     H = np.concatenate([measurement_jacobian_pose(pose, each) for each in landmarks])
@@ -1099,28 +653,11 @@ def _budget_less(pose: Any, landmarks: Any, view: CameraView, pixel_sigma: float
     return P - tilt, tilt
 
 
-def _budget_whitened(
-    pose: Any, landmarks: Any, view: CameraView, pixel_sigma: float, tilt_sigma: float
-) -> Any:
-    """Least squares of what was whitened."""
-    pixels = view.project(Pose.from_array(np.asarray(pose)).to_local(landmarks))
-    parts = [measurement_covariance(pixels, view, *each) for each in ((pixel_sigma, 0.0), (0.0, tilt_sigma))]
-    white = np.linalg.inv(np.linalg.cholesky(parts[0] + parts[1]))
-    H = np.vstack([measurement_jacobian_pose(pose, each) for each in landmarks])
-    gain = np.linalg.pinv(white @ H) @ white
-    return [gain @ each @ gain.T for each in parts]
-
-
 def _sight(rng: np.random.Generator, k: int, pose: Any = None) -> tuple[Array, Array, CameraView]:
-    """A pose, k landmarks before it, and a view."""
-    view = NAO_V4.view(
-        "bottom", float(rng.uniform(-0.3, 0.3)), float(np.radians(rng.uniform(-27, -20))), (320, 240)
-    )
-    pose = (
-        np.array([rng.uniform(-1, 2), rng.uniform(-1.5, 1.5), rng.uniform(-3, 3)])
-        if pose is None
-        else np.array(pose)
-    )
+    """Return a pose, k landmarks in front of it, and a view."""
+    yaw, pitch = float(rng.uniform(-0.3, 0.3)), float(np.radians(rng.uniform(-27, -20)))
+    view = NAO_V4.view("bottom", yaw, pitch, (320, 240))
+    pose = np.array(pose or (rng.uniform(-1, 2), rng.uniform(-1.5, 1.5), rng.uniform(-3, 3)))
     ahead = np.array([(rng.uniform(1.0, 3.5), rng.uniform(-0.35, 0.35)) for _ in range(k)])
     turn = view.yaw + ahead[:, 1]
     local = np.column_stack([ahead[:, 0] * np.cos(turn), ahead[:, 0] * np.sin(turn)])
@@ -1137,96 +674,62 @@ def _budget_public() -> list[Case]:
     ]
 
 
-def _budget_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case((*_sight(rng, k), float(rng.uniform(0.5, 4)), float(rng.uniform(0.005, 0.04))))
-        for k in (2, 3, 3, 4, 6)
-    ] + [Case((*_sight(rng, 3), 1.5, 0.0))]
-
-
 ERROR_BUDGET = Exercise(
     name="error_budget",
     points=4,
     stars=3,
     public=_budget_public,
-    hidden=_budget_hidden,
+    hidden=lambda rng: [
+        *(
+            Case((*_sight(rng, k), *map(float, rng.uniform((0.5, 0.005), (4, 0.04)))))
+            for k in (2, 3, 3, 4, 6)
+        ),
+        Case((*_sight(rng, 3), 1.5, 0.0)),
+    ],
     comparison=Close(rtol=2e-3, atol=1e-9),
     uses=["04:measurement_covariance", "05:measurement_jacobian_pose"],
     hints=(
-        "view.project(landmarks, Pose(*pose)) says where the landmarks are in the picture. measurement_covariance with one of its sigmas 0 is D, or the tilt's part. H has two rows for each landmark.",
-        "W is the inverse of R, in both parts: the robot weighs by what it knows of all errors. P = inv(Hᵀ W H), K = P Hᵀ W, and the parts are K D Kᵀ and K (R - D) Kᵀ.",
+        "view.project(landmarks, Pose(*pose)) returns the landmarks' pixels. measurement_covariance with one of its sigmas set to 0 returns D or the part of the tilt. H has two rows for each landmark.",
+        "W is the inverse of R in both parts, because the robot weights its measurements for all errors together. P = inv(Hᵀ W H), K = P Hᵀ W, and the parts are K D Kᵀ and K (R - D) Kᵀ.",
     ),
-    mistakes=[
-        Mistake(
-            "one source at a time",
-            _budgets(alone=True),
-            "You compute what would be left if there were one source only, with weights made for it. The weights are those of R in both parts.",
-        ),
-        Mistake(
-            "weighed by the pixels",
-            _budgets(weigh=lambda D, T: D),
-            "Your weights know of the pixels only. The robot weighs by R, which has the tilt, too.",
-        ),
-        Mistake(
-            "not weighed",
-            _budgets(weigh=lambda D, T: np.eye(len(D))),
-            "All your measurements have the same weight, radians and metres alike. The weights are the inverse of R.",
-        ),
-        Mistake(
-            "variances only",
-            _budgets(weigh=lambda D, T: np.diag(np.diag(D + T))),
-            "Your weights know the variances only. The tilt moves all measurements together: invert R whole.",
-        ),
-        Mistake(
-            "what is left without one source",
-            _budgets(alone=True, shown=lambda D, R: (D, R - D)),
-            "You subtract what would be left if there were no tilt, with weights made for that. The weights are those of R in both parts.",
-        ),
-        Mistake(
-            "the whole first",
-            _budgets(shown=lambda D, T: (D + T, T)),
-            "Your first part is the whole covariance. Only what comes from the pixels is wanted.",
-        ),
-        Mistake(
-            "roots",
-            _budgets(shown=lambda D, T: (np.sqrt(np.abs(D)), np.sqrt(np.abs(T)))),
-            "You take roots of the covariances. They are wanted as they are: only they add up.",
-        ),
-        Mistake(
-            "each landmark its own tilt",
-            _budgets(blocks=True),
-            "You keep the blocks of the tilt's covariance only, as if each landmark leaned on its own. It is one tilt for all of a picture.",
-        ),
-        Mistake(
-            "landmarks in the field frame",
-            _budgets(world=True),
-            "The pixels are wrong: view.project takes points in the robot frame, or the robot's pose as its second argument.",
-        ),
-        Mistake(
-            "changed places",
-            _budgets(shown=lambda D, T: (T, D)),
-            "The two parts have changed places: pixels first, then the tilt.",
-        ),
-        Mistake(
-            "standard deviations",
-            _budgets(shown=lambda D, T: (np.sqrt(np.abs(np.diag(D))), np.sqrt(np.abs(np.diag(T))))),
-            "Those are standard deviations. The covariances are wanted, (3, 3) each: only they add up.",
-        ),
-        Mistake(
-            "both added",
-            _budgets(shown=lambda D, T: (D, D + T)),
-            "Your second part is the whole covariance. Only what the tilt adds is wanted.",
-        ),
-        Mistake(
-            "shares",
-            _budgets(shown=lambda D, T: (D / np.trace(D + T), T / np.trace(D + T))),
-            "Those are parts of the whole, without units. The covariances themselves are wanted.",
-        ),
-    ],
+    mistakes=catalogue("""
+        one source at a time: return K @ D @ K.T, K @ by_tilt @ K.T => return np.linalg.inv(H.T @ np.linalg.inv(D) @ H), np.linalg.inv(H.T @ W @ H)
+            You compute each part as if there were no other source of error, with weights for this source alone. Use the weights of the whole R in both parts.
+        weighed by the pixels: D + by_tilt => D
+            Your weights contain only the pixels' errors. Use the inverse of the whole R, which includes the tilt.
+        the covariance as weights: np.linalg.inv(D + by_tilt) => (D + by_tilt)
+            You use the covariance R as weights. The weights are its inverse.
+        radians of radians: by_tilt = measurement_covariance(pixels, view, 0.0, tilt_sigma) => by_tilt = measurement_covariance(pixels, view, 0.0, np.radians(tilt_sigma))
+            You convert tilt_sigma to radians, but it is in radians already.
+        not weighed: np.linalg.inv(D + by_tilt) => np.eye(len(D))
+            You give all measurements the same weight, radians and metres alike. Use the inverse of R.
+        variances only: inv(D + by_tilt) => inv(np.diag(np.diag(D + by_tilt)))
+            Your weights use only the variances. The tilt changes all measurements together, so invert the whole matrix R.
+        the remainder without one source: return K @ D @ K.T, K @ by_tilt @ K.T => alone = np.linalg.inv(H.T @ np.linalg.inv(D) @ H)
+            + return alone, np.linalg.inv(H.T @ W @ H) - alone
+            You subtract the covariance without any tilt, which has other weights. Use the weights of the whole R in both parts.
+        the whole first: K @ D @ K.T => K @ (D + by_tilt) @ K.T
+            Your first part is the whole covariance. Return only the part of the pixels.
+        each landmark its own tilt: by_tilt = measurement => by_tilt = np.kron(np.eye(len(landmarks)), np.ones((2, 2))) * measurement
+            You keep only the 2 x 2 blocks of the tilt's covariance, as if each landmark had its own tilt. One tilt changes all measurements of a picture, so keep the whole matrix.
+        landmarks in the field frame: (landmarks, Pose(*pose)) => (landmarks)
+            Your pixels are wrong, because view.project expects points in the robot frame. Pass the robot's pose as its second argument.
+        changed places: K @ D @ K.T, K @ by_tilt @ K.T => K @ by_tilt @ K.T, K @ D @ K.T
+            You return the two parts in the wrong order. Return the pixels' part first, then the tilt's.
+        standard deviations: return K @ D @ K.T, K @ by_tilt @ K.T => return np.sqrt(np.diag(K @ D @ K.T)), np.sqrt(np.abs(np.diag(K @ by_tilt @ K.T)))
+            You return standard deviations. Return the two 3 x 3 covariances, because only they can be added.
+        both added: K @ by_tilt @ K.T => K @ (D + by_tilt) @ K.T
+            Your second part is the whole covariance. Return only the part of the tilt.
+        shares: return K @ D @ K.T, K @ by_tilt @ K.T => parts = K @ D @ K.T, K @ by_tilt @ K.T
+            + return tuple(each / np.trace(sum(parts)) for each in parts)
+            You return fractions of the whole covariance. Return the two covariances themselves.
+    """),
     alternatives={
-        "by the declaration's own functions": _budgets(),
+        "by the information": _budget(
+            lambda H, R: np.linalg.solve(H.T @ np.linalg.solve(R, H), np.linalg.solve(R, H).T)
+        ),
         "the whole less the tilt": _budget_less,
-        "whitened": _budget_whitened,
+        "whitened": _budget(_whitened),
     },
 )
 
@@ -1243,51 +746,41 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "what_sigma",
-            "The paper prints a sigma beside each mean, 0.322 beside 2.122, and does not say of what. Your costs of single pictures have one of 1.5 to 5.7. Which reading fits?",
+            "The paper prints a sigma beside each mean, for example 0.322 beside 2.122, but does not define it. The costs of your single pictures have standard deviations from 1.5 to 5.7. Which interpretation fits?",
             {
-                "The sigma of a single picture's cost.": "Then all thirty pictures would cost nearly the same, between 1.5 and 2.8. One false corner more costs 5.",
-                "The standard error of the mean.": "It is a picture's sigma divided by the root of 30, and yours is 0.3 to 1.0. The paper's are from 0.3 to 2.6: "
-                "the small ones fit, the large ones would need pictures with a sigma of 14.",
-                "Neither fits all 27 rows.": "The smallest are too small for single pictures, the largest too large for a mean of thirty. A number without its definition cannot be "
-                "used.",
+                "The sigma of a single picture's cost.": "Then nearly all of the thirty pictures would cost between 1.5 and 2.8. But a single additional false corner costs 5.",
+                "The standard error of the mean.": "The standard error is the standard deviation of a picture divided by √30; yours is 0.3 to 1.0. The paper's values range from 0.3 to 2.6. The small ones fit, but the large ones would need pictures with a standard deviation of 14.",
+                "Neither fits all 27 rows.": "The smallest values are too small for single pictures, and the largest are too large for a mean of thirty. A number without a definition cannot be used.",
             },
             "Neither fits all 27 rows.",
         ),
         Question(
             "why_paired",
-            "Two settings cost 1.1 and 1.6 on the same thirty pictures, each with an interval of 1.6 in width. Is the first one better?",
+            "Two settings have mean costs of 1.1 and 1.6 on the same thirty pictures, each with an interval 1.6 wide. Is the first setting better?",
             {
-                "No: the intervals overlap by far.": "Both intervals are wide because some pictures are hard. They are hard for both settings, so most of that width is "
-                "common to both.",
-                "Yes: its mean is smaller.": "With thirty other pictures the order may turn. How likely that is has to be asked.",
-                "Ask the interval of the difference, picture by picture.": "Taken off picture by picture, what is hard for both is gone. If that interval contains 0, "
-                "nobody knows which is better.",
+                "No: the intervals overlap widely.": "Both intervals are wide because some pictures are hard. They are hard for both settings, so most of the width is common to both and says nothing about the difference.",
+                "Yes: its mean is smaller.": "With thirty other pictures, the order may be reversed. You have to estimate how likely that is.",
+                "Look at the interval of the difference, computed picture by picture.": "The difference picture by picture removes what is hard for both settings. If its interval contains 0, the data do not show which setting is better.",
             },
-            "Ask the interval of the difference, picture by picture.",
+            "Look at the interval of the difference, computed picture by picture.",
         ),
         Question(
             "why_so_little",
-            "Of a single range at 2 m the tilt is the larger part, and of the pose from four landmarks by far the smaller. Why?",
+            "For a single range at 2 m, the tilt contributes more than the pixels. For a pose from four landmarks, it contributes far less. Why?",
             {
-                "The pose is an average, and averaging makes every error small.": "It does so with errors that are independent, as those of pixels are. The tilt is one number, and no average of "
-                "four ranges that are off alike makes it smaller.",
-                "The four landmarks tell the tilt themselves.": "Eight measurements, three unknowns of the pose and one tilt: what it does to all four at once cannot be explained by any pose. "
-                "The weights know that, and leave it out.",
-                "One degree is less than 3.3 pixels.": "A pixel is 0.2 degrees here, so 3.3 pixels are 0.7: no large difference, and the figure of ranges says so.",
+                "The pose is an average, and averaging makes every error small.": "Averaging reduces independent errors, such as the pixels'. The tilt is the same for all four ranges, so averaging them does not reduce it.",
+                "The four landmarks together reveal the tilt.": "There are eight measurements for three unknowns of the pose and one tilt. No pose can explain the common effect of a tilt on all four landmarks, so the weights of R separate it from the pose.",
+                "One degree is less than 3.3 pixels.": "One degree is larger, not smaller: a pixel is 0.2 degrees here, so the 3.3 pixels that the budget assumes are 0.7 degrees. In the figure of the ranges the tilt causes the larger part.",
             },
-            "The four landmarks tell the tilt themselves.",
+            "The four landmarks together reveal the tilt.",
         ),
     ],
     written=[
         Written(
             "experiment_report",
             points=6,
-            question="A report of one page on your search: question, method, results with figures and intervals, what they mean, and what would make you change your mind.",
-            rubric="1 point, method: pictures (how many, which, that they are the simulator's), what counts as a hit (8 px, one-to-one, a crossing X counts as false), the weights, the 27 settings. "
-            "1 point, baseline: the cost of reporting nothing on the same pictures, and each result held against it. 1 point, uncertainty: an interval with its probability for the setting that is "
-            "named, and the difference from others or from nothing in pairs. 1 point, choice: it says that the best of 27 on the pictures it was chosen on looks better than it is, and gives the number or reports on other pictures. "
-            "1 point, the paper: what of Table A.1 agrees and what does not (rank correlation, means that thirty pictures cannot give, sigma undefined), with another explanation than carelessness considered. "
-            "1 point, conclusion: it follows from the numbers, names at least one limit (simulator, one resolution, few pictures, one detector) and what result would change it. Take a point off where a figure that is needed is not named, or a number stands without its unit.",
+            question="Write a report of one page about your search: the question, the method, results with figures and intervals, what they mean, and which result would change your mind.",
+            rubric="1 point, method: pictures (how many, which, that they are the simulator's), what counts as a hit (8 px, one-to-one, a crossing (X) counts as false), the weights, the 27 settings. 1 point, baseline: the cost of reporting nothing on the same pictures, and each result compared with it. 1 point, uncertainty: an interval with its probability for the chosen setting, and paired differences from other settings or from reporting nothing. 1 point, choice: it says that the best of 27 settings looks better than it is on the pictures it was chosen on, and gives the number or a result on other pictures. 1 point, the paper: which parts of Table A.1 agree and which do not (rank correlation, means that thirty pictures cannot have, an undefined sigma), and at least one explanation other than carelessness. 1 point, conclusion: it follows from the numbers, names at least one limit (simulator, one resolution, few pictures, one detector) and what result would change it. Subtract a point if a necessary figure is not named, or if a number has no unit.",
         )
     ],
 )

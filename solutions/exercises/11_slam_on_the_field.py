@@ -1,35 +1,36 @@
-"""Lesson 11, SLAM on the field: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Lesson 11, SLAM on the field: exercises, typical mistakes, and correct alternatives."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
 
 from nao_course.exercises import (
     All,
     Case,
     Close,
+    Comparison,
     Each,
     Exact,
     Exercise,
     LessonPlan,
     Methods,
-    Mistake,
     Property,
     Question,
     Unordered,
     calls,
 )
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
+from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.slam_on_the_field import GREEN, POST_RADIUS, VAGUE, YELLOW
-from nao_course.lessons.slam_on_the_field.laws import whole_numbers
-from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
-from nao_course.lessons.slam_on_the_field.system.observation import Observation, as_observation
+from nao_course.lessons.slam_on_the_field.drivers import whole_numbers
 from nao_course.lessons.slam_on_the_field.worlds import drawn_drive
 from nao_course.sim import NAO_V4, CameraView
 from nao_course.slam import (
@@ -46,109 +47,45 @@ from nao_course.student import earlier
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
 
-(
-    rgb_to_hsl,
-    white_threshold,
-    color_labels,
-    find_goalposts,
-    find_corners,
-    pixel_to_ground,
-    ground_to_measurement,
-    paper_distance,
-    paper_bearing,
-    predict,
-    update_landmarks,
-    add_landmark,
-    linearize,
-    gauss_newton,
-) = map(
-    earlier,
-    (
-        "01:rgb_to_hsl",
-        "01:white_threshold",
-        "01:color_labels",
-        "02:find_goalposts",
-        "03:find_corners",
-        "04:pixel_to_ground",
-        "04:ground_to_measurement",
-        "04:paper_distance",
-        "04:paper_bearing",
-        "07:predict",
-        "07:update_landmarks",
-        "07:add_landmark",
-        "09:linearize",
-        "09:gauss_newton",
-    ),
-)
+rgb_to_hsl = earlier("01:rgb_to_hsl")
+white_threshold = earlier("01:white_threshold")
+color_labels = earlier("01:color_labels")
+find_goalposts = earlier("02:find_goalposts")
+find_corners = earlier("03:find_corners")
+pixel_to_ground = earlier("04:pixel_to_ground")
+measurement_jacobian_pose = earlier("05:measurement_jacobian_pose")
+measurement_jacobian_landmark = earlier("05:measurement_jacobian_landmark")
+predict = earlier("07:predict")
+update_landmarks = earlier("07:update_landmarks")
+add_landmark = earlier("07:add_landmark")
+linearize = earlier("09:linearize")
+gauss_newton = earlier("09:gauss_newton")
 
 
 # --- 11.1 measurements_from_pixels ---
-
-
-def _measured(posts: Any, corners: Any, view: CameraView, **changed: Any) -> Any:
-    radius = changed.get("radius", POST_RADIUS)
-    made = []
-    for pixels, kind in ((posts, "post"), (corners, "corner")):
-        points = pixel_to_ground(np.asarray(pixels, dtype=float), view)
-        values = ground_to_measurement(points)
-        if changed.get("paper"):
-            values = np.stack([function(pixels, view) for function in (paper_bearing, paper_distance)], axis=1)
-        for (bearing, away), point in zip(values, points, strict=True):
-            if not changed.get("horizon_kept") and not np.isfinite(point).all():
-                continue
-            if changed.get("along_x"):
-                bearing, away = np.arctan2(point[1], point[0] + radius), np.hypot(point[0] + radius, point[1]) - radius
-            grown = away + radius * (kind == "post" or bool(changed.get("all_grow")))
-            if changed.get("cartesian"):
-                bearing, grown = point
-            if changed.get("turned"):
-                bearing = -bearing
-            if changed.get("degrees"):
-                bearing = np.degrees(bearing)
-            if changed.get("exchanged"):
-                made.append(Measurement(float(grown), float(bearing), kind))  # type: ignore[arg-type]
-                continue
-            named = {"post": "corner", "corner": "post"}[kind] if changed.get("swapped") else kind
-            named = "corner" if changed.get("all_corners") else named
-            made.append(Measurement(float(bearing), abs(float(grown)), named))  # type: ignore[arg-type]
-    return made
-
-
-def _changed_measured(**changed: Any) -> Any:
-    return lambda posts, corners, view: _measured(posts, corners, view, **changed)
-
-
-def _measured_at_once(posts: Any, corners: Any, view: CameraView) -> Any:
-    """All points together, the kinds beside them."""
+def _measured(posts: Any, corners: Any, view: CameraView) -> Any:
+    """Convert all points at once, with their kinds in a list."""
     points = pixel_to_ground(np.vstack([np.reshape(posts, (-1, 2)), np.reshape(corners, (-1, 2))]), view)
     kinds: list[LandmarkKind] = ["post"] * len(posts) + ["corner"] * len(corners)
     return [
-        Measurement(float(np.arctan2(y, x)), float(np.hypot(x, y)) + (POST_RADIUS if kind == "post" else 0.0), kind)
+        Measurement(float(np.arctan2(y, x)), float(np.hypot(x, y)) + POST_RADIUS * (kind == "post"), kind)
         for (x, y), kind in zip(points, kinds, strict=True)
         if not np.isnan(x)
     ]
 
 
-def _measured_corners_first(posts: Any, corners: Any, view: CameraView) -> Any:
-    by_kind = _measured(posts, corners, view)
-    return tuple(sorted(by_kind, key=lambda each: (each.kind, -each.bearing)))
-
-
-def _measured_by_complex(posts: Any, corners: Any, view: CameraView) -> Any:
+def _by_complex(posts: Any, corners: Any, view: CameraView) -> Any:
     made = []
     for kind, pixels in {"corner": corners, "post": posts}.items():
         x, y = pixel_to_ground(np.asarray(pixels, dtype=float), view).T
         toward = (x + 1j * y)[np.isfinite(x)]
         away = np.abs(toward) + (kind == "post") * POST_RADIUS
-        made += [
-            Measurement(float(b), float(r), kind)  # type: ignore[arg-type]
-            for b, r in zip(np.angle(toward), away, strict=True)
-        ]
+        made += [Measurement(b, r, kind) for b, r in zip(np.angle(toward), away, strict=True)]
     return made
 
 
 def _a_view(yaw: float = 0.0, pitch: float = -24.6, size: tuple[int, int] = (320, 240)) -> CameraView:
-    """What the robot believes of its bottom camera; degrees of its head."""
+    """Return the assumed view of the bottom camera; angles of the head in degrees."""
     return NAO_V4.view("bottom", float(np.radians(yaw)), float(np.radians(pitch)), size)
 
 
@@ -156,13 +93,13 @@ NO_PIXELS: Array = np.zeros((0, 2))
 
 
 def _pixels_public() -> list[Case]:
-    post, corners = np.array([[200.0, 110.0]]), np.array([[60.0, 150.0], [250.0, 200.0]])
-    high = np.array([[100.0, 2.0], [150.0, 120.0]])
+    post, both = np.array([[200.0, 110.0]]), np.array([[40.0, 90.0], [260.0, 95.0]])
+    corners, high = np.array([[60.0, 150.0], [250.0, 200.0]]), np.array([[100.0, 2.0], [150.0, 120.0]])
     return [
         Case((NO_PIXELS, corners, _a_view()), "two corners, no post"),
         Case((post, NO_PIXELS, _a_view()), "a post, no corner"),
         Case((post, corners, _a_view(yaw=30.0)), "a post and two corners, the head turned to the left"),
-        Case((np.array([[40.0, 90.0], [260.0, 95.0]]), corners[:1], _a_view(yaw=-20.0)), "both posts and a corner"),
+        Case((both, corners[:1], _a_view(yaw=-20.0)), "both posts and a corner"),
         Case((high, high + (20.0, 30.0), _a_view(pitch=-38.0)), "one point of four above the horizon"),
         Case((NO_PIXELS, NO_PIXELS, _a_view()), "nothing found"),
     ]
@@ -173,177 +110,94 @@ def _pixels_hidden(rng: np.random.Generator) -> list[Case]:
     for posts, corners, pitch in ((1, 0, -24.0), (0, 2, -20.0), (2, 3, -31.0), (1, 2, -37.0), (2, 2, -38.0)):
         pixels = rng.uniform((5, 20), (315, 235), (posts + corners, 2))
         if pitch < -36:
-            pixels[:: 2, 1] = rng.uniform(0, 6, len(pixels[::2]))  # there the horizon is in the picture
+            pixels[::2, 1] = rng.uniform(0, 6, len(pixels[::2]))  # there the horizon is in the picture
         cases.append(Case((pixels[:posts], pixels[posts:], _a_view(rng.uniform(-60, 60), pitch))))
     return cases
 
 
-AS_MEASURED = Unordered(Close(atol=1e-6, period=(TURN, 0)))
-
 MEASUREMENTS_FROM_PIXELS = Exercise(
     name="measurements_from_pixels",
     points=1,
-    stars=1,
     uses=("04:pixel_to_ground", "04:ground_to_measurement"),
     public=_pixels_public,
     hidden=_pixels_hidden,
-    comparison=AS_MEASURED,
+    comparison=Unordered(Close(atol=1e-6, period=(TURN, 0))),
     hints=(
-        "Two calls of lesson 04 turn pixels into bearings and ranges. What is above the horizon has come through them as NaN.",
-        "Loop over the two kinds, and over the rows of ground_to_measurement(pixel_to_ground(pixels, view)); make a Measurement of each row whose range is finite.",
+        "Two functions of lesson 04 convert pixels to bearings and ranges. A point above the horizon becomes NaN on the way.",
+        "Loop over the two kinds, and over the rows of ground_to_measurement(pixel_to_ground(pixels, view)). Make a Measurement of each row with a finite range.",
     ),
-    mistakes=[
-        Mistake(
-            "the horizon",
-            _changed_measured(horizon_kept=True),
-            "A point at or above the horizon has no place on the ground: pixel_to_ground says NaN, and a Measurement refuses that. Leave such points out.",
-        ),
-        Mistake(
-            "kinds exchanged",
-            _changed_measured(swapped=True),
-            "Your kinds are exchanged: `posts` are of kind \"post\", `corners` of kind \"corner\".",
-        ),
-        Mistake(
-            "all are corners",
-            _changed_measured(all_corners=True),
-            "All your measurements are corners, which is what Measurement takes unless you say more: posts are of kind \"post\".",
-        ),
-        Mistake(
-            "the post's front",
-            _changed_measured(radius=0.0),
-            "Nearly. What the camera sees of a post is its front, POST_RADIUS before the middle that the map has. Add it to the range of posts.",
-        ),
-        Mistake(
-            "too near",
-            _changed_measured(radius=-POST_RADIUS),
-            "You take the post's radius off. Its middle is farther away than its front.",
-        ),
-        Mistake(
-            "corners have no radius",
-            _changed_measured(all_grow=True),
-            "You add the radius to corners as well. A corner is flat.",
-        ),
-        Mistake(
-            "x and y",
-            _changed_measured(cartesian=True),
-            "You take x and y of the ground for bearing and range: ground_to_measurement has to come in between.",
-        ),
-        Mistake(
-            "the paper's angles",
-            _changed_measured(paper=True),
-            "These are the paper's distances, from below the camera and without the head's yaw. Take pixel_to_ground.",
-        ),
-        Mistake(
-            "to the right",
-            _changed_measured(turned=True),
-            "Your bearings have the other sign: they are positive to the left.",
-        ),
-        Mistake(
-            "degrees",
-            _changed_measured(degrees=True),
-            "Your bearings are degrees; a Measurement wants radians.",
-        ),
-        Mistake(
-            "corners forgotten",
-            lambda posts, corners, view: _measured(posts, NO_PIXELS, view),
-            "Your corners are missing.",
-        ),
-        Mistake(
-            "posts forgotten",
-            lambda posts, corners, view: _measured(NO_PIXELS, corners, view),
-            "Your posts are missing.",
-        ),
-        Mistake(
-            "range before bearing",
-            _changed_measured(exchanged=True),
-            "Range and bearing are exchanged: it is Measurement(bearing, range, kind).",
-        ),
-        Mistake(
-            "along x",
-            _changed_measured(along_x=True),
-            "You move a post's foot along x. Its middle lies behind it as the robot looks at it: the radius goes onto the range.",
-        ),
-        Mistake(
-            "one for all",
-            lambda posts, corners, view: [
-                each
-                for pixels, found in ((posts, _measured(posts, NO_PIXELS, view)), (corners, _measured(NO_PIXELS, corners, view)))
-                if len(found) == len(pixels)
-                for each in found
-            ],
-            "Where one point lies above the horizon you leave the others out, too. Look at each row by itself.",
-        ),
-        Mistake(
-            "bare tuples",
-            lambda posts, corners, view: [(each.bearing, each.range, each.kind) for each in _measured(posts, corners, view)],
-            "Your list holds tuples. Make a Measurement of each: Measurement(bearing, range, kind).",
-        ),
-        Mistake(
-            "an array",
-            lambda posts, corners, view: np.array(
-                [(each.bearing, each.range) for each in _measured(posts, corners, view)]
-            ).reshape(-1, 2),
-            "That is an array of bearings and ranges. A list of Measurement is wanted: each also has its kind.",
-        ),
-    ],
+    mistakes=catalogue("""
+        the horizon: np.isfinite(distance) => True
+            A point at or above the horizon has no place on the ground. pixel_to_ground returns NaN for it, and a Measurement does not accept NaN. Leave such points out.
+        kinds exchanged: (posts, "post", => (posts, "corner",
+            (corners, "corner", => (corners, "post",
+            Your kinds are exchanged: `posts` have the kind "post" and `corners` the kind "corner".
+        all are corners: distance + radius, kind => distance + radius
+            All your measurements are corners, because that is the default kind of a Measurement. Pass "post" for the posts.
+        the post's front, and the horizon: distance + radius => distance
+            np.isfinite(distance) => True
+            Two details are missing. Add POST_RADIUS to the range of each post, because the camera sees its front. Leave out points at or above the horizon: their range is NaN, which a Measurement does not accept.
+        all are corners, at the post's front: distance + radius, kind => distance
+            Posts need two things that are missing: their kind, "post", and POST_RADIUS added to their range. Convert posts and corners separately.
+        rows instead of measurements: + return np.concatenate([ground_to_measurement(pixel_to_ground(each, view)) for each in (posts, corners)])
+            You return an array of bearings and ranges. Make a Measurement of each row, Measurement(bearing, range, kind), and return them in a list.
+        the post's front: distance + radius => distance
+            Almost right, but the camera sees the front of a post, and the map holds its centre. Add POST_RADIUS to the range of each post.
+        too near: distance + radius => abs(distance - radius)
+            You subtract the post's radius. The centre is farther away than the front, so add it.
+        the diameter: distance + radius => distance + 2 * radius
+            You add the post's diameter. The centre is one radius behind the front: POST_RADIUS once.
+        corners have no radius: "corner", 0.0 => "corner", POST_RADIUS
+            You add the radius to corners as well. A corner is a point on the ground.
+        radius of the wrong kind: (posts, "post", POST_RADIUS) => (posts, "post", 0.0)
+            "corner", 0.0 => "corner", POST_RADIUS
+            You add the radius to the corners and not to the posts. It belongs to the posts.
+        x and y: ground_to_measurement(pixel_to_ground(pixels, view)) => pixel_to_ground(pixels, view)
+            distance + radius => abs(distance)
+            You use x and y on the ground as bearing and range. Convert them with ground_to_measurement.
+        the paper's angles: + paper_bearing, paper_distance = earlier("04:paper_bearing"), earlier("04:paper_distance")
+            ground_to_measurement(pixel_to_ground(pixels, view)) => np.stack([f(pixels, view) for f in (paper_bearing, paper_distance)], axis=1)
+            np.isfinite(distance) => distance > 0
+            These are the paper's distances, which start below the camera and ignore the head's yaw. Use pixel_to_ground instead.
+        to the right: Measurement(bearing => Measurement(-bearing
+            Your bearings have the wrong sign. A bearing is positive to the left.
+        degrees: Measurement(bearing => Measurement(np.degrees(bearing)
+            Your bearings are in degrees. A Measurement has radians.
+        corners forgotten: , (corners, "corner", 0.0)) => ,)
+            Your list has no corners.
+        posts forgotten: (posts, "post", POST_RADIUS), (corners, "corner", 0.0) => (corners, "corner", 0.0),
+            Your list has no posts.
+        range before bearing: (bearing, distance + radius, kind) => (distance + radius, bearing, kind)
+            Range and bearing are exchanged. The order is Measurement(bearing, range, kind).
+        along x: pixel_to_ground(pixels, view) => pixel_to_ground(pixels, view) + (radius, 0)
+            distance + radius => distance
+            You shift a post's foot along x. Its centre is behind the front as seen from the robot, so add the radius to the range.
+        one for all: np.isfinite(distance) => np.isfinite(pixel_to_ground(pixels, view)).all()
+            If one point is above the horizon you leave out the others as well. Test each row by itself.
+        bare tuples: Measurement(bearing => (bearing
+            Your list holds tuples. Make a Measurement of each: Measurement(bearing, range, kind).
+    """),
     alternatives={
-        "all at once": _measured_at_once,
-        "another order, a tuple": _measured_corners_first,
-        "complex numbers": _measured_by_complex,
+        "all at once": _measured,
+        "another order, a tuple": lambda *given: tuple(_measured(*given)[::-1]),
+        "complex numbers": _by_complex,
     },
     equivalents={
-        "for pixels, kind, radius in ((corners, 'corner', 0.0), (posts, 'post', POST_RADIUS)):": "any order will do",
+        "for pixels, kind, radius in ((corners, 'corner', 0.0), (posts, 'post', POST_RADIUS)):": "any order will do"
     },
 )
 
 
 # --- 11.2 measure ---
+def _seen(lightness: Any, answer: Any = list, *blur: float) -> Any:
+    def function(picture: Any, view: CameraView) -> Any:
+        labels = color_labels(picture, GREEN, YELLOW, white_threshold(lightness(picture)), *blur)
+        return answer(_measured(find_goalposts(labels), find_corners(labels), view))
+
+    return function
 
 
-def _seen(picture: Any, view: CameraView, **changed: Any) -> Any:
-    green, yellow = changed.get("limits", (GREEN, YELLOW))
-    mean = changed.get("mean", lambda one: rgb_to_hsl(one)[2].mean())(picture)
-    labels = color_labels(picture, green, yellow, changed.get("threshold", white_threshold)(float(mean)))
-    posts, corners = find_goalposts(labels.copy()), find_corners(labels.copy())
-    if changed.get("rows"):
-        posts, corners = posts[:, ::-1], corners[:, ::-1]
-    if changed.get("exchanged"):
-        posts, corners = corners, posts
-    if changed.get("no_posts"):
-        posts = NO_PIXELS
-    if changed.get("no_corners"):
-        corners = NO_PIXELS
-    return _measured(posts, corners, changed.get("view", lambda one: one)(view))
-
-
-def _changed_seen(**changed: Any) -> Any:
-    return lambda picture, view: _seen(picture, view, **changed)
-
-
-def _seen_by_numbers(picture: Any, view: CameraView) -> Any:
-    """The mean lightness by NumPy alone."""
-    return _measured(*_found(picture, np.mean([picture.max(axis=2), picture.min(axis=2)])), view)
-
-
-def _found(picture: Any, lightness: float) -> tuple[Any, Any]:
-    """Posts and corners at a mean lightness."""
-    bands = (GREEN, YELLOW, white_threshold(lightness))
-    labels = color_labels(picture, *bands)
-    return find_goalposts(labels), find_corners(labels)
-
-
-def _seen_by_a_sample(picture: Any, view: CameraView) -> Any:
-    """The mean lightness of every seventh pixel."""
-    return tuple(_measured(*_found(picture, rgb_to_hsl(picture)[2].ravel()[::7].mean()), view))
-
-
-def _seen_corners_first(picture: Any, view: CameraView) -> Any:
-    labels = color_labels(picture, GREEN, YELLOW, white_threshold(rgb_to_hsl(picture)[2].mean()), 0.16)
-    corners, posts = find_corners(labels, 5, 40), find_goalposts(labels)
-    return _measured(NO_PIXELS, corners, view) + _measured(posts, NO_PIXELS, view)
-
-
-# From here the reference finds what is to be found: corners, posts, both of them.
+# From these places the reference finds corners, posts, or both.
 PLACES = [
     (1.77, 0.57, -0.91),
     (1.2, -0.38, -0.62),
@@ -357,11 +211,10 @@ PLACES = [
 
 
 def _pictures_public() -> list[Case]:
-    named = ("a post and two corners", "a post and four corners", "two posts", "one post, two corners")
-    cases = [Case((Pose(*place), 0.0), name) for place, name in zip(PLACES, named, strict=False)]
+    named = {0: "a post and two corners", 1: "a post and four corners", 3: "one post, two corners"}
+    cases = [Case((Pose(*PLACES[number]), 0.0), name) for number, name in named.items()]
     return [
         *cases,
-        Case((Pose(1.77, 0.57, -1.31), 0.4), "the first again, the body turned to the right and the head to the left"),
         Case((Pose(0.6, 0.5, -0.25), 0.0, 0.6), "two posts in poor light"),
         Case((Pose(0.5, 0.0, 3.0), 0.0), "nothing to see"),
     ]
@@ -372,237 +225,116 @@ def _pictures_hidden(rng: np.random.Generator) -> list[Case]:
     for number in rng.permutation(len(PLACES))[:6]:
         x, y, theta = PLACES[number] + rng.normal(0.0, 0.01, 3)
         yaw = float(rng.uniform(-0.5, 0.5))
-        cases.append(Case((Pose(x, y, theta - yaw), yaw, float(rng.uniform(0.7, 1.0)), int(rng.integers(100)))))
+        light, seed = float(rng.uniform(0.7, 1.0)), int(rng.integers(100))
+        cases.append(Case((Pose(x, y, theta - yaw), yaw, light, seed)))
     return cases
 
 
 MEASURE = Exercise(
     name="measure",
     points=2,
-    stars=1,
-    uses=(
+    uses=[
         "measurements_from_pixels",
         "01:rgb_to_hsl",
         "01:white_threshold",
         "01:color_labels",
         "02:find_goalposts",
         "03:find_corners",
-    ),
+    ],
     public=_pictures_public,
     hidden=_pictures_hidden,
     driver="nao_course.lessons.slam_on_the_field.drivers:on_taken_picture",
     comparison=Unordered(Close(rtol=0.0, atol=(0.02, 0.15), period=(TURN, 0))),
     hints=(
-        "The order of the paper's section 4: lightness, threshold, labels; feet and corners in the labels; then exercise 11.1.",
-        "rgb_to_hsl(picture) returns hue, saturation, lightness. Its mean goes into white_threshold, and that with GREEN and YELLOW into color_labels.",
+        "Follow the order of the paper's section 4: lightness, threshold, labels; then posts and corners in the labels; then exercise 11.1.",
+        "rgb_to_hsl(picture) returns hue, saturation and lightness. Pass the mean lightness to white_threshold, and its result with GREEN and YELLOW to color_labels.",
     ),
-    mistakes=[
-        Mistake(
-            "rows for columns",
-            _changed_seen(rows=True),
-            "Your points are (row, column). Lessons 02 and 03 give (u, v), which is what pixel_to_ground wants: hand them on as they are.",
-        ),
-        Mistake(
-            "posts for corners",
-            _changed_seen(exchanged=True),
-            "Your posts are corners, and your corners posts: look at the order of the arguments of measurements_from_pixels.",
-        ),
-        Mistake("no posts", _changed_seen(no_posts=True), "Your posts are missing: find_goalposts finds their feet in the labels."),
-        Mistake("no corners", _changed_seen(no_corners=True), "Your corners are missing: find_corners finds them in the labels."),
-        Mistake(
-            "a fixed threshold",
-            _changed_seen(threshold=lambda mean: 120.0),
-            "Your threshold is 120 or little more, and that is carpet: white_threshold takes the picture's mean lightness, from 0 to 255.",
-        ),
-        Mistake(
-            "the mean of all numbers",
-            _changed_seen(mean=np.mean),
-            "You average red, green and blue. The threshold wants the mean lightness: the third answer of rgb_to_hsl.",
-        ),
-        Mistake(
-            "the mean hue",
-            _changed_seen(mean=lambda picture: rgb_to_hsl(picture)[0].mean()),
-            "You average the hue. rgb_to_hsl returns hue, saturation, lightness; the threshold wants the last.",
-        ),
-        Mistake(
-            "the median",
-            _changed_seen(mean=lambda picture: np.median(rgb_to_hsl(picture)[2])),
-            "You take the median of the lightness. Equation 1.4 has the mean.",
-        ),
-        Mistake(
-            "the largest channel",
-            _changed_seen(mean=lambda picture: picture.max(axis=2).mean()),
-            "You average the largest of red, green and blue. Lightness is the middle between the largest and the smallest.",
-        ),
-        Mistake(
-            "a threshold of its own",
-            _changed_seen(threshold=lambda mean: 180.0),
-            "Your threshold is a constant. It follows the picture's mean lightness, so that it holds in poor light, too.",
-        ),
-        Mistake(
-            "the mean as threshold",
-            _changed_seen(threshold=lambda mean: mean),
-            "You take the mean lightness itself for the threshold. white_threshold makes one of it.",
-        ),
-        Mistake(
-            "nothing at all",
-            lambda picture, view: [],
-            "Nothing is found anywhere. Do green and yellow stand in this order in your call of color_labels? Are the labels handed on, and is the list returned?",
-        ),
-    ],
+    mistakes=catalogue("""
+        rows for columns: find_goalposts(labels) => find_goalposts(labels)[:, ::-1]
+            find_corners(labels) => find_corners(labels)[:, ::-1]
+            Your points are (row, column). Lessons 02 and 03 return (u, v), and pixel_to_ground needs (u, v): pass them on unchanged.
+        posts for corners: find_goalposts(labels), find_corners(labels) => find_corners(labels), find_goalposts(labels)
+            Posts and corners are exchanged. The first argument of measurements_from_pixels is the posts, the second the corners.
+        no posts: find_goalposts(labels) => np.zeros((0, 2))
+            Your list has no posts. find_goalposts finds their feet in the labels.
+        no corners: find_corners(labels) => np.zeros((0, 2))
+            Your list has no corners. find_corners finds them in the labels.
+        a fixed threshold: white_threshold(rgb_to_hsl(picture)[2].mean()) => 120.0
+            Your threshold is 120 or little more, so parts of the carpet count as white. Use white_threshold with the picture's mean lightness, from 0 to 255.
+        the mean of all numbers: rgb_to_hsl(picture)[2] => picture
+            You average red, green and blue. The threshold needs the mean lightness, and rgb_to_hsl returns the lightness third.
+        a threshold for each pixel: rgb_to_hsl(picture)[2].mean() => rgb_to_hsl(picture)[2]
+            You pass the lightness of all pixels to white_threshold, so each pixel gets its own threshold. Pass the mean, one number for the whole picture.
+        the mean hue: rgb_to_hsl(picture)[2] => rgb_to_hsl(picture)[0]
+            You average the hue. rgb_to_hsl returns hue, saturation and lightness, and the threshold needs the last.
+        the median: rgb_to_hsl(picture)[2].mean() => np.median(rgb_to_hsl(picture)[2])
+            You use the median of the lightness. Equation 1.4 uses the mean.
+        the largest channel: rgb_to_hsl(picture)[2] => picture.max(axis=2)
+            You average the largest of red, green and blue. The lightness is halfway between the largest and the smallest.
+        the mean as threshold: white_threshold(rgb_to_hsl(picture)[2].mean()) => rgb_to_hsl(picture)[2].mean()
+            You use the mean lightness itself as the threshold. Pass it to white_threshold first.
+        nothing at all: + return []
+            Your list is always empty. Is the order in color_labels green, then yellow? Do you pass the labels on and return the list?
+    """),
     alternatives={
-        "NumPy's lightness": _seen_by_numbers,
-        "every seventh pixel": _seen_by_a_sample,
-        "corners first": _seen_corners_first,
+        "NumPy's lightness": _seen(lambda picture: np.mean([picture.max(axis=2), picture.min(axis=2)])),
+        "every seventh pixel": _seen(lambda picture: rgb_to_hsl(picture)[2].ravel()[::7].mean(), tuple),
+        "corners first": _seen(
+            lambda picture: rgb_to_hsl(picture)[2].mean(), lambda found: found[::-1], 0.16
+        ),
     },
 )
 
 
 # --- 11.3 joint_distance ---
-
-
-def _expected(pose: Any, landmark: Any) -> tuple[Array, Array]:
-    """Bearing and range (2,) of a landmark, and their slopes by pose and landmark, (2, 5)."""
-    dx, dy = landmark[0] - pose[0], landmark[1] - pose[1]
-    r = max(np.hypot(dx, dy), 1e-9)
-    by_landmark = np.array([[-dy / r**2, dx / r**2], [dx / r, dy / r]])
-    values = np.array([wrap_angle(np.arctan2(dy, dx) - pose[2]), r])
-    return values, np.column_stack([-by_landmark, [-1.0, 0.0], by_landmark])
-
-
-def _distance(state: Any, covariance: Any, indices: Any, measurements: Any, R: Any, **changed: Any) -> float:
-    """Mahalanobis distance of all pairs together, with one thing done in another way."""
-    state, P, R = np.asarray(state), np.asarray(covariance), np.asarray(R)
-    least = 1 if changed.get("zero_out") else 0
-    paired = [i for i in range(len(indices)) if indices[i] >= least or changed.get("minus_one")]
-    if changed.get("infinite") and not paired:
-        return float("inf")
-    innovation, H = np.zeros(2 * len(paired)), np.zeros((2 * len(paired), len(state)))
-    for n, i in enumerate(paired):
-        j = 3 + 2 * int(indices[i])
-        j = j if j >= 3 else len(state) - 2
-        landmark = state[j : j + 2]
-        values, slopes = _expected(state[:3], landmark)
-        rows, seen = slice(2 * n, 2 * n + 2), measurements[n if changed.get("first_seen") else i]
-        innovation[rows] = np.array([seen.bearing, seen.range]) - values
-        if changed.get("range_first"):
-            innovation[rows], slopes = innovation[rows][::-1], slopes[::-1]
-        if changed.get("other_sign"):
-            innovation[2 * n] *= -1
-        j = 3 + 2 * n if changed.get("packed") else j
-        H[rows, :3], H[rows, j : j + 2] = slopes[:, :3], slopes[:, 3:]
-    if not changed.get("unwrapped"):
-        bearings = slice(1 if changed.get("range_first") else 0, None, 2)
-        innovation[bearings] = wrap_angle(innovation[bearings])
-    if changed.get("no_pose"):
-        H[:, :3] = 0
-    if changed.get("no_landmark"):
-        H[:, 3:] = 0
-    if changed.get("no_cross"):
-        P = P.copy()
-        P[:3, 3:] = P[3:, :3] = 0
-    own = np.array([2 * i + c for i in paired for c in (0, 1)], dtype=int)
-    first = np.arange(2 * len(paired))
-    noise = R[np.ix_(first, first)] if changed.get("first_rows") else R[np.ix_(own, own)]
-    if changed.get("R_by_blocks"):
-        noise = noise * np.kron(np.eye(len(paired)), np.ones((2, 2)))
-    if changed.get("R_diagonal"):
-        noise = np.diag(np.diag(noise))
-    S = H @ P @ H.T + (0 if changed.get("no_R") else noise)
-    if changed.get("R_alone"):
-        S = noise
-    if changed.get("apart"):
-        S = S * np.kron(np.eye(len(paired)), np.ones((2, 2)))
-    if changed.get("diagonal"):
-        S = np.diag(np.diag(S))
-    if changed.get("times"):
-        return float(np.sqrt(innovation @ S @ innovation))
-    square = float(innovation @ np.linalg.solve(S, innovation))
-    if changed.get("mean"):
-        square /= max(len(paired), 1)
-    return square if changed.get("squared") else float(np.sqrt(square))
-
-
-def _changed_distance(**changed: Any) -> Any:
-    return lambda state, covariance, indices, measurements, measurement_covariance: _distance(
-        state, covariance, indices, measurements, measurement_covariance, **changed
-    )
-
-
-def _distance_by_cholesky(state: Any, covariance: Any, indices: Any, measurements: Any, measurement_covariance: Any) -> Any:
-    """Only the columns of P that count; whitened."""
-    rows, columns, off, slopes = [], [0, 1, 2], [], []
-    for i, j in enumerate(indices):
-        if j == -1:
-            continue
-        values, own = _expected(state[:3], state[3 + 2 * j : 5 + 2 * j])
-        rows += [2 * i, 2 * i + 1]
-        columns += [3 + 2 * j, 4 + 2 * j]
-        off += [wrap_angle(measurements[i].bearing - values[0]), measurements[i].range - values[1]]
-        slopes.append(own)
-    if not slopes:
-        return 0.0
-    H = np.zeros((len(rows), len(columns)))
-    for n, own in enumerate(slopes):
-        H[2 * n : 2 * n + 2, :3], H[2 * n : 2 * n + 2, 3 + 2 * n : 5 + 2 * n] = own[:, :3], own[:, 3:]
-    S = H @ covariance[columns][:, columns] @ H.T + measurement_covariance[rows][:, rows]
-    return np.linalg.norm(np.linalg.solve(np.linalg.cholesky(S), np.array(off)))
-
-
-def _distance_by_inverse(state: Any, covariance: Any, indices: Any, measurements: Any, measurement_covariance: Any) -> Any:
+def _linear(state: Any, indices: Any, measurements: Any) -> tuple[Array, Array, Array]:
+    """Return rows in R, innovation and H of the measurements that have a partner."""
     pairs = [(i, int(j)) for i, j in enumerate(indices) if j >= 0]
-    if not pairs:
-        return 0
-    known = [_expected(state[:3], state[3 + 2 * j : 5 + 2 * j]) for _, j in pairs]
-    H = np.zeros((len(pairs), 2, len(state)))
-    for n, (_, j) in enumerate(pairs):
-        H[n][:, [0, 1, 2, 3 + 2 * j, 4 + 2 * j]] = known[n][1]
-    chosen = np.array([measurements[i].bearing for i, _ in pairs]), np.array([measurements[i].range for i, _ in pairs])
-    off = np.column_stack(chosen) - [values for values, _ in known]
-    off[:, 0] = np.angle(np.exp(1j * off[:, 0]))
-    rows = np.ravel([(2 * i, 2 * i + 1) for i, _ in pairs])
-    flat = H.reshape(-1, len(state))
-    information = np.linalg.inv(flat @ covariance @ flat.T + measurement_covariance[np.ix_(rows, rows)])
-    return float(np.einsum("i,ij,j->", off.ravel(), information, off.ravel()) ** 0.5)
+    off, H = np.zeros((len(pairs), 2)), np.zeros((len(pairs), 2, len(state)))
+    for n, (i, j) in enumerate(pairs):
+        pose, landmark = state[:3], state[3 + 2 * j : 5 + 2 * j]
+        off[n] = [measurements[i].bearing, measurements[i].range] - range_and_bearing(pose, landmark)
+        H[n][:, :3] = measurement_jacobian_pose(pose, landmark)
+        H[n][:, 3 + 2 * j : 5 + 2 * j] = measurement_jacobian_landmark(pose, landmark)
+    off[:, 0] = wrap_angle(off[:, 0])
+    rows = np.array([2 * i + c for i, _ in pairs for c in (0, 1)], dtype=int)
+    return rows, off.ravel(), H.reshape(-1, len(state))
 
 
-def _distance_with_unknown_ones(state: Any, covariance: Any, indices: Any, measurements: Any, measurement_covariance: Any) -> Any:
-    """All measurements stay; those without a partner get an enormous noise."""
-    m = len(indices)
-    H, off = np.zeros((2 * m, len(state))), np.zeros(2 * m)
-    R = np.array(measurement_covariance, dtype=float).reshape(2 * m, 2 * m)
-    for i, j in enumerate(indices):
-        rows = np.s_[2 * i : 2 * (i + 1)]
-        if j < 0:
-            R[rows], R[:, rows] = 0, 0
-            R[rows, rows] = np.eye(2)
-            continue
-        values, slopes = _expected(state[:3], state[3 + 2 * j : 5 + 2 * j])
-        off[rows] = wrap_angle(measurements[i].bearing - values[0]), measurements[i].range - values[1]
-        H[rows, :3], H[rows, 3 + 2 * j : 5 + 2 * j] = slopes[:, :3], slopes[:, 3:]
-    return np.sqrt(off @ np.linalg.lstsq(H @ covariance @ H.T + R, off)[0]) if m else 0.0
+def _distance(length: Any) -> Any:
+    """Make a distance from a length of an innovation with covariance S."""
+
+    def function(state: Any, covariance: Any, indices: Any, measurements: Any, R: Any) -> Any:
+        rows, off, H = _linear(state, indices, measurements)
+        return length(H @ covariance @ H.T + R[np.ix_(rows, rows)], off)
+
+    return function
 
 
-def spread(rng: np.random.Generator, size: int, scale: float) -> Array:
-    """A covariance (size, size) whose values are correlated, with standard deviations around `scale`."""
+_by_cholesky = _distance(lambda S, off: np.linalg.norm(np.linalg.solve(np.linalg.cholesky(S), off)))
+
+
+def random_covariance(rng: np.random.Generator, size: int, scale: float) -> Array:
+    """Draw a covariance (size, size) with correlations and standard deviations around `scale`."""
     root = rng.normal(0.0, 0.35, (size, size)) + np.eye(size) * rng.uniform(0.6, 1.2, size)
     return scale**2 * (root @ root.T)
 
 
-def _belief(rng: np.random.Generator, pose: Array, landmarks: Array, scale: float) -> tuple[Array, Array]:
-    """A state and its covariance: the pose's error is in all landmarks, and each has one of its own."""
+def _estimate_of(
+    rng: np.random.Generator, pose: Array, landmarks: Array, scale: float
+) -> tuple[Array, Array]:
+    """Return a state and its covariance: all landmarks share the pose's error, and each has one of its own."""
     n = 3 + landmarks.size
     away = landmarks - pose[:2]
-    shared = np.zeros((n, 3))
-    shared[:3] = np.eye(3)
-    shared[3::2, 0], shared[4::2, 1] = 1.0, 1.0
+    shared = np.eye(n, 3)
+    shared[3::2, 0] = shared[4::2, 1] = 1.0
     shared[3:, 2] = np.stack([-away[:, 1], away[:, 0]], axis=1).ravel()
-    covariance = spread(rng, n, 0.04) + 0.8 * shared @ spread(rng, 3, scale) @ shared.T
+    covariance = random_covariance(rng, n, 0.04) + 0.8 * shared @ random_covariance(rng, 3, scale) @ shared.T
     return np.concatenate([pose, landmarks.ravel()]), covariance
 
 
 def _crowd(rng: np.random.Generator, k: int) -> tuple[Array, Array, list[LandmarkKind]]:
-    """A pose, k landmarks of which some are near each other, and their kinds."""
+    """Draw a pose, k landmarks with some close pairs, and their kinds."""
     pose = np.array([*rng.uniform(-2, 2, 2), rng.uniform(-3, 3)])
     r, direction = rng.uniform(0.8, 3.0, k), rng.uniform(-np.pi, np.pi, k)
     landmarks = pose[:2] + np.column_stack([r * np.cos(direction), r * np.sin(direction)])
@@ -611,24 +343,22 @@ def _crowd(rng: np.random.Generator, k: int) -> tuple[Array, Array, list[Landmar
     return pose, landmarks, [KINDS[int(rng.integers(2))] for _ in range(k)]
 
 
-def _sight(rng: np.random.Generator, k: int, m: int, off: float = 1.0) -> tuple[Array, Array, Any, Any, Array, Array]:
-    """State, covariance, kinds, measurements, R, and of which landmark each is; all off by as much as they say."""
+def _picture(rng: np.random.Generator, k: int, m: int, off: float = 1.0) -> tuple[Any, ...]:
+    """Draw state, covariance, kinds, measurements, R and true landmarks, with errors of the stated size."""
     pose, landmarks, kinds = _crowd(rng, k)
-    state, P = _belief(rng, pose, landmarks, 0.08)
-    R = spread(rng, 2 * m, 0.06)
+    state, P = _estimate_of(rng, pose, landmarks, 0.08)
+    R = random_covariance(rng, 2 * m, 0.06)
     true = state + off * np.linalg.cholesky(P) @ rng.standard_normal(len(state))
     numbers = rng.permutation(k)[:m] if m <= k else rng.integers(0, k, m)
     values = range_and_bearing(true[:3], true[3:].reshape(-1, 2)[numbers])
     values = values + (np.linalg.cholesky(R) @ rng.standard_normal(2 * m)).reshape(-1, 2)
-    measurements = [
-        Measurement(float(b), float(max(r, 0.1)), kinds[i]) for (b, r), i in zip(values, numbers, strict=True)
-    ]
-    return state, P, kinds, measurements, R, numbers
+    seen = [Measurement(b, max(r, 0.1), kinds[i]) for (b, r), i in zip(values.tolist(), numbers, strict=True)]
+    return state, P, kinds, seen, R, numbers
 
 
 def _set_case(rng: np.random.Generator, k: int, m: int, left_out: int = 0, name: str = "") -> Case:
-    """A look at m of k landmarks, some of them left out."""
-    state, P, _, measurements, R, numbers = _sight(rng, k, m)
+    """Make a case of m of k landmarks, some of them without a partner."""
+    state, P, _, measurements, R, numbers = _picture(rng, k, m)
     indices = [int(number) for number in numbers]
     for i in rng.permutation(m)[:left_out]:
         indices[i] = -1
@@ -636,7 +366,7 @@ def _set_case(rng: np.random.Generator, k: int, m: int, left_out: int = 0, name:
 
 
 def _behind(rng: np.random.Generator) -> tuple[Array, list[Measurement]]:
-    """A state with a landmark straight behind, and a look at it on the other side of the half turn."""
+    """Return a state with a landmark straight behind, and its measurement on the other side of the half turn."""
     heading, r, off = rng.uniform(-3, 3), rng.uniform(1, 3), rng.uniform(0.01, 0.03)
     back = heading + np.pi - off
     state = np.array([0.0, 0.0, heading, r * np.cos(back), r * np.sin(back)])
@@ -645,23 +375,25 @@ def _behind(rng: np.random.Generator) -> tuple[Array, list[Measurement]]:
 
 def _distance_public() -> list[Case]:
     rng = np.random.default_rng(1133)
-    straight = np.array([0.0, 0.0, 0.0, 2.0, 0.0])
     state, back = _behind(rng)
-    simple = (straight, 0.01 * np.eye(5), [0], [Measurement(0.1, 2.2)], np.diag([0.0025, 0.01]))
+    simple = (2.0 * np.eye(5)[3], 0.01 * np.eye(5), [0], [Measurement(0.1, 2.2)], np.diag([0.0025, 0.01]))
     return [
         Case(simple, "one landmark, 2 m straight ahead"),
         Case((state, 0.01 * np.eye(5), [0], back, np.diag([0.01, 0.01])), "straight behind the robot"),
         _set_case(rng, 4, 2, 0, "two pairs"),
         _set_case(rng, 5, 3, 1, "two pairs, a measurement between them without a partner"),
         _set_case(rng, 6, 4, 0, "four pairs"),
-        Case((straight, 0.01 * np.eye(5), [-1], [Measurement(0.1, 2.2)], np.diag([0.0025, 0.01])), "no pair at all"),
+        Case((*simple[:2], [-1], *simple[3:]), "no pair at all"),
     ]
 
 
 def _distance_hidden(rng: np.random.Generator) -> list[Case]:
     state, back = _behind(rng)
     return [
-        *(_set_case(rng, k, m, out) for k, m, out in ((1, 1, 0), (4, 2, 0), (5, 4, 2), (8, 5, 1), (10, 6, 0))),
+        *(
+            _set_case(rng, k, m, out)
+            for k, m, out in ((1, 1, 0), (4, 2, 0), (5, 4, 2), (8, 5, 1), (10, 6, 0))
+        ),
         Case((state, 0.01 * np.eye(5), [0], back, np.diag([0.01, 0.01]))),
         _set_case(rng, 3, 2, 2),
     ]
@@ -672,110 +404,99 @@ JOINT_DISTANCE = Exercise(
     in_place=True,
     points=3,
     stars=2,
-    uses=(
+    uses=[
         "07:warp2pi",
         "05:expected_measurement",
         "05:measurement_jacobian_pose",
         "05:measurement_jacobian_landmark",
-    ),
+    ],
     public=_distance_public,
     hidden=_distance_hidden,
     comparison=Close(rtol=1e-4, atol=1e-6),
     hints=(
-        "It is your update_landmarks up to S: innovation and H of the pairs, then one number of them.",
-        "First list the places that have a partner. Their rows of measurement_covariance are 2 i and 2 i + 1: np.ix_ takes them. Without a pair, the arrays are empty, and so is the sum.",
+        "It is your update_landmarks up to S: stack innovation and H of all pairs, then compute one number from them.",
+        "First list the measurements that have a partner. Measurement i has the rows and columns 2 i and 2 i + 1 of measurement_covariance, and np.ix_ selects them. Without a pair all arrays are empty, so the sum is 0.",
     ),
-    mistakes=[
-        Mistake("no root", _changed_distance(squared=True), "That is the square. The distance is its root: a gate is in standard deviations."),
-        Mistake(
-            "bearings not wrapped",
-            _changed_distance(unwrapped=True),
-            "Straight behind the robot your bearing is off by a full turn: the innovation has to be wrapped.",
-        ),
-        Mistake("the noise alone", _changed_distance(R_alone=True), "Your S is R alone. Pose and landmarks are doubtful, too: H P Hᵀ + R."),
-        Mistake("without the noise", _changed_distance(no_R=True), "You leave the measurements' own noise out: S = H P Hᵀ + R."),
-        Mistake(
-            "the first rows of R",
-            _changed_distance(first_rows=True),
-            "Where a measurement has no partner, your R is that of others: take the rows and columns 2 i and 2 i + 1 of the measurements that have one.",
-        ),
-        Mistake(
-            "each by itself",
-            _changed_distance(apart=True),
-            "You judge each pair by itself. One error of the pose, and one tilt, moves all of them together: that is what the blocks off the diagonal of S hold.",
-        ),
-        Mistake(
-            "R in blocks",
-            _changed_distance(R_by_blocks=True),
-            "You take only the blocks on the diagonal of R. What lies beside them is the tilt that all measurements of a picture share.",
-        ),
-        Mistake(
-            "R's diagonal",
-            _changed_distance(R_diagonal=True),
-            "You take only the diagonal of R. What lies beside it is what the measurements of a picture share.",
-        ),
-        Mistake(
-            "the mean",
-            _changed_distance(mean=True),
-            "You take the mean over the pairs. Equation 11.3 adds up: many pairs together may lie farther away than one.",
-        ),
-        Mistake(
-            "columns in turn",
-            _changed_distance(packed=True),
-            "Your slopes stand in the columns of another landmark. Those of landmark j are 3 + 2 j and 4 + 2 j, as in the state.",
-        ),
-        Mistake(
-            "range before bearing",
-            _changed_distance(range_first=True),
-            "You put the range before the bearing, and R has the bearing first.",
-        ),
-        Mistake(
-            "the bearing's sign",
-            _changed_distance(other_sign=True),
-            "Your bearing's innovation has the other sign: it is the measured bearing less the expected one, as for the range.",
-        ),
-        Mistake(
-            "no landmark 0",
-            _changed_distance(zero_out=True),
-            "You leave landmark 0 out. It is one as well; only -1 means none.",
-        ),
-        Mistake(
-            "the first measurements",
-            _changed_distance(first_seen=True),
-            "Where a measurement has no partner, you take the measurements in turn for the pairs. Pair i is measurement i with landmark indices[i].",
-        ),
-        Mistake(
-            "infinitely far",
-            _changed_distance(infinite=True),
-            "Without a pair your distance is infinite. What is nowhere off has a distance of 0.",
-        ),
-        Mistake("variances alone", _changed_distance(diagonal=True), "You divide by the variances alone. S is a full matrix: np.linalg.solve(S, innovation)."),
-        Mistake("without the inverse", _changed_distance(times=True), "You multiply by S. What is expected to be large counts less: np.linalg.solve(S, innovation)."),
-        Mistake(
-            "pose and map apart",
-            _changed_distance(no_cross=True),
-            "You leave out what pose and landmarks have in common, P_pl. Take P as it is.",
-        ),
-        Mistake("a certain pose", _changed_distance(no_pose=True), "Your pose is certain: the first three columns of H are its slopes."),
-        Mistake("a certain map", _changed_distance(no_landmark=True), "Your landmarks are certain: H has two columns for each of them."),
-        Mistake(
-            "-1 as a number",
-            _changed_distance(minus_one=True),
-            "You look -1 up as if it were a landmark: Python counts from the end then. A measurement with -1 is left out.",
-        ),
-    ],
+    mistakes=catalogue("""
+        no root: np.sqrt(innovation @ np.linalg.solve(S, innovation)) => innovation @ np.linalg.solve(S, innovation)
+            You return the squared distance. Take its root, because a gate is in standard deviations.
+        bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
+            For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        the noise alone: S = H @ covariance @ H.T + => S =
+            Your S is R alone. Pose and landmarks are uncertain as well: S = H P Hᵀ + R.
+        without the noise: H.T + measurement_covariance[np.ix_(own, own)] => H.T
+            Your S lacks the noise of the measurements: S = H P Hᵀ + R.
+        the first rows of R: [2 * i + c for i in paired for c in (0, 1)] => range(2 * len(paired))
+            You use the first rows of R, even if those measurements have no partner. Measurement i has the rows and columns 2 i and 2 i + 1.
+        R's variances, by two lists: np.ix_(own, own) => own, own
+            measurement_covariance[rows, rows] returns only the numbers on its diagonal. A block needs np.ix_(rows, rows).
+        the whole R: if j >= 0] => if j >= 0]
+            + if not paired:
+            +     return 0.0
+            measurement_covariance[np.ix_(own, own)] => measurement_covariance
+            You use the whole R. If a measurement has no partner, leave out its two rows and columns with np.ix_.
+        the landmark's rows of R: 2 * i + c for i in paired => 2 * indices[i] + c for i in paired
+            You choose the rows of R by the landmark's number. R belongs to the measurements: measurement i has the rows and columns 2 i and 2 i + 1.
+        nothing to stack: if j >= 0] => if j >= 0]
+            + np.concatenate([measurements[i] for i in paired] and [[0.0]])
+            Without a pair there is nothing to stack. Return 0.0 before you stack the arrays.
+        the sum of distances: return float(np.sqrt(innovation @ np.linalg.solve(S, innovation))) => blocks = [slice(2 * n, 2 * n + 2) for n in range(len(paired))]
+            + return float(sum(np.sqrt(innovation[b] @ np.linalg.solve(S[b, b], innovation[b])) for b in blocks))
+            You add the distances of the single pairs. The joint distance is one product with the whole S.
+        neighbouring rows of R: [2 * i + c for i in paired for c in (0, 1)] => [i + c for i in paired for c in (0, 1)]
+            You use the rows i and i + 1 of R for measurement i. Each measurement has two rows: 2 i and 2 i + 1.
+        bearings before ranges: [2 * i + c for i in paired for c in (0, 1)] => [i + c * len(measurements) for i in paired for c in (0, 1)]
+            You read R as if all bearings came first and then all ranges. Its order is bearing, range, bearing, range, so measurement i has the rows 2 i and 2 i + 1.
+        each by itself: S = H => S = H
+            + S = S * np.kron(np.eye(len(paired)), np.ones((2, 2)))
+            You judge each pair independently. One pose error and one tilt move all pairs together, and the blocks off the diagonal of S describe that. Use the whole S.
+        R in blocks: np.ix_(own, own)] => np.ix_(own, own)] * np.kron(np.eye(len(paired)), np.ones((2, 2)))
+            You use only the diagonal blocks of R. The other blocks hold the tilt that all measurements of a picture share.
+        R's diagonal: np.ix_(own, own)] => np.ix_(own, own)] * np.eye(len(own))
+            You use only the diagonal of R. The other entries hold what the measurements of a picture share.
+        the mean: solve(S, innovation) => solve(S, innovation) / max(len(paired), 1)
+            You divide by the number of pairs. Equation 11.3 has no mean: it sums over all pairs.
+        columns in turn: H[rows, columns] => H[rows, 3 + 2 * n : 5 + 2 * n]
+            Your landmark Jacobians are in the columns of another landmark. Landmark j has the columns 3 + 2 j and 4 + 2 j, as in the state.
+        range before bearing: innovation[::2] = warp2pi => innovation[::2] = warp2pi
+            + innovation, H = (each[np.arange(len(each)) ^ 1] for each in (innovation, H))
+            Your innovation has the range before the bearing. R has the bearing first.
+        the bearing's sign: warp2pi(innovation => -warp2pi(innovation
+            Your bearing innovation has the wrong sign. It is measured minus expected, as for the range.
+        no landmark 0: if j >= 0 => if j > 0
+            You leave out landmark 0. Only -1 means that there is no partner.
+        the first measurements: measurements[i] => measurements[n]
+            If a measurement has no partner, you use the wrong ones after it. Pair i is measurement i with landmark indices[i].
+        infinitely far: if j >= 0] => if j >= 0]
+            + if not paired:
+            +     return float("inf")
+            Without a pair you return infinity. There is nothing to disagree about, so the distance is 0.
+        variances alone: np.linalg.solve(S, innovation) => (innovation / np.diag(S))
+            You divide by the variances only. S is a full matrix, so use np.linalg.solve(S, innovation).
+        without the inverse: np.linalg.solve(S, innovation) => S @ innovation
+            You multiply by S instead of its inverse. Use np.linalg.solve(S, innovation).
+        pose and map apart: + covariance = covariance.copy()
+            + covariance[:3, 3:] = covariance[3:, :3] = 0
+            You drop P_pl, the covariance between pose and landmarks. Use P as it is.
+        a certain pose: measurement_jacobian_pose(state[:3], state[columns]) => 0
+            Your H ignores the pose's uncertainty. Its first three columns are the Jacobian with respect to the pose.
+        a certain map: measurement_jacobian_landmark(state[:3], state[columns]) => 0
+            Your H ignores the landmarks' uncertainty. Each landmark has two columns with its Jacobian.
+        -1 as a number: + indices = [j % (len(state) // 2 - 1) for j in indices]
+            You use -1 as an index, and Python then counts from the end. Leave out measurements with -1.
+    """),
     alternatives={
-        "few columns, Cholesky": _distance_by_cholesky,
-        "the inverse": _distance_by_inverse,
-        "all measurements kept": _distance_with_unknown_ones,
+        "Cholesky": _by_cholesky,
+        "the inverse": _distance(
+            lambda S, off: float(np.einsum("i,ij,j->", off, np.linalg.inv(S), off) ** 0.5)
+        ),
+        "least squares": _distance(lambda S, off: np.sqrt(off @ np.linalg.lstsq(S, off)[0])),
     },
     equivalents={
-        **dict.fromkeys(
-            ("own = [2 * i | c for i in paired for c in (0, 1)]", "own = [2 * i ^ c for i in paired for c in (0, 1)]"),
-            "2 i is even: or, and exclusive or, add c",
-        ),
+        "own = [2 * i | c for i in paired for c in (0, 1)]": "2 i is even: or, and exclusive or, add c",
+        "own = [2 * i ^ c for i in paired for c in (0, 1)]": "2 i is even: or, and exclusive or, add c",
         **{
-            f"H[rows, {columns}] = measurement_jacobian_{name}(state[{part}], state[columns])": "slopes of bearing and range do not hang on the heading"
+            f"H[rows, {columns}] = measurement_jacobian_{name}(state[{part}], state[columns])": "bearing and range have derivatives that do not depend on the heading"
             for columns, name in ((":3", "pose"), ("columns", "landmark"))
             for part in (":4", ":2", ":", ":3 - 1")
         },
@@ -788,186 +509,87 @@ JOINT_DISTANCE = Exercise(
 
 
 # --- 11.4 associate ---
-
-
-def _distances(state: Any, covariance: Any, kinds: Any, measurements: Any, R: Any, **changed: Any) -> Array:
-    """Mahalanobis distances (m, k); infinite between kinds."""
-    R = np.asarray(R)
+def _distances(state: Any, covariance: Any, kinds: Any, measurements: Any, R: Any) -> Array:
+    """Return Mahalanobis distances (m, k), infinite between kinds."""
     found = np.full((len(measurements), len(kinds)), np.inf)
-    for i, seen in enumerate(measurements):
-        own = R[:2, :2] if changed.get("first_R") else R[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
-        for j, kind in enumerate(kinds):
-            if kind != seen.kind and not changed.get("any_kind"):
-                continue
-            if changed.get("metres"):
-                away = np.array([np.cos(state[2] + seen.bearing), np.sin(state[2] + seen.bearing)]) * seen.range
-                found[i, j] = np.hypot(*(state[:2] + away - state[3 + 2 * j : 5 + 2 * j]))
-                continue
-            found[i, j] = _distance(state, covariance, [j], [seen], own)
-    return found**2 if changed.get("squared") else found
+    for (i, j), _ in np.ndenumerate(found):
+        if kinds[j] == measurements[i].kind:
+            own = R[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
+            found[i, j] = _by_cholesky(state, covariance, [j], [measurements[i]], own)
+    return found
 
 
-def _nearest_first(distances: Array, gate: float) -> Array:
-    """The reference's rule: the closest pair first, each landmark once."""
-    distances = distances.copy()
-    indices = np.full(len(distances), -1)
-    while distances.size and distances.min() <= min(gate, 1e9):
-        i, j = np.unravel_index(distances.argmin(), distances.shape)
-        indices[i] = j
-        distances[i], distances[:, j] = np.inf, np.inf
-    return indices
+def _associated(rule: Any) -> Any:
+    return lambda *given: rule(_distances(*given[:5]), given[5])
 
 
-def _shared(distances: Array, gate: float) -> Array:
-    """Each measurement for itself: two may take one landmark."""
-    return np.array(
-        [int(row.argmin()) if len(row) and row.min() <= gate else -1 for row in distances], dtype=int
-    )
-
-
-def _in_turn(distances: Array, gate: float) -> Array:
-    """One measurement after the other, each landmark once."""
-    distances, indices = distances.copy(), np.full(len(distances), -1)
-    for i in range(len(distances)):
-        if distances.size and distances[i].min() <= gate:
-            indices[i] = distances[i].argmin()
-            distances[:, indices[i]] = np.inf
-    return indices
-
-
-def _no_second_choice(distances: Array, gate: float) -> Array:
-    """Each measurement's nearest alone counts; a landmark's second one is new."""
-    indices = np.full(len(distances), -1)
-    if distances.size == 0:
-        return indices
-    for i in np.argsort(distances.min(axis=1)):
-        j = int(distances[i].argmin())
-        if distances[i, j] <= gate and j not in indices:
-            indices[i] = j
-    return indices
-
-
-def _smallest_sum(distances: Array, gate: float) -> Array:
-    """The pairs whose distances have the smallest sum."""
-    indices = np.full(len(distances), -1)
-    for i, j in zip(*linear_sum_assignment(np.where(distances <= gate, distances, 1e6)), strict=True):
-        if distances[i, j] <= gate:
-            indices[i] = j
-    return indices
-
-
-def _only_mutual(distances: Array, gate: float) -> Array:
-    """Pairs of which each is the other's nearest."""
-    indices = np.full(len(distances), -1)
-    for i, row in enumerate(distances):
-        j = int(row.argmin()) if len(row) else -1
-        if j >= 0 and row[j] <= gate and distances[:, j].argmin() == i:
-            indices[i] = j
-    return indices
-
-
-def _first_come(distances: Array, gate: float) -> Array:
-    """Each measurement's nearest; who asks first keeps it."""
-    indices = np.full(len(distances), -1)
-    for i, wanted in enumerate(_shared(distances, gate)):
-        if wanted not in indices[:i]:
-            indices[i] = wanted
-    return indices
-
-
-def _together(state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float) -> Any:
-    return associate_jointly(state, covariance, kinds, measurements, measurement_covariance, gate)
-
-
-def _associated(rule: Any = _nearest_first, **changed: Any) -> Any:
-    def function(
-        state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float
-    ) -> Any:
-        distances = _distances(state, covariance, kinds, measurements, measurement_covariance, **changed)
-        return rule(distances, changed.get("gate", lambda one: one)(gate))
-
-    return function
-
-
-def _by_sorting(state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float) -> Any:
-    """A list of all pairs within the gate, sorted."""
-    distances = _distances(state, covariance, kinds, measurements, measurement_covariance)
-    indices = [-1] * len(measurements)
+def _sorted(distances: Array, gate: float) -> list[int]:
+    indices = [-1] * len(distances)
     for _, i, j in sorted((d, i, j) for (i, j), d in np.ndenumerate(distances) if d <= gate):
         if indices[i] == -1 and j not in indices:
             indices[i] = j
     return indices
 
 
-def _by_dict(state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float) -> Any:
-    """Landmarks and measurements that are still free, as sets."""
-    table = _distances(state, covariance, kinds, measurements, measurement_covariance)
-    free, found = (set(range(len(measurements))), set(range(len(kinds)))), dict[int, int]()
-    while free[0] and free[1]:
-        d, i, j = min((table[i, j], i, j) for i in free[0] for j in free[1])
-        if not d <= gate:
+def _in_sets(distances: Array, gate: float) -> Array:
+    """Associate with sets of the measurements and landmarks that are still free."""
+    rows, columns = map(set, map(range, distances.shape))
+    found = -np.ones(len(distances), dtype=int)
+    while rows and columns:
+        d, i, j = min((distances[i, j], i, j) for i in rows for j in columns)
+        if d > gate:
             break
         found[i] = j
-        free[0].remove(i)
-        free[1].remove(j)
-    return np.array([found.get(i, -1) for i in range(len(measurements))], dtype=int)
+        rows.remove(i)
+        columns.remove(j)
+    return found
 
 
-def _by_rounds(state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float) -> Any:
-    """Masked arrays, a round for each pair."""
-    distances = np.ma.masked_greater(_distances(state, covariance, kinds, measurements, measurement_covariance), gate)
-    indices = -np.ones(len(measurements), dtype=np.int32)
-    while distances.count():
-        i, j = divmod(int(np.ma.argmin(distances)), distances.shape[1])
+def _masked(distances: Array, gate: float) -> Array:
+    left = np.ma.masked_greater(distances, gate)
+    indices = -np.ones(len(left), dtype=np.int32)
+    while left.count():
+        i, j = divmod(int(np.ma.argmin(left)), left.shape[1])
         indices[i] = j
-        distances[i, :] = np.ma.masked
-        distances[:, j] = np.ma.masked
+        left[i, :] = left[:, j] = np.ma.masked
     return indices
 
 
-def _crowd_case(rng: np.random.Generator, k: int, m: int, gate: float, name: str = "", off: float = 1.0) -> Case:
-    return Case((*_sight(rng, k, m, off)[:5], gate), name)
+def _crowd_case(rng: Any, k: int, m: int, gate: float, off: float = 1.0, name: str = "") -> Case:
+    return Case((*_picture(rng, k, m, off)[:5], float(gate)), name)
 
 
 # Seed, landmarks, measurements, gate: chosen so that no two mistakes answer all of these alike.
-CROWDS = ((275, 10, 8, 3.0), (296, 6, 4, 3.0), (1, 8, 5, 3.0), (2, 8, 6, 2.0), (365, 6, 4, 3.0), (339, 6, 5, 3.0))
+CROWDS = (275, 10, 8, 3), (296, 6, 4, 3), (1, 8, 5, 3), (2, 8, 6, 2), (365, 6, 4, 3), (339, 6, 5, 3)
 
 
 def _association_public() -> list[Case]:
     straight = np.array([0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.6])
-    sure, corners, R = np.diag([0.01] * 7), ["corner", "corner"], np.diag([0.0025, 0.01])
-    one, none = [Measurement(0.02, 2.1)], np.zeros((0, 0))
+    sure, corners = np.diag([0.01] * 7), ["corner", "corner"]
+    R, noise = np.diag([0.0025, 0.01]), np.diag([0.0025, 0.01] * 2)
+    one, far, none = [Measurement(0.02, 2.1)], [Measurement(-1.0, 1.0)], np.zeros((0, 0))
+    name = "{1} measurements, {0} landmarks, a gate of {2:g} sigma"
     two = [Measurement(0.15, 2.0), Measurement(0.01, 2.0)]
     return [
         Case((straight, sure, corners, one, R, 3.0), "one corner near the first of two"),
         Case((straight, sure, ["post", "corner"], one, R, 4.0), "the same, but the first landmark is a post"),
-        Case((straight, sure, corners, [Measurement(-1.0, 1.0)], R, 3.0), "a corner that is near no landmark"),
+        Case((straight, sure, corners, far, R, 3.0), "a corner that is near no landmark"),
         Case((np.zeros(3), np.zeros((3, 3)), [], two, np.diag([0.01] * 4), 3.0), "an empty map"),
         Case((straight, sure, corners, [], none, 3.0), "nothing measured"),
-        Case(
-            (straight, sure, corners, two, np.diag([0.0025, 0.01] * 2), 3.0),
-            "two corners, both nearest to the first landmark",
-        ),
-        *(
-            _crowd_case(
-                np.random.default_rng(seed), k, m, gate, f"{m} measurements, {k} landmarks, a gate of {gate:g} sigma"
-            )
-            for seed, k, m, gate in CROWDS
-        ),
+        Case((straight, sure, corners, two, noise, 3.0), "two corners, both nearest to the first landmark"),
+        *(_crowd_case(np.random.default_rng(seed), *each, name=name.format(*each)) for seed, *each in CROWDS),
     ]
 
 
 def _association_hidden(rng: np.random.Generator) -> list[Case]:
-    sizes = ((5, 3, 3.0), (6, 4, 2.0), (8, 6, 3.0), (10, 7, 3.0), (10, 8, 1.5), (12, 8, 4.0), (4, 6, 3.0), (12, 10, 3.0))
-    state, P = _belief(rng, np.array([*rng.uniform(-1, 1, 2), 0.0]), rng.uniform(-3, 3, (3, 2)), 0.05)
+    sizes = (5, 3, 3), (6, 4, 2), (8, 6, 3), (10, 7, 3), (10, 8, 1.5), (12, 8, 4), (4, 6, 3), (12, 10, 3)
+    state, P = _estimate_of(rng, np.array([*rng.uniform(-1, 1, 2), 0.0]), rng.uniform(-3, 3, (3, 2)), 0.05)
     return [
-        *(_crowd_case(rng, k, m, gate, off=off) for off in (1.0, 1.6) for k, m, gate in sizes),
+        *(_crowd_case(rng, *each, off=off) for off in (1.0, 1.6) for each in sizes),
         Case((state[:3], P[:3, :3], [], [Measurement(0.3, 1.0)], np.diag([0.01, 0.01]), 3.0)),
         Case((state, P, ["corner", "post", "corner"], [], np.zeros((0, 0)), 3.0)),
     ]
 
-
-NUMBERS = All((Close(rtol=0.0, atol=0.01), Property(whole_numbers)))
 
 ASSOCIATE = Exercise(
     name="associate",
@@ -977,93 +599,67 @@ ASSOCIATE = Exercise(
     uses=("joint_distance",),
     public=_association_public,
     hidden=_association_hidden,
-    comparison=NUMBERS,
+    comparison=All((Close(rtol=0.0, atol=0.01), Property(whole_numbers))),
     hints=(
-        "First a table of distances, measurements down and landmarks across, with np.inf where the kinds differ. Then choose in it.",
-        "The closest pair is np.unravel_index(distances.argmin(), distances.shape). Note it, fill its row and its column with np.inf, and go on while the smallest is at most the gate.",
+        "First build a table of distances, one row for each measurement and one column for each landmark, with np.inf where the kinds differ. Then choose from it.",
+        "np.unravel_index(distances.argmin(), distances.shape) is the closest pair. Store it, set its row and column to np.inf, and repeat while the smallest distance is at most the gate.",
     ),
-    mistakes=[
-        Mistake(
-            "any kind",
-            _associated(any_kind=True),
-            "You take a post for a corner. Only landmarks of the measurement's kind can be meant.",
-        ),
-        Mistake(
-            "one landmark twice",
-            _associated(_shared),
-            "Two of your measurements are the same landmark. In one picture each landmark is seen once: the nearer one has it, and the other looks on.",
-        ),
-        Mistake(
-            "in turn",
-            _associated(_in_turn),
-            "You serve one measurement after the other. The closest pair of all comes first: an earlier measurement may not take the landmark of a nearer one.",
-        ),
-        Mistake(
-            "no second choice",
-            _associated(_no_second_choice),
-            "Where its nearest landmark is taken, your measurement is new. Its second nearest may also be within the gate.",
-        ),
-        Mistake(
-            "the smallest sum",
-            _associated(_smallest_sum),
-            "You take the pairs with the smallest sum of distances. Here the closest pair of all comes first, then the closest of what is left.",
-        ),
-        Mistake(
-            "mutual pairs only",
-            _associated(_only_mutual),
-            "You pair only those of which each is the other's nearest. When a landmark is used up, those who wanted it go on with what is left.",
-        ),
-        Mistake(
-            "first come",
-            _associated(_first_come),
-            "You give a landmark to the measurement that asks first. The nearer one has it, and the other may take its second nearest.",
-        ),
-        Mistake(
-            "joint compatibility",
-            _together,
-            "That is what judging all pairs together gives. Here each pair is judged by itself: nearest neighbour.",
-        ),
-        Mistake(
-            "no gate",
-            _associated(gate=lambda gate: np.inf),
-            "You use no gate: every measurement finds some landmark, however far away. Beyond the gate it is new, -1.",
-        ),
-        Mistake(
-            "the squared distance",
-            _associated(squared=True),
-            "You hold the squared distance against the gate. Both are in standard deviations.",
-        ),
-        Mistake(
-            "the first one's noise",
-            _associated(first_R=True),
-            "You use the first measurement's R for all. That of measurement i are rows and columns 2 i and 2 i + 1.",
-        ),
-        Mistake(
-            "metres",
-            _associated(metres=True),
-            "You compare metres with a gate in standard deviations. Half a metre is much 1 m ahead and little at 4 m: take joint_distance.",
-        ),
-        Mistake(
-            "0 for none",
-            lambda *given: np.maximum(_associated()(*given), 0),
-            "You say 0 where there is no partner, and that is the first landmark's number: say -1.",
-        ),
-        Mistake(
-            "variances alone",
-            lambda state, covariance, *more: _associated()(state, np.diag(np.diag(covariance)), *more),
-            "You take only the variances of state and map. What pose and landmarks share belongs into S.",
-        ),
-        Mistake(
-            "all new",
-            lambda state, covariance, kinds, measurements, measurement_covariance, gate: np.full(len(measurements), -1),
-            "All your measurements are new landmarks.",
-        ),
-    ],
-    alternatives={"a sorted list": _by_sorting, "sets": _by_dict, "masked arrays": _by_rounds},
+    mistakes=catalogue("""
+        any kind: kind == seen.kind => True
+            You match posts with corners. Compare a measurement only with landmarks of its own kind.
+        one landmark twice: distances[i], distances[:, j] = j, np.inf, np.inf => distances[i] = j, np.inf
+            Two of your measurements have the same landmark. Each landmark is seen once in a picture, so remove its column after it is matched.
+        in turn: i, j = np.unravel_index(distances.argmin(), distances.shape) => i = (distances <= gate).any(axis=1).argmax()
+            + j = distances[i].argmin()
+            You match the measurements in their order. The closest pair of all comes first; otherwise an early measurement takes the landmark of a nearer one.
+        no second choice: indices = np.full => indices = np.full
+            + distances[distances > distances.min(axis=1, initial=np.inf, keepdims=True)] = np.inf
+            If its nearest landmark is taken, your measurement gets -1. Its second nearest may also be within the gate.
+        the smallest sum: + from scipy.optimize import linear_sum_assignment
+            indices = np.full => indices = np.full
+            + pairs = linear_sum_assignment(np.where(distances <= gate, distances, 1e6))
+            + chosen, distances = distances[pairs], np.full(distances.shape, np.inf)
+            + distances[pairs] = chosen
+            You minimise the sum of all distances. Nearest neighbour takes the closest pair first, then the closest of the remaining ones.
+        mutual pairs only: indices = np.full => indices = np.full
+            + nearest = [distances.min(axis=axis, initial=np.inf, keepdims=True) for axis in (0, 1)]
+            + distances[(distances > nearest[0]) | (distances > nearest[1])] = np.inf
+            You accept a pair only if each is the other's nearest. When a landmark is used up, the other measurements continue with the remaining landmarks.
+        joint compatibility: + return associate_jointly(state, covariance, kinds, measurements, measurement_covariance, gate)
+            This is joint compatibility. Here each pair is judged alone, by nearest neighbour.
+        no gate: distances.min() <= gate => distances.min() < np.inf
+            You use no gate, so every measurement gets some landmark, however far away. Beyond the gate the answer is -1.
+        the squared distance: distances.min() <= gate => distances.min() ** 2 <= gate
+            You compare the squared distance with the gate. Both the distance and the gate are in standard deviations.
+        the first one's noise: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [:2, :2]
+            You use the first measurement's R for all. Measurement i has the rows and columns 2 i and 2 i + 1.
+        metres
+            joint_distance(state, covariance, [j], [seen], R) => np.linalg.norm(landmark_position(state[:3], (seen.bearing, seen.range)) - state[3 + 2 * j : 5 + 2 * j])
+            You compare metres with a gate in standard deviations. Half a metre is a large error at 1 m and a small one at 4 m. Use joint_distance.
+        an empty table: distances.size and distances.min() => distances.min()
+            With no landmark or no measurement the table is empty, and min() raises an error. Test distances.size first.
+        0 for none: np.full(len(measurements), -1) => np.full(len(measurements), 0)
+            You return 0 for a measurement without a partner, but 0 is the first landmark. Use -1.
+        variances alone: + covariance = np.diag(np.diag(covariance))
+            You use only the variances of the state. The covariance between pose and landmarks belongs in S.
+        all new: + return np.full(len(measurements), -1)
+            You return -1 for every measurement.
+    """),
+    alternatives={
+        "a sorted list": _associated(_sorted),
+        "sets": _associated(_in_sets),
+        "masked arrays": _associated(_masked),
+    },
     equivalents={
         **{
-            f"R = measurement_covariance[{rows}, {columns}]": "joint_distance looks at the first two rows and columns of it"
-            for longer in ("2 * i:2 ** i + 2", "2 * i:2 << i + 2", "2 * i:3 * i + 2", "2 * i:2 * i + 3", "2 * i:")
+            f"R = measurement_covariance[{rows}, {columns}]": "joint_distance uses only its first two rows and columns"
+            for longer in (
+                "2 * i:2 ** i + 2",
+                "2 * i:2 << i + 2",
+                "2 * i:3 * i + 2",
+                "2 * i:2 * i + 3",
+                "2 * i:",
+            )
             for rows, columns in ((longer, "2 * i:2 * i + 2"), ("2 * i:2 * i + 2", longer))
         },
         "while distances.size and distances.min() < gate:": "no distance is the gate to the last bit",
@@ -1072,320 +668,236 @@ ASSOCIATE = Exercise(
 
 
 # --- 11.5 EkfSlam ---
+class _Filter(SlamAlgorithm):
+    """The filter in one method for each step; the compass by complex numbers."""
 
+    heading: float | None = None
 
-def _estimated(state: Any, covariance: Any, kinds: Any) -> Estimate:
-    landmarks = np.asarray(state)[3:].reshape(-1, 2)
-    own = [covariance[n : n + 2, n : n + 2] for n in range(3, len(state), 2)]
-    return Estimate(Pose.from_array(state[:3]), covariance[:3, :3], landmarks, np.array(own), tuple(kinds))
-
-
-def _ekf(**changed: Any) -> type[SlamAlgorithm]:
-    """The filter, with one thing done in another way."""
-
-    class Changed(SlamAlgorithm):
-        heading: float | None = None
-
-        def __init__(
-            self, start: Pose = Pose(), odometry: Any = FieldOdometry(), gate: float = 4.0, association: Any = None  # noqa: B008
-        ) -> None:
-            self.association = None if changed.get("own_association") else association
-            if changed.get("own_odometry"):
-                odometry = FieldOdometry()
-            self.state = np.zeros(3) if changed.get("from_zeros") else start.as_array()
-            self.covariance = 0.01 * np.eye(3) if changed.get("doubtful_start") else np.zeros((3, 3))
-            self.kinds: list[Any] = []
-            self.odometry, self.gate = odometry, changed.get("gate", gate)
-            self.indices: Array = np.zeros(0, dtype=int)
-
-        def move(self, motion: Motion) -> None:
-            control, k = np.array([motion.distance, motion.turn]), len(self.kinds)
-            Q = self.odometry.covariance(Motion(0.2, 0.1) if changed.get("one_Q") else motion)
-            if changed.get("no_Q"):
-                Q = np.zeros((3, 3))
-            if changed.get("exchanged"):
-                control = control[::-1]
-            self.state, self.covariance = predict(self.state, self.covariance, control, Q, k)
-
-        def observe(self, measurements: Any) -> None:
-            seen = as_observation(measurements)
-            if changed.get("own_R"):
-                blocks = np.kron(np.eye(len(seen)), np.ones((2, 2)))
-                seen = Observation(seen.measurements, seen.covariance * blocks, seen.direction, seen.direction_sigma)
-            if changed.get("needs_landmarks") and not len(seen):
-                return
-            if np.isfinite(seen.direction_sigma) and not (changed.get("no_compass") or changed.get("compass_last")):
-                self._turn(seen)
-            elif not np.isfinite(seen.direction_sigma):
-                self.heading = None
-            belief = (self.state, self.covariance, tuple(self.kinds))
-            which = self.association or _associated()
-            self.indices = np.array(which(*belief, seen, seen.covariance, self.gate), dtype=int)
-            if changed.get("compass_last") and np.isfinite(seen.direction_sigma):
-                self._turn(seen)
-            near = self._near(belief, seen)
-            if changed.get("independent"):
-                self._correct(seen)
-                self._add(seen, near, 1.0)
-            elif changed.get("not_placed"):
-                known = self.indices.copy()
-                self._add(seen, near)
-                self.indices = known
-                self._correct(seen)
-            elif not changed.get("asks_anew"):
-                self._add(seen, near, 1.0 if changed.get("twice") else VAGUE)
-                self._correct(seen)
-            else:
-                for n in np.flatnonzero(self.indices < 0):
-                    now = self._near((self.state, self.covariance, tuple(self.kinds)), seen)
-                    self._add(seen, np.where(np.arange(len(seen)) == n, now, 0))
-                self._correct(seen)
-
-        def _near(self, belief: Any, seen: Any) -> Array:
-            """The landmark within the ring about each measurement alone; -1: none."""
-            ring = float(changed.get("ring", 3.0)) * self.gate
-            alone = [_associated()(*belief, [one], seen.part([n]).covariance, ring)[0] for n, one in enumerate(seen)]
-            return np.array(alone, dtype=int)
-
-        def _turn(self, seen: Any) -> None:
-            off = changed.get("sign", -1) * seen.direction - self.state[2]
-            off = wrap_angle(off) if changed.get("no_quarter") else (off + np.pi / 4) % (np.pi / 2) - np.pi / 4
-            variance = self.covariance[2, 2] + seen.direction_sigma ** (1 if changed.get("not_squared") else 2)
-            self.heading = None
-            if changed.get("refuses") and abs(off) > self.gate * np.sqrt(variance):
-                return
-            self.heading = float(self.state[2] + off)
-            gain = self.covariance[:, 2] / variance
-            if changed.get("heading_only"):
-                gain = gain * (np.arange(len(gain)) == 2)
-            self.state = self.state + gain * off
-            self.covariance = self.covariance - np.outer(gain, self.covariance[2])
-            self.state[2] = wrap_angle(self.state[2])
-
-        def _correct(self, seen: Any) -> None:
-            known = np.flatnonzero(self.indices >= 0)
-            for some in [np.array([n]) for n in known] if changed.get("one_by_one") else [known]:
-                if len(some):
-                    self._update(seen, some)
-
-        def _update(self, seen: Any, known: Array) -> None:
-            indices = self.indices[known].tolist()
-            away = self.state[3:].reshape(-1, 2)[indices] - self.state[:2]
-            expected = seen.values[known][:, 1] if changed.get("as_measured") else np.hypot(*away.T)
-            values, R = seen.part(known).about(expected)
-            if changed.get("first_rows"):
-                R = seen.part(range(len(known))).covariance
-            if changed.get("plain_R"):
-                R = seen.part(known).covariance
-            self.state, self.covariance = update_landmarks(self.state, self.covariance, indices, values, R)
-
-        def _add(self, seen: Any, near: Array, vague: float = VAGUE) -> None:
-            for n in np.flatnonzero((near < 0) & (self.indices < 0)):
-                if changed.get("never_new"):
-                    continue
-                R = vague * seen.part([n]).covariance
-                self.state, self.covariance = add_landmark(self.state, self.covariance, seen.values[n], R)
-                self.indices[n] = len(self.kinds)
-                self.kinds.append("corner" if changed.get("all_corners") else seen[n].kind)
-
-        def estimate(self) -> Estimate:
-            found = _estimated(self.state, self.covariance, self.kinds)
-            if changed.get("no_map"):
-                return Estimate(found.pose, found.covariance, np.zeros((0, 2)), np.zeros((0, 2, 2)), ())
-            if changed.get("pose_block"):
-                own = [self.covariance[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] for n in range(len(self.kinds))]
-                return Estimate(found.pose, found.covariance, found.landmarks, np.array(own), found.kinds)
-            if changed.get("variances"):
-                return Estimate(found.pose, np.diag(np.diag(found.covariance)), found.landmarks, found.landmark_covariances, found.kinds)
-            return found
-
-    return Changed
-
-
-class _WholeMatrices(SlamAlgorithm):
-    """The same filter with its own matrices: H with all columns, Joseph's form, lists of landmarks."""
-
-    def __init__(
-        self, start: Pose = Pose(), odometry: Any = FieldOdometry(), gate: float = 4.0, association: Any = None  # noqa: B008
-    ) -> None:
-        self.pose, self.marks, self.P = start.as_array(), list[Any](), np.zeros((3, 3))
-        self.odometry, self.gate, self.association = odometry, gate, association
-
-    @property
-    def x(self) -> Array:
-        return np.concatenate([self.pose, *(place for place, _ in self.marks)])
-
-    @x.setter
-    def x(self, values: Array) -> None:
-        self.pose = np.array([values[0], values[1], wrap_angle(values[2])])
-        self.marks = [(values[3 + 2 * n : 5 + 2 * n], kind) for n, (_, kind) in enumerate(self.marks)]
+    def __init__(self, start: Pose = Pose(), *given: Any) -> None:
+        self.state, self.covariance, self.kinds = start.as_array(), np.zeros((3, 3)), list[LandmarkKind]()
+        unless_given = OdometryNoisePerMove(), 4.0, _associated(_masked)
+        self.odometry, self.gate, self.association = *given, *unless_given[len(given) :]
+        self.indices: Array = np.zeros(0, dtype=int)
 
     def move(self, motion: Motion) -> None:
-        c, s = np.cos(self.pose[2]), np.sin(self.pose[2])
-        F, G = np.eye(len(self.P)), np.zeros((len(self.P), 3))
-        F[0, 2], F[1, 2] = -motion.distance * s, motion.distance * c
-        G[:3] = [[c, -s, 0], [s, c, 0], [0, 0, 1]]
-        self.pose = (Pose.from_array(self.pose) @ motion.as_pose()).as_array()
-        self.P = F @ self.P @ F.T + G @ self.odometry.covariance(motion) @ G.T
-
-    def _linear(self, H: Array, off: Array, R: Array) -> None:
-        K = self.P @ H.T @ np.linalg.inv(H @ self.P @ H.T + R)
-        rest = np.eye(len(self.P)) - K @ H
-        self.x = self.x + K @ off
-        self.P = rest @ self.P @ rest.T + K @ R @ K.T
+        control, Q = np.array([motion.distance, motion.turn]), self.odometry.covariance(motion)
+        self.state, self.covariance = predict(self.state, self.covariance, control, Q, len(self.kinds))
 
     def observe(self, measurements: Any) -> None:
         seen = as_observation(measurements)
-        off = (seen.direction + self.pose[2] + np.pi / 4) % (np.pi / 2) - np.pi / 4
-        if np.isfinite(seen.direction_sigma):
-            H = np.zeros((1, len(self.P)))
-            H[0, 2] = -1
-            self._linear(H, np.array([off]), np.array([[seen.direction_sigma**2]]))
-        kinds = [kind for _, kind in self.marks]
-        table = _distances(self.x, self.P, kinds, seen, seen.covariance)
-        indices = _nearest_first(table, self.gate)
-        if self.association is not None:
-            indices = np.array(self.association(self.x, self.P, kinds, seen, seen.covariance, self.gate))
-        far = [n for n, row in enumerate(table) if not (row <= 3 * self.gate).any()]
-        for n in far:
-            toward = self.pose[2] + seen[n].bearing
-            c, s, r = np.cos(toward), np.sin(toward), seen[n].range
-            J, Z = np.array([[1, 0, -r * s], [0, 1, r * c]]), np.array([[-r * s, c], [r * c, s]])
-            cross = self.P[:, :3] @ J.T
-            own = J @ cross[:3] + VAGUE * Z @ seen.part([n]).covariance @ Z.T
-            self.P = np.block([[self.P, cross], [cross.T, own]])
-            indices[n] = len(self.marks)
-            self.marks.append((self.pose[:2] + r * np.array([c, s]), seen[n].kind))
-        paired = [(n, int(j)) for n, j in enumerate(indices) if j >= 0]
-        scale = np.ones(2 * len(seen))
-        if paired:
-            H, off = np.zeros((2 * len(paired), len(self.P))), np.zeros(2 * len(paired))
-            for row, (n, j) in enumerate(paired):
-                values, slopes = _expected(self.pose, self.marks[j][0])
-                H[2 * row : 2 * row + 2, :3] = slopes[:, :3]
-                H[2 * row : 2 * row + 2, 3 + 2 * j : 5 + 2 * j] = slopes[:, 3:]
-                short = values[1] / seen[n].range
-                off[2 * row : 2 * row + 2] = wrap_angle(seen[n].bearing - values[0]), values[1] * (1 - short)
-                scale[2 * row + 1] = short**2
-            scale = scale[: 2 * len(paired)]
-            self._linear(H, off, np.outer(scale, scale) * seen.part([n for n, _ in paired]).covariance)
+        lines = seen.direction, seen.direction_sigma
+        for step, given in ((self.use_compass, lines), (self.number, (seen,)), (self.correct, (seen,))):
+            step(*given)
+
+    def use_compass(self, direction: float, sigma: float) -> None:
+        self.heading = None
+        if sigma != np.inf:
+            off = float(np.angle(np.exp(-4j * (direction + self.state[2])))) / 4
+            self.heading = self.state[2] + off
+            self.turn(off, sigma)
+
+    def number(self, seen: Observation) -> None:
+        belief = self.state, self.covariance, self.kinds, seen, seen.covariance
+        self.indices = np.array(self.association(*belief, self.gate))
+        for n in np.flatnonzero(np.min(_distances(*belief), axis=1, initial=np.inf) > 3 * self.gate):
+            self.indices[n] = len(self.kinds)
+            self.kinds = [*self.kinds, seen[n].kind]
+            self.add(seen.values[n], VAGUE * seen.part([n]).covariance)
+
+    def correct(self, seen: Observation) -> None:
+        known = np.flatnonzero(self.indices >= 0)
+        if len(known):
+            places = self.state[3:].reshape(-1, 2)[self.indices[known]]
+            expected = np.hypot(*(places - self.state[:2]).T)
+            self.update(self.indices[known].tolist(), *seen.part(known).linearised_at(expected))
+
+    def turn(self, off: float, sigma: float) -> None:
+        gain = self.covariance[2] / np.hypot(np.sqrt(self.covariance[2, 2]), sigma) ** 2
+        self.state = self.state + gain * off
+        self.covariance = self.covariance - np.outer(gain, self.covariance[2])
+
+    def add(self, value: Array, R: Array) -> None:
+        self.state, self.covariance = add_landmark(self.state, self.covariance, value, R)
+
+    def update(self, indices: list[int], values: Array, R: Array) -> None:
+        self.state, self.covariance = update_landmarks(self.state, self.covariance, indices, values, R)
 
     def estimate(self) -> Estimate:
-        return _estimated(self.x, self.P, [kind for _, kind in self.marks])
+        landmarks = self.state[3:].reshape(-1, 2)
+        own = [self.covariance[n : n + 2, n : n + 2] for n in range(3, len(self.state), 2)]
+        pose = Pose.from_array(self.state[:3])
+        return Estimate(pose, self.covariance[:3, :3], landmarks, np.array(own), tuple(self.kinds))
 
 
-class _KeptAsAnEstimate(SlamAlgorithm):
-    """State and covariance in one tuple; a list for each picture's decisions; compass by hand."""
-
-    def __init__(
-        self, start: Pose = Pose(), odometry: Any = FieldOdometry(), gate: float = 4.0, association: Any = None  # noqa: B008
-    ) -> None:
-        self.belief, self.kinds, self.told = (start.as_array(), np.zeros((3, 3))), tuple[Any, ...](), (odometry, gate)
-        self.which = association or _associated()
+class _Joseph(_Filter):
+    """The same with its own matrices: H with all columns, Joseph's form."""
 
     def move(self, motion: Motion) -> None:
-        Q = self.told[0].covariance(motion)
-        self.belief = predict(*self.belief, np.array([motion.distance, motion.turn]), Q, len(self.kinds))
+        c, s = np.cos(self.state[2]), np.sin(self.state[2])
+        F, G = np.eye(len(self.state)), np.eye(len(self.state), 3)
+        F[:2, 2] = motion.distance * np.array([-s, c])
+        G[:2, :2] = [[c, -s], [s, c]]
+        self.state = self.state.copy()
+        self.state[:3] = (Pose.from_array(self.state[:3]) @ motion.as_pose()).as_array()
+        self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(motion) @ G.T
 
-    def observe(self, measurements: Any) -> None:
-        seen, gate = as_observation(measurements), self.told[1]
-        x, P = self.belief
-        if seen.direction_sigma != np.inf:
-            turns = np.round((x[2] + seen.direction) / (np.pi / 2))
-            off = turns * np.pi / 2 - seen.direction - x[2]
-            spread = np.hypot(np.sqrt(P[2, 2]), seen.direction_sigma)
-            gain = P[2] / spread**2
-            x, P = x + gain * off, P - np.outer(gain, P[2])
-        table = _distances(x, P, self.kinds, seen, seen.covariance)
-        chosen = dict(enumerate(self.which(x, P, self.kinds, seen, seen.covariance, gate).tolist()))
-        nearest = np.min(table, axis=1, initial=np.inf)
-        for n in sorted(chosen):
-            if nearest[n] > 3 * gate:
-                vague = seen.covariance[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] * 1e4
-                x, P = add_landmark(x, P, seen.values[n], vague)
-                chosen[n] = len(self.kinds)
-                self.kinds = (*self.kinds, seen[n].kind)
-        again = [n for n in chosen if chosen[n] != -1]
-        if again:
-            numbers = [chosen[n] for n in again]
-            expected = [_expected(x[:3], x[3 + 2 * j : 5 + 2 * j])[0][1] for j in numbers]
-            x, P = update_landmarks(x, P, numbers, *seen.part(again).about(expected))
-        self.belief = x, P
+    def linear(self, H: Array, off: Array, R: Array) -> None:
+        K = self.covariance @ H.T @ np.linalg.inv(H @ self.covariance @ H.T + R)
+        rest = np.eye(len(self.state)) - K @ H
+        self.state = self.state + K @ off
+        self.covariance = rest @ self.covariance @ rest.T + K @ R @ K.T
 
-    def estimate(self) -> Estimate:
-        return _estimated(*self.belief, self.kinds)
+    def turn(self, off: float, sigma: float) -> None:
+        self.linear(np.eye(len(self.state))[2:3], np.array([off]), np.array([[sigma**2]]))
+
+    def update(self, indices: list[int], values: Array, R: Array) -> None:
+        seen = [Measurement(*value) for value in np.reshape(values, (-1, 2))]
+        _, off, H = _linear(self.state, indices, seen)
+        self.linear(H, off, R)
 
 
-class _FromTheLibrary(_ekf()):  # type: ignore[misc]
-    """Angles of the compass by complex numbers, and its gain by whole matrices."""
+class _ByBlocks(_Filter):
+    """The same with landmarks that come with blocks of its own."""
 
-    def _turn(self, seen: Any) -> None:
-        off = np.angle(np.exp(-4j * (seen.direction + self.state[2]))) / 4
-        H = np.zeros((1, len(self.state)))
-        H[0, 2] = 1
-        S = H @ self.covariance @ H.T + seen.direction_sigma**2
-        K = self.covariance @ H.T / S
-        self.state = self.state + K[:, 0] * off
-        self.covariance = (np.eye(len(H[0])) - K @ H) @ self.covariance
+    def add(self, value: Array, R: Array) -> None:
+        toward, r = self.state[2] + value[0], value[1]
+        c, s = np.cos(toward), np.sin(toward)
+        J, Z = np.array([[1, 0, -r * s], [0, 1, r * c]]), np.array([[-r * s, c], [r * c, s]])
+        cross = self.covariance[:, :3] @ J.T
+        self.covariance = np.block([[self.covariance, cross], [cross.T, J @ cross[:3] + Z @ R @ Z.T]])
+        self.state = np.concatenate([self.state, self.state[:2] + r * np.array([c, s])])
 
 
-def _log_case(
-    seed: int,
-    moves: int,
-    name: str = "",
-    gate: float = 4.0,
-    odometry: Any = FieldOdometry(),  # noqa: B008
-    given: tuple[Any, ...] = (),
-    plain: bool = False,
-    at_end: bool = False,
-    **kind: Any,
-) -> Case:
-    """A log over the half field; plain: lists of Measurement, and a constructor without arguments."""
-    drive = drawn_drive(seed, moves, **({"yaws": (0.5, -0.5)} | kind))
+def _log_case(seed: int, moves: int, name: str = "", given: tuple[Any, ...] = (), **drawn: Any) -> Case:
+    """Make a case of a drive; plain: lists of Measurement, and a constructor without arguments."""
+    plain, at_end = drawn.pop("plain", False), drawn.pop("at_end", False)
+    gate, odometry = drawn.pop("gate", 4.0), drawn.pop("odometry", OdometryNoisePerMove())
+    drive = drawn_drive(seed, moves, **({"yaws": (0.5, -0.5)} | drawn))
     turns: list[Any] = []
     for motion, seen in drive.log:
         turns += [("move", motion)] * (motion is not None)
         turns.append(("observe", list(seen) if plain else seen))
         turns += [] if at_end else ["estimate"]
-    if "circle_rate" in kind:  # none or more of them wrong; and a picture of lines alone
+    if "circle_rate" in drawn:  # some directions may be wrong; one picture has lines only
         direction = float(-drive.poses[-1, 2] + 0.01)
-        turns.append(("observe", Observation((), np.zeros((0, 0)), direction, kind["compass_sigma"])))
+        turns.append(("observe", Observation((), np.zeros((0, 0)), direction, drawn["compass_sigma"])))
     return calls(*turns, "estimate", given=() if plain else (drive.start, odometry, gate, *given), name=name)
 
 
 COMPASS, POOR = (float(np.radians(sigma)) for sigma in (0.7, 10.0))
-WORSE = FieldOdometry(factor=2.0)
+WORSE = OdometryNoisePerMove(factor=2.0)
+DRIVES = "whole drives: a hidden one"
+# Drives whose fifth picture has two measurements that are both nearest to the same landmark, with a gate of 1.5.
+CONFLICTS = (25, 37, 67, 214)
 # Drives on which nearest neighbour and joint compatibility differ, and Gauss-Newton settles.
 PARTED = (2001, 2003, 2004, 2005, 2009, 2010, 2017, 2024, 2027, 2030, 2035, 2037, 2038, 2039, 2042)
 
 
-def _logs_public() -> list[Case]:
+def _followed(seed: int, pictures: int, least: int, **drawn: Any) -> tuple[_Filter, Observation]:
+    """Return a filter after some pictures of a drive, and the next picture, which has `least` measurements or more.
+
+    Seeds are tried upwards until that is so, and until the heading is far from the half turn.
+    """
+    while True:
+        drive = drawn_drive(seed, 4, **({"yaws": (0.5, -0.5)} | drawn))
+        slam = _Filter(drive.start, OdometryNoisePerMove(), 4.0)
+        for motion, seen in drive.log[:pictures]:
+            if motion is not None:
+                slam.move(motion)
+            slam.observe(seen)
+        motion, seen = drive.log[pictures]
+        if motion is not None:
+            slam.move(motion)
+        if len(seen) >= least and len(slam.kinds) >= 2 and abs(slam.state[2]) < 2:
+            return slam, seen
+        seed += 1
+
+
+def _method(slam: _Filter, name: str, *turns: Any, given: tuple[Any, ...] = ()) -> Case:
+    """Return a case of one method: its inputs are assigned before the call and its results read afterwards."""
+    put = (".state", slam.state), (".covariance", slam.covariance), (".kinds", list(slam.kinds))
+    return calls(*put, *turns, ".state", ".covariance", given=given, name=name)
+
+
+def _methods_alone(seeds: Sequence[int]) -> list[Case]:
+    """Return cases of each method on an existing map, from the seeds of five drives."""
+    (moved, _), (compass, _), (numbered, crowd), (corrected, seen), (conflicted, rivals) = (
+        _followed(seed, pictures, least, false_rate=rate)
+        for seed, pictures, least, rate in zip(
+            seeds, (3, 4, 4, 3, 4), (0, 0, 4, 3, 4), (0.0, 0.0, 1.0, 0.0, 1.0), strict=True
+        )
+    )
+    heading, start = float(compass.state[2]), Pose(0.3, -0.2, 0.4)
+    empty = _Filter(start)
+    corrected.number(seen)
+    indices = corrected.indices
+    fewer = np.where(np.arange(len(indices)) == 0, -1, indices)
+    nobody = np.full(len(indices), -1)
+    made = as_observation([Measurement(0.4, 1.2), Measurement(-0.5, 1.7, "post"), Measurement(0.1, 2.0)])
     return [
-        _log_case(3, 2, "two moves, two looks at each stop"),
-        _log_case(5, 2, "with a poor compass and a gate of 10", gate=10.0, compass_sigma=POOR),
-        _log_case(15, 3, "with a compass that is wrong now and then", compass_sigma=COMPASS, circle_rate=0.5),
-        _log_case(5, 3, "with corners that are none, odometry twice as bad", false_rate=0.7, odometry=WORSE),
-        _log_case(0, 3, "with a gate of 1.5", gate=1.5),
-        _log_case(2033, 3, "with another association", given=(associate_jointly,), at_end=True),
-        _log_case(8, 2, "lists of Measurement, from the origin", plain=True),
+        _method(empty, "move: without a map", ("move", Motion(0.4, 0.3)), given=(start,)),
+        _method(
+            moved,
+            "move: with a map, odometry twice as bad",
+            ("move", Motion(0.3, -0.2)),
+            given=(start, WORSE),
+        ),
+        _method(compass, "use_compass: 6 degrees off", ("use_compass", 0.1 - heading, 0.02), ".heading"),
+        _method(
+            compass,
+            "use_compass: lines across the view, 30 degrees off",
+            ("use_compass", np.pi / 2 - 0.52 - heading, 0.01),
+            ".heading",
+        ),
+        _method(
+            compass,
+            "use_compass: first with lines, then without",
+            ("use_compass", -heading, 0.03),
+            ("use_compass", 0.2, np.inf),
+            ".heading",
+        ),
+        _method(empty, "number: an empty map", ("number", made), ".indices"),
+        _method(numbered, "number: old, new and false corners", ("number", crowd), ".indices"),
+        _method(
+            conflicted,
+            "number: a gate of 1.5, two measurements near one landmark",
+            ("number", rivals),
+            ".indices",
+            given=(start, OdometryNoisePerMove(), 1.5),
+        ),
+        _method(corrected, "correct: all measurements", (".indices", indices), ("correct", seen)),
+        _method(
+            corrected, "correct: one measurement without a number", (".indices", fewer), ("correct", seen)
+        ),
+        _method(corrected, "correct: no measurement with a number", (".indices", nobody), ("correct", seen)),
+        _method(moved, "estimate: a map", "estimate"),
     ]
 
 
 def _logs_hidden(rng: np.random.Generator) -> list[Case]:
     seeds = rng.integers(1000, 10**6, 6)
     return [
-        _log_case(int(seeds[0]), 3, at_end=True, odometry=WORSE),
-        _log_case(int(seeds[1]), 3, compass_sigma=COMPASS, circle_rate=0.3),
-        _log_case(int(seeds[2]), 3, false_rate=0.8, at_end=True),
-        _log_case(int(rng.choice(PARTED)), 3, at_end=True, given=(associate_jointly,)),
-        _log_case(int(seeds[3]), 4, gate=1.5, at_end=True),
-        _log_case(int(seeds[4]), 2, plain=True),
-        _log_case(int(seeds[5]), 4, false_rate=0.5, compass_sigma=3 * COMPASS, gate=2.0, at_end=True),
+        *_methods_alone([*(int(seed) for seed in rng.integers(1000, 10**6, 4)), int(rng.choice(CONFLICTS))]),
+        _log_case(int(seeds[0]), 3, DRIVES, at_end=True, odometry=WORSE),
+        _log_case(int(seeds[1]), 3, DRIVES, compass_sigma=COMPASS, circle_rate=0.3),
+        _log_case(int(seeds[2]), 3, DRIVES, false_rate=0.8, at_end=True),
+        _log_case(int(rng.choice(PARTED)), 3, DRIVES, at_end=True, given=(associate_jointly,)),
+        _log_case(int(seeds[3]), 4, DRIVES, gate=1.5, at_end=True),
+        _log_case(int(seeds[4]), 2, DRIVES, plain=True),
+        _log_case(int(seeds[5]), 4, DRIVES, false_rate=0.5, compass_sigma=3 * COMPASS, gate=2.0, at_end=True),
     ]
 
 
-def _as_estimated(rtol: float) -> Methods:
-    """Estimates that agree to a fraction; the heading on the circle."""
+ATTRIBUTES = {
+    ".state": Close(rtol=1e-3, atol=1e-4),
+    ".covariance": Close(rtol=1e-3, atol=1e-6),
+    ".heading": Close(rtol=0.0, atol=1e-4, period=TURN),
+    ".indices": All((Close(rtol=0.0, atol=0.01), Property(whole_numbers))),
+}
+
+
+def _as_estimated(rtol: float, **attributes: Comparison) -> Methods:
+    """Compare estimates with a relative tolerance, and the heading on the circle."""
     parts = {
         "pose": Close(rtol=rtol, atol=1e-4, period=(0, 0, TURN)),
         "covariance": Close(rtol=rtol, atol=1e-6),
@@ -1393,57 +905,135 @@ def _as_estimated(rtol: float) -> Methods:
         "landmark_covariances": Close(rtol=rtol, atol=1e-6),
         "kinds": Exact(),
     }
-    return Methods({"estimate": Each(parts)})
+    return Methods({"estimate": Each(parts), **attributes})
 
 
 EKF_SLAM = Exercise(
     name="EkfSlam",
     points=6,
+    parts={"move": 1, "use_compass": 1, "number": 1.5, "correct": 1, "estimate": 0.5, "whole drives": 1},
     stars=3,
     uses=("associate", "07:predict", "07:update_landmarks", "07:add_landmark"),
-    public=_logs_public,
+    public=lambda: [
+        *_methods_alone((1, 2, 3, 4, CONFLICTS[0])),
+        _log_case(3, 2, "whole drives: two moves, two pictures at each stop"),
+        _log_case(5, 2, "whole drives: a poor compass and a gate of 10", gate=10.0, compass_sigma=POOR),
+        _log_case(
+            15, 3, "whole drives: a compass that is sometimes wrong", compass_sigma=COMPASS, circle_rate=0.5
+        ),
+        _log_case(5, 3, "whole drives: false corners, odometry twice as bad", false_rate=0.7, odometry=WORSE),
+        _log_case(0, 3, "whole drives: a gate of 1.5", gate=1.5),
+        _log_case(2033, 3, "whole drives: another association", given=(associate_jointly,), at_end=True),
+        _log_case(8, 2, "whole drives: lists of Measurement, from the origin", plain=True),
+    ],
     hidden=_logs_hidden,
     driver="methods",
-    comparison=_as_estimated(1e-3),
+    comparison=_as_estimated(1e-3, **ATTRIBUTES),
     hints=(
-        "move is one call of predict. use_compass: the gain is a column of P, divided by one number. number: ask about all of the picture first, then about each that has no landmark, always with what was believed before any of them came onto the map.",
-        "A measurement is new where even associate(..., [that one], seen.part([i]).covariance, 3 * self.gate) says -1; then add_landmark with VAGUE times that covariance, a number, a kind. "
-        "correct: the expected ranges are expected_measurement(...)[1] of the landmarks in self.indices, and seen.part(used).about(them) gives what update_landmarks wants.",
+        "move is one call of predict. In use_compass the gain is a column of P divided by one number. number associates the whole picture first and then examines each measurement without a landmark, always with the state from before the first new landmark.",
+        "A measurement is new if even associate(..., [that one], seen.part([i]).covariance, 3 * self.gate) returns -1; then call add_landmark with VAGUE times that covariance, and give it a number and a kind. In correct, the expected ranges are expected_measurement(...)[1] of the landmarks in self.indices, and seen.part(used).linearised_at(them) returns the arguments of update_landmarks.",
     ),
-    mistakes=[
-        Mistake("from zeros", _ekf(from_zeros=True), "Your map begins at zeros. It begins at `start`, which the robot knows."),
-        Mistake("a doubtful start", _ekf(doubtful_start=True), "Your first covariance is not zero: where the robot starts is known."),
-        Mistake("no noise of motion", _ekf(no_Q=True), "Your robot becomes no less sure when it moves: predict wants self.odometry.covariance(motion)."),
-        Mistake("one noise for all", _ekf(one_Q=True), "Every command has the same noise in your filter. It grows with the way: self.odometry.covariance(motion)."),
-        Mistake("turn for distance", _ekf(exchanged=True), "Distance and turn are exchanged: a control is (distance, turn)."),
-        Mistake("each its own R", _ekf(own_R=True), "You drop what the measurements of a picture share. One tilt moves them all: hand the whole covariance on, that of seen.part(used).about(...)."),
-        Mistake("the first rows of R", _ekf(first_rows=True), "Your R is that of the first measurements, not of those that have a landmark: seen.part(used)."),
-        Mistake("one after the other", _ekf(one_by_one=True), "You correct by one landmark after the other: what they share is lost. One call of update_landmarks for all that have a number."),
-        Mistake("ranges as measured", _ekf(as_measured=True), "You take ranges in as they were measured, in which a tilt is no straight line (equation 11.5). about wants the ranges that are expected, from state and map."),
-        Mistake("values without their R", _ekf(plain_R=True), "Your values are about the expected ranges, your covariance is not: about returns both."),
-        Mistake("its own odometry", _ekf(own_odometry=True), "You take FieldOdometry() whatever was given: self.odometry knows how much the robot's commands err."),
-        Mistake("its own association", _ekf(own_association=True), "You take your own associate whatever was given: self.association says which landmark it is."),
-        Mistake("no landmark, no compass", _ekf(needs_landmarks=True), "You leave a picture without landmarks out. Its lines tell the heading all the same."),
-        Mistake("the compass last", _ekf(compass_last=True), "You associate before you use the compass. With the better heading fewer pairs are in doubt: the compass comes first."),
-        Mistake("sigma for its square", _ekf(not_squared=True), "You add a standard deviation to a variance: s has sigma squared."),
-        Mistake("no compass", _ekf(no_compass=True), "You leave the compass out: where sigma is finite, the lines tell the heading."),
-        Mistake("the compass's sign", _ekf(sign=1), "Your compass turns the wrong way: lines that lie to the left mean that the robot has turned to the right."),
-        Mistake("whole turns only", _ekf(no_quarter=True), "You wrap the compass at half a turn. Lines look the same every 90 degrees: wrap_quarter."),
-        Mistake("the heading alone", _ekf(heading_only=True), "Your compass corrects the heading alone. What shares its error is corrected, too: the gain is a column of P."),
-        Mistake("refused where it is far", _ekf(refuses=True), "You refuse a compass that is far from your heading. A filter that is lost would refuse every right one: take each whose sigma is finite."),
-        Mistake("its tilt for itself", _ekf(independent=True), "You add a new landmark with its own R after the correction: its picture's tilt is taken for an error of its own. Add it before, with VAGUE times its R, and let the correction place it with the others."),
-        Mistake("counted twice", _ekf(twice=True), "You add a new landmark with its R and then correct by the same measurement: it counts twice. VAGUE times R says that nothing is known of it yet."),
-        Mistake("vague for ever", _ekf(not_placed=True), "Your new landmarks stay vague: give them their number before the correction, which then places them."),
-        Mistake("asked too late", _ekf(asks_anew=True), "A vague landmark is near everything: whoever asks again with it on the map finds no second new one in the same picture. Ask with state, covariance and kinds as they were before."),
-        Mistake("no ring", _ekf(ring=1.0), "Everything outside the gate becomes a landmark in your filter. Within three gates of one of its kind it is left out: otherwise a second map grows."),
-        Mistake("no map", _ekf(never_new=True), "Your map stays empty: what is near no landmark of its kind is new."),
-        Mistake("all corners", _ekf(all_corners=True), "All your landmarks are corners. Note the kind of each."),
-        Mistake("a gate of 4", _ekf(gate=4.0), "You use a gate of 4 whatever was given."),
-        Mistake("the map kept back", _ekf(no_map=True), "Your estimate has no landmarks."),
-        Mistake("shifted blocks", _ekf(pose_block=True), "Your landmarks' covariances are taken from the wrong place: the state begins with three numbers of the pose."),
-        Mistake("variances alone", _ekf(variances=True), "Your pose's covariance has only its diagonal. What its numbers share belongs to it."),
-    ],
-    alternatives={"whole matrices, Joseph": _WholeMatrices, "tuples": _KeptAsAnEstimate, "complex angles": _FromTheLibrary},
+    mistakes=catalogue("""
+        from zeros: start.as_array() => np.zeros(3)
+            Your state begins with zeros. It begins with `start`, which the robot knows.
+        an uncertain start: np.zeros((3, 3)) => 0.01 * np.eye(3)
+            Your first covariance is not zero, but the start is known.
+        no noise of motion: self.odometry.covariance(motion) => np.zeros((3, 3))
+            Your covariance does not grow when the robot moves. Pass self.odometry.covariance(motion) to predict.
+        turn for distance: [motion.distance, motion.turn] => [motion.turn, motion.distance]
+            Distance and turn are exchanged. A control is (distance, turn).
+        uncorrelated measurements: seen = as_observation(measurements) => seen = as_observation(measurements)
+            + blocks = seen.covariance * np.kron(np.eye(len(seen)), np.ones((2, 2)))
+            + seen = Observation(seen.measurements, blocks, seen.direction, seen.direction_sigma)
+            You drop the correlation between the measurements of a picture. One tilt moves them all, so use the whole covariance.
+        the first rows of R: values, R = seen => values, R = seen
+            + R = seen.part(range(len(used))).covariance
+            In correct you use the R of the first measurements instead of those with a landmark. Use the covariance that seen.part(used).linearised_at(...) returns.
+        one after the other: if len(used): => for used in used[:, None]:
+            In correct you update with one landmark after the other. That ignores the tilt that their measurements share. Call update_landmarks once with all of them.
+        one after the other, ranges from before: self.state, self.covariance = update_landmarks(self.state, self.covariance, numbers, values, R) => for n in range(len(used)):
+            +     own = slice(2 * n, 2 * n + 2)
+            +     self.state, self.covariance = update_landmarks(self.state, self.covariance, numbers[n : n + 1], values[own], R[own, own])
+            In correct you call update_landmarks once for each measurement, with its own block of R. The blocks between the measurements hold their shared tilt, so make one call with all of them.
+        one at a time: self.association(*belief, seen, seen.covariance, self.gate) => [self.association(*belief, seen.part([i]), seen.part([i]).covariance, self.gate)[0] for i in range(len(seen))]
+            In number you associate one measurement at a time, so two of them can get the same landmark. Call self.association once for the whole picture.
+        ranges as measured: [expected_measurement(self.state[:3], place)[1] for place in places] => seen.values[used][:, 1]
+            In correct you use the ranges as they were measured. Pass the expected ranges, from the state and the map, to linearised_at and use the values that it returns (equation 11.5).
+        R of the plain ranges: values, R = seen => values, R = seen
+            + R = seen.part(used).covariance
+            In correct you use the values of linearised_at with the covariance of the plain ranges. linearised_at returns both values and covariance.
+        default odometry only: = odometry, gate => = OdometryNoisePerMove(), gate
+            You always use OdometryNoisePerMove(). Use the odometry that the constructor got.
+        own association only: association or associate => associate
+            You always use your own associate. Use the association that the constructor got, if there is one.
+        no landmark, no compass: seen = as_observation(measurements) => seen = as_observation(measurements)
+            + if not len(seen):
+            +     return
+            You ignore a picture without landmarks. Its lines still measure the heading.
+        the compass last: self.use_compass(seen.direction, seen.direction_sigma) => pass
+            seen.covariance, self.gate) => seen.covariance, self.gate)
+            + self.use_compass(seen.direction, seen.direction_sigma)
+            You associate before you use the compass. With the better heading fewer pairs are plausible, so the compass comes first.
+        sigma instead of its square: sigma**2 => sigma
+            In use_compass you add a standard deviation to a variance. S contains sigma squared.
+        no compass: np.isfinite(sigma) => False
+            You never use the compass. A finite sigma means that the lines measure the heading.
+        the compass's sign: -direction - => direction -
+            Your compass has the wrong sign. Lines that point to the left mean that the robot has turned to the right.
+        an infinite sigma used: if np.isfinite(sigma): => if sigma > 0:
+            Your use_compass stores a heading although sigma is infinite. Then the picture shows no usable lines, and self.heading must be None.
+        wrapped to half a turn: wrap_quarter( => warp2pi(
+            You wrap the compass's innovation to half a turn. The lines look the same every 90 degrees, so use wrap_quarter.
+        the heading alone: K = self.covariance[:, 2] / => K = (np.arange(len(self.state)) == 2) * self.covariance[:, 2] /
+            Your compass corrects the heading only. The gain is a whole column of P, because all errors that are correlated with the heading are corrected too.
+        distant compasses rejected: nu = wrap_quarter => nu = wrap_quarter
+            + if abs(nu) > self.gate * np.sqrt(self.covariance[2, 2] + sigma**2):
+            +     return
+            You reject a compass that is far from your heading. A filter with a wrong heading would then reject every correct compass. Accept each one with a finite sigma.
+        the corrected heading: self.state[2] = warp2pi(self.state[2]) => self.state[2] = warp2pi(self.state[2])
+            + self.heading = self.state[2]
+            Your self.heading is the state's corrected heading. Store the compass's own heading: theta + nu, with theta from before the correction. GraphSlam needs it as a measurement.
+        the direction as heading: self.heading = self.state[2] + nu => self.heading = -direction
+            Your self.heading is -direction, but the lines look the same every 90 degrees. Store theta + nu, which is the nearest heading of the four.
+        no heading stored: self.heading = self.state[2] + nu => pass
+            Your use_compass does not store self.heading. Set it to theta + nu, with theta from before the correction. GraphSlam needs it.
+        an old heading: self.heading = None => pass
+            Your self.heading keeps the value of an earlier picture. Set it to None if a picture has no compass.
+        new landmarks independent: self.correct(seen) => pass
+            seen.covariance, self.gate) => seen.covariance, self.gate)
+            + self.correct(seen)
+            VAGUE * one.covariance => one.covariance
+            You add a new landmark with its own R after the correction, so the picture's tilt counts as an independent error. Add it before, with VAGUE times its R, and let correct place it with the others.
+        counted twice: VAGUE * one.covariance => one.covariance
+            You add a new landmark with its R and then correct with the same measurement, so the measurement counts twice. Add it with VAGUE times its R.
+        new landmarks without a number: self.indices[i] = len(self.kinds) => pass
+            Your new landmarks have no number in self.indices, so correct leaves them vague. Store their numbers.
+        new landmarks tested too late: associate(*belief, one => associate(self.state, self.covariance, self.kinds, one
+            You test for new landmarks with the first new one already on the map. A vague landmark is near everything, so the second new one of a picture is never found. Use state, covariance and kinds from before.
+        all others new: if associate(*belief, one, one.covariance, 3 * self.gate)[0] < 0: => if True:
+            In number every measurement with -1 becomes a new landmark. It is new only if it also has no landmark of its kind within three gates; otherwise a second map grows.
+        a list that grows: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
+            In number your list of kinds grows while you still decide with it, and it then has more entries than the state. Copy it first: list(self.kinds).
+        new beyond one gate: 3 * self.gate => self.gate
+            Everything outside the gate becomes a landmark. Leave a measurement out if a landmark of its kind is within three gates; otherwise a second map grows.
+        no map: self.indices < 0) => [])
+            Your map stays empty. A measurement with no landmark of its kind nearby is a new landmark.
+        all corners: one[0].kind => "corner"
+            All your landmarks are corners. Store the kind of each measurement.
+        a gate of 4: = odometry, gate => = odometry, 4.0
+            You always use a gate of 4. Use the gate that the constructor got.
+        no landmarks returned: landmarks, np.array(own), tuple(self.kinds)) => np.zeros((0, 2)), np.zeros((0, 2, 2)), ())
+            Your estimate has no landmarks.
+        shifted blocks: range(3, len(self.state), 2) => range(0, len(self.state) - 3, 2)
+            The covariances of your landmarks are three places off, because the state begins with the three numbers of the pose.
+        variances alone: self.covariance[:3, :3], landmarks => np.diag(np.diag(self.covariance[:3, :3])), landmarks
+            Your pose's covariance has only its diagonal. Return the whole block of P.
+    """),
+    alternatives={
+        "whole matrices, Joseph": _Joseph,
+        "a method for each step": _Filter,
+        "its own blocks": _ByBlocks,
+    },
     equivalents={
         "K = self.covariance[2, :] / (self.covariance[2, 2] + sigma ** 2)": "a covariance is symmetric: its row is its column",
         "self.covariance = self.covariance - np.outer(self.covariance[2], K)": "K is that row divided by a number",
@@ -1451,42 +1041,25 @@ EKF_SLAM = Exercise(
         "return Estimate(pose, self.covariance[:3, :3], landmarks, own, tuple(self.kinds))": "Estimate makes an array of the list",
         "return Estimate(pose, self.covariance[:3, :3], landmarks, np.array(own), self.kinds)": "Estimate makes a tuple of the list",
         "places = [self.state[3 + 2 * n:] for n in numbers]": "of a longer piece the first two numbers are the landmark",
-        **dict.fromkeys(
-            (
-                f"places = [self.state[3 + 2 * n:{end}] for n in numbers]"
-                for end in ("5 << 2 * n", "5 + 2 ** n", "5 + 2 << n", "6 + 2 * n", "5 + 3 * n")
-            ),
-            "of a longer piece the first two numbers are the landmark",
-        ),
-        **dict.fromkeys(
-            (f"for i in np.flatnonzero(self.indices {test}):" for test in ("!= 0", "<= 0", "< 1")),
-            "one that has a landmark within the gate has one within three",
-        ),
-        **dict.fromkeys(
-            (
-                "if associate(*belief, one, one.covariance, 3 * self.gate)[-1] < 0:",
-                "self.state, self.covariance = add_landmark(self.state, self.covariance, one.values[-1], vague)",
-                "self.kinds.append(one[-1].kind)",
-            ),
-            "the first of one is the last",
-        ),
-        **dict.fromkeys(
-            (f"landmarks = self.state[3:].reshape({rows}, 2)" for rows in ("~1", "-2")), "NumPy takes any negative number"
-        ),
-        **dict.fromkeys(
-            (
-                f"self.indices, self.heading = {pair}"
-                for pair in (
-                    "(np.zeros(1, dtype=int), None)",
-                    "(None, np.zeros(0, dtype=int))",
-                    "(0, None)",
-                    "(np, None)",
-                    "(np.zeros(0), None)",
-                    "(np.ones(0, dtype=int), None)",
-                )
-            ),
-            "the first picture sets both",
-        ),
+        **{
+            f"places = [self.state[3 + 2 * n:{end}] for n in numbers]": "of a longer piece the first two numbers are the landmark"
+            for end in ("5 << 2 * n", "5 + 2 ** n", "5 + 2 << n", "6 + 2 * n", "5 + 3 * n")
+        },
+        **{
+            f"for i in np.flatnonzero(self.indices {test}):": "a measurement with a landmark within the gate has one within three gates"
+            for test in ("!= 0", "<= 0", "< 1")
+        },
+        "if associate(*belief, one, one.covariance, 3 * self.gate)[-1] < 0:": "the first of one is the last",
+        "self.state, self.covariance = add_landmark(self.state, self.covariance, one.values[-1], vague)": "the first of one is the last",
+        "self.kinds.append(one[-1].kind)": "the first of one is the last",
+        "landmarks = self.state[3:].reshape(~1, 2)": "NumPy takes any negative number",
+        "landmarks = self.state[3:].reshape(-2, 2)": "NumPy takes any negative number",
+        "self.indices, self.heading = (np.zeros(1, dtype=int), None)": "the first picture sets both",
+        "self.indices, self.heading = (None, np.zeros(0, dtype=int))": "the first picture sets both",
+        "self.indices, self.heading = (0, None)": "the first picture sets both",
+        "self.indices, self.heading = (np, None)": "the first picture sets both",
+        "self.indices, self.heading = (np.zeros(0), None)": "the first picture sets both",
+        "self.indices, self.heading = (np.ones(0, dtype=int), None)": "the first picture sets both",
         "if True:": "an update by nothing changes nothing",
         "self.indices = self.association(*belief, seen, seen.covariance, self.gate)": "associate returns whole numbers",
         "self.indices = np.array(self.association(*belief, seen, seen.covariance, self.gate))": "associate returns whole numbers",
@@ -1497,140 +1070,66 @@ EKF_SLAM = Exercise(
 
 
 # --- 11.6 GraphSlam ---
+class _Graph(SlamAlgorithm):
+    """Landmarks numbered from -1 down until all poses are known; all covariances by a dense inverse."""
+
+    steps, predicted = 10, False
+
+    def __init__(self, start: Pose = Pose(), *given: Any) -> None:
+        self.front = _Filter(start, *given)
+        self.poses, self.edges = [start.as_array()], list[Any]()
+
+    def move(self, motion: Motion) -> None:
+        self.front.move(motion)
+        back = np.eye(3)
+        back[:2, :2] = rotation_2d(-motion.turn)
+        information = np.linalg.inv(back @ self.front.odometry.covariance(motion) @ back.T)
+        self.edges.append((len(self.poses) - 1, len(self.poses), motion.as_pose().as_array(), information))
+        self.poses.append(self.front.state[:3])
+
+    def observe(self, measurements: Any) -> None:
+        seen, front, here = as_observation(measurements), self.front, len(self.poses) - 1
+        front.observe(seen)
+        if not self.predicted:
+            self.poses[-1] = front.state[:3]
+        if here and front.heading is not None:
+            turn = np.array([0.0, 0.0, front.heading - self.poses[0][2]])
+            self.edges.append((0, here, turn, np.diag([0.0, 0.0, seen.direction_sigma**-2])))
+        used = np.flatnonzero(front.indices >= 0)
+        places = front.state[3:].reshape(-1, 2)[front.indices[used]]
+        values, covariances = seen.part(used).decorrelated(np.hypot(*(places - front.state[:2]).T))
+        for j, (b, r), R in zip(front.indices[used], values, covariances, strict=True):
+            c, s = np.cos(b), np.sin(b)
+            J = np.array([[-r * s, c], [r * c, s]])
+            information = np.zeros((3, 3))
+            information[:2, :2] = np.linalg.inv(J @ R @ J.T)
+            self.edges.append((here, -1 - j, np.array([r * c, r * s, 0.0]), information))
+
+    def estimate(self) -> Estimate:
+        if not self.edges:
+            return self.front.estimate()
+        p, kinds = len(self.poses), self.front.kinds
+        first, second, z, information = map(np.array, zip(*self.edges, strict=True))
+        ends = np.column_stack([first, np.where(second < 0, p - 1 - second, second)])
+        graph = Graph(ends, z, information, np.repeat([POSE, LANDMARK], [p, len(kinds)]))
+        states = np.concatenate([np.ravel(self.poses), self.front.state[3:]])
+        states, _ = gauss_newton(graph, states, self.steps)
+        covariance = np.zeros((len(states), len(states)))
+        covariance[3:, 3:] = np.linalg.inv(linearize(graph, states)[0].toarray()[3:, 3:])
+        own = [covariance[n : n + 2, n : n + 2] for n in range(3 * p, len(states), 2)]
+        last = slice(3 * p - 3, 3 * p)
+        landmarks = states[3 * p :].reshape(-1, 2)
+        pose = Pose.from_array(states[last])
+        return Estimate(pose, covariance[last, last], landmarks, np.array(own), tuple(kinds))
 
 
-def _graph(**changed: Any) -> type[SlamAlgorithm]:
-    """The graph, with one thing done in another way."""
-
-    class Changed(SlamAlgorithm):
-        def __init__(
-            self, start: Pose = Pose(), odometry: Any = FieldOdometry(), gate: float = 4.0, association: Any = None  # noqa: B008
-        ) -> None:
-            told = {"odometry": odometry, "gate": gate, "association": association}
-            told.pop(changed.get("kept_back"), None)
-            self.front, self.odometry = _ekf()(start, **told), odometry
-            self.poses = [np.zeros(3) if changed.get("from_zeros") else start.as_array()]
-            self.edges: list[Any] = []
-
-        def move(self, motion: Motion) -> None:
-            self.front.move(motion)
-            here, Q = len(self.poses), self.odometry.covariance(motion)
-            back = np.eye(3)
-            if not changed.get("not_turned"):
-                back[:2, :2] = rotation_2d(motion.turn if changed.get("other_way") else -motion.turn)
-            Q = back @ Q @ back.T
-            information = Q if changed.get("covariance") else np.linalg.inv(Q)
-            if changed.get("units"):
-                information = np.eye(3)
-            self.edges.append((here - 1, here, (motion.distance, 0.0, motion.turn), information))
-            self.poses.append(self.front.state[:3])  # type: ignore[attr-defined]
-
-        def observe(self, measurements: Any) -> None:
-            seen, front = as_observation(measurements), self.front
-            front.observe(seen)
-            if not changed.get("late"):
-                self.poses[-1] = front.state[:3]  # type: ignore[attr-defined]
-            used = np.flatnonzero(front.indices >= 0)  # type: ignore[attr-defined]
-            self._note_headings(seen, max(len(used), 1) if changed.get("each_sight") else 1)
-            picture, marks = seen.part(used), front.indices[used].tolist()  # type: ignore[attr-defined]
-            expected = [_expected(front.state[:3], front.state[3 + 2 * j : 5 + 2 * j])[0][1] for j in marks]  # type: ignore[attr-defined]
-            values, covariances = picture.apart(expected)
-            if changed.get("as_independent"):
-                covariances = [picture.part([n]).covariance for n in range(len(used))]
-            if changed.get("as_measured"):
-                values, covariances = picture.apart(picture.values[:, 1])
-            for j, (b, r), R in zip(marks, values, covariances, strict=True):
-                if changed.get("first_sights") and any(edge[1] == -1 - j for edge in self.edges):
-                    continue
-                ray = np.exp(1j * b)
-                J = np.array([[-r * ray.imag, ray.real], [r * ray.real, ray.imag]])
-                if changed.get("raw"):
-                    J = np.eye(2)
-                if changed.get("transposed"):
-                    J = J.T
-                z = (b, r) if changed.get("polar") else (r * ray.real, r * ray.imag)
-                information = np.zeros((3, 3))
-                information[:2, :2] = J @ R @ J.T if changed.get("covariance_seen") else np.linalg.inv(J @ R @ J.T)
-                self.edges.append((len(self.poses) - 1, -1 - j, (*z, 0.0), information))
-
-        def _note_headings(self, seen: Any, times: int) -> None:
-            """The compass as an edge from the first pose."""
-            heading, here = self.front.heading, len(self.poses) - 1  # type: ignore[attr-defined]
-            if here == 0 or heading is None or changed.get("no_headings"):
-                return
-            if changed.get("filters_heading"):
-                heading = self.front.state[2]  # type: ignore[attr-defined]
-            turn = heading - (0.0 if changed.get("absolute") else self.poses[0][2])
-            first, weight = here - 1 if changed.get("last_pose") else 0, seen.direction_sigma**-2
-            self.edges += [(first, here, (0.0, 0.0, turn), np.diag([0.0, 0.0, weight]))] * times
-
-        def estimate(self) -> Estimate:
-            if not self.edges or changed.get("filter"):
-                return self.front.estimate()
-            poses, kinds = len(self.poses), self.front.kinds  # type: ignore[attr-defined]
-            ends = [(a, b if b >= 0 else poses - 1 - b) for a, b, _, _ in self.edges]
-            graph = Graph(
-                np.array(ends),
-                np.array([z for _, _, z, _ in self.edges]),
-                np.array([information for *_, information in self.edges]),
-                np.array([POSE] * poses + [LANDMARK] * len(kinds)),
-            )
-            states = np.concatenate([np.ravel(self.poses), self.front.state[3:]])  # type: ignore[attr-defined]
-            guess = states
-            states, _ = gauss_newton(graph, states, changed.get("steps", 10))
-            H = linearize(graph, guess if changed.get("at_the_guess") else states)[0].toarray()
-            covariance = np.zeros(H.shape)
-            held = slice(3, None)
-            covariance[held, held] = np.linalg.inv(H[held, held])
-            if changed.get("conditional"):
-                covariance = np.zeros(H.shape)
-                for place in _places(poses, len(kinds)):
-                    covariance[place, place] = np.linalg.inv(H[place, place])
-            at = 3 * poses - 3
-            if changed.get("first_pose"):
-                at = 0
-            if changed.get("free"):
-                covariance = np.linalg.pinv(H)
-            own = [covariance[n : n + 2, n : n + 2] for n in range(3 * poses, len(states), 2)]
-            if changed.get("not_shifted"):
-                own = [covariance[n : n + 2, n : n + 2] for n in range(3 * poses - 3, len(states) - 3, 2)]
-            pose, spread = Pose.from_array(states[at : at + 3]), covariance[at : at + 3, at : at + 3]
-            if changed.get("negative") and poses == 1:
-                spread = covariance[-3:, -3:]
-            if changed.get("filters_pose"):
-                spread = self.front.covariance[:3, :3]  # type: ignore[attr-defined]
-            if changed.get("filters_map"):
-                own = list(self.front.estimate().landmark_covariances)
-            return Estimate(
-                pose, spread, states[3 * poses :].reshape(-1, 2), np.array(own), tuple(kinds)
-            )
-
-    return Changed
-
-
-def _places(poses: int, landmarks: int) -> list[slice]:
-    """Where each pose but the first, and each landmark, stands in the states."""
-    begins = [*range(3, 3 * poses, 3), *range(3 * poses, 3 * poses + 2 * landmarks, 2)]
-    return [slice(begin, begin + (3 if begin < 3 * poses else 2)) for begin in begins]
-
-
-class _Once(_graph(late=True, steps=15)):  # type: ignore[misc]
-    """Begins from poses as they were predicted."""
-
-
-def _graphs_public() -> list[Case]:
-    return [
-        calls("estimate", given=(Pose(1.0, 0.5, 0.3),), name="before the first step"),
-        calls(("move", Motion(0.3, 0.2)), "estimate", given=(Pose(1.0, 0.5, 0.3),), name="one move, nothing seen"),
-        calls(("observe", drawn_drive(2012, 1).log[1][1]), "estimate", given=(Pose(1.0, 0.5, 0.3),), name="a look, no move"),
-        _log_case(2012, 3, "three other moves", at_end=True),
-        _log_case(2019, 3, "three moves, odometry twice as bad, gate 2", at_end=True, odometry=WORSE, gate=2.0),
-        _log_case(2033, 3, "with another association", at_end=True, given=(associate_jointly,)),
-        _log_case(2013, 3, "three moves and a compass", at_end=True, compass_sigma=COMPASS, circle_rate=0.0),
-        _log_case(2010, 2, "lists of Measurement, from the origin", plain=True, at_end=True),
-    ]
-
-
+START = Pose(1.0, 0.5, 0.3)
+MOTIONS = Motion(0.3, 0.2), Motion(0.25, -0.5), Motion(0.4, 0.1)
+# Directions of lines after each of them; the robot's heading is 0.5, 0 and 0.1 if its commands are exact.
+LINES = [
+    Observation((), np.zeros((0, 0)), direction, sigma)
+    for direction, sigma in ((-0.47, 0.02), (0.0, np.inf), (-0.16, 0.01))
+]
 # Drives on which Gauss-Newton settles within a few steps, from the filter's poses and from predictions alike.
 SETTLES = (2002, 2003, 2006, 2007, 2011, 2014, 2016, 2018, 2021, 2022, 2023, 2031, 2032, 2035, 2036)
 
@@ -1639,107 +1138,222 @@ def _graphs_hidden(rng: np.random.Generator) -> list[Case]:
     seeds = [int(seed) for seed in rng.choice(SETTLES, 4, replace=False)]
     start = Pose(*rng.uniform(-1, 1, 3))
     return [
-        calls(("move", Motion(0.3, -0.4)), ("move", Motion(0.2, 0.1)), "estimate", given=(start,)),
-        _log_case(seeds[0], 3, at_end=True),
-        _log_case(seeds[1], 3, at_end=True, compass_sigma=COMPASS, circle_rate=0.0),
-        _log_case(seeds[2], 2, gate=2.0, at_end=True, odometry=WORSE),
-        _log_case(int(rng.choice(PARTED)), 3, at_end=True, given=(associate_jointly,)),
-        calls(("observe", drawn_drive(seeds[0], 1).log[1][1]), "estimate", given=(start,)),
-        _log_case(seeds[3], 2, plain=True, at_end=True),
+        calls(
+            ("move", Motion(0.3, -0.4)),
+            ("move", Motion(0.2, 0.1)),
+            "estimate",
+            given=(start,),
+            name="motions: two moves",
+        ),
+        calls("estimate", given=(start,), name="before the first edge: the start"),
+        calls(
+            *(
+                turn
+                for lines, motion in zip(LINES, MOTIONS, strict=True)
+                for turn in (("observe", lines), ("move", motion))
+            ),
+            ("observe", LINES[-1]),
+            "estimate",
+            given=(Pose(start.x, start.y, float(rng.uniform(-0.2, 0.2))),),
+            name="headings: lines but no landmarks",
+        ),
+        calls(
+            ("observe", drawn_drive(seeds[0], 1).log[1][1]),
+            "estimate",
+            given=(start,),
+            name="measurements: one picture",
+        ),
+        _log_case(seeds[0], 3, DRIVES, at_end=True),
+        _log_case(seeds[1], 3, DRIVES, at_end=True, compass_sigma=COMPASS, circle_rate=0.0),
+        _log_case(seeds[2], 2, DRIVES, gate=2.0, at_end=True, odometry=WORSE),
+        _log_case(int(rng.choice(PARTED)), 3, DRIVES, at_end=True, given=(associate_jointly,)),
+        _log_case(seeds[3], 2, DRIVES, plain=True, at_end=True),
     ]
 
 
 GRAPH_SLAM = Exercise(
     name="GraphSlam",
     points=6,
+    parts={
+        "before the first edge": 0.5,
+        "motions": 1.5,
+        "headings": 1,
+        "measurements": 1.5,
+        "whole drives": 1.5,
+    },
     stars=3,
-    uses=("EkfSlam", "05:landmark_position", "05:landmark_jacobians", "09:gauss_newton", "09:linearize", "09:marginal_covariances"),
-    public=_graphs_public,
+    uses=[
+        "EkfSlam",
+        "05:landmark_position",
+        "05:landmark_jacobians",
+        "09:gauss_newton",
+        "09:linearize",
+        "09:marginal_covariances",
+    ],
+    public=lambda: [
+        calls("estimate", given=(START,), name="before the first edge: the start"),
+        calls(("move", Motion(0.3, 0.2)), "estimate", given=(START,), name="motions: one move"),
+        calls(
+            *(("move", each) for each in MOTIONS),
+            "estimate",
+            given=(START, WORSE),
+            name="motions: three moves",
+        ),
+        calls(
+            *(
+                turn
+                for each, lines in zip(MOTIONS, LINES, strict=True)
+                for turn in (("move", each), ("observe", lines))
+            ),
+            "estimate",
+            given=(START,),
+            name="headings: three moves, lines but no landmarks",
+        ),
+        calls(
+            ("observe", drawn_drive(2012, 1).log[1][1]),
+            "estimate",
+            given=(START,),
+            name="measurements: one picture, no move",
+        ),
+        _log_case(2012, 1, "measurements: one move", at_end=True),
+        _log_case(2012, 3, "whole drives: three moves", at_end=True),
+        _log_case(
+            2019, 3, "whole drives: odometry twice as bad, gate 2", at_end=True, odometry=WORSE, gate=2.0
+        ),
+        _log_case(2033, 3, "whole drives: another association", at_end=True, given=(associate_jointly,)),
+        _log_case(
+            2013,
+            3,
+            "whole drives: three moves and a compass",
+            at_end=True,
+            compass_sigma=COMPASS,
+            circle_rate=0.0,
+        ),
+        _log_case(2010, 2, "whole drives: lists of Measurement, from the origin", plain=True, at_end=True),
+    ],
     hidden=_graphs_hidden,
     driver="methods",
     comparison=_as_estimated(5e-3),
     hints=(
-        "Let EkfSlam decide which landmark is which (front.indices), and note an edge for each motion, each sight and each heading. Until estimate is called, a landmark's number among all unknowns is not known: note it apart.",
-        "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)), and J of landmark_jacobians at the same zeros carries R there: its information is the inverse of J R Jᵀ. "
-        "In H[3:, 3:] everything stands three places earlier than in states.",
+        "Let EkfSlam choose the landmarks (front.indices), and store one edge for each motion, measurement and heading. A landmark's number among all unknowns depends on the number of poses, which is known only in estimate: store the landmark's own number until then.",
+        "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)). With the measurement's Jacobian J from landmark_jacobians at the same pose, the edge's information is the inverse of J R Jᵀ. In H[3:, 3:] everything is three places earlier than in the states.",
     ),
-    mistakes=[
-        Mistake("the filter's answer", _graph(filter=True), "You return the filter's estimate. Its poses are only where gauss_newton begins."),
-        Mistake("from zeros", _graph(from_zeros=True), "Your first pose is zeros. It is `start`, and gauss_newton holds it there."),
-        Mistake("noise not turned", _graph(not_turned=True), "Your odometry's noise is along and across the old heading. pose_residual looks from where the motion ends: turn it by -motion.turn."),
-        Mistake("turned the other way", _graph(other_way=True), "You turn odometry's noise the wrong way: from the old heading to the new one it is by -motion.turn."),
-        Mistake("covariance of motion", _graph(covariance=True), "Your odometry's edges have covariances. An edge has an information, which is the inverse."),
-        Mistake("covariance of sights", _graph(covariance_seen=True), "Your sights' edges have covariances. An edge has an information, which is the inverse."),
-        Mistake("information of 1", _graph(units=True), "Your odometry's edges weigh 1. Their information is the inverse of self.odometry.covariance(motion)."),
-        Mistake("bearing and range", _graph(polar=True), "Your sights are bearings and ranges. An edge to a landmark has metres ahead and metres left."),
-        Mistake("R as it is", _graph(raw=True), "You invert R of bearing and range. The edge is in metres: J R Jᵀ first."),
-        Mistake("J transposed", _graph(transposed=True), "You have Jᵀ R J: the measurement's covariance has to meet the columns of J."),
-        Mistake("no headings", _graph(no_headings=True), "The compass is missing in your graph: every heading of the filter that is not None is an edge. Does your use_compass set self.heading?"),
-        Mistake("a heading for each sight", _graph(each_sight=True), "You note the compass once for each measurement. A picture tells the heading once."),
-        Mistake("the filter's heading", _graph(filters_heading=True), "You take the filter's heading for a measurement. It knows odometry and landmarks already, and they would count twice: front.heading is what the compass alone said."),
-        Mistake("from east", _graph(absolute=True), "Your compass's edge has the heading itself. An edge from the first pose says how far the robot has turned since: take the start's heading off."),
-        Mistake("from the last pose", _graph(last_pose=True), "Your compass's edge begins at the pose before. The turn is from the first pose, which is held."),
-        Mistake("independent sights", _graph(as_independent=True), "You take the measurements of a picture for independent: k of them would know its tilt k times as well. seen.part(used).apart(ranges) has the covariances for that."),
-        Mistake("ranges as measured", _graph(as_measured=True), "apart wants the ranges that are expected, from the filter's pose to its landmarks (equation 11.5)."),
-        Mistake("first sights only", _graph(first_sights=True), "You note each landmark's first sight alone. Every sight is an edge."),
-        Mistake("no step", _graph(steps=0), "Nothing is solved: gauss_newton takes no step."),
-        Mistake("one step", _graph(steps=1), "One step of gauss_newton is not enough here: ten are."),
-        Mistake("H at the guess", _graph(at_the_guess=True), "Your H is that of the filter's poses: linearize where gauss_newton has led."),
-        Mistake("the gate kept back", _graph(kept_back="gate"), "Your EkfSlam is not given the gate."),
-        Mistake("the odometry kept back", _graph(kept_back="odometry"), "Your EkfSlam is not given the odometry."),
-        Mistake("the association kept back", _graph(kept_back="association"), "Your EkfSlam is not given the association."),
-        Mistake("before the first move", _graph(negative=True), "Before the first move there is one pose alone, and it is held: its covariance is zero. Negative indices take somebody else's block."),
-        Mistake("the filter's pose", _graph(filters_pose=True), "Your pose's covariance is the filter's. The graph's is a block of the inverse of H."),
-        Mistake("the filter's map", _graph(filters_map=True), "Your landmarks' covariances are the filter's. The graph's are blocks of the inverse of H."),
-        Mistake("conditional covariances", _graph(conditional=True), "You invert blocks of H: that is how sure each would be if all others were known. marginal_covariances takes blocks of the inverse."),
-        Mistake("the first pose", _graph(first_pose=True), "You return the first pose. The robot is at the last one."),
-        Mistake("shifted by three", _graph(not_shifted=True), "Your landmarks' covariances are three places off: H[3:, 3:] lacks the first pose, the whole H does not."),
-        Mistake("nothing held", _graph(free=True), "Your covariances come from the whole H, in which the map may still slide. Hold the first pose: H[3:, 3:]."),
-    ],
-    alternatives={"a dense inverse": _graph(), "two steps more": _graph(steps=12), "from predictions": _Once},
+    mistakes=catalogue("""
+        the filter's answer: not self.edges => True
+            You return the filter's estimate. Its poses and map are only the start of gauss_newton.
+        from zeros: [start.as_array()] => [np.zeros(3)]
+            Your first pose is zero. It is `start`, and gauss_newton holds it there.
+        noise not turned: rotation_2d(-motion.turn) => np.eye(2)
+            Your odometry noise is along and across the old heading, but pose_residual works in the new pose's frame. Turn the noise by -motion.turn.
+        turned the other way: -motion.turn => motion.turn
+            You turn the odometry noise the wrong way. From the old frame to the new one it is turned by -motion.turn.
+        covariance of motion: np.linalg.inv(back @ self.odometry.covariance(motion) @ back.T) => back @ self.odometry.covariance(motion) @ back.T
+            Your motion edges hold covariances. An edge holds an information matrix, which is the inverse.
+        covariance of measurements: np.linalg.inv(J @ own @ J.T) => J @ own @ J.T
+            Your measurement edges hold covariances. An edge holds an information matrix, which is the inverse.
+        information of 1: np.linalg.inv(back @ self.odometry.covariance(motion) @ back.T) => np.eye(3)
+            All your motion edges have the identity as information. Use the inverse of self.odometry.covariance(motion), in the new frame.
+        bearing and range: [*z, 0.0] => [*value, 0.0]
+            Your measurement edges hold bearing and range. A landmark's edge holds metres ahead and metres to the left.
+        R as it is: J @ own @ J.T => own
+            You invert the R of bearing and range, but the edge is in metres. Convert it first: J R Jᵀ.
+        J transposed: J @ own @ J.T => J.T @ own @ J
+            You compute Jᵀ R J. The columns of J belong to bearing and range, so the product is J R Jᵀ.
+        no headings: here and self.front.heading is not None => False
+            Your graph has no compass edges. Add one for each heading of the filter that is not None.
+        a heading for each measurement: self.edges.append((0, => self.edges.append((0,
+            + self.edges += self.edges[-1:] * ((self.front.indices >= 0).sum() - 1)
+            You add one compass edge for each measurement. A picture measures the heading once.
+        the filter's heading: turned = [0.0, 0.0, self.front.heading => turned = [0.0, 0.0, self.front.state[2]
+            You use the filter's heading as a measurement. It already contains odometry and landmarks, so they would count twice. Use front.heading, which comes from the compass alone.
+        absolute heading: self.front.heading - self.poses[0][2]] => self.front.heading]
+            Your compass edge holds the heading itself. An edge from the first pose holds how far the robot has turned since: subtract the heading at the start.
+        from the last pose: append((0, POSE, => append((here - 1, POSE,
+            Your compass edge begins at the previous pose. The turn is measured from the first pose.
+        independent measurements: values, R, strict => values, [seen.part([n]).covariance for n in used], strict
+            You use plain blocks of R, as if the measurements of a picture were independent. k edges would then count the knowledge of one tilt k times. Use the covariances from seen.part(used).decorrelated(ranges).
+        linearised, with plain blocks of R: values, R, strict => *(lambda v, C: (v.reshape(-1, 2), [C[n : n + 2, n : n + 2] for n in range(0, len(C), 2)]))(*seen.part(used).linearised_at(np.hypot(*(places - self.front.state[:2]).T))), strict
+            You use the blocks of linearised_at. Its covariance has the shared tilt in the blocks between the measurements, which edges cannot hold. Use seen.part(used).decorrelated(ranges), in which the tilt's variance is multiplied by k.
+        plain values and blocks of R: values, R, strict => seen.values[used], [seen.part([n]).covariance for n in used], strict
+            You use the plain measurements with plain blocks of R, as if they were independent. k edges would then count the knowledge of one tilt k times. Use both values and covariances from seen.part(used).decorrelated(ranges).
+        ranges as measured: np.hypot(*(places - self.front.state[:2]).T) => seen.values[used][:, 1]
+            You pass the measured ranges to decorrelated. It needs the expected ranges, from the filter's pose to its landmarks (equation 11.5).
+        first measurements only: strict=True): => strict=True):
+            +     if any(edge[1:3] == (LANDMARK, number) for edge in self.edges):
+            +         continue
+            You add an edge only for the first measurement of each landmark. Every measurement is an edge.
+        one step: range(5) => range(1)
+            states, 2) => states, 1)
+            One step of gauss_newton is not enough. Take ten, or stop when chi squared changes by less than 1e-4.
+        the filter stays: self.front.move(motion) => pass
+            Your EkfSlam does not get the motions, so it associates from the wrong place. Call its move as well.
+        H at the initial guess: linearize(graph, states) => linearize(graph, np.concatenate([np.ravel(self.poses), self.front.state[3:]]))
+            Your H is linearised at the filter's poses. Linearise at the result of gauss_newton.
+        the gate not passed on: (start, odometry, gate, association), odometry => (start, odometry, association=association), odometry
+            Your EkfSlam does not get the gate.
+        the odometry not passed on: (start, odometry, gate, association), odometry => (start, gate=gate, association=association), odometry
+            Your EkfSlam does not get the odometry.
+        the association not passed on: (start, odometry, gate, association), odometry => (start, odometry, gate), odometry
+            Your EkfSlam does not get the association.
+        before the first move: [np.zeros((3, 3)), *blocks] => [np.linalg.inv(H.toarray())[-3:, -3:], *blocks]
+            Before the first move there is only the first pose, which is held, so its covariance is zero. Negative indices select another block here.
+        the filter's pose: blocks[0], landmarks => self.front.covariance[:3, :3], landmarks
+            Your pose's covariance is the filter's. The graph's is a block of the inverse of H.
+        the filter's map: np.array(blocks[1:]) => self.front.estimate().landmark_covariances
+            The covariances of your landmarks are the filter's. The graph's are blocks of the inverse of H.
+        conditional covariances: marginal_covariances(H, places) => [np.linalg.inv(H.toarray()[np.ix_(place, place)]) for place in places]
+            You invert blocks of H, which gives the covariance of each unknown if all others were known. marginal_covariances returns blocks of the inverse.
+        the first pose: poses[-1]), blocks[0] => poses[0]), np.zeros((3, 3))
+            You return the first pose. The robot is at the last one.
+        shifted by three: graph.split(states) => graph.split(states)
+            + whole = np.zeros((graph.size, graph.size))
+            + whole[3:, 3:] = np.linalg.inv(H.toarray())
+            + blocks[1:] = [whole[n : n + 2, n : n + 2] for n in range(3 * p - 3, graph.size - 3, 2)]
+            The covariances of your landmarks are three places off, because H[3:, 3:] lacks the first pose.
+        nothing held: graph.split(states) => graph.split(states)
+            + whole = np.linalg.pinv(linearize(graph, states)[0].toarray())
+            + ends = [slice(3 * p - 3, 3 * p), *(slice(n, n + 2) for n in range(3 * p, graph.size, 2))]
+            + blocks = [whole[each, each] for each in ends]
+            Your covariances come from the whole H, in which the entire map can still move. Hold the first pose: H[3:, 3:].
+    """),
+    alternatives={
+        "a dense inverse": _Graph,
+        "two steps more": type("TwoStepsMore", (_Graph,), {"steps": 12}),
+        "from predictions": type("FromPredictions", (_Graph,), {"steps": 15, "predicted": True}),
+    },
     equivalents={
         "return Estimate(Pose.from_array(poses[-1]), blocks[0], landmarks, blocks[1:], tuple(kinds))": "Estimate makes an array of the list",
         "if abs(chi2[0] - chi2[-1]) <= 0.0001:": "no change is the limit to the last bit",
         "places = [np.arange(3 * p - 6, 3 * p - 3)] if p != 1 else []": "there is one pose at least",
         "turned = [0.0, 1.0, self.front.heading - self.poses[0][2]]": "of x and y that edge has no information",
         "self.edges.append((here, LANDMARK, number, [*z, -1.0], information))": "of a heading that edge has no information",
-        **dict.fromkeys(
-            (
-                *(f"if abs(chi2[0] {sign} chi2[-1]) < 0.0001:" for sign in ("%", "/", "+", "*")),
-                *(f"if abs({term}) < 0.0001:" for term in ("chi2[0]", "chi2[-1]", "chi2[-1] - chi2[0]")),
-                *(f"if abs(chi2[0] - chi2[{place}]) < 0.0001:" for place in ("1", "-2", "+1", "~1")),
-                "if abs(chi2[0] - chi2[-1]) == 0.0001:",
-                "if abs(chi2[0] - chi2[-1]) < -0.9999:",
-                "if False:",
-            ),
-            "some steps more or fewer change nothing any more",
-        ),
-        **dict.fromkeys(
-            (f"turned = [{pair}, self.front.heading - self.poses[0][2]]" for pair in ("1.0, 0.0", "0.0, -1.0", "-1.0, 0.0")),
-            "a heading's edge has no information of places",
-        ),
+        **{
+            f"if {test}:": "some steps more or fewer change nothing any more"
+            for test in (
+                *(f"abs(chi2[0] {sign} chi2[-1]) < 0.0001" for sign in ("%", "/", "+", "*")),
+                *(f"abs({term}) < 0.0001" for term in ("chi2[0]", "chi2[-1]", "chi2[-1] - chi2[0]")),
+                *(f"abs(chi2[0] - chi2[{place}]) < 0.0001" for place in ("1", "-2", "+1", "~1")),
+                *("abs(chi2[0] - chi2[-1]) == 0.0001", "abs(chi2[0] - chi2[-1]) < -0.9999", "False"),
+            )
+        },
+        **{
+            f"turned = [{pair}, self.front.heading - self.poses[0][2]]": "a heading's edge has no information of places"
+            for pair in ("1.0, 0.0", "0.0, -1.0", "-1.0, 0.0")
+        },
         "numbers = self.front.indices[used]": "an array of whole numbers counts as well",
         "information = np.ones((3, 3))": "of a landmark's edge only the first two rows and columns count",
         "self.edges.append((here, LANDMARK, number, [*z, 1.0], information))": "a landmark has no angle",
-        **dict.fromkeys(
-            (
-                "for number, value, own in zip(numbers, values, R):",
-                "for number, value, own in zip(numbers, values, R, strict=False):",
-            ),
-            "all three are equally long",
-        ),
+        "for number, value, own in zip(numbers, values, R):": "all three are equally long",
+        "for number, value, own in zip(numbers, values, R, strict=False):": "all three are equally long",
         "return Estimate(Pose.from_array(poses[-1]), blocks[0], landmarks, np.array(blocks[1:]), kinds)": "Estimate makes a tuple of it",
-        **dict.fromkeys(
-            (
-                f"ends = [(first, second + p * (kind {test} LANDMARK)) for first, kind, second, _, _ in self.edges]"
-                for test in ("is", ">=")
-            ),
-            "there are two kinds, 0 and 1",
-        ),
+        **{
+            f"ends = [(first, second + p * (kind {test} LANDMARK)) for first, kind, second, _, _ in self.edges]": "there are two kinds, 0 and 1"
+            for test in ("is", ">=")
+        },
         "places = self.front.state[3:].reshape(-2, 2)[numbers]": "NumPy takes any negative number",
         "self.edges.append((POSE, 0, here, turned, np.diag([0.0, 0.0, seen.direction_sigma ** (-2)])))": "POSE is 0",
         "if p <= 1:": "there is one pose at least",
-        "values, R = seen.part(used).apart(np.hypot(*(self.front.state[:2] - places).T))": "as far there as back",
+        "values, R = seen.part(used).decorrelated(np.hypot(*(self.front.state[:2] - places).T))": "as far there as back",
     },
 )
 
@@ -1749,27 +1363,25 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "one_tilt",
-            "In one picture the robot leans 1 degree forward and does not know it. Two corners are 2 m and 3 m ahead. What is wrong with their ranges?",
+            "In one picture the robot's body tilts forward by 1 degree, and the robot does not know it. Two corners are 2 m and 3 m ahead. What is wrong with their measured ranges?",
             {
-                "Each has an error of its own; on average they cancel.": "Errors cancel where they are independent. Here one cause moves both: the next picture is another throw, but this one has been thrown.",
-                "Both come out too far, the farther one by more.": "A robot that leans forward looks lower than it believes, so it puts everything too far; and by r squared over h, 2.3 times as far at 3 m as at 2 m. "
-                "That is what the block off the diagonal of R says.",
-                "Both are off by the same number of metres.": "They share the cause, not the size: it grows with r squared over h.",
-                "Nothing, for bearings hold the map together.": "Bearings stay nearly right. But the ranges of all landmarks in the picture are wrong, in one direction.",
+                "Each has an independent error, so on average they cancel.": "Independent errors would cancel. Here one tilt changes both ranges: the next picture has another tilt, but within this picture both errors have the same cause.",
+                "Both are too long, the farther one by more.": "A body that tilts forward looks lower than the robot assumes, so every landmark seems too far away. The figure shows it: the dots lie along a line, and the corner at 3 m moves about twice as far as the one at 2 m.",
+                "Both are wrong by the same number of metres.": "They have the same cause but not the same size. Compare the scales of the two axes in the figure.",
+                "Nothing, because bearings hold the map together.": "The bearings stay nearly right, but the ranges of all landmarks in the picture are wrong in the same direction.",
             },
-            "Both come out too far, the farther one by more.",
+            "Both are too long, the farther one by more.",
         ),
         Question(
             "second_map",
-            "With a gate of 1 sigma the map gets a second copy of many a corner. Why does it stay?",
+            "With a gate of 1 sigma the map gets a second copy of many corners. Why does the copy stay?",
             {
-                "A copy near by has its own ellipse, and takes the next measurements that fit it better.": "Most right measurements fell outside the gate and corrected nothing, until one lay beyond three gates and was put on the map as new. Now there are two "
-                "landmarks where one is, both are seen again, and nothing in the filter says that they are one.",
-                "The gate grows with time, so they are forgotten.": "The gate is a constant, and nothing removes a landmark from a map.",
-                "The update removes them, only slowly.": "An update moves landmarks and makes them surer. It never makes one of two.",
-                "They have the wrong kind.": "They are corners, as the true one is.",
+                "The copy attracts the next measurements that fit it better.": "Most correct measurements fell outside the gate and corrected nothing, until one lay beyond three gates and became a new landmark. Now both copies are measured again and again, and nothing in the filter says that they are the same corner.",
+                "The gate grows with time, so copies are forgotten.": "The gate is a constant, and nothing removes a landmark from the map.",
+                "The update removes copies, but slowly.": "An update moves landmarks and shrinks their covariances. It never merges two of them.",
+                "The copies have the wrong kind.": "The copies are corners, like the true landmark.",
             },
-            "A copy near by has its own ellipse, and takes the next measurements that fit it better.",
+            "The copy attracts the next measurements that fit it better.",
         ),
     ],
 )

@@ -1,75 +1,58 @@
-"""Lesson 12, beyond the paper: its exercises, what students get wrong in them, and other right ways to write them."""
+"""Exercises of lesson 12, beyond the paper: cases, common mistakes, and alternative solutions."""
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import binary_dilation, uniform_filter
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.stats import multivariate_normal
 
-from nao_course.exercises import (
-    Case,
-    Close,
-    Each,
-    Exact,
-    Exercise,
-    LessonPlan,
-    Mistake,
-    Property,
-    Question,
-    Written,
-)
-from nao_course.geometry import Pose
-from nao_course.lessons.beyond.particles import systematic
+from nao_course.exercises import Case, Close, Each, Exact, Exercise, LessonPlan, Property, Question, Written
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.beyond.particles import LogWeights, systematic
 from nao_course.lessons.beyond.planning import Option
 from nao_course.slam import range_and_bearing
 from nao_course.student import earlier
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
+measurement_jacobian_landmark = earlier("05:measurement_jacobian_landmark")
 predict = earlier("07:predict")
 update_landmarks = earlier("07:update_landmarks")
 
 
-def wrapped(angle: Any) -> Any:
-    """An angle in [-pi, pi)."""
-    return (angle + np.pi) % TURN - np.pi
-
-
-def spread(rng: np.random.Generator, size: int, scale: float) -> Array:
-    """A covariance (size, size) whose values are correlated."""
+def correlated(rng: np.random.Generator, size: int, scale: float) -> Array:
+    """Return a covariance (size, size) with correlated entries."""
     root = rng.normal(0.0, 0.4, (size, size)) + np.eye(size) * rng.uniform(0.6, 1.2, size)
     return scale**2 * (root @ root.T)
 
 
+def _floats(*values: Any) -> tuple[Array, ...]:
+    return tuple(np.array(each, dtype=float) for each in values)
+
+
+def _tabled(table: dict[str, Any], drawn: Callable[[], tuple[Array, ...]]) -> list[Case]:
+    """Return the cases of a table whose last column holds variances; a case that is None is drawn."""
+    return [
+        Case(_floats(*given[:-1], np.diag(given[-1])) if given else drawn(), name)
+        for name, given in table.items()
+    ]
+
+
+def _innovation(pose: Array, landmark: Array, measurement: Array) -> Array:
+    off = measurement - range_and_bearing(pose, landmark)
+    off[..., 0] = wrap_angle(off[..., 0])
+    return off
+
+
 # --- 12.1 resample ---
-
-
-def _comb(shift: Callable[[int, np.random.Generator], Any], side: Any = "right", last: bool = False) -> Any:
-    def function(weights: Array, rng: np.random.Generator) -> Array:
-        ends = np.cumsum(weights[::-1] if last else weights)
-        return np.searchsorted(ends, shift(len(weights), rng), side=side)
-
-    return function
-
-
-def _teeth(n: int, rng: np.random.Generator) -> Array:
-    return (np.arange(n) + rng.random()) / n
-
-
-def _walked(weights: Array, rng: np.random.Generator) -> list[int]:
-    n, kept, end, number = len(weights), [], float(weights[0]), 0
-    first = rng.random() / n
-    for k in range(n):
-        while first + k / n > end and number < n - 1:
-            number += 1
-            end += float(weights[number])
-        kept.append(number)
-    return kept
-
-
 def _counted(weights: Array, rng: np.random.Generator) -> Array:
     ends = np.append(0.0, np.cumsum(weights))
     ends[-1] = 1.0
@@ -77,18 +60,11 @@ def _counted(weights: Array, rng: np.random.Generator) -> Array:
     return np.repeat(np.arange(len(weights)), copies.astype(int))
 
 
-def _compared(weights: Array, rng: np.random.Generator) -> Array:
-    teeth = _teeth(len(weights), rng)
-    ends = np.cumsum(weights)[:-1]
-    return np.sum(teeth[:, None] >= ends, axis=1)
-
-
 def _from_above(weights: Array, rng: np.random.Generator) -> list[int]:
-    """A comb whose last tooth is shifted, in another order: as right as any."""
-    n = len(weights)
+    """Shift the comb from its last tooth, and return the particles in another order."""
+    teeth = 1 - (np.arange(len(weights)) + rng.uniform()) / len(weights)
     ends = np.cumsum(weights) / np.sum(weights)
-    kept = [int(np.sum(ends < 1 - (k + rng_shift) / n)) for rng_shift in [rng.uniform()] for k in range(n)]
-    return list(rng.permutation(kept))
+    return list(rng.permutation([int(np.sum(ends < tooth)) for tooth in teeth]))
 
 
 def _weights(rng: np.random.Generator, n: int, peak: float) -> Array:
@@ -98,180 +74,84 @@ def _weights(rng: np.random.Generator, n: int, peak: float) -> Array:
 
 
 def _draws(weights: Array, name: str = "", draws: int = 100) -> Case:
-    """Weights, and the seeds to draw with; some come twice."""
+    """Return a case of weights and the seeds to draw with; some seeds occur twice."""
     return Case((weights, [*range(draws), *range(5)]), name)
-
-
-def _resample_public() -> list[Case]:
-    rng = np.random.default_rng(1)
-    return [
-        _draws(np.array([0.5, 0.1, 0.4]), "three particles"),
-        _draws(np.array([0.0, 1.0, 0.0, 0.0]), "one that has all the weight"),
-        _draws(np.full(6, 1 / 6), "six of equal weight"),
-        _draws(_weights(rng, 12, 1.5), "twelve particles"),
-        _draws(np.array([1.0]), "a single one"),
-    ]
-
-
-def _resample_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        _draws(_weights(rng, n, peak), draws=draws)
-        for n, peak, draws in ((3, 0.5, 300), (5, 0.5, 300), (20, 1.0, 200), (50, 2.0, 100), (200, 3.0, 30))
-    ]
 
 
 RESAMPLE = Exercise(
     name="resample",
     points=2,
-    stars=1,
-    public=_resample_public,
-    hidden=_resample_hidden,
+    public=lambda: [
+        _draws(np.array([0.5, 0.1, 0.4]), "three particles"),
+        _draws(np.array([0.0, 1.0, 0.0, 0.0]), "one particle with all the weight"),
+        _draws(np.full(6, 1 / 6), "six particles of equal weight"),
+        _draws(_weights(np.random.default_rng(1), 12, 1.5), "twelve particles"),
+        _draws(np.array([1.0]), "a single particle"),
+    ],
+    hidden=lambda rng: [
+        _draws(_weights(rng, n, peak), draws=draws)
+        for n, peak, draws in ((3, 0.5, 300), (5, 0.5, 300), (20, 1.0, 200), (50, 2.0, 100), (200, 3.0, 30))
+    ],
     comparison=Property(systematic),
     driver="each_seed",
     hints=(
-        "The ends of the pieces are the sums of the weights up to each: np.cumsum. A tooth lies in the first piece whose end is beyond it.",
-        "teeth = (np.arange(n) + rng.random()) / n, and np.searchsorted says for each tooth in which piece it lies. The last sum may be a little below 1 by rounding: divide by it.",
+        "The end of each interval is the sum of all weights up to and including its own: np.cumsum. A tooth belongs to the first interval whose end is beyond it.",
+        "teeth = (np.arange(n) + rng.random()) / n. np.searchsorted finds the interval of each tooth. The last end can be slightly below 1 because of rounding, so divide all ends by it.",
     ),
-    mistakes=[
-        Mistake(
-            "each tooth drawn",
-            _comb(lambda n, rng: np.sort(rng.random(n))),
-            "You draw each tooth by itself. One random number shifts the whole comb: its teeth are 1/N apart (equation 12.1).",
-        ),
-        Mistake(
-            "a shift for each tooth",
-            _comb(lambda n, rng: (np.arange(n) + rng.random(n)) / n),
-            "You shift each tooth by a number of its own. That is stratified resampling, and a particle may be kept once too often: one number shifts all.",
-        ),
-        Mistake(
-            "shifted by half at most",
-            _comb(lambda n, rng: (np.arange(n) + rng.random() / 2) / n),
-            "Your shift goes to half of 1/N only. Then the first particles are kept too often.",
-        ),
-        Mistake(
-            "teeth one apart",
-            _comb(lambda n, rng: np.arange(n) + rng.random() / n),
-            "Your teeth are 1 apart, and the line is 1 long: all but the first stand beyond it. (q + j) / N divides both.",
-        ),
-        Mistake(
-            "N teeth on the ends",
-            _comb(lambda n, rng: np.linspace(0, 1, n) + rng.random() / n),
-            "np.linspace(0, 1, N) puts its last tooth at 1: they are 1/(N - 1) apart. np.arange(N) / N has them 1/N apart.",
-        ),
-        Mistake(
-            "rng.choice",
-            lambda weights, rng: rng.choice(len(weights), len(weights), p=weights),
-            "You draw each particle by itself, as rng.choice does, and good ones may be lost. One comb takes each floor(N w) or ceil(N w) times.",
-        ),
-        Mistake(
-            "shifted by up to one",
-            _comb(lambda n, rng: np.arange(n) / n + rng.random()),
-            "You shift the comb by a number from 0 to 1, off the line. It is shifted by one from 0 to 1/N: rng.random() / N.",
-        ),
-        Mistake(
-            "not shifted",
-            _comb(lambda n, rng: np.arange(n) / n),
-            "Your comb always begins at 0. Then the first particle is kept however little it weighs: shift it by a random number.",
-        ),
-        Mistake(
-            "in the middle",
-            _comb(lambda n, rng: (np.arange(n) + 0.5) / n),
-            "Your comb always stands in the same place. A particle of little weight is then kept always, or never: shift it at random.",
-        ),
-        Mistake(
-            "weights for ends",
-            lambda weights, rng: np.searchsorted(weights, _teeth(len(weights), rng)),
-            "You look for the teeth among the weights. A piece ends at the sum of all weights up to its own: np.cumsum.",
-        ),
-        Mistake(
-            "the teeth themselves",
-            lambda weights, rng: _teeth(len(weights), rng),
-            "You return where the teeth stand. Wanted is in which piece each stands: np.searchsorted.",
-        ),
-        Mistake(
-            "rounded",
-            lambda weights, rng: np.repeat(
-                np.arange(len(weights)), np.round(len(weights) * weights).astype(int)
-            ),
-            "You keep the same particles each time: N w rounded, or a comb that stands still. One of weight 0.3 / N then never lives on: shift a comb at random.",
-        ),
-        Mistake(
-            "weights kept",
-            lambda weights, rng: weights[_comb(_teeth)(weights, rng)],
-            "You return weights. What is wanted are the numbers of the particles that are kept.",
-        ),
-        Mistake(
-            "from the end",
-            _comb(_teeth, last=True),
-            "Your pieces lie in the wrong order: the first piece belongs to the first particle.",
-        ),
-        Mistake(
-            "counts",
-            lambda weights, rng: np.bincount(_comb(_teeth)(weights, rng), minlength=len(weights)),
-            "You return how often each is kept. Wanted is the number of each copy, N of them: np.repeat makes them of counts.",
-        ),
-        Mistake(
-            "one too many",
-            lambda weights, rng: _comb(_teeth)(weights, rng) + 1,
-            "Your numbers are one too large: the first particle is number 0.",
-        ),
-    ],
+    mistakes=catalogue("""
+        each tooth drawn: (np.arange(n) + rng.random()) / n => np.sort(rng.random(n))
+            You draw each tooth separately. In systematic resampling a single random number shifts the whole comb, and its teeth are 1/N apart (equation 12.1).
+        a shift for each tooth: rng.random() => rng.random(n)
+            You draw a separate shift for each tooth. This is stratified resampling, which can copy a particle once too often. Draw one number for all teeth.
+        teeth one apart: (np.arange(n) + rng.random()) / n => np.arange(n) + rng.random() / n
+            Your teeth are 1 apart, but the whole line has length 1, so all teeth except the first are outside. In (q + j) / N both q and j are divided by N.
+        N teeth on the ends: (np.arange(n) + rng.random()) / n => np.linspace(0, 1, n) + rng.random() / n
+            The teeth of np.linspace(0, 1, N) are 1/(N - 1) apart, and the last one is at 1. Use np.arange(N) / N, whose spacing is 1/N.
+        rng.choice: + return rng.choice(len(weights), len(weights), p=weights)
+            rng.choice draws each particle independently, so good particles can be lost. Systematic resampling copies each particle floor(N w) or ceil(N w) times.
+        shifted by up to one: (np.arange(n) + rng.random()) / n => np.arange(n) / n + rng.random()
+            Your shift goes up to 1, which moves teeth off the line. The largest shift is 1/N: rng.random() / N.
+        shift divided twice: rng.random() => rng.random() / n
+            Your shift goes only up to 1/N^2, because you divide it by N twice. The comb can be shifted by up to 1/N: draw q from 0 to 1, and divide once.
+        teeth from one: np.arange(n) + rng.random() => np.arange(1, n + 1) + rng.random()
+            Your teeth are 1/N too far to the right, and the last one is beyond the line. In equation 12.1 j goes from 0 to N - 1.
+        not shifted: (np.arange(n) + rng.random()) / n => np.arange(n) / n
+            Your comb always starts at 0, so the first particle is kept even if its weight is tiny. Shift the comb by a random number.
+        in the middle: rng.random() => 0.5
+            ends[-1], teeth) => ends[-1], teeth, side="right")
+            Your comb is always at the same place, so a particle with a small weight is kept always or never. Shift the comb by a random number.
+        weights for ends: ends / ends[-1], teeth => weights, teeth
+            You search for the teeth among the weights. An interval ends at the sum of all weights up to its own: np.cumsum.
+        the teeth themselves: np.searchsorted(ends / ends[-1], teeth) => teeth
+            You return the positions of the teeth. Return the index of the interval that contains each tooth: np.searchsorted.
+        rounded: + return np.repeat(np.arange(len(weights)), np.round(len(weights) * weights).astype(int))
+            You return the same particles each time, as rounding N w or a fixed comb does. A particle of weight 0.3 / N can then never survive. Shift the comb by a random number.
+        weights kept: np.searchsorted(ends / ends[-1], teeth) => weights[np.searchsorted(ends / ends[-1], teeth)]
+            You return weights. Return the indices of the particles instead.
+        from the end: np.cumsum(weights) => np.cumsum(weights[::-1])
+            Your intervals are in reverse order. The first interval belongs to the first particle.
+        counts: np.searchsorted(ends / ends[-1], teeth) => np.bincount(np.searchsorted(ends / ends[-1], teeth), minlength=n)
+            You return how often each particle is kept. Return N indices instead; np.repeat converts counts into indices.
+        one too many: ends[-1], teeth) => ends[-1], teeth) + 1
+            Your indices are one too large. The first particle has index 0.
+    """),
     alternatives={
-        "walking along": _walked,
+        "comparing all": lambda weights, rng: np.sum(
+            (np.arange(len(weights))[:, None] + rng.random()) / len(weights) >= np.cumsum(weights)[:-1],
+            axis=1,
+        ),
         "counting teeth": _counted,
-        "comparing all": _compared,
         "another comb, in another order": _from_above,
     },
-    equivalents=dict.fromkeys(
-        (
-            f"return np.searchsorted({ends}, teeth)"
-            for ends in ("ends", "ends * ends[-1]", "ends ** ends[-1]")
-        ),
-        "the last end is 1 but for rounding",
-    ),
+    equivalents={
+        f"return np.searchsorted({ends}, teeth)": "the last end is 1 up to rounding"
+        for ends in ("ends", "ends * ends[-1]", "ends ** ends[-1]")
+    },
 )
 
 
 # --- 12.2 weigh ---
-
-
-def _weigher(
-    bearings: Callable[[Any], Any] = wrapped,
-    towards: Callable[[Any], Any] = lambda angle: angle,
-    half: float = 0.5,
-    norm: Callable[[Array], float] = lambda R: 0.5 * float(np.log(np.linalg.det(TURN * R))),
-    weigh: Callable[[Array, Array], Array] = lambda off, R: np.sum(off @ np.linalg.inv(R) * off, axis=1),
-    turned: float = 1.0,
-    after: Callable[[Array], Any] = lambda logs: logs,
-    exchanged: bool = False,
-    lengths: Callable[[Array], Any] = lambda away: np.hypot(*away.T),
-    ranges: Callable[[Any], Any] = lambda off: off,
-) -> Any:
-    def function(particles: Array, landmark: Array, measurement: Array, R: Array) -> Any:
-        away = landmark - particles[:, :2]
-        toward = np.arctan2(*(away.T if exchanged else away.T[::-1])) - turned * particles[:, 2]
-        too_far = ranges(measurement[1] - lengths(away)) + np.zeros(len(away))
-        off = np.column_stack([bearings(measurement[0] - towards(toward)), too_far])
-        return after(-half * weigh(off, R) - norm(R))
-
-    return function
-
-
-def _of_all_pairs(off: Array, R: Array) -> Array:
-    return off @ np.linalg.inv(R) @ off.T
-
-
-def _log_of_density(particles: Array, landmark: Array, measurement: Array, R: Array) -> Array:
-    with np.errstate(divide="ignore"):
-        return np.log(np.exp(_weigher()(particles, landmark, measurement, R)))
-
-
-def _one_pose(particles: Array, landmark: Array, measurement: Array, R: Array) -> Array:
-    x, y, theta = particles
-    return _weigher()(np.column_stack([x, y, theta]), landmark, measurement, R)
-
-
-def _weigh_by_loop(particles: Array, landmark: Array, measurement: Array, R: Array) -> list[float]:
+def _one_by_one(particles: Array, landmark: Array, measurement: Array, R: Array) -> list[float]:
     logs = []
     for x, y, theta in particles:
         away = complex(*landmark) - complex(x, y)
@@ -281,104 +161,57 @@ def _weigh_by_loop(particles: Array, landmark: Array, measurement: Array, R: Arr
     return logs
 
 
-def _weigh_by_root(particles: Array, landmark: Array, measurement: Array, R: Array) -> Array:
-    seen = range_and_bearing(particles, landmark)
-    off = measurement - seen
-    off[:, 0] = np.arctan2(np.sin(off[:, 0]), np.cos(off[:, 0]))
+def _by_root_of_R(particles: Array, landmark: Array, measurement: Array, R: Array) -> Array:
     root = np.linalg.cholesky(R)
-    return (
-        -0.5 * np.square(np.linalg.solve(root, off.T)).sum(axis=0)
-        - np.log(np.diag(root)).sum()
-        - np.log(TURN)
-    )
+    scaled = np.linalg.solve(root, _innovation(particles, landmark, measurement).T)
+    return -0.5 * np.square(scaled).sum(axis=0) - np.log(TURN * np.diag(root).prod())
 
 
-def _weigh_by_density(particles: Array, landmark: Array, measurement: Array, R: Array) -> Array:
-    from scipy.stats import multivariate_normal
-
-    seen = range_and_bearing(particles, landmark)
-    off = np.column_stack([wrapped(measurement[0] - seen[:, 0]), measurement[1] - seen[:, 1]])
-    return np.atleast_1d(multivariate_normal(np.zeros(2), R).logpdf(off))
+def _by_density(particles: Array, landmark: Array, measurement: Array, R: Array) -> Any:
+    off = _innovation(particles, landmark, measurement)
+    return multivariate_normal(np.zeros(2), R).logpdf(off)  # a single number for one particle
 
 
 def _crowd(rng: np.random.Generator, n: int) -> Array:
     return np.column_stack([rng.uniform(0, 3, n), rng.uniform(-2, 2, n), rng.uniform(-np.pi, np.pi, n)])
 
 
-def _look(rng: np.random.Generator, particles: Array) -> tuple[Array, Array, Array, Array]:
+def _measured(rng: np.random.Generator, particles: Array) -> tuple[Array, Array, Array, Array]:
     landmark = rng.uniform((0, -2), (3, 2))
     seen = range_and_bearing(particles[0], landmark) + rng.normal(0, (0.03, 0.1))
-    R = spread(rng, 2, 1.0) * np.outer((0.05, 0.2), (0.05, 0.2))
-    return particles, landmark, np.array([wrapped(seen[0]), seen[1]]), R
+    R = correlated(rng, 2, 1.0) * np.outer((0.05, 0.2), (0.05, 0.2))
+    seen[0] = wrap_angle(seen[0])
+    return particles, landmark, seen, R
+
+
+_BESIDE = [[0, 0, 0], [0.1, 0, 0], [0, 0, 0.1], [0, 0.2, -0.1]]
+_APART = [[0, -2, 0.9], [2.4, 1.2, 0.9]]
+# Particles, landmark, measurement, and variances of bearing and range.
+_WEIGHED: dict[str, Any] = {
+    "one particle, as in the docstring": ([[0, 0, 0]], [2, 0], [0.02, 2.1], [0.0004, 0.01]),
+    "four particles side by side": (_BESIDE, [2, 0.5], [0.25, 2], [0.001, 0.02]),
+    "facing along the negative x axis": ([[2, 0, 3.1], [2, 0, -3.1]], [1, 0], [0.05, 1], [0.01, 0.01]),
+    "a landmark right behind": ([[2, 0, 0], [1.9, 0, 0.1]], [1, 0.05], [-3.12, 1], [0.01, 0.01]),
+    "correlated errors of bearing and range": None,
+    "a particle far from the true pose": (_APART, [3, 2], [0.05, 1.05], [0.01, 0.09]),
+    "a very inaccurate measurement": (_BESIDE, [1, 1], [0.8, 1.4], [1, 2]),
+}
 
 
 def _weigh_public() -> list[Case]:
     rng = np.random.default_rng(12)
-    beside = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.0, 0.1], [0.0, 0.2, -0.1]])
-    return [
-        Case(
-            (np.zeros((1, 3)), np.array([2.0, 0.0]), np.array([0.02, 2.1]), np.diag([0.0004, 0.01])),
-            "one particle, as in the docstring",
-        ),
-        Case(
-            (beside, np.array([2.0, 0.5]), np.array([0.25, 2.0]), np.diag([0.001, 0.02])),
-            "four particles side by side",
-        ),
-        Case(
-            (
-                np.array([[2.0, 0.0, 3.1], [2.0, 0.0, -3.1]]),
-                np.array([1.0, 0.0]),
-                np.array([0.05, 1.0]),
-                np.diag([0.01, 0.01]),
-            ),
-            "looking along the negative x axis",
-        ),
-        Case(
-            (
-                np.array([[2.0, 0.0, 0.0], [1.9, 0.0, 0.1]]),
-                np.array([1.0, 0.05]),
-                np.array([-3.12, 1.0]),
-                np.diag([0.01, 0.01]),
-            ),
-            "a landmark right behind",
-        ),
-        Case(_look(rng, _crowd(rng, 8)), "bearing and range that err together"),
-        Case(
-            (
-                np.array([[0.0, -2.0, 0.9], [2.4, 1.2, 0.9]]),
-                np.array([3.0, 2.0]),
-                np.array([0.05, 1.05]),
-                np.diag([0.01, 0.09]),
-            ),
-            "a particle that is far away from where it could be",
-        ),
-        Case(
-            (beside, np.array([1.0, 1.0]), np.array([0.8, 1.4]), np.diag([1.0, 2.0])),
-            "a very poor measurement",
-        ),
-    ]
+    return _tabled(_WEIGHED, lambda: _measured(rng, _crowd(rng, 8)))
 
 
 def _weigh_hidden(rng: np.random.Generator) -> list[Case]:
     far = np.array([3.0, 2.5]) + rng.normal(0, 0.1, 2)
+    measured = [_measured(rng, _crowd(rng, n)) for n in (1, 2, 10, 40, 200)]
+    behind = rng.normal((2, 0, 0), 0.02, (6, 3)), (rng.uniform(0.5, 1.4), 0), (rng.choice((3.13, -3.13)), 1)
+    away = np.array([[0, -2, 0.5], [3, 2, 0.5]]) + rng.normal(0, 0.1, (2, 3))
     return [
-        *(Case(_look(rng, _crowd(rng, int(n)))) for n in (1, 2, 10, 40, 200)),
-        Case(
-            (
-                rng.normal((2, 0, 0), 0.02, (6, 3)),
-                np.array([rng.uniform(0.5, 1.4), 0.0]),
-                np.array([rng.choice((3.13, -3.13)), 1.0]),
-                np.diag([0.01, 0.01]),
-            )
-        ),
-        Case(
-            (
-                np.array([[0, -2, 0.5], [3, 2, 0.5]]) + rng.normal(0, 0.1, (2, 3)),
-                far,
-                np.array([0.2, 0.5]),
-                np.diag([0.01, 0.09]),
-            )
-        ),
+        *map(Case, measured),
+        Case((*_floats(*behind), np.diag([0.01, 0.01]))),
+        Case((away, far, np.array([0.2, 0.5]), np.diag([0.01, 0.09]))),
     ]
 
 
@@ -389,280 +222,134 @@ WEIGH = Exercise(
     uses=("05:expected_measurement", "07:warp2pi"),
     public=_weigh_public,
     hidden=_weigh_hidden,
-    comparison=Close(rtol=1e-6, atol=1e-6, names=("your log weights",)),
+    comparison=LogWeights(rtol=1e-6, atol=1e-6, names=("your log weights",)),
     equivalents={
         "off = np.column_stack([warp2pi(measurement[0] - bearings), measurement[1] - np.hypot(away[:, 1], away[:, 0])])": "a hypotenuse has its sides in any order"
     },
     hints=(
-        "nu has a row for each particle: the bearing's difference, wrapped, and the range's. The bearing that a particle expects is arctan2 of what lies between it and the landmark, less its own heading.",
-        "The quadratic form of each row: np.sum(nu @ np.linalg.inv(R) * nu, axis=1). The other term is one number: np.log(np.linalg.det(2 * np.pi * R)).",
+        "nu has one row for each particle: the difference of the bearings, wrapped, and the difference of the ranges. The expected bearing is the arctan2 of the offset from particle to landmark, minus the particle's heading.",
+        "The quadratic form of each row is np.sum(nu @ np.linalg.inv(R) * nu, axis=1). The second term is a single number: np.log(np.linalg.det(2 * np.pi * R)).",
     ),
-    mistakes=[
-        Mistake(
-            "no wrap",
-            _weigher(bearings=lambda angle: angle),
-            "Your bearing is not wrapped: 6.2 rad is nearly nothing, and your particle dies of it.",
-        ),
-        Mistake(
-            "the difference not wrapped",
-            _weigher(towards=wrapped, bearings=lambda angle: angle),
-            "What is expected is wrapped, and so is what was measured; their difference is not. Between 3.1 and -3.1 rad lie 0.08 rad, not 6.2: wrap the difference.",
-        ),
-        Mistake(
-            "weights, no logarithms",
-            _weigher(after=np.exp),
-            "You return the weights themselves. Products of many of them end at 0: their logarithms are wanted.",
-        ),
-        Mistake(
-            "the logarithm at last",
-            _log_of_density,
-            "Some of your weights are -inf: the density ended at 0 before its logarithm was taken. Compute the logarithm itself, equation 12.2.",
-        ),
-        Mistake(
-            "one pose",
-            _one_pose,
-            "Taken as one pose, all particles at once do not fit: each is a row. particles[:, 0] are all x; expected_measurement takes one of them at a time.",
-        ),
-        Mistake(
-            "one length for all",
-            _weigher(lengths=np.linalg.norm),
-            "np.linalg.norm makes one number of all particles. With axis=1 it makes one of each row.",
-        ),
-        Mistake(
-            "the range wrapped, too",
-            _weigher(ranges=wrapped),
-            "You wrap the range as well. It is no angle: wrap nu[:, 0] alone.",
-        ),
-        Mistake(
-            "all pairs",
-            _weigher(weigh=_of_all_pairs),
-            "nu @ R^-1 @ nu.T has each particle with each other, (N, N). Wanted is its diagonal: multiply row by row, and sum along axis=1.",
-        ),
-        Mistake(
-            "the largest taken off",
-            _weigher(after=lambda logs: logs - logs.max()),
-            "You take off the largest. That is done later, once for all measurements: each is wanted as equation 12.2 has it.",
-        ),
-        Mistake(
-            "no half", _weigher(half=1.0), "The half before the quadratic form is missing (equation 12.2)."
-        ),
-        Mistake(
-            "no determinant",
-            _weigher(norm=lambda R: 0.0),
-            "The second term of equation 12.2 is missing: without it a poor measurement counts like a good one.",
-        ),
-        Mistake(
-            "the determinant without 2 pi",
-            _weigher(norm=lambda R: 0.5 * float(np.log(np.linalg.det(R)))),
-            "Your determinant is that of R. It is that of 2 pi R, in two dimensions (2 pi)^2 times as much.",
-        ),
-        Mistake(
-            "one 2 pi",
-            _weigher(norm=lambda R: 0.5 * float(np.log(TURN * np.linalg.det(R)))),
-            "You multiply the determinant by 2 pi. Every row of 2 pi R is multiplied: in two dimensions it is (2 pi)^2.",
-        ),
-        Mistake(
-            "the determinant not halved",
-            _weigher(norm=lambda R: float(np.log(np.linalg.det(TURN * R)))),
-            "The half before the logarithm of the determinant is missing (equation 12.2).",
-        ),
-        Mistake(
-            "R for its inverse",
-            _weigher(weigh=lambda off, R: np.sum(off @ R * off, axis=1)),
-            "You multiply by R. The difference is weighed by R's inverse.",
-        ),
-        Mistake(
-            "diagonal only",
-            _weigher(weigh=lambda off, R: np.sum(off**2 / np.diag(R), axis=1)),
-            "You use R's diagonal alone. Bearing and range may err together: its other entries count, too.",
-        ),
-        Mistake(
-            "heading forgotten",
-            _weigher(turned=0.0),
-            "A bearing is measured from where the particle looks: take its heading off.",
-        ),
-        Mistake(
-            "heading added",
-            _weigher(turned=-1.0),
-            "You add the heading. What is expected is the landmark's direction less the heading.",
-        ),
-        Mistake("x for y", _weigher(exchanged=True), "arctan2 takes y first, then x."),
-        Mistake(
-            "normalised",
-            _weigher(after=lambda logs: logs - np.log(np.sum(np.exp(logs - logs.max()))) - logs.max()),
-            "You make the weights sum up to 1. That is done later, once for all measurements: each is wanted as equation 12.2 has it.",
-        ),
-    ],
-    alternatives={
-        "a loop": _weigh_by_loop,
-        "a root of R": _weigh_by_root,
-        "SciPy's density": _weigh_by_density,
-    },
+    mistakes=catalogue("""
+        no wrap: warp2pi(measurement[0] - bearings) => measurement[0] - bearings
+            Your difference of bearings is not wrapped. A difference of 6.2 rad is nearly zero as a direction, but it makes the weight of a correct particle tiny.
+        the difference not wrapped: warp2pi(measurement[0] - bearings) => measurement[0] - warp2pi(bearings)
+            Your expected bearing is wrapped, but your difference is not. 3.1 and -3.1 rad are 0.08 rad apart, not 6.2, so wrap the difference.
+        weights, no logarithms: return -0.5 => logs = -0.5
+            + return np.exp(logs)
+            You return densities. Return their logarithms, because a product of many densities underflows to 0.
+        the logarithm at last: return -0.5 => logs = -0.5
+            + return np.log(np.exp(logs))
+            Some of your log weights are -inf, because you computed the density first and it underflowed to 0. Compute the logarithm directly (equation 12.2).
+        one pose: + x, y, theta = particles
+            + particles = np.column_stack([x, y, theta])
+            You use all particles as one pose. Each row is a pose, so particles[:, 0] holds all x. expected_measurement accepts only one pose: call it in a loop, or compute bearings and ranges from the columns.
+        one length for all: np.hypot(away[:, 0], away[:, 1]) => np.linalg.norm(away) + 0 * bearings
+            np.linalg.norm returns one number for the whole array. With axis=1 it returns one number for each row.
+        the range wrapped, too: measurement[1] - np.hypot(away[:, 0], away[:, 1]) => warp2pi(measurement[1] - np.hypot(away[:, 0], away[:, 1]))
+            You also wrap the difference of the ranges. A range is not an angle, so wrap only nu[:, 0].
+        all pairs: np.sum(off @ np.linalg.inv(measurement_covariance) * off, axis=1) => off @ np.linalg.inv(measurement_covariance) @ off.T
+            nu @ R^-1 @ nu.T combines every particle with every other one and has shape (N, N). You need only its diagonal: multiply element by element and sum along axis=1.
+        the largest taken off: return -0.5 => logs = -0.5
+            + return logs - logs.max()
+            You subtract the largest log weight. This is done later, for all measurements together; return the values of equation 12.2.
+        no half: -0.5 * squares => -squares
+            The factor 1/2 of the quadratic form is missing (equation 12.2).
+        no determinant: 0.5 * np.log(np.linalg.det(2 * np.pi * measurement_covariance)) => 0
+            The second term of equation 12.2 is missing: -1/2 log det(2 pi R). Without it, weights for measurements of different accuracy cannot be compared.
+        the determinant without 2 pi: 2 * np.pi * measurement_covariance => measurement_covariance
+            You use the determinant of R, but equation 12.2 has the determinant of 2 pi R. In two dimensions it is (2 pi)^2 times as large.
+        one 2 pi: np.linalg.det(2 * np.pi * measurement_covariance) => 2 * np.pi * np.linalg.det(measurement_covariance)
+            You multiply the determinant by 2 pi. The factor 2 pi applies to each row of R, so in two dimensions the determinant grows by (2 pi)^2.
+        the determinant not halved: 0.5 * np.log => np.log
+            The factor 1/2 before the logarithm of the determinant is missing (equation 12.2).
+        the determinant added: - 0.5 * np.log => + 0.5 * np.log
+            You add the term with the determinant, but equation 12.2 subtracts it: a large R makes the density smaller.
+        R for its inverse: np.linalg.inv(measurement_covariance) => measurement_covariance
+            You multiply by R. The quadratic form contains the inverse of R.
+        diagonal only: off @ np.linalg.inv(measurement_covariance) * off => off**2 / np.diag(measurement_covariance)
+            You use only the diagonal of R. The errors of bearing and range may be correlated, so the other entries matter, too.
+        heading forgotten: - particles[:, 2] => - 0
+            A bearing is measured relative to the robot's heading. Subtract the heading from the landmark's direction.
+        heading added: - particles[:, 2] => + particles[:, 2]
+            You add the heading. The expected bearing is the landmark's direction minus the heading.
+        x for y: np.arctan2(away[:, 1], away[:, 0]) => np.arctan2(away[:, 0], away[:, 1])
+            The arguments of arctan2 are in the wrong order: y comes first, then x.
+        from the landmark: landmark - particles[:, :2] => particles[:, :2] - landmark
+            Your vector goes from the landmark to the particle, so your bearings are off by half a turn. Subtract the particle from the landmark.
+        summed over particles: axis=1 => axis=0
+            You sum over the particles. The rows of nu are particles and its columns are bearing and range: sum over the columns, with axis=1.
+        logarithm to the base 10: np.log(np =>> np.log10(np
+            You use np.log10. The logarithm of a density is the natural one: np.log.
+        normalised: return -0.5 => logs = -0.5
+            + return logs - logs.max() - np.log(np.sum(np.exp(logs - logs.max())))
+            You normalise the weights. This is done later, for all measurements together; return the values of equation 12.2.
+    """),
+    alternatives={"a loop": _one_by_one, "a root of R": _by_root_of_R, "SciPy's density": _by_density},
 )
 
 
 # --- 12.3 update_particle_landmark ---
-
-
-def _little(**changed: Any) -> Any:
-    def function(pose: Array, mean: Array, covariance: Array, measurement: Array, R: Array) -> Any:
-        expected, slopes = _expected(pose, mean)
-        expected[0] += changed.get("turned", 0) * pose[2]
-        nu = measurement - expected
-        if not changed.get("no_wrap"):
-            nu[0] = wrapped(nu[0])
-        if changed.get("wrap_both"):
-            nu = wrapped(nu)
-        H = slopes.T if changed.get("transposed") else slopes
-        spread_there = H * covariance * H.T if changed.get("by_entries") else H @ covariance @ H.T
-        S = spread_there + (0 if changed.get("no_R") else R)
-        K = covariance @ H.T @ np.linalg.inv(R if changed.get("gain_of_R") else S)
-        P = covariance - K @ H @ covariance
-        if changed.get("covariance_kept"):
-            P = covariance
-        if changed.get("exchanged"):
-            P = covariance - H @ K @ covariance
-        if changed.get("grown"):
-            P = covariance + K @ H @ covariance
-        if changed.get("first_update"):
-            mean = mean + K @ nu
-            expected, _ = _expected(pose, mean)
-            nu = measurement - expected
-            return mean, P, _log(nu, S)
-        moved = mean - K @ nu if changed.get("sign") else mean + K @ nu
-        log = _log(nu, R if changed.get("weighed_by_R") else S)
-        if changed.get("no_determinant"):
-            log = float(-0.5 * nu @ np.linalg.solve(S, nu))
-        if "two_pi" in changed:
-            log += changed["two_pi"] * float(np.log(TURN))
-        if changed.get("no_half"):
-            log -= 0.5 * float(nu @ np.linalg.solve(S, nu))
-        if changed.get("weight_first"):
-            return log, moved, P
-        if changed.get("no_weight"):
-            return moved, P
-        return moved, P, float(np.exp(log)) if changed.get("density") else log
-
-    return function
-
-
-def _expected(pose: Array, mean: Array) -> tuple[Array, Array]:
-    dx, dy = mean - pose[:2]
-    q = dx**2 + dy**2
-    r = np.sqrt(q)
-    return np.array([wrapped(np.arctan2(dy, dx) - pose[2]), r]), np.array(
-        [[-dy / q, dx / q], [dx / r, dy / r]]
-    )
-
-
-def _log(nu: Array, S: Array) -> float:
-    return float(-0.5 * nu @ np.linalg.solve(S, nu) - 0.5 * np.log(np.linalg.det(TURN * S)))
-
-
 def _by_information(pose: Array, mean: Array, covariance: Array, measurement: Array, R: Array) -> list[Any]:
-    expected, H = _expected(pose, mean)
-    nu = measurement - expected
-    nu[0] = np.angle(np.exp(1j * nu[0]))
+    H, nu = measurement_jacobian_landmark(pose, mean), _innovation(pose, mean, measurement)
     P = np.linalg.inv(np.linalg.inv(covariance) + H.T @ np.linalg.inv(R) @ H)
     S = R + H @ covariance @ H.T
-    return [
-        mean + P @ H.T @ np.linalg.solve(R, nu),
-        P,
-        -0.5 * (nu @ np.linalg.inv(S) @ nu + np.linalg.slogdet(TURN * S)[1]),
-    ]
+    log = -0.5 * (nu @ np.linalg.inv(S) @ nu + np.linalg.slogdet(TURN * S)[1])
+    return [mean + P @ H.T @ np.linalg.solve(R, nu), P, log]
 
 
 def _by_root(pose: Array, mean: Array, covariance: Array, measurement: Array, R: Array) -> tuple[Any, ...]:
-    expected, H = _expected(pose, mean)
-    nu = np.array([wrapped(measurement[0] - expected[0]), measurement[1] - expected[1]])
+    H, nu = measurement_jacobian_landmark(pose, mean), _innovation(pose, mean, measurement)
     L = np.linalg.cholesky(H @ covariance @ H.T + R)
     A, e = np.linalg.solve(L, H @ covariance), np.linalg.solve(L, nu)
     return mean + A.T @ e, covariance - A.T @ A, -0.5 * e @ e - np.log(np.diag(L)).sum() - np.log(TURN)
 
 
 def _by_joseph(pose: Array, mean: Array, covariance: Array, measurement: Array, R: Array) -> tuple[Any, ...]:
-    expected, H = _expected(pose, mean)
-    nu = measurement - expected
-    nu[0] = wrapped(nu[0])
+    H, nu = measurement_jacobian_landmark(pose, mean), _innovation(pose, mean, measurement)
     S = H @ covariance @ H.T + R
     K = np.linalg.solve(S, H @ covariance).T
     left = np.eye(2) - K @ H
-    return mean + K @ nu, left @ covariance @ left.T + K @ R @ K.T, np.float64(_log(nu, S))
+    return mean + K @ nu, left @ covariance @ left.T + K @ R @ K.T, multivariate_normal(cov=S).logpdf(nu)
 
 
-def _sight(rng: np.random.Generator) -> tuple[Array, ...]:
+def _observed(rng: np.random.Generator) -> tuple[Array, ...]:
     pose = np.append(rng.uniform((0, -2), (3, 2)), rng.uniform(-np.pi, np.pi))
     bearing, away = rng.uniform(-np.pi, np.pi), rng.uniform(0.6, 3.5)
     toward = pose[2] + bearing
     mean = pose[:2] + away * np.array([np.cos(toward), np.sin(toward)])
-    R = spread(rng, 2, 1.0) * np.outer((0.05, 0.15), (0.05, 0.15))
+    R = correlated(rng, 2, 1.0) * np.outer((0.05, 0.15), (0.05, 0.15))
     seen = np.array([bearing, away]) + rng.normal(0, (0.08, 0.2))
-    return pose, mean, spread(rng, 2, float(rng.uniform(0.05, 0.3))), np.array([wrapped(seen[0]), seen[1]]), R
+    seen[0] = wrap_angle(seen[0])
+    return pose, mean, correlated(rng, 2, float(rng.uniform(0.05, 0.3))), seen, R
+
+
+_WIDE, _OBLIQUE = np.diag([0.02, 0.05]), [[0.03, 0.01], [0.01, 0.02]]
+# Pose, landmark, its covariance, measurement, and variances of bearing and range.
+_UPDATED: dict[str, Any] = {
+    "straight ahead, as in the docstring": ([0, 0, 0], [2, 0], 0.03 * np.eye(2), [0, 2.2], [0.0025, 0.01]),
+    "a large innovation in bearing": ([0, 0, 0], [2, 0], 0.03 * np.eye(2), [0.1, 2], [0.0025, 0.01]),
+    "facing along the negative x axis": ([2, 0, 3.1], [1, -0.1], _WIDE, [-0.05, 1.1], [0.004, 0.02]),
+    "a landmark right behind": ([1, 1, 0.5], [-0.2, 0.35], _OBLIQUE, [-3.1, 1.3], [0.004, 0.02]),
+    "beside the robot": None,
+    "behind it": None,
+    "an innovation in range larger than pi": ([0, 0, 0], [2, 0], np.eye(2), [0.1, 5.5], [0.0025, 0.01]),
+}
 
 
 def _little_public() -> list[Case]:
     rng = np.random.default_rng(123)
-    ahead = np.zeros(3), np.array([2.0, 0.0])
-    return [
-        Case(
-            (*ahead, 0.03 * np.eye(2), np.array([0.0, 2.2]), np.diag([0.0025, 0.01])),
-            "straight ahead, as in the docstring",
-        ),
-        Case(
-            (*ahead, 0.03 * np.eye(2), np.array([0.1, 2.0]), np.diag([0.0025, 0.01])),
-            "a bearing that surprises",
-        ),
-        Case(
-            (
-                np.array([2.0, 0.0, 3.1]),
-                np.array([1.0, -0.1]),
-                np.diag([0.02, 0.05]),
-                np.array([-0.05, 1.1]),
-                np.diag([0.004, 0.02]),
-            ),
-            "looking along the negative x axis",
-        ),
-        Case(
-            (
-                np.array([1.0, 1.0, 0.5]),
-                np.array([-0.2, 0.35]),
-                np.array([[0.03, 0.01], [0.01, 0.02]]),
-                np.array([-3.1, 1.3]),
-                np.diag([0.004, 0.02]),
-            ),
-            "a landmark right behind",
-        ),
-        Case(_sight(rng), "beside the robot"),
-        Case(_sight(rng), "behind it"),
-        Case(
-            (*ahead, np.eye(2), np.array([0.1, 5.5]), np.diag([0.0025, 0.01])),
-            "a range that surprises by more than pi",
-        ),
-    ]
+    return _tabled(_UPDATED, lambda: _observed(rng))
 
 
 def _little_hidden(rng: np.random.Generator) -> list[Case]:
-    behind = rng.uniform(0.5, 2), rng.uniform(-0.02, 0.02)
+    x, y = rng.uniform(0.5, 2), rng.uniform(-0.02, 0.02)
+    observed = [_observed(rng) for _ in range(8)]
+    behind = [0, 0, 0], [-x, y], correlated(rng, 2, 0.1), [-np.sign(y) * 3.13, x + 0.1]
+    ahead = [0, 0, 0], [1, 0], correlated(rng, 2, 1.0), [0.1, rng.uniform(4.5, 5.5)]
     return [
-        *(Case(_sight(rng)) for _ in range(8)),
-        Case(
-            (
-                np.zeros(3),
-                np.array([-behind[0], behind[1]]),
-                spread(rng, 2, 0.1),
-                np.array([-np.sign(behind[1]) * 3.13, behind[0] + 0.1]),
-                np.diag([0.004, 0.02]),
-            )
-        ),
-        Case(
-            (
-                np.zeros(3),
-                np.array([1.0, 0.0]),
-                spread(rng, 2, 1.0),
-                np.array([0.1, rng.uniform(4.5, 5.5)]),
-                np.diag([0.004, 0.02]),
-            )
-        ),
+        *map(Case, observed),
+        *(Case((*_floats(*each), np.diag([0.004, 0.02]))) for each in (behind, ahead)),
     ]
 
 
@@ -681,181 +368,106 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
         )
     ),
     hints=(
-        "It is lesson 06's update with a landmark for a state: H is measurement_jacobian_landmark alone, for the pose is taken as true.",
-        "nu, H, S, K, then the three answers, each one line. The log weight has nu from before the correction, and S.",
+        "This is lesson 06's update with the landmark as the state. H is measurement_jacobian_landmark alone, because the pose is assumed to be true.",
+        "Compute nu, H, S and K, then the three results, each in one line. The log weight uses S and the nu from before the update.",
     ),
-    mistakes=[
-        Mistake(
-            "no wrap",
-            _little(no_wrap=True),
-            "Your innovation's bearing is not wrapped. expected_measurement wraps what it expects; the difference may still be a turn off: warp2pi(nu[0]).",
-        ),
-        Mistake(
-            "range wrapped, too",
-            _little(wrap_both=True),
-            "You wrap the range as well. It is no angle: wrap nu[0] alone.",
-        ),
-        Mistake(
-            "weighed by R",
-            _little(weighed_by_R=True),
-            "You weigh the particle by R. Its landmark is in doubt, too: S of equation 12.3.",
-        ),
-        Mistake(
-            "the gain by R",
-            _little(gain_of_R=True),
-            "Your gain divides by R. It divides by S, which has the landmark's doubt as well.",
-        ),
-        Mistake("no R in S", _little(no_R=True), "R is missing in S: the measurement is not exact."),
-        Mistake(
-            "away from what was seen",
-            _little(sign=True),
-            "Your landmark moves away from where it was seen: l' = l + K nu, with nu what was measured less what was expected.",
-        ),
-        Mistake(
-            "the covariance kept",
-            _little(covariance_kept=True),
-            "Your covariance is the old one: P' = P - K H P.",
-        ),
-        Mistake(
-            "weighed afterwards",
-            _little(first_update=True),
-            "You weigh by what the corrected landmark would expect. The weight asks how well the particle had expected the measurement, before.",
-        ),
-        Mistake(
-            "no determinant",
-            _little(no_determinant=True),
-            "The determinant is missing in your log weight: particles with a vague landmark would win (equation 12.4).",
-        ),
-        Mistake(
-            "H K for K H",
-            _little(exchanged=True),
-            "You multiply H K, and it is K H: matrices do not commute, P' = P - K H P.",
-        ),
-        Mistake(
-            "the weight first",
-            _little(weight_first=True),
-            "Your log weight comes first. The order is mean, covariance, log weight.",
-        ),
-        Mistake(
-            "without a weight",
-            _little(no_weight=True),
-            "Your answer has two parts. The third is the log weight, the last of equation 12.4.",
-        ),
-        Mistake(
-            "the covariance grows",
-            _little(grown=True),
-            "Your covariance grows. A measurement takes doubt away: P' = P - K H P.",
-        ),
-        Mistake(
-            "the determinant without 2 pi",
-            _little(two_pi=1.0),
-            "Your determinant is that of S. It is that of 2 pi S, in two dimensions (2 pi)^2 times as much.",
-        ),
-        Mistake(
-            "one 2 pi",
-            _little(two_pi=0.5),
-            "You multiply the determinant by 2 pi. Every row of 2 pi S is multiplied: in two dimensions it is (2 pi)^2.",
-        ),
-        Mistake(
-            "no half",
-            _little(no_half=True),
-            "The half before the quadratic form is missing (equation 12.4).",
-        ),
-        Mistake(
-            "entry by entry",
-            _little(by_entries=True),
-            "H * P * H.T multiplies entry by entry. The product of matrices is @.",
-        ),
-        Mistake("the density", _little(density=True), "You return the density. Its logarithm is wanted."),
-        Mistake(
-            "transposed",
-            _little(transposed=True),
-            "Your H is transposed: its rows are bearing and range, its columns x and y.",
-        ),
-    ],
+    mistakes=catalogue("""
+        no wrap: warp2pi(nu[0]) => nu[0]
+            The bearing of your innovation is not wrapped. Although expected_measurement returns a wrapped bearing, the difference can still be off by a full turn: warp2pi(nu[0]).
+        range wrapped, too: nu[0] = warp2pi(nu[0]) => nu = warp2pi(nu)
+            You also wrap the range. A range is not an angle, so wrap only nu[0].
+        weighed by R: solve(S, nu) => solve(measurement_covariance, nu)
+            np.pi * S => np.pi * measurement_covariance
+            Your weight uses R. The landmark is uncertain as well, so use S of equation 12.3.
+        the gain by R: np.linalg.inv(S) => np.linalg.inv(measurement_covariance)
+            Your gain uses the inverse of R. It needs the inverse of S, which includes the uncertainty of the landmark.
+        no R in S: H.T + measurement_covariance => H.T
+            Your S does not include R, as if the measurement had no noise.
+        away from the measurement: mean + K @ nu => mean - K @ nu
+            Your landmark moves away from the measurement. The update is l' = l + K nu, where nu is measured minus expected.
+        the covariance kept: covariance - K @ H @ covariance => covariance
+            You return the old covariance. The update is P' = P - K H P.
+        weighed afterwards: return mean + K @ nu => return mean
+            np.linalg.inv(S) => np.linalg.inv(S)
+            + mean = mean + K @ nu
+            + nu = measurement - expected_measurement(pose, mean)
+            You compute the weight from the updated landmark. The weight measures how well the particle predicted the measurement, so use the innovation from before the update.
+        no determinant: 0.5 * np.log(np.linalg.det(2 * np.pi * S)) => 0
+            The term -1/2 log det(2 pi S) is missing in your log weight. Without it, particles with an uncertain landmark get weights that are too large (equation 12.4).
+        the determinant added: - 0.5 * np.log => + 0.5 * np.log
+            You add the term with the determinant, but equation 12.4 subtracts it: a large S makes the density smaller.
+        H K for K H: K @ H @ covariance => H @ K @ covariance
+            You multiply H K. Matrices do not commute: the update is P' = P - K H P.
+        the weight first
+            return mean + K @ nu, covariance - K @ H @ covariance, float(log_weight) => return float(log_weight), mean + K @ nu, covariance - K @ H @ covariance
+            You return the log weight first. The order is mean, covariance, log weight.
+        without a weight: K @ H @ covariance, float(log_weight) => K @ H @ covariance
+            You return two values. The third is the log weight, the last part of equation 12.4.
+        the covariance grows: covariance - K => covariance + K
+            Your covariance grows. A measurement reduces the uncertainty: P' = P - K H P.
+        the determinant without 2 pi: 2 * np.pi * S => S
+            You use the determinant of S, but equation 12.4 has the determinant of 2 pi S. In two dimensions it is (2 pi)^2 times as large.
+        one 2 pi: np.linalg.det(2 * np.pi * S) => 2 * np.pi * np.linalg.det(S)
+            You multiply the determinant by 2 pi. The factor 2 pi applies to each row of S, so in two dimensions the determinant grows by (2 pi)^2.
+        no half: -0.5 * nu => -nu
+            The factor 1/2 of the quadratic form is missing (equation 12.4).
+        the determinant not halved: 0.5 * np.log => np.log
+            The factor 1/2 before the logarithm of the determinant is missing (equation 12.4).
+        the determinant, no logarithm: np.log(np.linalg.det(2 * np.pi * S)) => np.linalg.det(2 * np.pi * S)
+            You subtract the determinant itself. Equation 12.4 has its logarithm: np.log(np.linalg.det(2 * np.pi * S)).
+        R in the quadratic form: solve(S, nu) => solve(measurement_covariance, nu)
+            Your quadratic form uses the inverse of R, although the determinant uses S. Use S in both terms of equation 12.4.
+        R in the determinant: np.pi * S => np.pi * measurement_covariance
+            Your determinant uses R, although the quadratic form uses S. Use S in both terms of equation 12.4.
+        quadratic form added: -0.5 * nu => 0.5 * nu
+            You add the quadratic form. Equation 12.4 subtracts it: a large innovation makes the measurement less probable.
+        the negative of it: float(log_weight) => float(-log_weight)
+            Your log weight has the wrong sign. Both terms of equation 12.4 are subtracted.
+        K H alone: covariance - K @ H @ covariance => covariance - K @ H
+            You subtract K H. The update subtracts K H P: P' = P - K H P.
+        I minus K H: covariance - K @ H @ covariance => np.eye(2) - K @ H
+            You return I - K H. Multiply it by P: (I - K H) P is the same as P - K H P.
+        H on the other side: S = H @ covariance @ H.T => S = H.T @ covariance @ H
+            Your S is H^T P H + R. It must be H P H^T + R (equation 12.3).
+        the gain without P: K = covariance @ H.T => K = H.T
+            Your gain does not include P. It is K = P H^T S^-1 (equation 12.3).
+        entry by entry: H @ covariance @ H.T => H * covariance * H.T
+            H * P * H.T multiplies element by element. The matrix product is @.
+        the density: float(log_weight) => float(np.exp(log_weight))
+            You return the density. Return its logarithm.
+        transposed: landmark(pose, mean) => landmark(pose, mean).T
+            Your H is transposed. Its rows are bearing and range, its columns x and y.
+    """),
     alternatives={"information": _by_information, "a root of S": _by_root, "Joseph's form": _by_joseph},
     equivalents={
-        "log_weight = np.linalg.solve(S, nu) @ (-0.5 * nu) - 0.5 * np.log(np.linalg.det(2 * np.pi * S))": "a product of two vectors has them in any order",
+        "log_weight = np.linalg.solve(S, nu) @ (-0.5 * nu) - 0.5 * np.log(np.linalg.det(2 * np.pi * S))": "a dot product is commutative",
         "return (mean + K @ nu, covariance - K @ H @ covariance, log_weight)": "NumPy's number is as good as Python's",
     },
 )
 
 
 # --- 12.4 intersect_rays ---
+def _passing(a: Array, u: Array, b: Array, v: Array, s: float, t: float) -> tuple[Any, Any]:
+    """Return midpoint and distance of two points on the rays, if both are ahead."""
+    ends = np.array([a + s * u, b + t * v]) if s >= 0 and t >= 0 else np.full((2, 3), np.nan)
+    return ends.mean(axis=0), float(np.linalg.norm(ends[1] - ends[0]))
 
 
-def _rays(**changed: Any) -> Any:
-    def function(a: Array, u: Array, b: Array, v: Array) -> tuple[Any, Any]:
-        nothing = changed.get("nothing", (np.full(3, np.nan), np.nan))
-        B, c = b - a, u @ v
-        below = 1 - c if changed.get("not_squared") else 1 - c**2
-        if (1 - c if changed.get("near_one") else below) < changed.get("limit", 1e-12) and not changed.get(
-            "parallel"
-        ):
-            return nothing
-        with np.errstate(all="ignore"):
-            along_a = (B @ u - c * (B @ v)) / below
-            along_b = (c * (B @ u) - B @ v) / below
-        if changed.get("sign"):
-            along_b = -along_b
-        looked_at = changed.get("looked_at", (along_a, along_b) if not changed.get("first") else (along_a,))
-        if changed.get("second"):
-            looked_at = (along_b,)
-        if changed.get("both_behind"):
-            looked_at = (max(along_a, along_b),)
-        if min(looked_at, default=0) < 0:
-            return nothing
-        p, q = a + along_a * u, b + along_b * v
-        point = p if changed.get("on_a") else q if changed.get("on_b") else (p + q) / 2
-        if changed.get("no_origin"):
-            point = (along_a * u + along_b * v) / 2
-        if changed.get("summed"):
-            point = p + q
-        if changed.get("way"):
-            return point, q - p
-        gap = float(np.linalg.norm(q - p))
-        return point, gap / 2 if changed.get("half") else gap**2 if changed.get("squared") else gap
-
-    return function
+def _by_lstsq(a: Array, u: Array, b: Array, v: Array) -> Any:
+    (s, t), _, rank, _ = np.linalg.lstsq(np.column_stack([u, -v]), b - a, rcond=1e-9)
+    return list(_passing(a, u, b, v, *((s, t) if rank == 2 else (-1, -1))))
 
 
-def _solved(a: Array, u: Array, b: Array, v: Array) -> tuple[Any, Any]:
-    t = np.linalg.solve([[u @ u, -(v @ u)], [u @ v, -(v @ v)]], [(b - a) @ u, (b - a) @ v])
-    if t.min() < 0:
-        return np.full(3, np.nan), np.nan
-    p, q = a + t[0] * u, b + t[1] * v
-    return (p + q) / 2, np.linalg.norm(p - q)
-
-
-def _by_least_squares(a: Array, u: Array, b: Array, v: Array) -> list[Any]:
-    A = np.column_stack([u, -v])
-    (s, t), _, rank, _ = np.linalg.lstsq(A, b - a, rcond=1e-9)
-    if rank < 2 or min(s, t) < 0:
-        return [np.array([np.nan] * 3), float("nan")]
-    return [(a + s * u + b + t * v) / 2, np.linalg.norm(A @ (s, t) - (b - a))]
-
-
-def _by_cross(a: Array, u: Array, b: Array, v: Array) -> tuple[Any, Any]:
+def _by_cross(a: Array, u: Array, b: Array, v: Array) -> Any:
     n = np.cross(u, v)
-    length = np.sqrt(n @ n)
-    if length < 1e-6:
-        return np.nan * a, np.nan
-    s = np.linalg.det(np.array([b - a, v, n])) / length**2
-    t = np.linalg.det(np.array([b - a, u, n])) / length**2
-    if s < 0 or t < 0:
-        return np.nan * a, np.nan
-    return 0.5 * (a + s * u) + 0.5 * (b + t * v), abs((b - a) @ n) / length
+    volumes = [np.linalg.det(np.array([b - a, other, n])) for other in (v, u)]
+    return _passing(a, u, b, v, *((-1, -1) if n @ n < 1e-12 else volumes / (n @ n)))
 
 
-def _by_equations(a: Array, u: Array, b: Array, v: Array) -> tuple[Any, Any]:
+def _by_equations(a: Array, u: Array, b: Array, v: Array) -> Any:
     M = np.array([[u @ u, -(v @ u)], [u @ v, -(v @ v)]])
-    if abs(np.linalg.det(M)) < 1e-12:
-        return np.full(3, np.nan), np.nan
-    s, t = np.linalg.solve(M, np.array([(b - a) @ u, (b - a) @ v]))
-    if s < 0 or t < 0:
-        return np.full(3, np.nan), np.nan
-    ends = np.array([a + s * u, b + t * v])
-    return ends.mean(axis=0), float(np.sqrt(np.square(np.diff(ends, axis=0)).sum()))
+    parallel = abs(np.linalg.det(M)) < 1e-12
+    return _passing(a, u, b, v, *((-1, -1) if parallel else np.linalg.solve(M, [(b - a) @ u, (b - a) @ v])))
 
 
 def _unit(vector: Any) -> Array:
@@ -869,56 +481,38 @@ def _eyes(rng: np.random.Generator, apart: float) -> tuple[Array, ...]:
     return a, _unit(place - a + rng.normal(0, 0.005, 3)), b, _unit(place - b + rng.normal(0, 0.005, 3))
 
 
+# Origins and directions of two rays.
+_RAYS = {
+    "as in the docstring": ([0, 0, 1], [0.8, 0, -0.6], [0, 0.2, 0], [1, 0, 0]),
+    "two rays that meet": ([0, 0, 0], [1, 1, 0], [2, 0, 0], [-1, 1, 0]),
+    "both cameras of a robot": ([0.05, 0, 0.52], [2, 0, -0.5], [0.05, 0, 0.47], [2, 0, -0.46]),
+    "parallel rays": ([0, 0, 0], [1, 0, 0], [0, 0, 0.05], [1, 0, 0]),
+    "diverging rays": ([0, 0, 0], [1, 0, 0], [0, 0, 0.05], [1, 0, 0.1]),
+    "the second ray points away": ([0, 0, 0], [1, 0, 0], [1, 0.5, 0], [0, 1, 0]),
+    "the first ray points away": ([1, 0.5, 0], [0, 1, 0], [0, 0, 0], [1, 0, 0]),
+    "parallel up to rounding": ([0, 0, 0], [2, -1, 0], [0, 0, 0.05], [2, -1, 0]),
+    "face to face": ([0, 0, 0], [2, -1, 0], [2, -1, 0], [-2, 1, 0]),
+}
+
+
 def _rays_public() -> list[Case]:
     rng = np.random.default_rng(124)
     return [
-        Case(
-            (np.array([0.0, 0, 1]), np.array([0.8, 0, -0.6]), np.array([0.0, 0.2, 0]), np.array([1.0, 0, 0])),
-            "as in the docstring",
-        ),
-        Case((np.zeros(3), _unit([1, 1, 0]), np.array([2.0, 0, 0]), _unit([-1, 1, 0])), "two rays that meet"),
-        Case(
-            (np.array([0.05, 0, 0.52]), _unit([2, 0, -0.5]), np.array([0.05, 0, 0.47]), _unit([2, 0, -0.46])),
-            "both cameras of a robot",
-        ),
-        Case(
-            (np.zeros(3), np.array([1.0, 0, 0]), np.array([0.0, 0, 0.05]), np.array([1.0, 0, 0])),
-            "parallel rays",
-        ),
-        Case(
-            (np.zeros(3), np.array([1.0, 0, 0]), np.array([0.0, 0, 0.05]), _unit([1, 0, 0.1])),
-            "rays that part",
-        ),
-        Case(
-            (np.zeros(3), np.array([1.0, 0, 0]), np.array([1.0, 0.5, 0]), np.array([0.0, 1, 0])),
-            "the second would go backwards",
-        ),
-        Case(
-            (np.array([1.0, 0.5, 0]), np.array([0.0, 1, 0]), np.zeros(3), np.array([1.0, 0, 0])),
-            "the first would go backwards",
-        ),
-        Case(
-            (np.zeros(3), _unit([2, -1, 0]), np.array([0.0, 0, 0.05]), _unit([2, -1, 0])),
-            "parallel, but for rounding",
-        ),
-        Case(
-            (np.zeros(3), _unit([2, -1, 0]), np.array([2.0, -1.0, 0]), _unit([-2, 1, 0])),
-            "face to face",
-        ),
-        Case(_wide(rng), "at a wide angle, near by"),
-        Case(_eyes(rng, 0.2), "rays that pass each other"),
-        Case(_narrow(5.0), "a landmark a hundred metres away"),
+        *(Case((*_floats(a), _unit(u), *_floats(b), _unit(v)), name) for name, (a, u, b, v) in _RAYS.items()),
+        Case(_wide(rng), "nearby rays at a wide angle"),
+        Case(_eyes(rng, 0.2), "rays that do not meet"),
+        Case(_narrow(5.0), "a landmark 100 m away"),
     ]
 
 
 def _narrow(apart: float) -> tuple[Array, ...]:
-    """Two rays, some centimetres from each other at first, that meet far away: 1 - c^2 is some 1e-7."""
+    """Return two rays from close origins that meet far away: 1 - c^2 is about 1e-7."""
     a, b, place = np.array([0.05, 0, 0.5]), np.array([0.05, 0, 0.5 - apart / 100]), np.array([100.0, 0, 0])
     return a, _unit(place - a), b, _unit(place - b)
 
 
 def _side_by_side(rng: np.random.Generator) -> tuple[Array, ...]:
-    """Two parallel rays, whose directions' product is 1 but for rounding."""
+    """Return two parallel rays; the dot product of their directions differs from 1 by rounding."""
     a = np.array([0.05, 0.0, 0.52])
     while True:
         u = _unit([*rng.uniform((1, -1), (4, 1)), 0])
@@ -927,7 +521,7 @@ def _side_by_side(rng: np.random.Generator) -> tuple[Array, ...]:
 
 
 def _wide(rng: np.random.Generator) -> tuple[Array, ...]:
-    """Rays that pass each other less than a metre away, and at a wide angle."""
+    """Return two rays at a wide angle that pass each other less than a metre away."""
     a, u = rng.normal(0, 1, 3), _unit(rng.normal(0, 1, 3))
     side = _unit(np.cross(u, rng.normal(0, 1, 3)))
     v = _unit(side + rng.uniform(0.2, 0.6) * rng.choice((-1, 1)) * u)
@@ -957,7 +551,7 @@ def _rays_hidden(rng: np.random.Generator) -> list[Case]:
 
 
 def _one_behind(rng: np.random.Generator) -> list[tuple[Array, ...]]:
-    """Rays of which one alone would have to be followed backwards: the one, then the other."""
+    """Return two cases in which one ray alone points away: first one, then the other."""
     a, u, v = np.zeros(3), np.array([1.0, 0, 0]), _unit([rng.uniform(-0.3, 0.3), 1, rng.uniform(-0.3, 0.3)])
     meet = np.array([rng.uniform(0.5, 2), 0.0, rng.uniform(0.01, 0.1)])
     b = meet + rng.uniform(0.5, 2) * v
@@ -972,167 +566,105 @@ INTERSECT_RAYS = Exercise(
     hidden=_rays_hidden,
     comparison=Each((Close(atol=1e-7, names=("your point",)), Close(atol=1e-8, names=("your gap",)))),
     hints=(
-        "Write B for what lies between the origins and c for the product of the directions: equation 12.5 is two lines with t_a and t_b, because each direction with itself gives 1.",
-        "t_a = (B.d_a - c B.d_b) / (1 - c^2), t_b = (c B.d_a - B.d_b) / (1 - c^2). Then the two points, their middle, and the length between.",
+        "Let B be the vector from origin a to origin b, and c the dot product of the directions. Equation 12.5 becomes two lines in t_a and t_b, because each direction times itself is 1.",
+        "t_a = (B.d_a - c B.d_b) / (1 - c^2) and t_b = (c B.d_a - B.d_b) / (1 - c^2). Then compute the two points, their midpoint and their distance.",
     ),
-    mistakes=[
-        Mistake(
-            "on the first ray",
-            _rays(on_a=True),
-            "Your point lies on the first ray. Neither is better: take the middle between both.",
-        ),
-        Mistake(
-            "on the second ray",
-            _rays(on_b=True),
-            "Your point lies on the second ray. Neither is better: take the middle between both.",
-        ),
-        Mistake(
-            "followed backwards",
-            _rays(looked_at=()),
-            "A camera does not see what lies behind it: where t_a or t_b is negative, there is no point.",
-        ),
-        Mistake(
-            "one looked at",
-            _rays(first=True),
-            "You look at t_a alone. Neither ray is followed backwards: t_b may be negative, too.",
-        ),
-        Mistake(
-            "parallel by rounding",
-            _rays(parallel=True),
-            "Two parallel rays meet in your answer: 1 - c^2 is some 1e-16 by rounding, hardly ever 0. Where it is below 1e-12, there is no point.",
-        ),
-        Mistake(
-            "nothing looked at",
-            _rays(looked_at=(), parallel=True),
-            "Two things are not looked at: whether 1 - c^2 is nearly 0, and whether t_a or t_b is negative. In both cases there is no point.",
-        ),
-        Mistake(
-            "one NaN",
-            _rays(nothing=(np.nan, np.nan)),
-            "Where there is no point, it still has three numbers: np.full(3, np.nan).",
-        ),
-        Mistake(
-            "None",
-            _rays(nothing=(None, None)),
-            "Where there is no point, NaN is wanted and not None: np.full(3, np.nan), and np.nan for the length.",
-        ),
-        Mistake(
-            "c near 1 alone",
-            _rays(near_one=True),
-            "Rays that face each other are parallel as well: there c is -1. 1 - c^2 is 0 for both.",
-        ),
-        Mistake(
-            "too soon parallel",
-            _rays(limit=1e-6),
-            "Your rays are parallel too soon: two that meet at a hundred metres still have a point. They are where 1 - c^2 is below 1e-12.",
-        ),
-        Mistake(
-            "t_b alone looked at",
-            _rays(second=True),
-            "You look at t_b alone. Neither ray is followed backwards: t_a may be negative, too.",
-        ),
-        Mistake(
-            "both behind",
-            _rays(both_behind=True),
-            "You ask whether both are negative. One that is behind its camera is enough: or, not and.",
-        ),
-        Mistake(
-            "solved without a look",
-            _solved,
-            "Parallel rays have no point where they pass, and np.linalg.solve raises for them: look at c before you solve.",
-        ),
-        Mistake(
-            "c not squared",
-            _rays(not_squared=True),
-            "Your denominator is 1 - c. Solve equation 12.5 again: it is 1 - c squared.",
-        ),
-        Mistake(
-            "t_b's sign",
-            _rays(sign=True),
-            "Your t_b has the wrong sign: put t_a and t_b back into equation 12.5.",
-        ),
-        Mistake(
-            "from the origin",
-            _rays(no_origin=True),
-            "You leave out where the rays begin: o_a + t_a d_a, and o_b + t_b d_b.",
-        ),
-        Mistake(
-            "half of the way",
-            _rays(half=True),
-            "Your length is from the point to a ray. Wanted is that between the rays, twice as much.",
-        ),
-        Mistake("the sum", _rays(summed=True), "Your point is the sum of both. The middle is half of it."),
-        Mistake(
-            "the way itself",
-            _rays(way=True),
-            "Your second answer is the way between the rays, three numbers. Wanted is its length: np.linalg.norm.",
-        ),
-        Mistake("the square of it", _rays(squared=True), "Your length is squared: take its root."),
-    ],
-    alternatives={
-        "least squares": _by_least_squares,
-        "a cross product": _by_cross,
-        "two equations": _by_equations,
-    },
+    mistakes=catalogue("""
+        on the first ray: (a + b) / 2 => a
+            Your point is on the first ray. Both rays are equally uncertain, so return the midpoint between them.
+        on the second ray: (a + b) / 2 => b
+            Your point is on the second ray. Both rays are equally uncertain, so return the midpoint between them.
+        followed backwards: t_a < 0 or t_b < 0 => False
+            You return a point behind a camera. If t_a or t_b is negative, return NaN.
+        t_a alone: t_a < 0 or t_b < 0 => t_a < 0
+            You check only t_a. If t_b is negative, the point is behind the other camera, so return NaN as well.
+        parallel by rounding: 1 - c**2 < 1e-12 => False
+            You return a point for parallel rays. Because of rounding, 1 - c^2 is about 1e-16 and hardly ever exactly 0. Return NaN if it is below 1e-12.
+        nothing checked: 1 - c**2 < 1e-12 => False
+            t_a < 0 or t_b < 0 => False
+            Two checks are missing: whether 1 - c^2 is nearly 0, and whether t_a or t_b is negative. Return NaN in both cases.
+        one NaN: np.full(3, np.nan) =>> np.nan
+            If there is no point, you return a single NaN for it. The point still has three coordinates: np.full(3, np.nan).
+        None: np.full(3, np.nan), np.nan =>> None, None
+            If there is no point, you return None. Return np.full(3, np.nan) for the point and np.nan for the length.
+        c near 1 alone: 1 - c**2 < 1e-12 => 1 - c < 1e-12
+            Rays in opposite directions are parallel as well, with c = -1. Check 1 - c^2, which is 0 in both cases.
+        too soon parallel: 1e-12 => 1e-6
+            You treat rays as parallel too early. Two rays that meet at a distance of 100 m still have a point; the limit for 1 - c^2 is 1e-12.
+        t_b alone: t_a < 0 or t_b < 0 => t_b < 0
+            You check only t_b. If t_a is negative, the point is behind the other camera, so return NaN as well.
+        both behind: t_a < 0 or t_b < 0 => t_a < 0 and t_b < 0
+            You return NaN only if t_a and t_b are both negative. One negative value is enough: use or instead of and.
+        solved unchecked: 1 - c**2 < 1e-12 => False
+            t_b = (c * (B @ direction_a) - B @ direction_b) / (1 - c**2) => pass
+            t_a = (B @ direction_a - c * (B @ direction_b)) / (1 - c**2) => A = np.array([direction_a, -direction_b])
+            + t_a, t_b = np.linalg.solve((A @ A.T) * [[1, 1], [-1, -1]], [B @ direction_a, B @ direction_b])
+            np.linalg.solve raises an error for parallel rays, because the matrix is singular. Check 1 - c^2 before you solve.
+        c not squared: c**2 =>> c
+            Your denominator is 1 - c. Solve equation 12.5 again: the denominator is 1 - c^2.
+        t_b's sign: t_b = (c * (B @ direction_a) - B @ direction_b) => t_b = (B @ direction_b - c * (B @ direction_a))
+            Your t_b has the wrong sign, so you return NaN for points ahead and a value for a point behind one camera. In the second part of equation 12.5 t_b has the factor +1: put your solution back into it.
+        t_b's sign, not checked: t_b = (c * (B @ direction_a) - B @ direction_b) => t_b = (B @ direction_b - c * (B @ direction_a))
+            t_a < 0 or t_b < 0 => False
+            Your t_b has the wrong sign, so your second point lies behind its camera. In the second part of equation 12.5 t_b has the factor +1: put your solution back into it. Then return NaN if t_a or t_b is negative.
+        t_a's sign: t_a = (B @ direction_a - c * (B @ direction_b)) => t_a = (c * (B @ direction_b) - B @ direction_a)
+            Your t_a has the wrong sign, so you return NaN for points ahead. In the first part of equation 12.5 t_a has the factor -1: put your solution back into it.
+        both signs: B, c = origin_b - origin_a => B, c = origin_a - origin_b
+            Your t_a and t_b both have the wrong sign, so you return NaN for points ahead and a point for rays that meet behind the cameras. The baseline is B = o_b - o_a, and the denominator is 1 - c^2.
+        t_a's sign, not checked: t_a = (B @ direction_a - c * (B @ direction_b)) => t_a = (c * (B @ direction_b) - B @ direction_a)
+            t_a < 0 or t_b < 0 => False
+            Your t_a has the wrong sign, so your first point lies behind its camera. In the first part of equation 12.5 t_a has the factor -1: put your solution back into it. Then return NaN if t_a or t_b is negative.
+        both signs, not checked: B, c = origin_b - origin_a => B, c = origin_a - origin_b
+            t_a < 0 or t_b < 0 => False
+            Your t_a and t_b both have the wrong sign, so your points lie behind the cameras. The baseline is B = o_b - o_a, and the denominator is 1 - c^2. Then return NaN if t_a or t_b is negative.
+        t_b's sign, nothing checked: t_b = (c * (B @ direction_a) - B @ direction_b) => t_b = (B @ direction_b - c * (B @ direction_a))
+            1 - c**2 < 1e-12 => False
+            t_a < 0 or t_b < 0 => False
+            Your t_b has the wrong sign: put your solution back into the second part of equation 12.5, where t_b has the factor +1. You also need two checks: return NaN if 1 - c^2 is nearly 0, and if t_a or t_b is negative.
+        t_a's sign, nothing checked: t_a = (B @ direction_a - c * (B @ direction_b)) => t_a = (c * (B @ direction_b) - B @ direction_a)
+            1 - c**2 < 1e-12 => False
+            t_a < 0 or t_b < 0 => False
+            Your t_a has the wrong sign: put your solution back into the first part of equation 12.5, where t_a has the factor -1. You also need two checks: return NaN if 1 - c^2 is nearly 0, and if t_a or t_b is negative.
+        both signs, nothing checked: B, c = origin_b - origin_a => B, c = origin_a - origin_b
+            1 - c**2 < 1e-12 => False
+            t_a < 0 or t_b < 0 => False
+            Your t_a and t_b both have the wrong sign: the baseline is B = o_b - o_a, and the denominator is 1 - c^2. You also need two checks: return NaN if 1 - c^2 is nearly 0, and if t_a or t_b is negative.
+        t_a for t_b: origin_a + t_a * direction_a, origin_b + t_b * direction_b => origin_a + t_b * direction_a, origin_b + t_a * direction_b
+            You exchange t_a and t_b. The first ray is at o_a + t_a d_a, and the second at o_b + t_b d_b.
+        a sign in the sum: (c * (B @ direction_a) - B @ direction_b) => (c * (B @ direction_a) + B @ direction_b)
+            Your t_b adds the two terms, but B . d_b has a minus sign. Solve the second part of equation 12.5 again.
+        from the origin: (a + b) / 2 => (t_a * direction_a + t_b * direction_b) / 2
+            Your point does not include the origins of the rays: it is between o_a + t_a d_a and o_b + t_b d_b.
+        half of the length: np.linalg.norm(b - a) => np.linalg.norm(b - a) / 2
+            Your length is the distance from the midpoint to a ray. Return the distance between the rays, which is twice as long.
+        the sum: (a + b) / 2 => a + b
+            Your point is the sum of both points. The midpoint is half of it.
+        the vector: float(np.linalg.norm(b - a)) => b - a
+            Your second value is the vector between the rays. Return its length: np.linalg.norm.
+        the square of it: np.linalg.norm(b - a) => np.linalg.norm(b - a) ** 2
+            Your length is squared. Return its square root.
+    """),
+    alternatives={"least squares": _by_lstsq, "a cross product": _by_cross, "two equations": _by_equations},
     equivalents={
-        **dict.fromkeys(
-            (
-                "B, c = (origin_b - origin_a, direction_b @ direction_a)",
-                "t_a = (direction_a @ B - c * (B @ direction_b)) / (1 - c ** 2)",
-                "t_a = (B @ direction_a - c * (direction_b @ B)) / (1 - c ** 2)",
-                "t_b = (c * (B @ direction_a) - direction_b @ B) / (1 - c ** 2)",
-                "t_b = (c * (direction_a @ B) - B @ direction_b) / (1 - c ** 2)",
-            ),
-            "a product of two vectors has them in any order",
-        ),
-        **dict.fromkeys(
-            ("if 1 - c ** 2 <= 1e-12:", "if t_a <= 0 or t_b < 0:", "if t_a < 0 or t_b <= 0:"),
-            "none is that number to the last bit",
-        ),
-        "a, b = (origin_b + t_b * direction_b, origin_a + t_a * direction_a)": "the middle is the same from both ends",
-        "return ((a + b) / 2, float(np.linalg.norm(a - b)))": "a way is as long as the way back",
+        "B, c = (origin_b - origin_a, direction_b @ direction_a)": "a dot product is commutative",
+        "t_a = (direction_a @ B - c * (B @ direction_b)) / (1 - c ** 2)": "a dot product is commutative",
+        "t_a = (B @ direction_a - c * (direction_b @ B)) / (1 - c ** 2)": "a dot product is commutative",
+        "t_b = (c * (B @ direction_a) - direction_b @ B) / (1 - c ** 2)": "a dot product is commutative",
+        "t_b = (c * (direction_a @ B) - B @ direction_b) / (1 - c ** 2)": "a dot product is commutative",
+        "if 1 - c ** 2 <= 1e-12:": "no value in the cases is exactly this number",
+        "if t_a <= 0 or t_b < 0:": "no value in the cases is exactly this number",
+        "if t_a < 0 or t_b <= 0:": "no value in the cases is exactly this number",
+        "a, b = (origin_b + t_b * direction_b, origin_a + t_a * direction_a)": "the midpoint is symmetric",
+        "return ((a + b) / 2, float(np.linalg.norm(a - b)))": "a distance is symmetric",
         "return ((a + b) / 2, np.linalg.norm(b - a))": "NumPy's number is as good as Python's",
     },
 )
 
 
 # --- 12.5 find_frontiers, 12.6 travel_steps ---
-
-
-def _beside(mask: Array, *, corners: bool = False, around: bool = False, rim: bool = False) -> Array:
-    rows, columns = mask.shape
-    padded = np.pad(mask, 1, mode="wrap") if around else np.pad(mask, 1, constant_values=rim)
-    ways = [(a, b) for a in (0, 1, 2) for b in (0, 1, 2) if corners or (a + b) % 2]
-    return np.any([padded[a : a + rows, b : b + columns] for a, b in ways], axis=0)
-
-
-def _inner_only(grid: Array) -> Array:
-    found = np.zeros(grid.shape, dtype=bool)
-    found[1:-1, 1:-1] = ((grid == 0) & _beside(grid == -1))[1:-1, 1:-1]
-    return found
-
-
-def _from_the_end(grid: Array) -> Array:
-    """Above the first row comes the last, as grid[i - 1] has it; below the last one somebody looked."""
-    unknown = grid == -1
-    found = np.roll(unknown, 1, 0) | np.roll(unknown, 1, 1)
-    found[:-1] |= unknown[1:]
-    found[:, :-1] |= unknown[:, 1:]
-    return found & (grid == 0)
-
-
-def _over_the_rim(grid: Array) -> Array:
-    found = np.zeros(grid.shape, dtype=bool)
-    for i, j in np.argwhere(grid == 0):
-        found[i, j] = -1 in (grid[i + 1, j], grid[i - 1, j], grid[i, j + 1], grid[i, j - 1])
-    return found
-
-
-def _after_only(grid: Array) -> Array:
-    found = np.zeros(grid.shape, dtype=bool)
-    found[:-1] |= (grid == -1)[1:]
-    found[:, :-1] |= (grid == -1)[:, 1:]
-    return found & (grid == 0)
+def _beside(mask: Array) -> Array:
+    padded = np.pad(mask, 1)
+    return padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
 
 
 def _by_rolling(grid: Array) -> Array:
@@ -1145,30 +677,18 @@ def _by_rolling(grid: Array) -> Array:
 
 
 def _cell_by_cell(grid: Array) -> list[list[bool]]:
-    rows, columns = grid.shape
+    unknown = {tuple(cell) for cell in np.argwhere(grid == -1)}
+    beside = [(1, 0), (-1, 0), (0, 1), (0, -1)]
     return [
         [
-            bool(grid[i, j] == 0)
-            and any(
-                grid[a, b] == -1
-                for a, b in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
-                if 0 <= a < rows and 0 <= b < columns
-            )
-            for j in range(columns)
+            bool(value == 0 and any((i + a, j + b) in unknown for a, b in beside))
+            for j, value in enumerate(row)
         ]
-        for i in range(rows)
+        for i, row in enumerate(grid)
     ]
 
 
-def _by_dilation(grid: Array) -> Array:
-    from scipy.ndimage import binary_dilation
-
-    return binary_dilation(grid == -1) & (grid == 0)
-
-
 def _known(rng: np.random.Generator, rows: int, columns: int) -> Array:
-    from scipy.ndimage import uniform_filter
-
     smooth = uniform_filter(rng.normal(0, 1, (rows, columns)), 3)
     grid = np.where(smooth < np.quantile(smooth, 0.4), -1, 0)
     grid[rng.random(grid.shape) < 0.15] = 1
@@ -1181,18 +701,11 @@ def _frontiers_public() -> list[Case]:
     ring[1:4, 1:4] = 0
     return [
         Case((np.array([[0, 0, -1], [0, 1, -1]]),), "as in the docstring"),
-        Case((ring,), "a known place amid the unknown"),
-        Case((np.zeros((3, 4), dtype=int),), "all of it known and free"),
+        Case((ring,), "a known area inside the unknown"),
+        Case((np.zeros((3, 4), dtype=int),), "everything known and free"),
         Case((np.array([[0, 1, -1], [1, 1, 1], [0, 0, 0]]),), "unknown behind walls"),
         Case((np.array([[-1, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]),), "an unknown corner"),
         Case((_known(rng, 8, 11),), "a room"),
-    ]
-
-
-def _frontiers_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case((_known(rng, int(rows), int(columns)),))
-        for rows, columns in ((1, 7), (6, 1), (5, 9), (12, 7), (20, 30))
     ]
 
 
@@ -1201,213 +714,84 @@ FIND_FRONTIERS = Exercise(
     points=2,
     stars=2,
     public=_frontiers_public,
-    hidden=_frontiers_hidden,
+    hidden=lambda rng: [Case((_known(rng, *size),)) for size in ((1, 7), (6, 1), (5, 9), (12, 7), (20, 30))],
     comparison=Exact(),
     hints=(
-        "Compare the grid with itself, shifted by one cell to each of four sides. What comes in at the rim is not unknown.",
-        "np.pad(grid == -1, 1) has a rim of False; padded[:-2, 1:-1] is what lies above each cell.",
+        "Compare the grid with copies of itself that are shifted by one cell to each of the four sides. Cells that come in from outside are not unknown.",
+        "np.pad(grid == -1, 1) adds a border of False, and then padded[:-2, 1:-1] is the row above each cell.",
     ),
-    mistakes=[
-        Mistake(
-            "corners too",
-            lambda grid: (grid == 0) & _beside(grid == -1, corners=True),
-            "You count neighbours across a corner. A cell has four neighbours: left, right, above and below.",
-        ),
-        Mistake(
-            "round the rim",
-            lambda grid: (grid == 0) & _beside(grid == -1, around=True),
-            "Your grid has no rim: np.roll brings the last row in before the first. What lies beyond the rim is no cell.",
-        ),
-        Mistake(
-            "from the other end",
-            _from_the_end,
-            "Above your first row comes the last, and left of the first column the last one: in Python grid[-1] counts from the end.",
-        ),
-        Mistake(
-            "without brackets",
-            lambda grid: grid == 0 & _beside(grid == -1),
-            "& binds before ==: put brackets around each comparison, (grid == 0) & beside.",
-        ),
-        Mistake(
-            "over the rim",
-            _over_the_rim,
-            "In the last row there is no grid[i + 1, j], and in the first one grid[i - 1, j] is the last row. Look only at neighbours inside the grid, or np.pad it.",
-        ),
-        Mistake(
-            "rim left out",
-            _inner_only,
-            "Your grid's rim has no frontiers. A free cell there has neighbours, too, only fewer.",
-        ),
-        Mistake(
-            "two sides",
-            _after_only,
-            "You look below and to the right only. A cell has four neighbours.",
-        ),
-        Mistake(
-            "the rim is unknown",
-            lambda grid: (grid == 0) & _beside(grid == -1, rim=True),
-            "You take what lies beyond the rim for unknown. There is nothing to go and see there.",
-        ),
-        Mistake(
-            "the unknown side",
-            lambda grid: (grid == -1) & _beside(grid == 0),
-            "Your cells are the unknown ones. A frontier is the free cell beside: one can stand there.",
-        ),
-        Mistake(
-            "boxes too",
-            lambda grid: (grid != -1) & _beside(grid == -1),
-            "You take occupied cells as well. Nobody can stand in a box: free cells only.",
-        ),
-        Mistake(
-            "unknown cells, too",
-            lambda grid: (grid <= 0) & _beside(grid == -1),
-            "Unknown cells beside unknown ones are in your mask. A frontier is free.",
-        ),
-        Mistake(
-            "beside a box",
-            lambda grid: (grid == 0) & _beside(grid == 1),
-            "Your cells lie beside boxes. Unknown cells are -1, occupied ones 1.",
-        ),
-        Mistake(
-            "as numbers",
-            lambda grid: np.argwhere((grid == 0) & _beside(grid == -1)),
-            "You return places. Wanted is a mask of the grid's shape, True where a frontier is.",
-        ),
-    ],
-    alternatives={"slices": _by_rolling, "cell by cell": _cell_by_cell, "dilation": _by_dilation},
+    mistakes=catalogue("""
+        corners too: unknown[1:-1, 2:] => unknown[1:-1, 2:] | unknown[:-2, :-2] | unknown[:-2, 2:] | unknown[2:, :-2] | unknown[2:, 2:]
+            You also count diagonal neighbours. A cell has four neighbours: left, right, above and below.
+        around the edge: np.pad(grid == -1, 1) => np.pad(grid == -1, 1, mode="wrap")
+            Your grid wraps around: np.roll moves the last row before the first one. There are no cells outside the grid.
+        from the other end: np.pad(grid == -1, 1) => np.pad(grid == -1, 1)
+            + unknown[0, 1:-1], unknown[1:-1, 0] = grid[-1] == -1, grid[:, -1] == -1
+            You use the last row as the neighbour above the first row, and the last column as the one left of the first. In Python grid[-1] counts from the end, so check that an index is at least 0.
+        without brackets: (grid == 0) & beside => grid == 0 & beside
+            In Python & binds more tightly than ==. Put brackets around each comparison: (grid == 0) & beside.
+        outside the grid: + found = np.zeros(grid.shape, dtype=bool)
+            + for i, j in np.argwhere(grid == 0):
+            +     found[i, j] = -1 in (grid[i + 1, j], grid[i - 1, j], grid[i, j + 1], grid[i, j - 1])
+            + return found
+            In the last row grid[i + 1, j] does not exist, and in the first row grid[i - 1, j] is the last row. Check that a neighbour is inside the grid, or use np.pad.
+        edge left out: return (grid == 0) & beside => found = (grid == 0) & beside
+            + found[[0, -1]] = found[:, [0, -1]] = False
+            + return found
+            You return no frontiers at the edge of the grid. Free cells at the edge have neighbours, too, only fewer.
+        two sides: unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | => unknown[2:, 1:-1] |
+            You check only the neighbours below and to the right. A cell has four neighbours.
+        the outside is unknown: np.pad(grid == -1, 1) => np.pad(grid == -1, 1, constant_values=True)
+            You treat cells outside the grid as unknown. They do not exist, so they make no frontier.
+        the unknown side: grid == -1, 1 => grid == 0, 1
+            (grid == 0) => (grid == -1)
+            You return the unknown cells. A frontier is the free cell beside an unknown cell, because the robot can stand there.
+        boxes too: (grid == 0) => (grid != -1)
+            You also return occupied cells. A frontier is a free cell.
+        beside a box: grid == -1 => grid == 1
+            You return cells beside boxes. Unknown cells are -1, occupied cells are 1.
+        as numbers: (grid == 0) & beside => np.argwhere((grid == 0) & beside)
+            You return the indices of the cells. Return a boolean mask with the shape of the grid.
+    """),
+    alternatives={
+        "slices": _by_rolling,
+        "cell by cell": _cell_by_cell,
+        "dilation": lambda grid: binary_dilation(grid == -1) & (grid == 0),
+    },
     equivalents={
-        **dict.fromkeys(
-            (
-                f"beside = unknown[:-2, 1:-1] {a} unknown[2:, 1:-1] {b} unknown[1:-1, :-2] {c} unknown[1:-1, 2:]"
-                for a, b, c in ("+||", "|+|", "||+")
-            ),
-            "of two masks, + is or",
-        ),
-        "return (grid == 0) * beside": "of two masks, * is and",
+        **{
+            f"beside = unknown[:-2, 1:-1] {a} unknown[2:, 1:-1] {b} unknown[1:-1, :-2] {c} unknown[1:-1, 2:]": "for masks, + means or"
+            for a, b, c in ("+||", "|+|", "||+")
+        },
+        "return (grid == 0) * beside": "for masks, * means and",
         "unknown = np.pad(grid <= -1, 1)": "no cell is below -1",
     },
 )
 
 
-def _poured(**changed: Any) -> Any:
-    def function(free: Array, start: tuple[int, int]) -> Array:
-        steps = np.full(free.shape, 0 if changed.get("zeros") else -1)
-        seen = np.zeros(free.shape, dtype=bool)
-        steps[start], seen[start] = (1 if changed.get("from_one") else 0), True
-        wave = deque([start])
-        ways = [(1, 0), (-1, 0), (0, 1), (0, -1)]
-        if changed.get("corners"):
-            ways += [(1, 1), (1, -1), (-1, 1), (-1, -1)]
-        while wave:
-            row, column = wave.pop() if changed.get("deep") else wave.popleft()
-            for a, b in ways:
-                i, j = row + a, column + b
-                if changed.get("around"):
-                    i, j = i % free.shape[0], j % free.shape[1]
-                if 0 <= i < free.shape[0] and 0 <= j < free.shape[1] and not seen[i, j]:
-                    if free[i, j] or changed.get("through"):
-                        steps[i, j], seen[i, j] = steps[row, column] + 1, True
-                        wave.append((i, j))
-                    elif changed.get("onto"):
-                        steps[i, j], seen[i, j] = steps[row, column] + 1, True
-        return steps
-
-    return function
-
-
-def _one_sweep(free: Array, start: tuple[int, int]) -> Array:
-    steps = np.full(free.shape, free.size)
-    steps[start] = 0
-    for i, j in np.argwhere(free):
-        beside = [
-            steps[a, b]
-            for a, b in ((i - 1, j), (i, j - 1), (i + 1, j), (i, j + 1))
-            if 0 <= a < free.shape[0] and 0 <= b < free.shape[1]
-        ]
-        steps[i, j] = min(steps[i, j], min(beside, default=free.size) + 1)
-    return np.where(steps < free.size, steps, -1)
-
-
-def _over_the_end(free: Array, start: tuple[int, int]) -> Array:
-    steps, wave = np.full(free.shape, -1), [start]
-    steps[start] = 0
-    for i, j in wave:
-        for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
-            if free[cell] and steps[cell] == -1:
-                steps[cell] = steps[i, j] + 1
-                wave.append(cell)
+def _as_a_whole(free: Array, start: tuple[int, int]) -> Array:
+    steps, new, count = np.full(free.shape, -1), np.zeros(free.shape, dtype=bool), 0
+    new[start] = True
+    while new.any():
+        steps[new], count = count, count + 1
+        new = _beside(new) & free & (steps < 0)
     return steps
-
-
-def _begun_with_zeros(free: Array, start: tuple[int, int]) -> Array:
-    """0 says both: nobody was here, and here it starts."""
-    steps, wave = np.zeros(free.shape, dtype=int), [start]
-    for i, j in wave:
-        for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
-            inside = 0 <= cell[0] < free.shape[0] and 0 <= cell[1] < free.shape[1]
-            if inside and free[cell] and not steps[cell]:
-                steps[cell] = steps[i, j] + 1
-                wave.append(cell)
-    return steps
-
-
-def _below_the_end(free: Array, start: tuple[int, int]) -> Array:
-    """The far rim is looked at, the near one is not."""
-    steps, wave = np.full(free.shape, -1), [start]
-    steps[start] = 0
-    for i, j in wave:
-        for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
-            inside = cell[0] < free.shape[0] and cell[1] < free.shape[1]
-            if inside and free[cell] and steps[cell] < 0:
-                steps[cell] = steps[i, j] + 1
-                wave.append((cell[0] % free.shape[0], cell[1] % free.shape[1]))
-    return steps
-
-
-def _exchanged(free: Array, start: tuple[int, int]) -> Array:
-    column, row = start
-    return _poured()(free, (row, column))
-
-
-def _straight(free: Array, start: tuple[int, int]) -> Array:
-    rows, columns = np.indices(free.shape)
-    return np.where(free, np.abs(rows - start[0]) + np.abs(columns - start[1]), -1)
-
-
-def _as_a_whole(free: Array, start: tuple[int, int], most: float = np.inf) -> Array:
-    steps, wet = np.full(free.shape, -1), np.zeros(free.shape, dtype=bool)
-    wet[start], steps[start], count = True, 0, 0
-    while True:
-        new = _beside(wet) & free & ~wet
-        if count >= most or not new.any():
-            return steps
-        count += 1
-        steps[new] = count
-        wet |= new
 
 
 def _by_relaxing(free: Array, start: tuple[int, int]) -> Array:
     cost = np.full(np.add(free.shape, 2), np.inf)
     cost[start[0] + 1, start[1] + 1] = 0
     inner = cost[1:-1, 1:-1]
-    while True:
-        before = inner.copy()
+    for _ in range(free.size):
         best = np.min([cost[:-2, 1:-1], cost[2:, 1:-1], cost[1:-1, :-2], cost[1:-1, 2:]], axis=0) + 1
         inner[free] = np.minimum(inner, best)[free]
-        if np.array_equal(before, inner):
-            return np.where(np.isfinite(inner), inner, -1).astype(int)
+    return np.where(np.isfinite(inner), inner, -1).astype(int)
 
 
 def _by_graph(free: Array, start: tuple[int, int]) -> Array:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import dijkstra
-
     numbers = np.arange(free.size).reshape(free.shape)
-    pairs = (
-        [np.ravel(side) for side in (numbers[:, :-1], numbers[:-1])],
-        [np.ravel(side) for side in (numbers[:, 1:], numbers[1:])],
-    )
-    first, second = np.concatenate(pairs[0]), np.concatenate(pairs[1])
+    first = np.concatenate([numbers[:, :-1].ravel(), numbers[:-1].ravel()])
+    second = np.concatenate([numbers[:, 1:].ravel(), numbers[1:].ravel()])
     both = np.ravel(free)[first] & np.ravel(free)[second]
     edges = coo_array((np.ones(both.sum()), (first[both], second[both])), shape=(free.size, free.size))
     found = dijkstra(edges.tocsr(), directed=False, indices=int(numbers[start]), unweighted=True)
@@ -1422,37 +806,26 @@ def _maze(rng: np.random.Generator, rows: int, columns: int) -> tuple[Array, tup
 
 
 def _steps_public() -> list[Case]:
-    rng = np.random.default_rng(126)
-    spiral = np.array(
-        [[1, 1, 1, 1, 1], [0, 0, 0, 0, 1], [1, 1, 1, 0, 1], [1, 0, 0, 0, 1], [1, 1, 1, 1, 1]], dtype=bool
-    )
+    rng = np.random.default_rng(128)  # a maze in which the order of the neighbours changes no wrong answer
+    spiral = np.array([list(row) for row in ("11111", "00001", "11101", "10001", "11111")]) == "1"
     return [
         Case((np.array([[True, False, True], [True, True, True]]), (0, 0)), "as in the docstring"),
         Case((np.ones((4, 6), dtype=bool), (1, 2)), "an empty room"),
-        Case((spiral, (0, 0)), "a way that winds"),
-        Case(
-            (np.array([[True, True, False, True], [True, True, False, True]]), (1, 0)), "what no way leads to"
-        ),
+        Case((spiral, (0, 0)), "a winding path"),
+        Case((np.tile([True, True, False, True], (2, 1)), (1, 0)), "cells that cannot be reached"),
         Case((np.ones((1, 1), dtype=bool), (0, 0)), "a single cell"),
         Case(_maze(rng, 8, 9), "a maze"),
-        Case(_winding(21, 12), "a way of more than 127 steps"),
+        Case(_winding(21, 12), "a path of more than 127 steps"),
         Case((np.ones((54, 44), dtype=bool), (3, 20)), "an empty room as large as the panel's"),
     ]
 
 
 def _winding(rows: int, columns: int) -> tuple[Array, tuple[int, int]]:
-    """Lanes to and fro, with a wall between each two and a door at one end of it."""
+    """Return lanes with walls between them; each wall has a door at one end."""
     free = np.ones((rows, columns), dtype=bool)
     free[1::2] = False
     free[1::4, -1] = free[3::4, 0] = True
     return free, (0, 0)
-
-
-def _steps_hidden(rng: np.random.Generator) -> list[Case]:
-    return [
-        Case(_maze(rng, int(rows), int(columns)))
-        for rows, columns in ((5, 8), (9, 4), (15, 15), (1, 12), (25, 30))
-    ] + [Case(_winding(2 * int(rng.integers(9, 13)) + 1, int(rng.integers(14, 18))))]
 
 
 TRAVEL_STEPS = Exercise(
@@ -1460,222 +833,140 @@ TRAVEL_STEPS = Exercise(
     points=3,
     stars=3,
     public=_steps_public,
-    hidden=_steps_hidden,
-    comparison=Exact(),
-    hints=(
-        "Keep a list of cells that were reached and whose neighbours were not looked at yet. Take them in the order in which they came.",
-        "wave = [start]; take wave.pop(0), and give each free neighbour that still has -1 one step more than it; append that to wave.",
-    ),
-    mistakes=[
-        Mistake(
-            "across corners",
-            _poured(corners=True),
-            "Your steps lead across corners. A step leads to one of four neighbours.",
-        ),
-        Mistake(
-            "the last first",
-            _poured(deep=True),
-            "You take the cell that came last, and follow one way to its end: its steps are too many. Take the one that came first, wave.pop(0).",
-        ),
-        Mistake("through boxes", _poured(through=True), "Your way leads through cells that are not free."),
-        Mistake(
-            "onto boxes",
-            _poured(onto=True),
-            "Cells that are not free have steps in your answer. No way leads onto them: -1.",
-        ),
-        Mistake(
-            "straight",
-            _straight,
-            "You count rows and columns between. A way around what stands there is longer, and may not exist.",
-        ),
-        Mistake(
-            "0 where none leads",
-            _poured(zeros=True),
-            "Cells that no way leads to have 0 in your answer, as if one stood there: -1.",
-        ),
-        Mistake(
-            "from one",
-            _poured(from_one=True),
-            "You begin with 1. To where it stands the robot takes no step.",
-        ),
-        Mistake(
-            "below the end",
-            _below_the_end,
-            "Row -1 and column -1 are inside for you: an index is at least 0, too, or it counts from the end.",
-        ),
-        Mistake(
-            "begun with zeros",
-            _begun_with_zeros,
-            "0 is the start's number of steps and cannot mean not reached yet as well: fill with -1 at first.",
-        ),
-        Mistake(
-            "over the end",
-            _over_the_end,
-            "Beyond the last row there is no cell, and row -1 is the last one: ask whether a neighbour is inside before you look at it.",
-        ),
-        Mistake(
-            "infinite",
-            lambda free, start: np.where(_poured()(free, start) < 0, np.inf, _poured()(free, start)),
-            "Where no way leads you have infinity, and so your steps are floats. Wanted are whole numbers, and -1 there.",
-        ),
-        Mistake(
-            "row and column exchanged",
-            _exchanged,
-            "Your wave starts in another cell, if there is one: start is (row, column), and steps[row, column].",
-        ),
-        Mistake(
-            "one sweep",
-            _one_sweep,
-            "You go over the grid once. A way that winds comes back to where you have been: repeat until nothing changes, or pour water.",
-        ),
-        Mistake(
-            "twenty sweeps",
-            lambda free, start: _as_a_whole(free, start, 20),
-            "You stop after a fixed number of rounds. A way that winds may be as long as the room has cells: go on until nothing changes.",
-        ),
-        Mistake(
-            "a hundred sweeps",
-            lambda free, start: _as_a_whole(free, start, 100),
-            "A hundred rounds are enough for most rooms, and not for all: a way that winds may be as long as the room has cells. Go on until nothing changes.",
-        ),
-        Mistake(
-            "rows and columns sweeps",
-            lambda free, start: _as_a_whole(free, start, sum(free.shape)),
-            "You stop after as many rounds as there are rows and columns. A way that winds is longer: go on until nothing changes.",
-        ),
-        Mistake(
-            "round the rim",
-            _poured(around=True),
-            "Your way leads over the rim and in on the other side: a negative index counts from the end.",
-        ),
+    hidden=lambda rng: [
+        *(Case(_maze(rng, *size)) for size in ((5, 8), (9, 4), (15, 15), (1, 12), (25, 30))),
+        Case(_winding(2 * int(rng.integers(9, 13)) + 1, int(rng.integers(14, 18)))),
     ],
+    comparison=Close(rtol=0, atol=1e-9),  # floats are right if they are whole numbers
+    hints=(
+        "Keep a list of cells that have been reached, but whose neighbours have not been visited yet. Process the cells in the order in which they were reached.",
+        "Start with wave = [start]. Take wave.pop(0), give each free neighbour that still has -1 one step more than the cell, and append this neighbour to wave.",
+    ),
+    mistakes=catalogue("""
+        diagonal steps: (row, column - 1)): => (row, column - 1), *((row + i, column + j) for i in (1, -1) for j in (1, -1))):
+            Your steps can be diagonal. A step leads to one of the four neighbours.
+        the last first: wave.pop(0) => wave.pop()
+            You process the newest cell first, which follows a single path to its end and gives too many steps. Process the oldest cell first: wave.pop(0).
+        through boxes: inside and free[cell] => inside
+            Your path leads through cells that are not free.
+        onto boxes: inside and free[cell] => inside
+            wave.append(cell) => wave += [cell] if free[cell] else []
+            You give steps to cells that are not free. They cannot be reached, so they must have -1.
+        straight: + rows, columns = np.indices(free.shape)
+            + return np.where(free, np.abs(rows - start[0]) + np.abs(columns - start[1]), -1)
+            You count the rows and columns between the cells. A path around obstacles is longer, and it may not exist.
+        0 for unreachable: return steps => return np.maximum(steps, 0)
+            Unreachable cells have 0 in your result, as if the robot were already there. They must have -1.
+        from one: steps[start] = 0 => steps[start] = 1
+            Your start has 1. The robot is already there, so it takes 0 steps.
+        index below 0: 0 <= cell =>> cell
+            You accept negative indices. In Python index -1 is the last row or column, so your wave leaves the grid at one side and enters it at the opposite side. Check that both indices are at least 0.
+        row below 0: inside = 0 <= cell[0] => inside = cell[0]
+            You accept negative row indices. In Python index -1 is the last row, so your wave leaves the grid at one side and enters it at the opposite side. Check that the row is at least 0.
+        row below 0, columns first: inside = 0 <= cell[0] => inside = cell[0]
+            ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row, column + 1), (row, column - 1), (row - 1, column), (row + 1, column))
+            You accept negative row indices. In Python index -1 is the last row, so your wave leaves the grid at one side and enters it at the opposite side. Check that the row is at least 0. Rows and columns are counted from 0.
+        column below 0: and 0 <= cell[1] => and cell[1]
+            You accept negative column indices. In Python index -1 is the last column, so your wave leaves the grid at one side and enters it at the opposite side. Check that the column is at least 0.
+        one too far: cell[0] < free.shape[0] and 0 <= cell[1] < free.shape[1] => cell[0] <= free.shape[0] and 0 <= cell[1] <= free.shape[1]
+            You access cells outside the grid. The last row has index free.shape[0] - 1, so compare with < instead of <=.
+        edge left out: 0 <= cell =>> 0 < cell
+            Your wave never enters row 0 or column 0. They are inside the grid: compare with 0 <= instead of 0 <.
+        shape exchanged: cell[0] < free.shape[0] and 0 <= cell[1] < free.shape[1] => cell[0] < free.shape[1] and 0 <= cell[1] < free.shape[0]
+            You compare rows with the number of columns. free.shape is (rows, columns), so a row index is below free.shape[0] and a column index below free.shape[1].
+        started with zeros: np.full(free.shape, -1) => np.zeros(free.shape, dtype=int)
+            steps[cell] < 0 => not steps[cell]
+            You use 0 for cells that have not been reached, but the start has 0 as well. Fill the array with -1 at first.
+        outside the grid: if inside and free => if free
+            You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you access it.
+        infinite: return steps => return np.where(steps < 0, np.inf, steps)
+            Unreachable cells have infinity in your result. They must have -1.
+        NaN for unreachable: return steps => return np.where(steps < 0, np.nan, steps)
+            Unreachable cells have NaN in your result. They must have -1.
+        the type of free: np.full(free.shape, -1) => np.full_like(free, -1)
+            np.full_like(free, -1) has the type of free, so it holds True and False. Use np.full(free.shape, -1).
+        no step at the start: steps[start] = 0 => pass
+            Your start has no steps at the beginning, so it is counted as a cell that has not been reached. Set steps[start] to 0 before the loop.
+        row and column exchanged: + start = start[::-1]
+            Your wave starts in another cell. start is (row, column), in the same order as steps[row, column].
+        one sweep: np.full(free.shape, -1) => np.full(free.shape, free.size)
+            while wave: => for row, column in np.argwhere(free):
+            row, column = wave.pop(0) => pass
+            inside and free[cell] and steps[cell] < 0 => inside
+            steps[cell] = steps[row, column] + 1 => steps[row, column] = min(steps[row, column], steps[cell] + 1)
+            return steps => return np.where(steps < free.size, steps, -1)
+            You go over the grid only once, but a winding path returns to rows that you have already passed. Repeat until nothing changes, or use breadth-first search.
+        a hundred sweeps: return steps => return np.where(steps > 100, -1, steps)
+            You stop after a hundred rounds. A winding path can have nearly as many steps as the grid has cells, so continue until nothing changes.
+        rows and columns sweeps: return steps => return np.where(steps > sum(free.shape), -1, steps)
+            You stop after as many rounds as the grid has rows and columns. A winding path is longer, so continue until nothing changes.
+    """),
     alternatives={"as a whole": _as_a_whole, "relaxing": _by_relaxing, "SciPy's Dijkstra": _by_graph},
     equivalents={
-        "inside = 0 <= cell[0] != free.shape[0] and 0 <= cell[1] < free.shape[1]": "a neighbour is one row beyond at most",
-        "inside = 0 <= cell[0] < free.shape[0] and 0 <= cell[1] != free.shape[1]": "a neighbour is one column beyond at most",
+        "inside = 0 <= cell[0] != free.shape[0] and 0 <= cell[1] < free.shape[1]": "a neighbour is at most one row outside",
+        "inside = 0 <= cell[0] < free.shape[0] and 0 <= cell[1] != free.shape[1]": "a neighbour is at most one column outside",
         "for cell in ((row - 1, column), (row + 1, column), (row, column + 1), (row, column - 1)):": "neighbours come in any order",
     },
 )
 
 
 # --- 12.7 choose_move ---
-
-
-def _doubt_after(state: Array, covariance: Array, option: Any, **changed: Any) -> tuple[Array, Array]:
-    k = (len(state) - 3) // 2
-    noise = np.zeros((3, 3)) if changed.get("no_noise") else option.control_covariance
-    found = predict(state, covariance, option.control, noise, k)
-    if changed.get("old_covariance") and len(option.indices):
-        found = found[0], covariance
-    if len(option.indices) and not changed.get("blind"):
+def _after(state: Array, covariance: Array, option: Any) -> tuple[Array, Array]:
+    found = predict(state, covariance, option.control, option.control_covariance, (len(state) - 3) // 2)
+    if len(option.indices):
         found = update_landmarks(*found, option.indices, option.measurements, option.measurement_covariance)
     return found
 
 
-def _chooser(measure: Callable[[Array], float], pick: Any = np.argmin, **changed: Any) -> Any:
-    def function(state: Array, covariance: Array, options: Any) -> int:
-        return int(pick([measure(_doubt_after(state, covariance, each, **changed)[1]) for each in options]))
-
-    return function
-
-
-def _carried_over(state: Array, covariance: Array, options: Any) -> int:
-    """The belief after one option is that before the next."""
-    doubts = []
-    for option in options:
-        state, covariance = _doubt_after(state, covariance, option)
-        doubts.append(_position(covariance))
-    return int(np.argmin(doubts))
-
-
-def _look_first(state: Array, covariance: Array, options: Any) -> int:
-    doubts = []
-    for option in options:
-        found = update_landmarks(
-            state, covariance, option.indices, option.measurements, option.measurement_covariance
-        )
-        k = (len(state) - 3) // 2
-        doubts.append(_position(predict(*found, option.control, option.control_covariance, k)[1]))
-    return int(np.argmin(doubts))
-
-
-def _last_of_equals(state: Array, covariance: Array, options: Any) -> int:
-    doubts = [_position(_doubt_after(state, covariance, option)[1]) for option in options]
-    return len(doubts) - 1 - int(np.argmin(doubts[::-1]))
-
-
-def _itself(state: Array, covariance: Array, options: Any) -> Any:
-    return options[_in_order(state, covariance, options)]
-
-
-def _too_few(state: Array, covariance: Array, options: Any) -> int:
-    doubts = []
-    for option in options:
-        m = len(option.indices)
-        found = predict(state, covariance, option.control, option.control_covariance, m)
-        if m:
-            found = update_landmarks(
-                *found, list(range(m)), option.measurements, option.measurement_covariance
-            )
-        doubts.append(_position(found[1]))
-    return int(np.argmin(doubts))
-
-
-def _position(P: Array) -> float:
-    return float(P[0, 0] + P[1, 1])
-
-
-def _with_heading(P: Array) -> float:
-    return float(np.trace(P[:3, :3]))
-
-
-def _area(P: Array) -> float:
-    return float(np.linalg.det(P[:2, :2]))
-
-
-def _summed_roots(P: Array) -> float:
-    return float(np.sqrt(P[0, 0]) + np.sqrt(P[1, 1]))
+def _least(measure: Callable[[Array], float]) -> Callable[..., int]:
+    """Return a rule that chooses the option with the smallest value of a measure of the covariance."""
+    return lambda state, covariance, options: int(
+        np.argmin([measure(_after(state, covariance, each)[1]) for each in options])
+    )
 
 
 def _most_landmarks(state: Array, covariance: Array, options: Any) -> int:
     return int(np.argmax([len(each.indices) for each in options]))
 
 
+def _carried_over(state: Array, covariance: Array, options: Any) -> int:
+    variances = []
+    for option in options:
+        state, covariance = _after(state, covariance, option)
+        variances.append(np.trace(covariance[:2, :2]))
+    return int(np.argmin(variances))
+
+
 def _in_order(state: Array, covariance: Array, options: Any) -> int:
     best, least = 0, np.inf
     for number, option in enumerate(options):
-        doubt = np.trace(_doubt_after(state, covariance, option)[1][:2, :2])
-        if doubt < least:
-            best, least = number, doubt
+        variance = np.trace(_after(state, covariance, option)[1][:2, :2])
+        if variance < least:
+            best, least = number, variance
     return best
 
 
 def _by_ranking(state: Array, covariance: Array, options: Any) -> Any:
-    roots = [np.hypot(*np.sqrt(np.diag(_doubt_after(state, covariance, each)[1])[:2])) for each in options]
+    roots = [np.hypot(*np.sqrt(np.diag(_after(state, covariance, each)[1])[:2])) for each in options]
     return np.argsort(roots, kind="stable")[0]
 
 
 def _without_landmarks(state: Array, covariance: Array, options: Any) -> int:
-    """Only what is seen stays in the state: the same pose."""
+    """Keep only the observed landmarks in the state; the pose stays the same."""
 
-    def doubt(option: Any) -> float:
-        rows = [0, 1, 2, *(3 + 2 * i + c for i in option.indices for c in (0, 1))]
-        own = Option(
-            option.control,
-            option.control_covariance,
-            list(range(len(option.indices))),
-            option.measurements,
-            option.measurement_covariance,
-        )
-        return _position(_doubt_after(state[rows], covariance[np.ix_(rows, rows)], own)[1])
+    def variance(number: int) -> float:
+        seen = options[number].indices
+        rows = [0, 1, 2, *(3 + 2 * i + c for i in seen for c in (0, 1))]
+        own = replace(options[number], indices=list(range(len(seen))))
+        return float(np.trace(_after(state[rows], covariance[np.ix_(rows, rows)], own)[1][:2, :2]))
 
-    return min(range(len(options)), key=lambda number: doubt(options[number]))
+    return min(range(len(options)), key=variance)
 
 
 def _situation(rng: np.random.Generator, k: int, moves: int) -> tuple[Array, Array, list[Option]]:
     pose = np.append(rng.uniform((0.5, -1), (2, 1)), rng.uniform(-np.pi, np.pi))
     landmarks = rng.uniform((0, -2), (3, 2), (k, 2))
-    covariance = spread(rng, 3 + 2 * k, 0.1)
+    covariance = correlated(rng, 3 + 2 * k, 0.1)
     options = []
     for _ in range(moves):
         control = np.array([rng.uniform(0, 0.4), rng.uniform(-1.5, 1.5)])
@@ -1683,10 +974,8 @@ def _situation(rng: np.random.Generator, k: int, moves: int) -> tuple[Array, Arr
         seen = [i for i in rng.permutation(k).tolist() if rng.random() < 0.5]
         expected = range_and_bearing(after, landmarks[seen]).reshape(-1, 2)
         noises = np.array([np.diag([0.03**2, (0.05 * r) ** 2]) for _, r in expected]).reshape(-1, 2, 2)
-        noise = np.diag(
-            np.square([0.1 * control[0] + 0.01, 0.05 * control[0] + 0.01, 0.02 + 0.1 * abs(control[1])])
-        )
-        options.append(Option(control, noise, seen, expected.ravel(), noises))
+        sigmas = 0.1 * control[0] + 0.01, 0.05 * control[0] + 0.01, 0.02 + 0.1 * abs(control[1])
+        options.append(Option(control, np.diag(np.square(sigmas)), seen, expected.ravel(), noises))
     return np.append(pose, landmarks), covariance, options
 
 
@@ -1708,8 +997,8 @@ def _moves_public() -> list[Case]:
     ]
 
 
-def _telling(rng: np.random.Generator, k: int, moves: int, other: Callable[..., int]) -> Case:
-    """A situation in which another rule chooses another move."""
+def _deciding(rng: np.random.Generator, k: int, moves: int, other: Callable[..., int]) -> Case:
+    """Return a situation in which another rule chooses another move."""
     while True:
         situation = _situation(rng, k, moves)
         if other(*situation) != _in_order(*situation):
@@ -1718,19 +1007,17 @@ def _telling(rng: np.random.Generator, k: int, moves: int, other: Callable[..., 
 
 def _moves_hidden(rng: np.random.Generator) -> list[Case]:
     state, covariance, offered = _situation(rng, 3, 4)
-    others: list[Any] = [
-        _chooser(measure)
-        for measure in (
-            _area,
-            _summed_roots,
-            _with_heading,
-            lambda P: float(P[0, 0]),
-            lambda P: float(P[1, 1]),
-        )
-    ]
+    measures = (
+        lambda P: np.linalg.det(P[:2, :2]),
+        lambda P: np.sqrt(P[0, 0]) + np.sqrt(P[1, 1]),
+        lambda P: np.trace(P[:3, :3]),
+        lambda P: P[0, 0],
+        lambda P: P[1, 1],
+    )
+    others = [*map(_least, measures), _most_landmarks, _carried_over]
     return [
         Case((state, covariance, [*offered, *offered])),
-        *(_telling(rng, 4, 8, other) for other in (*others, _most_landmarks, _carried_over)),
+        *(_deciding(rng, 4, 8, other) for other in others),
         *(Case(_situation(rng, k, moves)) for k, moves in ((1, 6), (2, 8), (6, 9), (8, 9), (0, 5), (10, 9))),
     ]
 
@@ -1744,118 +1031,74 @@ CHOOSE_MOVE = Exercise(
     hidden=_moves_hidden,
     comparison=Exact(),
     hints=(
-        "Ask your filter what it would believe: predict with the option's control, then update_landmarks with what the option expects to see. The real state stays as it is.",
-        "The sum is P[0, 0] + P[1, 1] of the covariance after both. np.argmin of the list takes the first of equals. Where nothing is seen there is nothing to update.",
+        "Let the filter compute the covariance after each option: predict with the option's control, then update_landmarks with the measurements that the option expects. Do not change the real state.",
+        "The sum is P[0, 0] + P[1, 1] of the covariance after both steps. np.argmin returns the first of several equal values. If an option shows no landmarks, skip the update.",
     ),
-    mistakes=[
-        Mistake(
-            "the largest",
-            _chooser(_position, np.argmax),
-            "You take the move after which the robot knows least.",
-        ),
-        Mistake(
-            "without a look",
-            _chooser(_position, blind=True),
-            "You leave out what will be seen: then the shortest move wins always. Let update_landmarks take it in.",
-        ),
-        Mistake(
-            "without noise",
-            _chooser(_position, no_noise=True),
-            "Your moves cost nothing: predict wants the option's control_covariance.",
-        ),
-        Mistake(
-            "the whole map",
-            _chooser(lambda P: float(np.trace(P))),
-            "You sum all variances of the map. The position's two are asked for.",
-        ),
-        Mistake(
-            "the heading, too",
-            _chooser(_with_heading),
-            "You add the heading's variance, in rad squared, to the position's, in m squared. The position's two are asked for.",
-        ),
-        Mistake(
-            "determinant",
-            _chooser(_area),
-            "You compare the ellipses' areas. A long thin one has a small area: the sum of the two variances is asked for.",
-        ),
-        Mistake(
-            "x alone",
-            _chooser(lambda P: float(P[0, 0])),
-            "You look at x alone. The variances of x and y are summed.",
-        ),
-        Mistake(
-            "carried over",
-            _carried_over,
-            "Your second option begins where the first one ended: state and covariance are overwritten in the loop. Each option begins with what was given.",
-        ),
-        Mistake(
-            "the look before the move",
-            _look_first,
-            "You update before you predict. What an option shows is seen after its move.",
-        ),
-        Mistake(
-            "y alone",
-            _chooser(lambda P: float(P[1, 1])),
-            "You look at y alone. The variances of x and y are summed.",
-        ),
-        Mistake(
-            "the longest axis",
-            _chooser(lambda P: float(np.linalg.eigvalsh(P[:2, :2]).max())),
-            "You compare the ellipses' longest axes. The sum of the two variances is asked for.",
-        ),
-        Mistake(
-            "standard deviations",
-            _chooser(_summed_roots),
-            "You sum the standard deviations. The variances are summed, P'_xx + P'_yy (equation 12.7).",
-        ),
-        Mistake(
-            "the last of equals",
-            _last_of_equals,
-            "Of equal options you take the last one. The first is asked for: < and not <=.",
-        ),
-        Mistake(
-            "the option itself",
-            _itself,
-            "You return the option. Its number is asked for: np.argmin of the sums.",
-        ),
-        Mistake(
-            "k of the option",
-            _too_few,
-            "predict wants how many landmarks the map has, (len(state) - 3) // 2, and update_landmarks which ones are seen: the option's indices.",
-        ),
-        Mistake(
-            "the old covariance",
-            _chooser(_position, old_covariance=True),
-            "update_landmarks gets the covariance from before the move: both that predict returns go in.",
-        ),
-        Mistake(
-            "most landmarks",
-            _most_landmarks,
-            "You take the move that shows most landmarks. One that is well known tells more than three that are not: ask the covariance.",
-        ),
-    ],
+    mistakes=catalogue("""
+        the largest: np.argmin => np.argmax
+            You choose the move with the largest uncertainty. Use np.argmin.
+        without measurements: if option.indices: => if False:
+            You leave out the expected measurements, so the shortest move always wins. Call update_landmarks after predict.
+        without noise: option.control_covariance, k => np.zeros((3, 3)), k
+            Your moves have no noise. Pass the option's control_covariance to predict.
+        the whole map: after[1][0, 0] + after[1][1, 1] => np.trace(after[1])
+            You sum the variances of pose and map. Sum only the two variances of the position (equation 12.7).
+        the heading, too: after[1][0, 0] + after[1][1, 1] => np.trace(after[1][:3, :3])
+            You add the variance of the heading, in rad^2, to the variances of the position, in m^2. Sum only the variances of x and y.
+        determinant: after[1][0, 0] + after[1][1, 1] => np.linalg.det(after[1][:2, :2])
+            You compare determinants (or their logarithms), which measure the area of the ellipse. A long and thin ellipse has a small area. Equation 12.7 is the sum of the two variances.
+        determinant of the pose: after[1][0, 0] + after[1][1, 1] => np.linalg.slogdet(after[1][:3, :3])[1]
+            You compare the determinant of the whole pose (or its logarithm), which includes the heading. Equation 12.7 is the sum of the variances of x and y.
+        determinant of everything: after[1][0, 0] + after[1][1, 1] => np.linalg.slogdet(after[1])[1]
+            You compare the determinant of the whole covariance (or its logarithm), which measures the entropy of pose and map. Equation 12.7 is the sum of the variances of x and y.
+        largest eigenvalue: after[1][0, 0] + after[1][1, 1] => np.linalg.eigvalsh(after[1][:2, :2])[-1]
+            You compare the largest eigenvalue, the variance along the longest axis of the ellipse. Equation 12.7 is the sum of the variances of x and y.
+        the map alone: after[1][0, 0] + after[1][1, 1] => np.trace(after[1][3:, 3:])
+            You sum the variances of the landmarks. Equation 12.7 is the sum of the variances of the position, x and y.
+        x alone: after[1][0, 0] + after[1][1, 1] => after[1][0, 0]
+            You use only the variance of x. Add the variance of y.
+        carried over: variances.append => variances.append
+            + state, covariance = after
+            Your second option starts where the first one ended, because you overwrite state and covariance in the loop. Every option must start from the given state.
+        measured before the move: predict(state, covariance, option.control, option.control_covariance, k) => state, covariance
+            variances.append(after[1][0, 0] + after[1][1, 1]) => after = predict(*after, option.control, option.control_covariance, k)
+            + variances.append(after[1][0, 0] + after[1][1, 1])
+            You update before you predict. The landmarks of an option are seen after its move.
+        standard deviations: after[1][0, 0] + after[1][1, 1] => np.sqrt(after[1][0, 0]) + np.sqrt(after[1][1, 1])
+            You sum standard deviations. Equation 12.7 is the sum of the variances.
+        the last of equals: np.argmin(variances) => len(variances) - 1 - np.argmin(variances[::-1])
+            If several options are equal, you return the last one. Return the first one: compare with < instead of <=.
+        the option itself: return int(np.argmin(variances)) => return options[np.argmin(variances)]
+            You return the option. Return its index: np.argmin of the sums.
+        k of the option: control_covariance, k => control_covariance, len(option.indices)
+            seen = option.indices, => seen = list(range(len(option.indices))),
+            predict needs the number of landmarks on the map, (len(state) - 3) // 2, and update_landmarks needs the option's indices.
+        the old covariance: update_landmarks(*after => update_landmarks(after[0], covariance
+            You pass the covariance from before the move to update_landmarks. Pass both results of predict.
+        state and covariance from before: update_landmarks(*after => update_landmarks(state, covariance
+            You pass the state and covariance from before the move to update_landmarks, so the move has no effect. Pass both results of predict.
+        sum of the block: after[1][0, 0] + after[1][1, 1] => np.sum(after[1][:2, :2])
+            You sum all four entries of the block for x and y. Sum only the two variances on its diagonal.
+        norm of the block: after[1][0, 0] + after[1][1, 1] => np.linalg.norm(after[1][:2, :2])
+            You compare np.linalg.norm of the block for x and y, which squares its entries. Equation 12.7 is the sum of the two variances.
+        most landmarks: after[1][0, 0] + after[1][1, 1] => -len(option.indices)
+            You choose the move with the most landmarks in view. One landmark with a small covariance can help more than three uncertain ones, so compare the covariances.
+    """),
     alternatives={"in order": _in_order, "by ranking": _by_ranking, "only what is seen": _without_landmarks},
     equivalents={
-        **dict.fromkeys(
-            (
+        **{
+            f"k = {other}": "lesson 07's reference predict gets the number of landmarks from the state"
+            for other in (
                 *(
-                    f"k = len(state[3:]) {sign} 2"
+                    f"len(state[3:]) {sign} 2"
                     for sign in ("+", "-", "*", "/", "%", "**", ">>", "<<", "|", "&", "^")
                 ),
-                *(
-                    f"k = {other}"
-                    for other in ("len(state[3:]) // 3", "len(state[3:]) // 1", "len(state[3:])", "2")
-                ),
-                *(
-                    f"k = {other}"
-                    for other in ("len(state[4:]) // 2", "len(state[2:]) // 2", "state[3:] // 2")
-                ),
-                "k = len(state[:]) // 2",
-            ),
-            "predict of the solution of lesson 07 sees by the state how many landmarks there are",
-        ),
-        "if True:": "update_landmarks of the solution of lesson 07 takes in nothing as nothing",
-        "return np.argmin(doubts)": "NumPy's number is as good as Python's",
+                *("len(state[3:]) // 3", "len(state[3:]) // 1", "len(state[3:])", "2", "len(state[:]) // 2"),
+                *("len(state[4:]) // 2", "len(state[2:]) // 2", "state[3:] // 2"),
+            )
+        },
+        "if True:": "lesson 07's reference update_landmarks changes nothing without measurements",
+        "return np.argmin(variances)": "NumPy's number is as good as Python's",
     },
 )
 
@@ -1873,52 +1116,51 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "how_many_particles",
-            "Two thousand particles cover a pose: 10 cm, 10 cm and 10 degrees between neighbours would take some 40,000. How many would a pose and ten landmarks need at the same spacing?",
+            "Two thousand particles were enough for a pose. With 10 cm and 10 degrees between neighbours it would take about 40,000. How many would a pose and ten landmarks need at this spacing?",
             {
-                "Eleven times as many: one more unknown place for each landmark.": "Places do not add up, they multiply: each place of the first landmark can go with each of the second.",
-                "Twenty times as many, for twenty more numbers.": "Each number multiplies the count by its steps; it does not add to it.",
-                "About a thousand to the power of ten times as many.": "Each landmark has some 1000 places of 10 cm on the half field, and each combination is another map: 10 to the power of 30.",
+                "Eleven times as many, because each landmark is one more unknown position.": "The numbers multiply instead of adding up: each position of the first landmark can occur with each position of the second.",
+                "Twenty times as many, because there are twenty more numbers.": "Each number multiplies the count by its number of steps. It does not add to it.",
+                "About a thousand to the power of ten times as many.": "Yes. Each landmark has about 1000 positions with a spacing of 10 cm on the half field, and each combination is another map. That is 10 to the power of 30.",
             },
             "About a thousand to the power of ten times as many.",
         ),
         Question(
             "why_overconfident",
-            "FastSLAM's covariance is the scatter of its particles. Why is it too small when few ancestors are left?",
+            "FastSLAM's covariance is computed from the spread of its particles. Why is it too small when only few of the first particles have descendants?",
             {
-                "The particles forget how the drive began.": "They remember it too well: all of them remember the same beginning.",
-                "All share the errors of one beginning, and what all share does not scatter.": "The path's first part is one sample. Its error is in every map and in every pose, and nothing in the cloud shows it.",
-                "Resampling makes the noise of odometry smaller.": "Each particle still draws its errors from the same distribution. What is lost is how different their pasts are.",
+                "The particles forget how the drive began.": "On the contrary: all of them remember the same beginning.",
+                "All particles share the error of one beginning, and a shared error does not appear in their spread.": "Yes. The first part of the path is a single sample. Its error is in every map and in every pose, and nothing in the cloud shows it.",
+                "Resampling reduces the noise of the odometry.": "Each particle still draws its errors from the same distribution. Only the variety of their pasts is lost.",
             },
-            "All share the errors of one beginning, and what all share does not scatter.",
+            "All particles share the error of one beginning, and a shared error does not appear in their spread.",
         ),
         Question(
             "when_both_pay",
-            "At 320x240 and 2 m one camera and both are about equally good. And at 4 m?",
+            "At 320x240 and 2 m, one camera and two cameras are about equally good. And at 4 m?",
             {
-                "Both are better: lean costs more from afar.": "It does, four times as much as at 2 m. So does a pixel: the rays cross under half the angle, and near each other a small error of an angle shifts the crossing far.",
-                "One camera is better: from afar the two rays are nearly parallel.": "They are, and a pixel costs four times as much as at 2 m. So does the lean for one camera.",
-                "As good as each other: both errors grow with the square of the distance.": "There is no r in their ratio. What decides is a pixel's angle beside the lean: the resolution.",
+                "Two cameras are better, because tilt causes a larger error at a longer distance.": "It does: the error is four times as large as at 2 m. But the error of the pixels is also four times as large, because the two rays intersect at half the angle.",
+                "One camera is better, because the two rays are nearly parallel.": "They are, and a pixel causes an error four times as large as at 2 m. But so does the tilt for one camera.",
+                "They are still equally good, because both errors grow with the square of the distance.": "Yes. The distance cancels in their ratio. The ratio depends only on the angle of a pixel compared with the tilt, and so on the resolution.",
             },
-            "As good as each other: both errors grow with the square of the distance.",
+            "They are still equally good, because both errors grow with the square of the distance.",
         ),
         Question(
             "greedy",
-            "From the blind start your choice ended less sure than chance. Why?",
+            "After the start with the back to the goal, your choice ended with a larger standard deviation than random moves. Why?",
             {
-                "It looks only one move ahead. With two it would have turned to the goal.": "Two moves ahead its map is as empty as one move ahead: there, too, it would expect to see nothing.",
-                "What is not on its map counts for nothing, so for some moves it keeps looking at the one landmark that it has found.": "Each option shows what the map knows. The goal is not on it, and so no option promises anything over there. Chance has no such prejudice: after four moves it has found five landmarks (median), your choice one.",
-                "With its back to the goal it errs more at each move.": "Odometry errs by the same everywhere: over the first four moves both know equally little.",
+                "It plans only one move ahead. With two moves it would have turned to the goal.": "Two moves ahead its map is just as empty, so it would not expect to see anything there either.",
+                "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.": "Yes. Each option contains only landmarks of the map. The goal is not on it, so no option promises anything in that direction. Random moves are not biased in this way: after four moves they have found five landmarks (median), your choice one.",
+                "With its back to the goal its odometry is worse.": "The odometry errors are the same everywhere, and after the first four moves both drives are equally uncertain.",
             },
-            "What is not on its map counts for nothing, so for some moves it keeps looking at the one landmark that it has found.",
+            "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.",
         ),
     ],
     written=[
         Written(
             "when_to_stop",
             points=2,
-            question="Your robot may explore, or look again at what it knows. When is which one better, and how would you let it decide?",
-            rubric="1 point: exploring raises the pose's doubt (odometry's noise, new landmarks as uncertain as the pose) and adds to the map; looking again lowers the doubt (a loop is closed). "
-            "1 point: a rule that weighs both in one measure: the expected entropy or summed variance of pose and map, or a limit for the pose's doubt beyond which the robot goes back to what it knows.",
+            question="Your robot can explore, or return to what it knows. When is which of the two better, and by which rule would you let it decide?",
+            rubric="1 point: exploring increases the uncertainty of the pose (odometry noise, new landmarks as uncertain as the pose) and adds to the map; returning reduces the uncertainty (a loop is closed). 1 point: a rule that combines both in one measure: the expected entropy or summed variance of pose and map, or a limit for the uncertainty of the pose above which the robot returns to what it knows.",
         )
     ],
 )

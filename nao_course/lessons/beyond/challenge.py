@@ -1,4 +1,4 @@
-"""The challenge of lesson 12: in twenty moves, the most certain map of ten landmarks that nobody has seen before."""
+"""The challenge of lesson 12: in twenty moves, the most certain map of ten unknown landmarks."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
 from nao_course.challenges.beliefs import DEEPEST, MOST_NEES
 from nao_course.challenges.worst_cases import draw_worst
 from nao_course.exercises import register
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.beyond.planning import MOVES, STEP, Option, options
-from nao_course.lessons.beyond.worlds import AHEAD, FIELD, ODOMETRY, SENSOR, moved, noise_of
+from nao_course.lessons.beyond.worlds import AHEAD, FIELD, ODOMETRY, SENSOR, moved
 from nao_course.metrics import band
-from nao_course.plotting import Drawing, plot_ellipse, plot_field, plot_landmarks, plot_path
+from nao_course.plotting import Drawing, plot_ellipse, plot_field, plot_landmarks, plot_path, style_of
 from nao_course.plotting.legends import source_key
 from nao_course.plotting.style import GREY
 from nao_course.slam import Motion, range_and_bearing
@@ -26,23 +27,25 @@ from nao_course.slam import Motion, range_and_bearing
 ROBOTS = 20
 LANDMARKS = 10
 X0, Y0, X1, Y1 = FIELD.carpet  # m
-MARGIN, APART = 0.3, 0.5  # m: of a landmark from the carpet's rim, and from the next one
-AREA = (X1 - X0) * (Y1 - Y0)  # m^2: where a landmark may be that nobody has seen
-LEAST = 1e-6  # m^2: no belief is surer of a landmark than 1 mm
+MARGIN, APART = 0.3, 0.5  # m: from a landmark to the edge of the carpet, and to the next landmark
+AREA = (X1 - X0) * (Y1 - Y0)  # m^2: where an unseen landmark may be
+LEAST = 1e-6  # m^2: no landmark has a standard deviation below 1 mm
+BORDER = 0.5  # m: around the carpet in the figure
 FIRST_SEED = 12_000
+_MOVE, _MEASURE = 0, 1  # random streams: the errors of moves and of measurements are independent
 
 
 @register
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot to be driven: ``robot.look()``, and twenty times ``robot.move(option)``.
+    """A robot that an entry drives: ``robot.look()``, and twenty times ``robot.move(option)``.
 
     Parameters
     ----------
     start : Pose
-        Where it begins, which it knows; field frame.
+        Known first pose, field frame.
     _landmarks : ndarray, shape (10, 2)
-        True places, m, field frame.
+        True positions, m, field frame.
     _seed : int
         Of all errors.
     """
@@ -52,12 +55,12 @@ class Robot:
     _seed: int
 
     def __post_init__(self) -> None:
-        """Begin at the start; that is no field, for what is given to an entry must stay as it was."""
+        """Start the path; it is not a field, because the arguments of an entry must not change."""
         object.__setattr__(self, "_path", [self.start.as_array()])
 
     @property
     def moves_left(self) -> int:
-        """How often it may be moved still."""
+        """Number of moves that remain."""
         return MOVES + 1 - len(self._true_path)
 
     @property
@@ -66,7 +69,7 @@ class Robot:
         return path
 
     def options(self, state: FloatArray) -> list[Option]:
-        """Moves as in exercise 12.7, from a believed state (3 + 2k,), pose first; any other move is allowed, too."""
+        """Return moves as in exercise 12.7 from an estimated state (3 + 2k,), pose first; others are legal, too."""
         return options(np.array(state, dtype=float))
 
     def move(self, option: Any) -> FloatArray:
@@ -75,13 +78,13 @@ class Robot:
         Raises
         ------
         ValueError
-            For another move, after the twentieth, and for one that leaves the carpet.
+            For an invalid move, after the twentieth move, and for a move that leaves the carpet.
         """
         if not self.moves_left:
             raise ValueError(f"all {MOVES} moves are made")
         distance, turn = _as_control(option)
         motion, path = Motion(distance, turn), self._true_path
-        draws = self._draws(len(path), 3)
+        draws = self._draws(_MOVE, len(path), 3)
         pose = moved(path[-1], motion, draws)
         if not (X0 <= pose[0] <= X1 and Y0 <= pose[1] <= Y1):
             raise ValueError(f"the robot left the carpet with move {len(path)}")
@@ -89,30 +92,23 @@ class Robot:
         return ODOMETRY.covariance(motion)
 
     def look(self) -> tuple[list[int], FloatArray, FloatArray]:
-        """See what lies ahead: n landmarks' numbers, bearings and ranges (n, 2), their R (n, 2, 2); rad and m.
+        """Measure the landmarks ahead: n numbers, bearings and ranges (n, 2), and their R (n, 2, 2); rad and m.
 
-        To look twice from the same place shows the same: what errs is the place's light, not the moment.
+        A second call without a move between returns the same measurements.
         """
         pose, number = self._true_path[-1], len(self._true_path)
         seen = range_and_bearing(pose, self._landmarks)
-        draws = self._draws(number, seen.shape, "look")
-        measured = np.column_stack(
-            [
-                wrap_angle(seen[:, 0] + SENSOR.bearing * draws[:, 0]),
-                seen[:, 1] * np.maximum(1 + SENSOR.range_fraction * draws[:, 1], 0.1),
-            ]
-        )
-        numbers = np.flatnonzero(AHEAD.sees(pose, self._landmarks))
-        noises = np.array([noise_of(each) for each in measured[numbers]]).reshape(-1, 2, 2)
-        return numbers.tolist(), measured[numbers], noises
+        numbers = np.flatnonzero(AHEAD.contains(seen))
+        measured = SENSOR.disturbed(seen, self._draws(_MEASURE, number, seen.shape))[numbers]
+        return numbers.tolist(), measured, SENSOR.covariances(measured)
 
-    def _draws(self, step: int, shape: Any, what: str = "move") -> FloatArray:
-        """Standard normal draws of a step: the same whatever was looked at before."""
-        return np.random.default_rng([self._seed, step, len(what)]).standard_normal(shape)
+    def _draws(self, stream: int, step: int, shape: Any) -> FloatArray:
+        """Return a stream's standard normal draws for a step, which do not depend on earlier calls of `look`."""
+        return np.random.default_rng([self._seed, step, stream]).standard_normal(shape)
 
 
 def _as_control(option: Any) -> tuple[float, float]:
-    """Distance (m) and turn (rad) of what an entry asks for."""
+    """Return distance (m) and turn (rad) of a requested move."""
     control = np.array(getattr(option, "control", option), dtype=float)
     if control.shape != (2,) or not np.isfinite(control).all():
         raise ValueError(f"a move is one of robot.options(state), or (distance, turn); got {option!r}")
@@ -133,7 +129,7 @@ class Case:
     start : Pose
         Field frame.
     landmarks : ndarray, shape (10, 2)
-        True places, m.
+        True positions, m.
     seed : int
         Of the errors.
     """
@@ -144,12 +140,12 @@ class Case:
 
     @property
     def robot(self) -> Robot:
-        """A new one, that has not moved."""
+        """A new robot that has not moved."""
         return Robot(self.start, self.landmarks.copy(), self.seed)
 
 
 def make_case(seed: int) -> Case:
-    """Put ten landmarks anywhere on the carpet, and a robot near the halfway line that looks at the goal."""
+    """Draw ten landmarks on the carpet, and a robot near the halfway line that looks at the goal."""
     rng = np.random.default_rng([FIRST_SEED, seed])
     landmarks = list[FloatArray]()
     while len(landmarks) < LANDMARKS:
@@ -160,7 +156,7 @@ def make_case(seed: int) -> Case:
 
 
 def judge(answer: Any, case: Case) -> CaseScore:
-    """Score a map by how many bits it is denser at the true landmarks than knowing only that they are on the carpet."""
+    """Score a map: the bits by which it is denser at the true landmarks than a uniform density over the carpet."""
     numbers, places, covariance = as_map(answer)
     off = (places - case.landmarks[numbers]).ravel()
     covariance = covariance + LEAST * np.eye(len(off))
@@ -178,12 +174,12 @@ def judge(answer: Any, case: Case) -> CaseScore:
 
 
 def as_map(answer: Any) -> tuple[list[int], FloatArray, FloatArray]:
-    """Return an answer's landmarks: their numbers, places (k, 2) and covariance (2k, 2k).
+    """Return the landmarks of an answer: their numbers, positions (k, 2) and covariance (2k, 2k).
 
     Raises
     ------
     TypeError, ValueError
-        If it is something else; the message is for the student.
+        If the answer is anything else; the message is for the student.
     """
     if answer is None:
         raise TypeError("Your entry returns None: does it end with return numbers, state, covariance?")
@@ -196,48 +192,64 @@ def as_map(answer: Any) -> tuple[list[int], FloatArray, FloatArray]:
     size = 3 + 2 * len(numbers)
     if state.shape != (size,) or covariance.shape != (size, size):
         raise ValueError(
-            f"Your state has shape {state.shape} and your covariance {covariance.shape}; with {len(numbers)} numbers "
-            f"({size},) and ({size}, {size}), the pose first, are wanted."
+            f"Your state has shape {state.shape} and your covariance {covariance.shape}. With {len(numbers)} numbers "
+            f"they must have the shapes ({size},) and ({size}, {size}), with the pose first."
         )
     if len(set(numbers)) < len(numbers) or not set(numbers) <= set(range(LANDMARKS)):
         raise ValueError(f"Your numbers must be from 0 to {LANDMARKS - 1}, each once, got {numbers}.")
-    places, spread = state[3:].reshape(-1, 2), covariance[3:, 3:]
-    if not (np.isfinite(places).all() and np.isfinite(spread).all()):
-        raise ValueError("Your map or its covariance has NaN or infinite numbers in it.")
-    if not np.allclose(spread, spread.T, rtol=1e-6, atol=1e-12):
+    places, blocks = state[3:].reshape(-1, 2), covariance[3:, 3:]
+    if not (np.isfinite(places).all() and np.isfinite(blocks).all()):
+        raise ValueError("Your map or its covariance contains NaN or infinite numbers.")
+    if not np.allclose(blocks, blocks.T, rtol=1e-6, atol=1e-12):
         raise ValueError("Your map's covariance is not symmetric.")
-    if len(numbers) and np.linalg.eigvalsh(spread)[0] <= -LEAST / 2:
+    if len(numbers) and np.linalg.eigvalsh(blocks)[0] <= -LEAST / 2:
         raise ValueError("Your map's covariance has a negative eigenvalue.")
-    return numbers, places, spread
+    return numbers, places, blocks
 
 
 def draw_worst_maps(run: Run) -> Drawing:
-    """Draw the maps with the fewest bits, beside the true landmarks."""
-    keys = [source_key("truth", "where it began"), source_key("ekf", "your map, 95 %")]
+    """Draw the maps with the fewest bits, with the true landmarks."""
+    blue = style_of("ekf").colour
+    keys = [
+        source_key("truth", "start"),
+        _disc_key(GREY, GREY, "true landmark"),
+        _disc_key("white", GREY, "true landmark, not on your map"),
+        _disc_key(blue, "white", "your landmark, 95 %, with a line to its true position"),
+    ]
     return draw_worst(run, _plot_map, keys)
 
 
+def _disc_key(face: str, edge: str, label: str) -> Line2D:
+    """Return the legend key of a disc."""
+    return Line2D([], [], ls="", marker="o", ms=7, mfc=face, mec=edge, mew=1.3, label=label)
+
+
 def _plot_map(ax: Axes, kept: Any) -> None:
-    """True landmarks, and those of a map with their ellipses."""
-    case, _, places, covariance = kept
+    """Plot the true landmarks, and a map: means, ellipses and a line from each mean to its true landmark."""
+    case, numbers, places, covariance = kept
     plot_field(FIELD, ax)
-    plot_landmarks(case.landmarks, ["post"] * LANDMARKS, ax, GREY, size=7)
+    ax.set(xlim=(X0 - BORDER, X1 + BORDER), ylim=(Y0 - BORDER, Y1 + BORDER))
+    plot_landmarks(case.landmarks[numbers], ["post"] * len(numbers), ax, GREY, size=7)
+    missing = np.delete(case.landmarks, numbers, axis=0)
+    ax.plot(*missing.T, "o", mfc="white", mec=GREY, mew=1.3, ms=6, ls="", zorder=5)
     plot_path([case.start], ax)
-    for n, place in enumerate(places):
+    for n, (number, place) in enumerate(zip(numbers, places, strict=True)):
         plot_ellipse(place, covariance[2 * n : 2 * n + 2, 2 * n : 2 * n + 2], ax, "ekf")
+        ax.plot(*np.array([place, case.landmarks[number]]).T, color=style_of("ekf").colour, lw=1.2, zorder=4)
+    plot_landmarks(places, ["post"] * len(places), ax, size=6)
 
 
 _LOW, _HIGH = (each / 2 / LANDMARKS for each in band(2 * LANDMARKS, ROBOTS))
 CHALLENGE = Challenge(
     lesson="12_beyond",
     title="Challenge 12: the most certain map in twenty moves",
-    task=f"{ROBOTS} robots stand among {LANDMARKS} landmarks that no map shows, and each has {MOVES} moves. Write a "
-    "function of robot: robot.start is its pose, robot.look() gives numbers, measurements and their covariances, "
-    "robot.options(state) the moves of exercise 12.7, robot.move(option) makes one. It returns numbers, state and "
-    "covariance: which landmarks your map has, in its order, and the map as lesson 07 has it, pose first.",
-    scoring="bits: how much denser your map is at the true landmarks than the knowledge that each is somewhere on the "
-    "carpet, as a logarithm to the base 2, the mean over all robots. A landmark that is not on it counts nothing; "
-    f"one of which you are wrongly sure costs. Honest are {_LOW:.1f} to {_HIGH:.1f} NEES a coordinate.",
+    task=f"{ROBOTS} robots stand among {LANDMARKS} landmarks that no map contains, and each has {MOVES} moves. Write a "
+    "function of robot: robot.start is its pose, robot.look() returns numbers, measurements and their covariances, "
+    "robot.options(state) returns the moves of exercise 12.7, and robot.move(option) makes a move. Return numbers, "
+    "state and covariance: the numbers of your landmarks in the order of your map, and the map as in lesson 07.",
+    scoring="bits: how much denser your map is at the true landmarks than a uniform density over the carpet, as a "
+    "logarithm to the base 2, mean over all robots. A missing landmark adds nothing, and a landmark far outside its "
+    f"ellipse costs points. A consistent map has a NEES per coordinate of {_LOW:.1f} to {_HIGH:.1f}.",
     seeds=range(ROBOTS),
     make=make_case,
     given=lambda case: (case.robot,),

@@ -1,4 +1,4 @@
-"""Exploration with a grid: a room of boxes, what a robot has seen of it, and three ways to go on."""
+"""Exploration on a grid: a room of boxes, the part that a robot has seen, and three strategies."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ REACH = 2.0  # m
 HALF_VIEW = float(np.radians(30.0))
 RAYS = np.radians(np.arange(-30.0, 30.1, 1.0))
 ALONG = np.arange(0.0, REACH, CELL / 2)
-GLANCES = (-2.0, -1.0, 0.0, 1.0, 2.0)  # rad: all around, but for what is behind
+GLANCES = (-2.0, -1.0, 0.0, 1.0, 2.0)  # rad: all around except behind
 STEPS: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
 
 def room_of_boxes(seed: int) -> npt.NDArray[np.bool_]:
-    """Which cells of the carpet are taken by boxes; none stands near the start."""
+    """Return which cells of the carpet are occupied by boxes; there are no boxes near the start."""
     rng = np.random.default_rng([seed, 31])
     taken = np.zeros(SHAPE, dtype=bool)
     centres = cell_centres()
@@ -45,18 +45,18 @@ def room_of_boxes(seed: int) -> npt.NDArray[np.bool_]:
 
 
 def cell_centres() -> FloatArray:
-    """Centres of all cells, (rows, columns, 2): x and y in m, field frame."""
+    """Return the centres of all cells (rows, columns, 2): x and y in m, field frame."""
     ys, xs = np.mgrid[: SHAPE[0], : SHAPE[1]]
     return np.stack([X0 + CELL * (xs + 0.5), Y0 + CELL * (ys + 0.5)], axis=-1)
 
 
 def cell_of(place: FloatArray) -> Cell:
-    """(row, column) of a place (2,), m."""
+    """Return (row, column) of a position (2,), m."""
     return int(np.floor((place[1] - Y0) / CELL)), int(np.floor((place[0] - X0) / CELL))
 
 
-def look(grid: Grid, taken: npt.NDArray[np.bool_], place: FloatArray, headings: Any) -> None:
-    """Write into a grid what is seen from a place (2,): free cells, and the first box along each ray."""
+def mark_visible(grid: Grid, taken: npt.NDArray[np.bool_], place: FloatArray, headings: Any) -> None:
+    """Mark in a grid the cells that are visible from a position (2,): free cells, and the first box on each ray."""
     angles = (np.atleast_1d(headings)[:, None] + RAYS).ravel()
     points = place + ALONG[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     columns = np.floor((points[..., 0] - X0) / CELL).astype(int)
@@ -71,7 +71,7 @@ def look(grid: Grid, taken: npt.NDArray[np.bool_], place: FloatArray, headings: 
 
 
 def passable(grid: Grid) -> npt.NDArray[np.bool_]:
-    """Cells that are known to be free and are not beside a box: the robot is wider than a cell."""
+    """Return the cells that are known to be free and not beside a box, because the robot is wider than a cell."""
     near = np.pad(grid == OCCUPIED, 1)
     rows, columns = grid.shape
     beside = sum(near[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i, j in ((0, 0), *STEPS)) > 0
@@ -79,7 +79,7 @@ def passable(grid: Grid) -> npt.NDArray[np.bool_]:
 
 
 def way_back(steps: npt.NDArray[np.int_], goal: Cell) -> list[Cell]:
-    """The shortest way from where `steps` is 0 to a goal that can be reached: each cell has a step less behind it."""
+    """Return the shortest path from the cell where `steps` is 0 to a reachable goal."""
     way = [goal]
     while steps[way[-1]] > 0:
         i, j = way[-1]
@@ -89,13 +89,13 @@ def way_back(steps: npt.NDArray[np.int_], goal: Cell) -> list[Cell]:
     return way[::-1]
 
 
-# --- ways to go on: each is asked for a goal, and says None when it has none ---
+# --- strategies: each returns a goal, or None without a goal ---
 
 Choose = Callable[[Grid, npt.NDArray[np.int_], Cell], Cell | None]
 
 
 def nearest_frontier(find_frontiers: Function) -> Choose:
-    """Yamauchi's: go where the known ends, and of all such places to the nearest."""
+    """Return Yamauchi's strategy: drive to the nearest frontier."""
 
     def choose(grid: Grid, steps: npt.NDArray[np.int_], here: Cell) -> Cell | None:
         ends = as_mask(find_frontiers(grid.copy()), grid.shape) & (steps > 0)
@@ -105,7 +105,7 @@ def nearest_frontier(find_frontiers: Function) -> Choose:
 
 
 def anywhere_known(rng: np.random.Generator) -> Choose:
-    """Go to a known free cell at random, and when there to another."""
+    """Return the strategy that drives to random known free cells, one after another."""
     goal: list[Cell] = []
 
     def choose(grid: Grid, steps: npt.NDArray[np.int_], here: Cell) -> Cell | None:
@@ -118,7 +118,7 @@ def anywhere_known(rng: np.random.Generator) -> Choose:
 
 
 def lawn_mower(spacing: float = 1.0) -> Choose:
-    """Go up and down in lanes, around what is in the way: the plan of who knows the carpet's size and nothing else."""
+    """Return the strategy that drives up and down in lanes and around obstacles; it knows only the carpet's size."""
     lanes = np.arange(X0 + 0.4, X1, spacing)
     turns = [
         (x, y)
@@ -152,7 +152,7 @@ def _nearest(wanted: npt.NDArray[np.bool_], steps: npt.NDArray[np.int_]) -> Cell
 
 
 def as_mask(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
-    """What a student's `find_frontiers` returned, also as 0 and 1; ValueError if it is no mask of the grid."""
+    """Return the mask of a student's `find_frontiers`, also if it has 0 and 1; ValueError for anything else."""
     mask = np.array(answer)
     if mask.dtype.kind in "iu" and np.isin(mask, (0, 1)).all():
         mask = mask.astype(bool)
@@ -162,8 +162,10 @@ def as_mask(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
 
 
 def as_steps(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int_]:
-    """What a student's `travel_steps` returned; ValueError with a sentence if it is no array of whole numbers."""
+    """Return the steps of a student's `travel_steps` as integers; ValueError if they are not whole numbers."""
     steps = np.array(answer)
+    if steps.dtype.kind == "f" and np.array_equal(steps, np.round(steps)) and np.isfinite(steps).all():
+        steps = steps.astype(int)
     if steps.shape != shape or steps.dtype.kind not in "iu":
         raise ValueError(f"travel_steps must return whole numbers {shape}, got {steps.dtype} {steps.shape}")
     return steps.astype(int)
@@ -171,18 +173,18 @@ def as_steps(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int_]:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What is known after a move.
+    """Knowledge of a room after a move.
 
     Parameters
     ----------
     grid : ndarray of int, shape (rows, columns)
         UNKNOWN, FREE or OCCUPIED.
     place : ndarray, shape (2,)
-        Of the robot, m.
+        Position of the robot, m.
     goal : (int, int) or None
-        Where it goes.
+        Cell to which it drives.
     part : float
-        Of the cells that can be seen at all.
+        Known fraction of the cells that can be seen at all.
     """
 
     grid: Grid
@@ -192,24 +194,24 @@ class Known:
 
 
 def explore(travel_steps: Function, choose: Choose, seed: int, moves: int) -> Iterator[Known]:
-    """Explore a room of boxes, and say after each move what is known.
+    """Explore a room of boxes, and yield the state of knowledge after each move.
 
     Parameters
     ----------
     travel_steps : callable
-        The student's: ``travel_steps(free, start)``.
+        The student's ``travel_steps(free, start)``.
     choose : callable
-        Which cell is the goal.
+        Strategy that chooses the goal.
     seed : int
         Of the boxes.
     moves : int
-        How many, .3 m each; a robot that has no goal stays.
+        Number of moves of 0.3 m; a robot without a goal stays.
     """
     taken = room_of_boxes(seed)
     seeable = int(_seeable(taken).sum())
     grid = np.full(SHAPE, UNKNOWN)
     place, heading = np.array(START), 0.0
-    look(grid, taken, place, heading + np.array(GLANCES))
+    mark_visible(grid, taken, place, heading + np.array(GLANCES))
     for _ in range(moves):
         here = cell_of(place)
         free = passable(grid)
@@ -224,11 +226,13 @@ def explore(travel_steps: Function, choose: Choose, seed: int, moves: int) -> It
         if way:
             heading = float(np.arctan2(*(there - place)[::-1]))
         place = there
-        look(grid, taken, place, heading + np.array(GLANCES if not way or way[-1] == goal else (0.0,)))
+        mark_visible(
+            grid, taken, place, heading + np.array(GLANCES if not way or way[-1] == goal else (0.0,))
+        )
 
 
 def _seeable(taken: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Cells that are free, or boxes' cells beside a free one."""
+    """Return the cells that are free, and the cells of boxes beside a free cell."""
     free = np.pad(~taken, 1)
     rows, columns = taken.shape
     return np.asarray(

@@ -1,4 +1,4 @@
-"""Figures of lesson 12: a robot that finds itself, particles that die out, and drives that were chosen."""
+"""Figures of lesson 12: a lost robot that finds its place, FastSLAM, and drives with chosen moves."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from nao_course.geometry import Pose
-from nao_course.lessons.beyond.particles import FastSlam, Run, find_itself, run_fast_slam
+from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.lessons.beyond.particles import FastSlam, Run, anywhere, find_itself, run_fast_slam
 from nao_course.lessons.beyond.planning import Journey, at_random, journey
-from nao_course.lessons.beyond.worlds import FIELD, KINDS, LANDMARKS, Step, drive
+from nao_course.lessons.beyond.worlds import FIELD, KINDS, LANDMARKS, drive
 from nao_course.plotting import (
     STYLES,
     Drawing,
@@ -25,134 +25,197 @@ from nao_course.plotting import (
     plot_pose,
     table,
 )
+from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY
-from nao_course.slam import Estimate, Motion
+from nao_course.plotting.style import GREY, style_of
+from nao_course.sim.drives import Step
+from nao_course.slam import Estimate, Motion, range_and_bearing
 
 Function = Callable[..., Any]
 LAP = Motion(0.2, 0.25)  # a circle of 0.8 m
 START = Pose(1.4, -0.8, 0.0)
-LOST_SEED, LOST_SHOWN = 2, (0, 1, 3, 13)  # of which the clouds after so many looks are shown
+LOST_SEED, LOST_SHOWN = 2, (0, 1, 3, 13)  # the clouds after these numbers of observations are shown
+FILTERS, FIRST_SIGMAS = (
+    40,
+    (1.0, 1.5, 1.8),
+)  # m, m, rad: first standard deviations of the filters that get lost
+FOUND = 0.3  # m: a filter or particle that is closer has found the robot
 SLAM_SEED, SLAM_MOVES, COUNTS = 5, 30, (10, 30, 100)
-TRIED = 12  # journeys in a live table
+TRIED = 12  # drives in a live table
 PAYOFF_SEED, BLIND_SEED = 7, 0
 
 
 def lap(seed: int, moves: int) -> list[Step]:
-    """A drive on a circle, with all errors from a seed."""
+    """Return the steps of a drive on a circle, with all errors from a seed."""
     return list(drive(START, lambda: LAP, moves, np.random.default_rng([seed, 9])))
 
 
+def lost_filter(
+    predict: Function, update_landmarks: Function, first: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Run a student's filter of lesson 07 from a first pose (3,) that is wrong.
+
+    The map is known. Each measurement is associated with the landmark of its kind that fits the estimate best.
+
+    Returns
+    -------
+    pose, covariance : ndarray, shapes (3,) and (3, 3)
+        Estimate at the end of the drive.
+    """
+    kinds, k = np.array(KINDS), len(LANDMARKS)
+    state = np.append(first, LANDMARKS.ravel())
+    covariance = np.diag([*np.square(FIRST_SIGMAS), *np.full(2 * k, 1e-6)])
+    for step in lap(LOST_SEED, max(LOST_SHOWN) - 1):
+        if step.motion is not None:
+            state, covariance = predict(state, covariance, step.control, step.control_covariance, k)
+        for number, seen, noise in zip(step.numbers, step.measurements, step.covariances, strict=True):
+            same = np.flatnonzero(kinds == kinds[number])
+            off = seen - range_and_bearing(state[:3], LANDMARKS[same])
+            off[:, 0] = wrap_angle(off[:, 0])
+            best = int(same[np.argmin(np.square(off) @ (1 / np.diag(noise)))])
+            state, covariance = update_landmarks(state, covariance, [best], seen, noise[None])
+    return np.array(state[:3]), np.array(covariance)[:3, :3]
+
+
+@course_style()
+def draw_lost_filters(predict: Function, update_landmarks: Function) -> Drawing:
+    """Draw where forty Kalman filters end that start with different wrong poses, and their stated errors."""
+    truth = lap(LOST_SEED, max(LOST_SHOWN) - 1)[-1].pose
+    firsts = anywhere(FILTERS, np.random.default_rng(0))
+    ends = [lost_filter(predict, update_landmarks, first) for first in firsts]
+    errors = np.array([np.hypot(*(pose - truth)[:2]) for pose, _ in ends])
+    sigmas = np.array([np.sqrt(np.trace(covariance[:2, :2])) for _, covariance in ends])
+    figure = Figure(figsize=(9.9, 4.9))
+    field, ax = figure.subplots(1, 2, width_ratios=(1, 1.15))
+    plot_field(FIELD, field)
+    plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
+    for pose, covariance in ends:
+        plot_pose(Pose.from_array(pose), field, source="ekf")
+        plot_ellipse(pose[:2], covariance[:2, :2], field, "ekf")
+    plot_pose(Pose.from_array(truth), field)
+    ax.plot(100 * sigmas, 100 * errors, "o", color=STYLES["ekf"].colour, ms=7, alpha=0.5, mec="white")
+    ax.axhline(100 * FOUND, color=STYLES["truth"].colour, lw=1)
+    ax.set(xlabel="stated standard deviation (cm)", ylabel="true error (cm)", xlim=(0, None), yscale="log")
+    ax.set_yticks([3, 10, 30, 100, 300], ["3", "10", "30", "100", "300"])
+    ax.grid(color="#e3e5e8")
+    legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "one of the filters")])
+    found = errors < FOUND
+    return Drawing(
+        figure,
+        f"{FILTERS} Kalman filters after {max(LOST_SHOWN)} observations, each started with another pose. "
+        f"{found.sum()} are within {FOUND} m of the robot, the others {errors[~found].min():.1f} to "
+        f"{errors.max():.1f} m away. They state standard deviations of {sigmas.min():.3f} to {sigmas.max():.3f} m.",
+    )
+
+
+@course_style()
 def draw_finding(weigh: Function, resample: Function) -> Drawing:
-    """Draw where a robot that woke up anywhere may be: at first, and after some looks."""
+    """Draw the particles of a robot that does not know its place: at the start and after some measurements."""
     steps = lap(LOST_SEED, max(LOST_SHOWN) - 1)
     clouds = find_itself(weigh, resample, steps, np.random.default_rng(LOST_SEED), 2000)
     truth = np.array([steps[0].pose, *(step.pose for step in steps)])
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 3.9))
-        for ax, looks in zip(figure.subplots(1, len(LOST_SHOWN), sharey=True), LOST_SHOWN, strict=True):
-            plot_field(FIELD, ax)
-            plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
-            ax.plot(
-                *clouds[looks][:, :2].T,
-                ".",
-                color=STYLES["ekf"].colour,
-                ms=3 if looks else 2,
-                alpha=0.4,
-                zorder=4,
-            )
-            plot_pose(Pose.from_array(truth[looks]), ax)
-            ax.set_title(
-                "no look" if not looks else "one look" if looks == 1 else f"{looks} looks", fontsize=11
-            )
-            if ax is not figure.axes[0]:
-                ax.set_ylabel("")
-            near = np.hypot(*(clouds[looks][:, :2] - truth[looks, :2]).T) < 0.3
-            said.append(f"after {looks} looks {near.mean():.0%} of the particles are within 0.3 m")
-        legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "particle")])
+    figure = Figure(figsize=(9.9, 3.9))
+    for ax, count in zip(figure.subplots(1, len(LOST_SHOWN), sharey=True), LOST_SHOWN, strict=True):
+        plot_field(FIELD, ax)
+        plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+        ax.plot(
+            *clouds[count][:, :2].T,
+            ".",
+            color=STYLES["ekf"].colour,
+            ms=3 if count else 2,
+            alpha=0.4,
+            zorder=4,
+        )
+        plot_pose(Pose.from_array(truth[count]), ax)
+        ax.set_title("at the start" if not count else f"after {say_count(count, 'observation')}", fontsize=11)
+        if ax is not figure.axes[0]:
+            ax.set_ylabel("")
+        near = np.hypot(*(clouds[count][:, :2] - truth[count, :2]).T) < FOUND
+        said.append(
+            f"after {say_count(count, 'observation')} {near.mean():.0%} of the particles are within {FOUND} m"
+        )
+    legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "particle")])
     return Drawing(figure, f"Two thousand particles on the half field and the true robot: {'; '.join(said)}.")
 
 
 def depleted(update_particle_landmark: Function, resample: Function, n: int) -> Run:
-    """FastSLAM with n particles on one drive, by a student's functions."""
+    """Run FastSLAM with n particles on one drive, with a student's functions."""
     slam = FastSlam(START, update_particle_landmark, resample, n, np.random.default_rng([SLAM_SEED, n]))
     return run_fast_slam(slam, lap(SLAM_SEED, SLAM_MOVES))
 
 
 def ancestors_left(update_particle_landmark: Function, resample: Function) -> int:
-    """How many of a hundred particles have a descendant at the end of the drive."""
+    """Return how many of a hundred particles have a descendant at the end of the drive."""
     return int(depleted(update_particle_landmark, resample, COUNTS[-1]).ancestors[-1])
 
 
+@course_style()
 def draw_depletion(update_particle_landmark: Function, resample: Function) -> Drawing:
-    """Draw how FastSLAM's particles die out, and the paths of those that are left."""
+    """Draw how many of FastSLAM's particles still have descendants, and the paths of the last particles."""
     runs = {n: depleted(update_particle_landmark, resample, n) for n in COUNTS}
     truth = np.array([step.pose for step in lap(SLAM_SEED, SLAM_MOVES)])
     paths = runs[COUNTS[-1]].paths
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.9))
-        ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
-        for n, shade in zip(COUNTS, (0.4, 0.7, 1.0), strict=True):
-            ax.plot(runs[n].ancestors, color=STYLES["ekf"].colour, alpha=shade, lw=2, drawstyle="steps-post")
-            ax.annotate(f"{n} particles", (1.2, n), (4, -2), textcoords="offset points", fontsize=9.5)
-        ax.set(xlabel="move", ylabel="particles of the start with descendants", xlim=(0, SLAM_MOVES))
-        ax.set(yscale="log", ylim=(0.8, 160))
-        ax.set_yticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
-        ax.minorticks_off()
-        ax.grid(color="#e3e5e8")
-        plot_field(FIELD, field)
-        plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
-        for path in paths:
-            field.plot(*path[:, :2].T, color=STYLES["ekf"].colour, lw=0.7, alpha=0.15, zorder=4)
-        plot_path(truth, field)
-        legend_below(
-            figure, [source_key("truth", "true path"), source_key("ekf", "the 100 particles' paths")]
-        )
+    figure = Figure(figsize=(9.9, 4.9))
+    ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
+    for n, shade in zip(COUNTS, (0.4, 0.7, 1.0), strict=True):
+        ax.plot(runs[n].ancestors, color=STYLES["ekf"].colour, alpha=shade, lw=2, drawstyle="steps-post")
+        ax.annotate(f"{n} particles", (1.2, n), (4, -2), textcoords="offset points", fontsize=9.5)
+    ax.set(xlabel="move", ylabel="first particles with descendants", xlim=(0, SLAM_MOVES))
+    ax.set(yscale="log", ylim=(0.8, 160))
+    ax.set_yticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
+    ax.minorticks_off()
+    ax.grid(color="#e3e5e8")
+    plot_field(FIELD, field)
+    plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
+    for path in paths:
+        field.plot(*path[:, :2].T, color=STYLES["ekf"].colour, lw=0.7, alpha=0.15, zorder=4)
+    plot_path(truth, field)
+    legend_below(figure, [source_key("truth", "true path"), source_key("ekf", "the 100 particles' paths")])
     ends = ", ".join(f"{int(runs[n].ancestors[-1])} of {n}" for n in COUNTS)
     shared = int(np.argmax(np.ptp(paths[:, 1:, 0], axis=0) > 1e-9))  # the paths hold the start twice
     return Drawing(
         figure,
-        f"FastSLAM over {SLAM_MOVES} moves. Particles of the start that still have descendants at the end: {ends}. "
-        f"Right, the paths of a hundred particles: one and the same line for the first {shared} moves, "
-        "and a broom at the end.",
+        f"FastSLAM over {SLAM_MOVES} moves. First particles that still have descendants at the end: {ends}. "
+        f"Right, the paths of a hundred particles: a single line for the first {shared} moves, "
+        "then they spread.",
     )
 
 
 # --- moves ---
 
 
+@course_style()
 def draw_journeys(
     choose_move: Function, predict: Function, update_landmarks: Function, add_landmark: Function
 ) -> Drawing:
-    """Draw a drive at random and one whose moves a student's `choose_move` chose, from the same start."""
+    """Draw a drive with random moves and a drive with moves of a student's `choose_move`, from the same start."""
     ekf = predict, update_landmarks, add_landmark
     both = {
-        "at random": journey(at_random(PAYOFF_SEED), ekf, PAYOFF_SEED),
-        "by your choice": journey(choose_move, ekf, PAYOFF_SEED),
+        "random moves": journey(at_random(PAYOFF_SEED), ekf, PAYOFF_SEED),
+        "your choice": journey(choose_move, ekf, PAYOFF_SEED),
     }
-    with course_style():
-        figure = Figure(figsize=(9.9, 5.4))
-        for ax, (name, each) in zip(figure.subplots(1, 2, sharey=True), both.items(), strict=True):
-            plot_field(FIELD, ax)
-            plot_path(each.truth, ax)
-            plot_estimate(estimate_of(each), ax, "ekf")
-            for pose, covariance in zip(each.believed[::4], each.covariances[::4], strict=True):
-                plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
-            ax.set_title(f"{name}: sure to {100 * each.doubts[-1]:.0f} cm", fontsize=11)
-        figure.axes[1].set_ylabel("")
-        legend_below(figure, [source_key("truth", "true path"), source_key("ekf", "believed, 95 %")])
+    figure = Figure(figsize=(9.9, 5.4))
+    for ax, (name, each) in zip(figure.subplots(1, 2, sharey=True), both.items(), strict=True):
+        plot_field(FIELD, ax)
+        plot_path(each.truth, ax)
+        plot_estimate(estimate_of(each), ax, "ekf")
+        for pose, covariance in zip(each.estimated[::4], each.covariances[::4], strict=True):
+            plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
+        ax.set_title(f"{name}: standard deviation {100 * each.sigmas[-1]:.0f} cm", fontsize=11)
+    figure.axes[1].set_ylabel("")
+    legend_below(figure, [source_key("truth", "true path"), source_key("ekf", "estimate, 95 %")])
     said = "; ".join(
-        f"{name} its standard deviation is {each.doubts[-1]:.2f} m at the end, and it is {each.off:.2f} m off"
+        f"with {name} the standard deviation is {each.sigmas[-1]:.2f} m at the end and the error {each.error:.2f} m"
         for name, each in both.items()
     )
     return Drawing(
-        figure, f"Two drives of {len(both['at random'].truth) - 1} moves from the same place: {said}."
+        figure, f"Two drives of {len(both['random moves'].truth) - 1} moves from the same place: {said}."
     )
 
 
 def estimate_of(each: Journey) -> Estimate:
-    """What is believed at the end of a journey."""
+    """Return the estimate at the end of a drive."""
     k = len(each.known)
     blocks = each.covariance[3:, 3:].reshape(k, 2, k, 2)
     return Estimate(
@@ -164,11 +227,11 @@ def estimate_of(each: Journey) -> Estimate:
     )
 
 
-def blind_doubt(
+def blind_sigma(
     choose_move: Function, predict: Function, update_landmarks: Function, add_landmark: Function
 ) -> float:
-    """Median doubt (m) after drives by a student's `choose_move` that begin with the back to the goal."""
-    ends = [each.doubts[-1] for each in _blind(choose_move, (predict, update_landmarks, add_landmark))]
+    """Return the median standard deviation (m) after drives of `choose_move` that start with the back to the goal."""
+    ends = [each.sigmas[-1] for each in _blind(choose_move, (predict, update_landmarks, add_landmark))]
     return round(float(np.median(ends)), 2)
 
 
@@ -176,67 +239,62 @@ def _blind(choose_move: Function, ekf: Sequence[Function]) -> list[Journey]:
     return [journey(choose_move, ekf, seed, back=True) for seed in range(TRIED)]
 
 
+@course_style()
 def draw_blind_start(
     choose_move: Function, predict: Function, update_landmarks: Function, add_landmark: Function
 ) -> Drawing:
-    """Draw what a start with the back to the goal does to a choice of moves: doubt over the moves, and one drive."""
+    """Draw the standard deviation over drives that start with the back to the goal, and one of these drives."""
     ekf = predict, update_landmarks, add_landmark
     both = {
-        "by your choice": ("ekf", _blind(choose_move, ekf)),
-        "at random": (
+        "your choice": ("ekf", _blind(choose_move, ekf)),
+        "random moves": (
             "odometry",
             [journey(at_random(seed), ekf, seed, back=True) for seed in range(TRIED)],
         ),
     }
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.9))
-        ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
-        for name, (source, journeys) in both.items():
-            low, middle, high = 100 * np.quantile(
-                [each.doubts for each in journeys], (0.25, 0.5, 0.75), axis=0
-            )
-            look = STYLES[source]
-            ax.fill_between(range(len(middle)), low, high, color=look.colour, alpha=0.13, lw=0)
-            ax.plot(
-                middle,
-                color=look.colour,
-                ls=look.line,
-                lw=2,
-                marker=look.marker,
-                markevery=4,
-                mec="white",
-                label=name,
-            )
-            said.append(f"{name} {middle[-1]:.0f} cm")
-        ax.set(
-            xlabel="move", ylabel="stated standard deviation (cm)", xlim=(0, len(middle) - 1), ylim=(0, None)
+    figure = Figure(figsize=(9.9, 4.9))
+    ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
+    for name, (source, journeys) in both.items():
+        low, middle, high = 100 * np.quantile([each.sigmas for each in journeys], (0.25, 0.5, 0.75), axis=0)
+        style = style_of(source)
+        ax.fill_between(range(len(middle)), low, high, color=style.colour, alpha=0.13, lw=0)
+        ax.plot(
+            middle,
+            color=style.colour,
+            ls=style.line,
+            lw=2,
+            marker=style.marker,
+            markevery=4,
+            mec="white",
+            label=name,
         )
-        ax.set_xticks(range(0, len(middle), 5))
-        ax.grid(color="#e3e5e8")
-        ax.legend(loc="upper left")
-        one = both["by your choice"][1][BLIND_SEED]
-        plot_field(FIELD, field)
-        plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
-        plot_path(one.truth, field)
-        plot_estimate(estimate_of(one), field, "ekf")
-        field.plot(*one.truth[0, :2], "o", color="white", mec=STYLES["truth"].colour, ms=9, zorder=6)
-        legend_below(
-            figure,
-            [source_key("truth", "true path, from the white dot"), source_key("ekf", "believed, 95 %")],
-        )
+        said.append(f"{name} {middle[-1]:.0f} cm")
+    ax.set(xlabel="move", ylabel="standard deviation (cm)", xlim=(0, len(middle) - 1), ylim=(0, None))
+    ax.set_xticks(range(0, len(middle), 5))
+    ax.grid(color="#e3e5e8")
+    ax.legend(loc="upper left")
+    one = both["your choice"][1][BLIND_SEED]
+    plot_field(FIELD, field)
+    plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
+    plot_path(one.truth, field)
+    plot_estimate(estimate_of(one), field, "ekf")
+    field.plot(*one.truth[0, :2], "o", color="white", mec=STYLES["truth"].colour, ms=9, zorder=6)
+    legend_below(
+        figure, [source_key("truth", "true path, from the white dot"), source_key("ekf", "estimate, 95 %")]
+    )
     return Drawing(
         figure,
-        f"{TRIED} drives from a start with the back to the goal. Median of the doubt after {len(middle) - 1} moves: "
-        f"{'; '.join(said)}. Right, one drive by your choice, with {len(one.known)} landmarks on its map at the end.",
+        f"{TRIED} drives that start with the back to the goal. Median standard deviation at the end: "
+        f"{'; '.join(said)}. Right, one drive with your choice and {len(one.known)} landmarks on its map at the end.",
     )
 
 
 def journeys_table(choose_move: Function, ekf: Sequence[Function]) -> Table:
-    """Twelve drives by each way to choose: medians of doubt and error at the end."""
+    """Return the medians of standard deviation and error after twelve drives, for random and chosen moves."""
     rows = []
-    for name, make in (("at random", at_random), ("choose_move", lambda seed: choose_move)):
+    for name, make in (("random", at_random), ("choose_move", lambda seed: choose_move)):
         ends = [journey(make(seed), ekf, seed) for seed in range(TRIED)]
-        doubt, off = np.median([each.doubts[-1] for each in ends]), np.median([each.off for each in ends])
-        rows.append((name, f"{doubt:.3f}", f"{off:.3f}"))
+        sigma, error = np.median([(each.sigmas[-1], each.error) for each in ends], axis=0)
+        rows.append((name, f"{sigma:.3f}", f"{error:.3f}"))
     return table(("moves", "standard deviation (m)", "error (m)"), rows)

@@ -1,4 +1,4 @@
-"""Panels of lesson 12: two cameras that look at a point, and a robot that explores."""
+"""Panels of lesson 12: two cameras that measure a distance, and a robot that explores a room."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from nao_course.lessons.beyond.exploring import (
     lawn_mower,
     nearest_frontier,
 )
-from nao_course.lessons.beyond.two_cameras import Looks, measure_again
+from nao_course.lessons.beyond.two_cameras import Distances, measure_again
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below
+from nao_course.plotting.style import style_of
 from nao_course.sim import NAO_V4
 from nao_course.widgets import Choice, FunctionPanel, PlayerPanel, Slider
 
-LOOKS = 120
+MEASUREMENTS = 120
 MOVES = 80
 _COLOURS = {"unknown": "#c9ccd1", "free": "#ffffff", "box": "#444444"}  # as the grid's -1, 0 and 1
-_PROBE = np.random.default_rng(12).integers(
-    0, 3, (7, 9)
-)  # a grid on which functions that differ give themselves away
-_WAYS: Mapping[str, Callable[[Any, int], Choose]] = {
+# A grid on which different functions give different answers
+_PROBE = np.random.default_rng(12).integers(0, 3, (7, 9))
+_STRATEGIES: Mapping[str, Callable[[Any, int], Choose]] = {
     "to the nearest frontier": lambda student, room: nearest_frontier(student.find_frontiers),
     "anywhere known": lambda student, room: anywhere_known(np.random.default_rng([room, 32])),
     "in lanes": lambda student, room: lawn_mower(),
@@ -42,23 +42,30 @@ _WAYS: Mapping[str, Callable[[Any, int], Choose]] = {
 
 
 class TwoCamerasPanel(FunctionPanel):
-    """A point on the floor, measured again and again by one camera and by both, while the body leans.
+    """Distances of a point on the floor, measured by one camera and by both while the body tilts.
 
     Parameters
     ----------
     intersect_rays, pixel_to_ground : callable
-        The student's, of this lesson and of lesson 04.
+        The student's functions of this lesson and of lesson 04.
     """
 
     def __init__(self, intersect_rays: Callable[..., Any], pixel_to_ground: Callable[..., Any]) -> None:
-        """Begin 2 m away, with the point in both pictures."""
+        """Start 2 m away, with the point in both pictures."""
         low, high = np.degrees(NAO_V4.pitch_limits)
         super().__init__(
             "How far is it?",
             _measured,
             [
                 Slider(
-                    "distance", "Distance", 1.0, 5.0, 0.5, 2.0, unit="m", tooltip="Of a point on the floor"
+                    "distance",
+                    "Distance",
+                    1.0,
+                    5.0,
+                    0.5,
+                    2.0,
+                    unit="m",
+                    tooltip="Distance of the point on the floor",
                 ),
                 Slider(
                     "pitch",
@@ -71,8 +78,8 @@ class TwoCamerasPanel(FunctionPanel):
                     tooltip="Pitch: positive looks down",
                 ),
                 Slider(
-                    "lean",
-                    "Lean",
+                    "tilt",
+                    "Tilt",
                     0.0,
                     3.0,
                     0.1,
@@ -84,55 +91,60 @@ class TwoCamerasPanel(FunctionPanel):
             ],
             student={"intersect_rays": intersect_rays, "pixel_to_ground": pixel_to_ground},
             unfinished={
-                "intersect_rays": "Finish exercise 12.4 to see what two cameras say.",
-                "pixel_to_ground": "Finish exercise 4.1 to see what one camera says.",
+                "intersect_rays": "Finish exercise 12.4 to measure with two cameras.",
+                "pixel_to_ground": "Finish exercise 4.4 to measure with one camera.",
             },
         )
 
 
 def _measured(values: Any, student: Any) -> Iterator[Any]:
     size = (int(values.width), int(values.width) * 3 // 4)
-    lean = float(np.radians(values.lean))
-    looks = measure_again(
+    tilt = float(np.radians(values.tilt))
+    distances = measure_again(
         student.intersect_rays,
         student.pixel_to_ground,
         values.distance,
         size,
         pitch=float(np.radians(values.pitch)),
-        lean=(lean, lean * 0.8 / 1.3),
-        looks=LOOKS,
+        tilt=(tilt, tilt * 0.8 / 1.3),
+        count=MEASUREMENTS,
     )
-    yield {"": draw_looks(looks)}
-    yield said_of(looks)
+    yield {"": draw_distances(distances)}
+    yield say_sigmas(distances)
 
 
-def said_of(looks: Looks) -> str:
-    """Both standard deviations in words, as far as there are any."""
-    one, both = looks.sigmas
+def say_sigmas(distances: Distances) -> str:
+    """Describe both standard deviations, as far as they exist."""
+    one, both = distances.sigmas
     alone = f"Standard deviation: one camera {one:.3f} m"
     if np.isnan(one):
         alone = "The bottom camera does not see it"
-    if not looks.seen:
+    if not distances.seen:
         return f"The point is not in both pictures: pitch the head. {alone}."
-    return f"{alone}, both {both:.3f} m; both see it in {looks.seen:.0%} of the looks."
+    return f"{alone}, both {both:.3f} m; both see it in {distances.seen:.0%} of the measurements."
 
 
-def draw_looks(looks: Looks) -> Drawing:
-    """Draw the distances that were measured, by one camera and by both."""
-    with course_style():
-        figure = Figure(figsize=(7.4, 3.4))
-        ax = figure.add_subplot()
-        edges = np.linspace(0, 2 * looks.truth, 81).tolist()
-        for values, source, name in ((looks.one, "odometry", "one camera"), (looks.both, "ekf", "both")):
-            measured, colour = values[np.isfinite(values)], STYLES[source].colour
-            ax.hist(measured, edges, color=colour, alpha=0.35, label=name)
-            ax.hist(measured, edges, color=colour, histtype="step", lw=1.5)
-        ax.axvline(looks.truth, color=STYLES["truth"].colour, lw=2, label="truth")
-        ax.set(xlabel="measured distance (m)", ylabel=f"of {len(looks.one)} looks", xlim=(0, 2 * looks.truth))
-        ax.legend(loc="upper right")
+@course_style()
+def draw_distances(distances: Distances) -> Drawing:
+    """Draw histograms of the distances measured by one camera and by both."""
+    figure = Figure(figsize=(7.4, 3.4))
+    ax = figure.add_subplot()
+    edges = np.linspace(0, 2 * distances.truth, 81).tolist()
+    for values, source, name in ((distances.one, "odometry", "one camera"), (distances.both, "ekf", "both")):
+        measured, colour = values[np.isfinite(values)], style_of(source).colour
+        ax.hist(measured, edges, color=colour, alpha=0.35, label=name)
+        ax.hist(measured, edges, color=colour, histtype="step", lw=1.5)
+    ax.axvline(distances.truth, color=STYLES["truth"].colour, lw=2, label="truth")
+    ax.set(
+        xlabel="measured distance (m)",
+        ylabel=f"count of {len(distances.one)} measurements",
+        xlim=(0, 2 * distances.truth),
+    )
+    ax.legend(loc="upper right")
     return Drawing(
         figure,
-        f"Distances measured of a point {looks.truth:g} m away, {len(looks.one)} looks. {said_of(looks)}",
+        f"Distances measured of a point {distances.truth:g} m away, {len(distances.one)} measurements. "
+        f"{say_sigmas(distances)}",
     )
 
 
@@ -142,19 +154,19 @@ class ExplorePanel(PlayerPanel):
     Parameters
     ----------
     find_frontiers, travel_steps : callable
-        The student's.
+        The student's functions.
     """
 
     def __init__(self, find_frontiers: Callable[..., Any], travel_steps: Callable[..., Any]) -> None:
-        """Begin after ten moves in the first room."""
+        """Start after ten moves in the first room."""
         self._explored: dict[Any, list[Known]] = {}
         super().__init__(
             "Where nobody has looked",
             self._draw,
-            Slider("move", "Move", 0, MOVES - 1, 1, 10, tooltip="After how many moves"),
+            Slider("move", "Move", 0, MOVES - 1, 1, 10, tooltip="Number of moves"),
             [
-                Slider("room", "Room", 0, 9, 1, 0, tooltip="Where the boxes stand"),
-                Choice("way", "Goes", tuple(_WAYS), tooltip="How the next goal is chosen"),
+                Slider("room", "Room", 0, 9, 1, 0, tooltip="Arrangement of the boxes"),
+                Choice("strategy", "Drives", tuple(_STRATEGIES), tooltip="How the next goal is chosen"),
             ],
             speeds={"3 moves a second": 3.0},
             student={"find_frontiers": find_frontiers, "travel_steps": travel_steps},
@@ -165,42 +177,42 @@ class ExplorePanel(PlayerPanel):
         )
 
     def _draw(self, values: Any, student: Any) -> Iterator[Any]:
-        """A move of a drive, which is driven once for as long as the student's functions answer the same."""
+        """Draw a move of a drive, which is computed again only if the student's functions have changed."""
         tried = [np.array(student.find_frontiers(_PROBE - 1)), student.travel_steps(_PROBE != 0, (0, 0))]
-        key = (int(values.room), values.way, *(np.array(each).tobytes() for each in tried))
+        key = (int(values.room), values.strategy, *(np.array(each).tobytes() for each in tried))
         if key not in self._explored:
-            choose = _WAYS[values.way](student, int(values.room))
+            choose = _STRATEGIES[values.strategy](student, int(values.room))
             self._explored[key] = list(explore(student.travel_steps, choose, int(values.room), MOVES))
         known = self._explored[key][int(values.move)]
         frontiers = as_mask(student.find_frontiers(known.grid.copy()), known.grid.shape)
         yield {"": draw_known(known, frontiers)}
         yield (
-            f"After {int(values.move)} moves {known.part:.0%} of what can be seen is known, "
+            f"After {int(values.move)} moves {known.part:.0%} of the visible area is known, "
             f"with {say_count(int(frontiers.sum()), 'frontier cell')}."
         )
 
 
+@course_style()
 def draw_known(known: Known, frontiers: Any) -> Drawing:
-    """Draw what is known of a room, the frontiers, the robot and its goal."""
+    """Draw the known part of a room, the frontiers, the robot and its goal."""
     x0, y0, x1, y1 = exploring.X0, exploring.Y0, exploring.X1, exploring.Y1
     ends = exploring.cell_centres()[frontiers]
-    with course_style():
-        figure = Figure(figsize=(5.6, 5.9))
-        ax = figure.add_subplot()
-        ax.imshow(
-            known.grid,
-            cmap=ListedColormap(list(_COLOURS.values())),
-            vmin=-1,
-            vmax=1,
-            origin="lower",
-            extent=(x0, x1, y0, y1),
-        )
-        ax.plot(*ends.T, "s", color=STYLES["odometry"].colour, ms=4)
-        if known.goal is not None:
-            ax.plot(*exploring.cell_centres()[known.goal], "x", color=STYLES["ekf"].colour, ms=11, mew=3.5)
-        ax.plot(*known.place, "o", color=STYLES["truth"].colour, ms=10, mec="white")
-        ax.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-        legend_below(figure, _keys(), columns=3)
+    figure = Figure(figsize=(5.6, 5.9))
+    ax = figure.add_subplot()
+    ax.imshow(
+        known.grid,
+        cmap=ListedColormap(list(_COLOURS.values())),
+        vmin=-1,
+        vmax=1,
+        origin="lower",
+        extent=(x0, x1, y0, y1),
+    )
+    ax.plot(*ends.T, "s", color=STYLES["odometry"].colour, ms=4)
+    if known.goal is not None:
+        ax.plot(*exploring.cell_centres()[known.goal], "x", color=STYLES["ekf"].colour, ms=11, mew=3.5)
+    ax.plot(*known.place, "o", color=STYLES["truth"].colour, ms=10, mec="white")
+    ax.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    legend_below(figure, _keys(), columns=3)
     return Drawing(
         figure,
         f"A room of {x1 - x0:.1f} by {y1 - y0:.1f} m from above: grey is unknown, white free, black a box. "
@@ -209,13 +221,13 @@ def draw_known(known: Known, frontiers: Any) -> Drawing:
 
 
 def _keys() -> list[Any]:
-    """What the colours and marks of the map of a room mean."""
+    """Return the legend of the map of a room."""
     patches = [Patch(fc=colour, ec="#8a8f98", label=label) for label, colour in _COLOURS.items()]
     marks = (("robot", "o", "truth"), ("frontier", "s", "odometry"), ("goal", "x", "ekf"))
     return [
         *patches,
         *(
-            Line2D([], [], ls="", marker=marker, color=STYLES[source].colour, mew=2.5, label=label)
+            Line2D([], [], ls="", marker=marker, color=style_of(source).colour, mew=2.5, label=label)
             for label, marker, source in marks
         ),
     ]

@@ -1,41 +1,41 @@
-"""Particles: a robot that knows the map and not its place, and FastSLAM, by the student's functions."""
+"""Particle filters with a student's functions: global localisation, and FastSLAM."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import register
-from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.lessons.beyond.worlds import INSIDE, KINDS, LANDMARKS, Step, moved, noise_of
+from nao_course.exercises import Close, Verdict, register
+from nao_course.field_slam.drives import INSIDE
+from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
+from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, SENSOR, moved
 from nao_course.metrics import squared_distances
+from nao_course.sim.drives import Function, Step
 from nao_course.slam import LandmarkKind, Motion
 
-Function = Callable[..., Any]
-CLUTTER = (
-    1e-3  # density of a measurement of nothing, 1 / (rad m): one wrong look must not kill the right particles
-)
+# Density of a false measurement, 1 / (rad m): a single outlier must not remove the right particles.
+CLUTTER = 1e-3
 
 
-# --- a robot that does not know where it is ---
+# --- global localisation ---
 
 
 def anywhere(n: int, rng: np.random.Generator) -> FloatArray:
-    """Particles (n, 3) all over the half field, looking anywhere."""
+    """Draw particles (n, 3) all over the half field, with any heading."""
     low, high = np.array(INSIDE) + ((-0.2, -0.2), (0.2, 0.2))
     return np.column_stack([rng.uniform(low, high, (n, 2)), rng.uniform(-np.pi, np.pi, n)])
 
 
 def weigh_unnamed(weigh: Function, particles: FloatArray, kind: LandmarkKind, seen: FloatArray) -> FloatArray:
-    """Log weights (n,) of particles by one measurement of a landmark of which only the kind is known.
+    """Return the log weights (n,) of particles for one measurement of a landmark whose kind alone is known.
 
-    It may be any landmark of that kind, each as likely as the next: the mean of its likelihoods under all of them.
+    Each landmark of this kind is equally probable, so the weight is the mean over all of them.
     """
-    R = noise_of(seen)
+    [R] = SENSOR.covariances(seen[None])
     places = [place for place, each in zip(LANDMARKS, KINDS, strict=True) if each == kind]
     logs = np.array(
         [
@@ -47,8 +47,10 @@ def weigh_unnamed(weigh: Function, particles: FloatArray, kind: LandmarkKind, se
 
 
 def log_weights(answer: Any, n: int) -> FloatArray:
-    """What a student's `weigh` returned, as an array (n,); ValueError with a sentence if it is none."""
+    """Return the log weights of a student's `weigh` as an array (n,); ValueError if they are anything else."""
     logs = np.array(answer, dtype=float)
+    if n == 1 and logs.ndim == 0:
+        logs = logs[None]
     if logs.shape != (n,):
         raise ValueError(f"weigh must return {n} log weights, got shape {logs.shape}")
     if np.isnan(logs).any():
@@ -56,19 +58,33 @@ def log_weights(answer: Any, n: int) -> FloatArray:
     return logs
 
 
+@register
+@dataclass(frozen=True)
+class LogWeights(Close):
+    """Close, and a single number is right for a single particle, as SciPy's ``logpdf`` returns it."""
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare log weights (N,) with the expected ones."""
+        if np.shape(expected) == (1,) and isinstance(got, int | float | np.number):
+            got = np.array([got])
+        return super().compare(expected, got)
+
+
 def normalised(logs: FloatArray) -> FloatArray:
-    """Weights (n,) of sum 1 from log weights; the largest is taken off first, so that nothing is 0 by rounding."""
+    """Return weights (n,) with sum 1 from log weights; subtracting the largest first avoids underflow."""
     weights = np.exp(logs - logs.max())
     return np.asarray(weights / weights.sum())
 
 
 def effective(weights: FloatArray) -> float:
-    """How many particles of equal weight would say as much: 1 over the sum of the squared weights."""
+    """Return the effective number of particles: 1 over the sum of the squared weights."""
     return float(1 / np.square(weights).sum())
 
 
 def chosen(answer: Any, n: int) -> npt.NDArray[np.intp]:
-    """What a student's `resample` returned, as n numbers from 0 to n - 1; ValueError with a sentence if it is none."""
+    """Return the n indices of a student's `resample`; ValueError if they are not indices from 0 to n - 1."""
+    if answer is None:
+        raise ValueError("resample returned None: does it end with return?")
     numbers = np.array(answer)
     if numbers.shape != (n,) or numbers.dtype.kind not in "iu":
         raise ValueError(
@@ -81,19 +97,19 @@ def chosen(answer: Any, n: int) -> npt.NDArray[np.intp]:
 
 @register
 def systematic(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
-    """Hold the draws of `resample` against equation 12.1, whichever way they were made.
+    """Compare the draws of `resample` with equation 12.1, however they were computed.
 
     Parameters
     ----------
     args : (weights, seeds)
-        (N,), and a seed for each draw; some seeds are there twice.
+        Weights (N,), and a seed for each draw; some seeds occur twice.
     answer : list
-        The draws, N numbers each.
+        The draws, N indices each.
 
     Returns
     -------
     str
-        What no comb draws; nothing where all is well.
+        Error message; empty if the draws are right.
     """
     weights, seeds = args
     n = len(weights)
@@ -107,12 +123,12 @@ def systematic(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> st
     counts = np.array([np.bincount(np.asarray(draw), minlength=n) for draw in answer])
     first = dict(zip(reversed(seeds), counts[::-1], strict=True))
     if any((first[seed] != row).any() for seed, row in zip(seeds, counts, strict=True)):
-        return "the same rng gave two different answers: draw with the rng that is given"
+        return "two generators with the same seed gave different answers: use only the given rng"
     return _odd_counts(weights, counts)
 
 
 def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
-    """How counts (S, N) of particles differ from floor(N w) or ceil(N w), or their mean from N w."""
+    """Say how counts (S, N) of particles differ from floor(N w) or ceil(N w), or their mean from N w."""
     n, draws = len(weights), len(counts)
     least, most = np.floor(n * weights + 1e-9), np.ceil(n * weights - 1e-9)
     odd = np.argwhere((counts < least) | (counts > most))
@@ -121,7 +137,7 @@ def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
         allowed = f"{least[i]:g}" if least[i] == most[i] else f"{least[i]:g} or {most[i]:g}"
         return (
             f"particle {i} of {n}, of weight {weights[i]:.3g}, was kept {counts[draw, i]} times, "
-            f"where a comb keeps it {allowed} times"
+            f"but systematic resampling keeps it {allowed} times"
         )
     off = np.abs(counts.mean(axis=0) - n * weights)
     i = int(off.argmax())
@@ -136,23 +152,23 @@ def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
 def find_itself(
     weigh: Function, resample: Function, steps: Iterable[Step], rng: np.random.Generator, n: int = 1000
 ) -> list[FloatArray]:
-    """Let a robot that knows the map find its place.
+    """Localise a robot on a known map, starting from particles everywhere.
 
     Parameters
     ----------
     weigh, resample : callable
         The student's.
     steps : iterable of Step
-        A drive; who a landmark is is not used, its kind is.
+        A drive; only the kinds of the landmarks are used.
     rng : numpy.random.Generator
-        Of the particles.
+        Random numbers of the particles.
     n : int
-        How many.
+        Number of particles.
 
     Returns
     -------
     list of ndarray, shape (n, 3)
-        The particles at first, and after each step.
+        The particles at the start and after each step.
     """
     particles = anywhere(n, rng)
     clouds = [particles]
@@ -173,7 +189,7 @@ def find_itself(
 
 @dataclass(frozen=True)
 class Belief:
-    """What is believed of a pose.
+    """Estimate of a pose.
 
     Parameters
     ----------
@@ -187,29 +203,28 @@ class Belief:
     covariance: FloatArray
 
     def error(self, truth: FloatArray) -> FloatArray:
-        """Believed less true pose (3,), the heading wrapped."""
-        off = self.pose - truth
-        return np.array([off[0], off[1], float(wrap_angle(off[2]))])
+        """Return estimated minus true pose (3,), with a wrapped heading."""
+        return pose_errors(self.pose, truth)
 
     def nees(self, truth: FloatArray) -> float:
-        """Normalised estimation error squared; a covariance that is nearly nothing has 0.1 mm and 0.01 degrees."""
+        """Return the normalised estimation error squared, with at least 0.1 mm and 0.01 degrees of uncertainty."""
         least = np.diag([1e-8, 1e-8, np.radians(0.01) ** 2])
         return float(squared_distances(self.error(truth)[None], (self.covariance + least)[None])[0])
 
 
 class FastSlam:
-    """FastSLAM 1.0 (Montemerlo et al. 2002): each particle is a path with a map of its own, landmarks are named.
+    """FastSLAM 1.0 (Montemerlo et al. 2002): each particle is a path with its own map; association is known.
 
     Parameters
     ----------
     start : Pose
-        Where the drive begins; known.
+        First pose, which is known.
     update_particle_landmark, resample : callable
-        The student's.
+        The student's functions.
     n : int
-        Particles.
+        Number of particles.
     rng : numpy.random.Generator
-        Of their motion and the resampling.
+        Random numbers of motion and resampling.
     """
 
     def __init__(
@@ -220,7 +235,7 @@ class FastSlam:
         n: int,
         rng: np.random.Generator,
     ) -> None:
-        """Begin with an empty map."""
+        """Start with an empty map."""
         self._update, self._resample, self._rng = update_particle_landmark, resample, rng
         self.poses = np.tile(start.as_array(), (n, 1))
         self.means = np.zeros((n, len(LANDMARKS), 2))
@@ -231,11 +246,11 @@ class FastSlam:
         self.paths = self.poses[:, None].copy()
 
     def move(self, motion: Motion) -> None:
-        """Each particle draws an error of its own."""
+        """Move all particles, each with its own error."""
         self.poses = moved(self.poses, motion, self._rng.standard_normal(self.poses.shape))
 
     def observe(self, numbers: Sequence[int], measurements: FloatArray) -> None:
-        """Each particle corrects its own map, and is weighed by how well that expected what is seen."""
+        """Update the map and the weight of each particle, and resample if the weights are too uneven."""
         for number, seen in zip(numbers, measurements, strict=True):
             if self.known[number]:
                 self.correct(int(number), seen)
@@ -247,11 +262,11 @@ class FastSlam:
 
     @property
     def weights(self) -> FloatArray:
-        """Of the particles, (n,); their sum is 1."""
+        """Weights of the particles (n,), with sum 1."""
         return normalised(self.logs)
 
     def belief(self) -> Belief:
-        """Mean and covariance of the particles' poses."""
+        """Return mean and covariance of the particles' poses."""
         weights = self.weights
         mean = weights @ self.poses
         mean[2] = np.arctan2(weights @ np.sin(self.poses[:, 2]), weights @ np.cos(self.poses[:, 2]))
@@ -260,8 +275,8 @@ class FastSlam:
         return Belief(mean, (weights[:, None] * off).T @ off)
 
     def correct(self, number: int, seen: FloatArray) -> None:
-        """Each particle corrects its landmark, one by one; who has all at once may do it quicker."""
-        R = noise_of(seen)
+        """Update a landmark in each particle, one after another; a benchmark overrides this with a faster version."""
+        [R] = SENSOR.covariances(seen[None])
         for i, pose in enumerate(self.poses):
             mean, covariance, log_weight = self._update(
                 pose.copy(), self.means[i, number].copy(), self.covariances[i, number].copy(), seen.copy(), R
@@ -270,12 +285,14 @@ class FastSlam:
             self.logs[i] += float(log_weight)
 
     def _add(self, number: int, seen: FloatArray) -> None:
-        """Put a landmark where each particle sees it, with the measurement's own doubt."""
+        """Add a landmark to each particle's map, with the covariance of its first measurement."""
         directions = self.poses[:, 2] + seen[0]
         cos, sin = np.cos(directions), np.sin(directions)
         self.means[:, number] = self.poses[:, :2] + seen[1] * np.column_stack([cos, sin])
-        slopes = np.array([[-seen[1] * sin, cos], [seen[1] * cos, sin]]).transpose(2, 0, 1)
-        self.covariances[:, number] = slopes @ noise_of(seen) @ slopes.transpose(0, 2, 1)
+        jacobians = np.array([[-seen[1] * sin, cos], [seen[1] * cos, sin]]).transpose(2, 0, 1)
+        self.covariances[:, number] = (
+            jacobians @ SENSOR.covariances(seen[None]) @ jacobians.transpose(0, 2, 1)
+        )
         self.known[number] = True
 
     def _keep(self, numbers: npt.NDArray[np.intp]) -> None:
@@ -288,18 +305,18 @@ class FastSlam:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """How an algorithm did on a drive.
+    """Errors of an algorithm on a drive.
 
     Parameters
     ----------
     errors : ndarray, shape (S,)
-        Of the position after each step, m.
+        Error of the position after each step, m.
     nees : ndarray, shape (S,)
-        Of the pose after each step.
+        NEES of the pose after each step.
     ancestors, effective : ndarray, shape (S,)
-        How many of the first particles have descendants; how many count. Of FastSLAM alone.
+        Number of first particles with descendants, and effective number of particles. Only for FastSLAM.
     paths : ndarray, shape (n, S + 1, 3)
-        Of the particles at the end. Of FastSLAM alone.
+        Paths of the particles at the end. Only for FastSLAM.
     """
 
     errors: FloatArray
@@ -327,49 +344,3 @@ def run_fast_slam(slam: FastSlam, steps: Iterable[Step]) -> Run:
         )
     errors, nees, ancestors, count = np.array(rows).T
     return Run(errors, nees, ancestors, count, slam.paths)
-
-
-class NamedEkf:
-    """Lesson 07's filter on landmarks that somebody names.
-
-    Parameters
-    ----------
-    start : Pose
-        Known.
-    predict, update_landmarks, add_landmark : callable
-        The student's, of lesson 07.
-    """
-
-    def __init__(
-        self, start: Pose, predict: Function, update_landmarks: Function, add_landmark: Function
-    ) -> None:
-        """Begin with an empty map."""
-        self._predict, self._update, self._add = predict, update_landmarks, add_landmark
-        self.state, self.covariance = start.as_array(), np.zeros((3, 3))
-        self.known: list[int] = []
-
-    def move(self, control: FloatArray, noise: FloatArray) -> None:
-        """Take in a command (2,) and its covariance (3, 3)."""
-        self.state, self.covariance = self._predict(
-            self.state, self.covariance, control, noise, len(self.known)
-        )
-
-    def observe(self, numbers: Sequence[int], measurements: FloatArray) -> None:
-        """Correct what is on the map, and add what is not."""
-        again = [i for i, number in enumerate(numbers) if number in self.known]
-        if again:
-            self.state, self.covariance = self._update(
-                self.state,
-                self.covariance,
-                [self.known.index(numbers[i]) for i in again],
-                measurements[again].ravel(),
-                np.array([noise_of(measurements[i]) for i in again]),
-            )
-        for number, seen in zip(numbers, measurements, strict=True):
-            if number not in self.known:
-                self.state, self.covariance = self._add(self.state, self.covariance, seen, noise_of(seen))
-                self.known.append(number)
-
-    def belief(self) -> Belief:
-        """Of the pose."""
-        return Belief(np.array(self.state[:3]), np.array(self.covariance[:3, :3]))

@@ -1,4 +1,4 @@
-"""Drives that choose their next move: by what tells most, by a plan, or at random."""
+"""Drives that choose their next move: by the predicted uncertainty, by a plan, or at random."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from nao_course.exercises import register
+from nao_course.field_slam.drives import room_ahead
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.beyond.particles import Belief, NamedEkf
-from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, drive, noise_of, room_ahead
+from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, SENSOR, drive
+from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion, range_and_bearing
 
 Function = Callable[..., Any]
@@ -24,25 +25,25 @@ ROOM = 0.15  # m: a turn is offered if so much room is ahead after it
 @register
 @dataclass(frozen=True, eq=False)
 class Option:
-    """A move that is offered, with what the map says it will show.
+    """A possible move, with the landmarks of the map that should be in view after it.
 
     Parameters
     ----------
     control : ndarray, shape (2,)
         (distance, turn), m and rad.
     control_covariance : ndarray, shape (3, 3)
-        Of the errors along, across and of the turn.
+        Of the errors along and across the robot, and of the turn.
     indices : list of int
-        Which landmarks of the map should be seen after it.
+        Landmarks of the map that should be in view after the move.
     measurements : ndarray, shape (2 n,)
-        What is expected to be measured of them: bearing and range of each in turn.
+        Expected bearing and range of each of these landmarks.
     measurement_covariance : ndarray, shape (n, 2, 2)
-        R of each.
+        Covariance R of each measurement.
 
     Raises
     ------
     ValueError
-        If one of them has another shape.
+        If a value has the wrong shape.
     """
 
     control: FloatArray
@@ -52,7 +53,7 @@ class Option:
     measurement_covariance: FloatArray
 
     def __post_init__(self) -> None:
-        """Refuse what no filter could take in."""
+        """Refuse values of the wrong shape."""
         n = len(self.indices)
         wanted = {
             "control": (2,),
@@ -69,7 +70,7 @@ class Option:
 
 
 def options(state: FloatArray) -> list[Option]:
-    """All moves that leave room ahead, from a believed state (3 + 2k,); where none does, a half turn."""
+    """Return all moves from an estimated state (3 + 2k,) that leave room ahead, or a half turn if there are none."""
     distance = room_ahead(state[:3], STEP)
     there = (Pose.from_array(state[:3]) @ Pose(distance, 0.0, 0.0)).as_array()
     free = [turn for turn in TURNS.tolist() if room_ahead(there + (0.0, 0.0, turn), STEP) >= ROOM]
@@ -77,47 +78,48 @@ def options(state: FloatArray) -> list[Option]:
 
 
 def _option(there: FloatArray, distance: float, turn: float, landmarks: FloatArray) -> Option:
-    """A move to a pose (3,) and a turn there, and what of the map (k, 2) will be seen then."""
+    """Return the move to a pose (3,) with a turn there, and the landmarks of the map (k, 2) that are then in view."""
     after = there + (0.0, 0.0, turn)
     indices = np.flatnonzero(AHEAD.sees(after, landmarks)) if len(landmarks) else np.zeros(0, dtype=int)
     expected = range_and_bearing(after, landmarks[indices])
-    noises = np.array([noise_of(each) for each in expected]).reshape(-1, 2, 2)
     noise = ODOMETRY.covariance(Motion(distance, turn))
-    return Option(np.array([distance, turn]), noise, indices.tolist(), expected.ravel(), noises)
+    return Option(
+        np.array([distance, turn]), noise, indices.tolist(), expected.ravel(), SENSOR.covariances(expected)
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Journey:
-    """A drive whose moves were chosen on the way.
+    """A drive with moves that were chosen on the way.
 
     Parameters
     ----------
-    truth, believed : ndarray, shape (S, 3)
-        Poses, field frame.
+    truth, estimated : ndarray, shape (S, 3)
+        True and estimated poses, field frame.
     covariances : ndarray, shape (S, 3, 3)
-        Of the believed poses, m^2 and rad^2.
+        Of the estimated poses, m^2 and rad^2.
     state, covariance : ndarray
-        What is believed at the end.
+        Estimate at the end.
     known : tuple of int
-        Which landmarks are on the map, in its order.
+        Landmarks on the map, in its order.
     """
 
     truth: FloatArray
-    believed: FloatArray
+    estimated: FloatArray
     covariances: FloatArray
     state: FloatArray
     covariance: FloatArray
     known: tuple[int, ...]
 
     @property
-    def doubts(self) -> FloatArray:
-        """Root of the sum of the position's two variances after each step, (S,), m."""
+    def sigmas(self) -> FloatArray:
+        """Standard deviation of the position after each step (S,), m: the root of the sum of both variances."""
         return np.sqrt(self.covariances[:, 0, 0] + self.covariances[:, 1, 1])
 
     @property
-    def off(self) -> float:
+    def error(self) -> float:
         """Error of the last position, m."""
-        return float(np.hypot(*(self.truth[-1] - self.believed[-1])[:2]))
+        return float(np.hypot(*(self.truth[-1] - self.estimated[-1])[:2]))
 
     @property
     def map_error(self) -> float:
@@ -133,25 +135,25 @@ Choose = Callable[[FloatArray, FloatArray, Sequence[Option]], int]
 def journey(
     choose: Choose, ekf: Sequence[Function], seed: int, moves: int = MOVES, *, back: bool = False
 ) -> Journey:
-    """Drive over the half field, each time by the move that is chosen.
+    """Drive over the half field, with a chosen move in each step.
 
     Parameters
     ----------
     choose : callable
-        ``choose(state, covariance, options) -> int``, which of the options.
+        ``choose(state, covariance, options) -> int``, the index of an option.
     ekf : sequence of callable
-        The student's predict, update_landmarks and add_landmark, of lesson 07.
+        A student's predict, update_landmarks and add_landmark of lesson 07.
     seed : int
-        Of the start and all errors.
+        Of the start and of all errors.
     moves : int
-        How many.
+        Number of moves.
     back : bool
-        Whether it begins with its back to the goal; nothing is in sight then.
+        Whether the robot starts with its back to the goal, without landmarks in view.
 
     Raises
     ------
     ValueError
-        If what is chosen is none of the options.
+        If ``choose`` returns anything but the index of an option.
     """
     rng = np.random.default_rng([seed, 124])
     x, y, turn = rng.uniform((0.3, -1.0, -0.3), (0.7, 1.0, 0.3)).tolist()
@@ -167,42 +169,33 @@ def journey(
             or not isinstance(number, int | np.integer)
             or not 0 <= number < len(offered)
         ):
-            raise ValueError(
-                f"choose 0 to {len(offered) - 1}, one of the moves that are offered, not {number!r}"
-            )
+            raise ValueError(f"choose_move must return an index from 0 to {len(offered) - 1}, got {number!r}")
         option = offered[int(number)]
         slam.move(option.control, option.control_covariance)
         return Motion(*option.control.tolist())
 
-    truth, believed = list[FloatArray](), list[Belief]()
+    rows = list[tuple[FloatArray, FloatArray, FloatArray]]()
     for step in drive(start, command, moves, rng, AHEAD):
-        slam.observe(step.numbers.tolist(), step.measurements)
-        truth.append(step.pose)
-        believed.append(slam.belief())
-    return Journey(
-        np.array(truth),
-        np.array([each.pose for each in believed]),
-        np.array([each.covariance for each in believed]),
-        slam.state,
-        slam.covariance,
-        tuple(slam.known),
-    )
+        slam.observe(step.numbers, step.measurements, step.covariances)
+        rows.append((step.pose, slam.state[:3], slam.covariance[:3, :3]))
+    truth, estimated, covariances = (np.array(each) for each in zip(*rows, strict=True))
+    return Journey(truth, estimated, covariances, slam.state, slam.covariance, tuple(slam.known))
 
 
-# --- ways to choose that know nothing ---
+# --- baselines ---
 
 
 def at_random(seed: int) -> Choose:
-    """Any of the moves, each as likely as the next."""
+    """Return a function that chooses any of the moves with equal probability."""
     rng = np.random.default_rng([seed, 125])
     return lambda state, covariance, offered: int(rng.integers(len(offered)))
 
 
 def in_a_circle(state: FloatArray, covariance: FloatArray, offered: Sequence[Option]) -> int:
-    """A fixed plan: 20 degrees to the left each time, or what is nearest to it."""
+    """Choose the turn that is closest to 20 degrees to the left."""
     return int(np.argmin([abs(option.control[1] - TURNS[5]) for option in offered]))
 
 
 def straight_on(state: FloatArray, covariance: FloatArray, offered: Sequence[Option]) -> int:
-    """A fixed plan: straight on, and at the edge as little of a turn as leads away from it."""
+    """Choose the smallest turn: straight on, and at the edge just enough to stay inside."""
     return int(np.argmin([abs(option.control[1]) for option in offered]))

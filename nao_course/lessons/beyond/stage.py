@@ -1,35 +1,35 @@
-"""What lesson 12 adds to the student's robot: it says where to go next, to see what is new or to be surer."""
+"""Lesson 12's stage of the control panel: it chooses the next move, to explore or to reduce the uncertainty."""
 
 from __future__ import annotations
 
-from copy import copy
-from itertools import pairwise
-
 import numpy as np
 
+from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.beyond import exploring
 from nao_course.lessons.beyond.exploring import FREE, OCCUPIED, UNKNOWN, Cell, as_mask, as_steps, way_back
-from nao_course.lessons.beyond.particles import NamedEkf
 from nao_course.lessons.beyond.planning import STEP, options
-from nao_course.lessons.beyond.worlds import INSIDE
 from nao_course.plotting.drawing import say_count
-from nao_course.sim import SimulatedNao, Truth, VisibleLandmark, visible_landmarks
-from nao_course.slam import Estimate, LandmarkKind, Motion, place_estimate
+from nao_course.sim import SimulatedNao, Truth
+from nao_course.sim.drives import NamedEkf
+from nao_course.slam import Motion, place_estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.named_landmarks import measure_by_name, new_commands
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
-REACH = 3.5  # m: beyond it a range from one picture is poor (lesson 04)
-DOUBT = 0.05  # m: a robot that is less sure looks back before it goes on
-LOOK_BACK = 0.9  # m: so far it looks back at most
-GO_ON = 0.9  # m: so far it goes on before it looks back again
-OFF = float(np.radians(10.0))  # a way that is less off is walked, another one first turned to
+REACH = 3.5  # m: beyond it the range from one picture is inaccurate (lesson 04)
+MOST_SIGMA = (
+    0.05  # m: with a larger standard deviation the robot returns to known landmarks before it goes on
+)
+RETURN = 0.9  # m: longest way of such a return
+GO_ON = 0.9  # m: shortest way between two returns
+OFF = float(np.radians(10.0))  # a smaller turn is not made before walking
 PICTURES = "the estimate"  # lesson 11's stage
 SEED = 121  # of the measurements' noise
 
 
 class Explorer:
-    """What a robot has seen of the half field, and where it would go.
+    """The part of the half field that a robot has seen, and the choice of its next move.
 
     Parameters
     ----------
@@ -38,40 +38,40 @@ class Explorer:
     """
 
     def __init__(self, student: StudentCode) -> None:
-        """Begin with a grid of which nothing is known; where the robot may not drive it counts as occupied."""
+        """Start with an unknown grid; cells where the robot may not drive count as occupied."""
         self._student = student
         centres = exploring.cell_centres()
         self._inside = ((centres >= INSIDE[0]) & (centres <= INSIDE[1])).all(axis=2)
         self.grid = np.where(self._inside, UNKNOWN, OCCUPIED)
         self.frontiers = np.zeros(exploring.SHAPE, dtype=bool)
         self.why = "to the nearest frontier"
-        self._walked = GO_ON  # m, since it looks back, or goes on
+        self._walked = GO_ON  # m, since it began to return or to go on
 
     @property
     def part(self) -> float:
-        """How much of where the robot may drive is known."""
+        """Known fraction of the cells where the robot may drive."""
         return float((self.grid[self._inside] == FREE).mean())
 
     def see(self, pose: FloatArray, yaw: float, walked: float) -> None:
-        """Write down what lies before the head: 2 m far and 61 degrees wide, from a believed pose (3,), field frame."""
+        """Mark the area ahead of the head, 2 m far and 61 degrees wide, from an estimated pose (3,), field frame."""
         seen = np.full(exploring.SHAPE, UNKNOWN)
-        exploring.look(seen, np.zeros(exploring.SHAPE, dtype=bool), pose[:2], pose[2] + yaw)
+        exploring.mark_visible(seen, np.zeros(exploring.SHAPE, dtype=bool), pose[:2], pose[2] + yaw)
         self.grid[(seen == FREE) & self._inside] = FREE
         self._walked += walked
 
     def next(self, slam: NamedEkf) -> Motion | None:
-        """Say where to go: to the nearest frontier, or in doubt where the robot is surest; None where all is seen."""
+        """Return the next move: to the nearest frontier, or a return if the pose is uncertain; None if all is seen."""
         frontier = self._frontier(slam.state[:3])
-        doubt = doubt_of(slam)
-        back = self.why == "to be surer"
-        if back and (doubt < DOUBT or self._walked > LOOK_BACK - 0.01):
+        sigma = position_sigma(slam)
+        back = self.why == "to localise better"
+        if back and (sigma < MOST_SIGMA or self._walked > RETURN - 0.01):
             back, self._walked = False, 0.0
-        elif not back and doubt > DOUBT and self._walked > GO_ON - 0.01:
+        elif not back and sigma > MOST_SIGMA and self._walked > GO_ON - 0.01:
             back, self._walked = True, 0.0
-        self.why = "to be surer" if back else "to the nearest frontier"
-        return self._surest(slam) if back and frontier is not None else frontier
+        self.why = "to localise better" if back else "to the nearest frontier"
+        return self._most_certain(slam) if back and frontier is not None else frontier
 
-    def _surest(self, slam: NamedEkf) -> Motion:
+    def _most_certain(self, slam: NamedEkf) -> Motion:
         offered = options(slam.state)
         number = self._student.choose_move(slam.state.copy(), slam.covariance.copy(), offered)
         if not 0 <= int(number) < len(offered):
@@ -79,7 +79,7 @@ class Explorer:
         return Motion(*offered[int(number)].control.tolist())
 
     def _frontier(self, pose: FloatArray) -> Motion | None:
-        """A step toward the nearest frontier."""
+        """Return a step toward the nearest frontier, or None if there is no frontier."""
         here = exploring.cell_of(np.clip(pose[:2], INSIDE[0], np.subtract(INSIDE[1], 1e-6)))
         free = self.grid == FREE
         free[here] = True
@@ -94,13 +94,13 @@ class Explorer:
         return _toward(pose, way[min(exploring.STRIDE, len(way) - 1)], (row, column))
 
 
-def doubt_of(slam: NamedEkf) -> float:
-    """Root of the sum of the position's two variances, m."""
+def position_sigma(slam: NamedEkf) -> float:
+    """Return the standard deviation of the position, m: the root of the sum of both variances."""
     return float(np.sqrt(slam.covariance[0, 0] + slam.covariance[1, 1]))
 
 
 def _toward(pose: FloatArray, there: Cell, goal: Cell) -> Motion:
-    """Turn to where the way leads, or walk it; a frontier at one's feet is turned to, to see what lies beyond."""
+    """Return a turn toward the path, or a step along it; the robot only turns to a frontier that is very close."""
     centres = exploring.cell_centres()
     near = np.hypot(*(centres[goal] - pose[:2])) < STEP
     off = centres[goal if near else there] - pose[:2]
@@ -108,73 +108,38 @@ def _toward(pose: FloatArray, there: Cell, goal: Cell) -> Motion:
     return Motion(0.0, turn) if abs(turn) > OFF else Motion(float(np.clip(np.hypot(*off), 0.1, STEP)), 0.0)
 
 
-def _explore(student: StudentCode, nao: SimulatedNao) -> Look:
-    """Begin where the robot stands, which it knows; follow the commands, take each picture in, and say where to go."""
-    truth, rng = Truth(nao), np.random.default_rng(SEED)
-    marks = [mark for mark in nao.field.landmarks if mark.kind != "cross"]
-    kinds: list[LandmarkKind] = ["post" if mark.kind == "post" else "corner" for mark in marks]
+def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+    """Start at the robot's true pose, follow its commands, update with each picture, and choose the next move."""
+    truth, rng, kinds = Truth(nao), np.random.default_rng(SEED), nao.field.detectable_kinds
     start = nao.field.pose.inverse() @ truth.odometry_start
     slam = NamedEkf(start, student.predict, student.update_landmarks, student.add_landmark)
     explorer, done = Explorer(student), 0
 
-    def look(sight: Sight) -> Overlay:
+    def look(frame: Frame) -> Overlay:
         nonlocal slam, done
-        now, path, walked = copy(slam), nao.odometry_path, 0.0
-        now.known = list(slam.known)
-        for before, after in pairwise(path[done:]):
-            step = before.inverse() @ after
-            noise = nao.odometry_noise.covariance(Motion(step.x, step.theta))
-            now.move(np.array([step.x, step.theta]), noise)
-            walked += abs(step.x)
-        seen = [
-            mark
-            for mark in visible_landmarks(nao.field, truth.pose, sight.picture.view)
-            if mark.landmark in marks and not mark.occluded and mark.distance <= REACH
-        ]
-        now.observe([marks.index(mark.landmark) for mark in seen], _measured(nao, seen, rng))
-        slam, done = now, len(path) - 1
+        now, commands = slam.copy(), new_commands(nao, done)
+        for command in commands:
+            now.move(*command)
+        seen = measure_by_name(nao, frame.picture.view, REACH, rng)
+        now.observe(seen.numbers, seen.measurements, seen.covariances)
+        slam, done = now, done + len(commands)
+        walked = sum(abs(float(control[0])) for control, _ in commands)
         explorer.see(slam.state[:3], nao.head[0], walked)
         motion = explorer.next(slam)
         ends = exploring.cell_centres()[explorer.frontiers]
-        by_pictures = PICTURES in sight.results  # who maps by pictures keeps the map and its board
+        by_pictures = PICTURES in frame.results  # the map then shows lesson 11's estimate
         return Overlay(
             result=motion,
-            pixels=[mark.pixel for mark in seen],
+            pixels=seen.pixels,
             points=Pose.from_array(slam.state[:3]).to_local(ends) if len(ends) else ends,
             text=f"{explorer.part:.0%} seen, {say_count(len(slam.known), 'landmark')} on the map, "
-            f"sure to {doubt_of(slam):.2f} m; {explorer.why if motion else 'all is seen'}"
+            f"standard deviation {position_sigma(slam):.2f} m; {explorer.why if motion else 'everything is seen'}"
             + ("; the map shows the estimate of lesson 11" if by_pictures else ""),
-            estimate=None if by_pictures else place_estimate(_estimate(slam, kinds), nao.field.pose),
+            estimate=None if by_pictures else place_estimate(slam.estimate(kinds), nao.field.pose),
             motion=motion,
         )
 
     return look
-
-
-def _measured(nao: SimulatedNao, seen: list[VisibleLandmark], rng: np.random.Generator) -> FloatArray:
-    """Bearings and ranges (n, 2) that the simulator measures of landmarks which it names; rad, m."""
-    noise = nao.sensor_noise
-    rows = [
-        (
-            mark.bearing + noise.bearing * rng.standard_normal(),
-            max(mark.distance * (1 + noise.range_fraction * rng.standard_normal()), 0.05),
-        )
-        for mark in seen
-    ]
-    return np.array(rows).reshape(-1, 2)
-
-
-def _estimate(slam: NamedEkf, kinds: list[LandmarkKind]) -> Estimate:
-    """What is believed, field frame."""
-    size = len(slam.state)
-    own = [slam.covariance[n : n + 2, n : n + 2] for n in range(3, size, 2)]
-    return Estimate(
-        Pose.from_array(slam.state[:3]),
-        slam.covariance[:3, :3],
-        slam.state[3:].reshape(-1, 2),
-        np.array(own).reshape(-1, 2, 2),
-        tuple(kinds[number] for number in slam.known),
-    )
 
 
 STAGE = Stage(

@@ -1,4 +1,4 @@
-"""Both cameras of a NAO look at one point of the floor: how far it is by one of them, and by both."""
+"""The distance of a point on the floor, measured by one camera of a NAO and by both."""
 
 from __future__ import annotations
 
@@ -12,33 +12,35 @@ from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import NAO_V4, CameraView
 
 Function = Callable[..., Any]
-LEAN = (float(np.radians(1.3)), float(np.radians(0.8)))  # rad: pitch and roll of the body, of a picture
-PIXEL_SIGMA = 0.5  # px, whatever the resolution
+TILT = (
+    float(np.radians(1.3)),
+    float(np.radians(0.8)),
+)  # rad: standard deviations of the body's pitch and roll
+PIXEL_SIGMA = 0.5  # px, at any resolution
 SIZES = ((320, 240), (640, 480), (1280, 960))
 DISTANCES = (1.0, 2.0, 3.0, 4.0, 5.0)  # m
 CAMERAS = ("top", "bottom")
-MIDDLE = float((NAO_V4.cameras["top"].pitch + NAO_V4.cameras["bottom"].pitch) / 2)  # rad: where both see
-OFF_AXIS = float(
-    (NAO_V4.cameras["bottom"].pitch - NAO_V4.cameras["top"].pitch) / 2
-)  # rad: there, from either axis
+BETWEEN = float((NAO_V4.cameras["top"].pitch + NAO_V4.cameras["bottom"].pitch) / 2)  # rad: mean of both axes
+# rad: from there to either axis
+OFF_AXIS = float((NAO_V4.cameras["bottom"].pitch - NAO_V4.cameras["top"].pitch) / 2)
 
 
 def ray(view: CameraView, pixel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where a pixel's ray begins and where it goes.
+    """Return the origin and the direction of a pixel's ray.
 
     Parameters
     ----------
     view : CameraView
-        Any.
+        View of the camera.
     pixel : ndarray, shape (2,)
-        (u, v), lens included.
+        (u, v), distorted by the lens.
 
     Returns
     -------
     origin : ndarray, shape (3,)
-        The camera, m in the robot frame.
+        Position of the camera, m, robot frame.
     direction : ndarray, shape (3,)
-        Of length 1.
+        Unit vector, robot frame.
     """
     across, down = ((view.undistort(as_points([pixel])) - view.centre) / view.focal)[0]
     direction = view.rotation @ np.array([1.0, -across, -down])
@@ -46,22 +48,22 @@ def ray(view: CameraView, pixel: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def pitch_for(distance: float) -> float:
-    """Pitch of the head, rad, at which a point of the floor lies in the middle of what both cameras see."""
+    """Return the head pitch, rad, at which a point on the floor is central in the area that both cameras see."""
     low, high = NAO_V4.pitch_limits
-    return float(np.clip(np.arctan2(NAO_V4.neck_height() + 0.05, distance) - MIDDLE, low, high))
+    return float(np.clip(np.arctan2(NAO_V4.neck_height() + 0.05, distance) - BETWEEN, low, high))
 
 
 @dataclass(frozen=True)
-class Looks:
-    """Distances of one point, measured again and again.
+class Distances:
+    """Repeated measurements of the distance of one point.
 
     Parameters
     ----------
     one, both : ndarray, shape (n,)
-        By the bottom camera and the floor, and by both cameras, m; infinite for a ray that does not come down, NaN
-        where a camera does not see the point.
+        From the bottom camera and the floor, and from both cameras, m; infinite if a ray does not reach the floor,
+        NaN if a camera does not see the point.
     truth : float
-        m.
+        True distance, m.
     """
 
     one: FloatArray
@@ -70,12 +72,12 @@ class Looks:
 
     @property
     def sigmas(self) -> tuple[float, float]:
-        """Scatter of both around the truth, m: 1.483 times the median error, which outliers do not move."""
+        """Robust standard deviations of both, m: 1.483 times the median absolute error."""
         return _scatter(self.one - self.truth), _scatter(self.both - self.truth)
 
     @property
     def seen(self) -> float:
-        """Part of the looks in which both cameras see the point."""
+        """Fraction of the measurements in which both cameras see the point."""
         return float(np.isfinite(self.both).mean())
 
 
@@ -91,57 +93,57 @@ def measure_again(
     size: tuple[int, int],
     *,
     pitch: float | None = None,
-    lean: tuple[float, float] = LEAN,
-    looks: int = 300,
+    tilt: tuple[float, float] = TILT,
+    count: int = 300,
     seed: int = 0,
-) -> Looks:
-    """Measure a point straight ahead on the floor, each time with another lean of the body and other pixels.
+) -> Distances:
+    """Measure a point straight ahead on the floor repeatedly, each time with new errors of body tilt and pixels.
 
     Parameters
     ----------
     intersect_rays, pixel_to_ground : callable
-        The student's, of this lesson and of lesson 04.
+        The student's functions of this lesson and of lesson 04.
     distance : float
         Of the point, m.
     size : (int, int)
-        Of the pictures, px.
+        Width and height of the pictures, px.
     pitch : float, optional
-        Of the head, rad; by default that of `pitch_for`.
-    lean : (float, float)
-        Standard deviations of the body's pitch and roll, rad. The robot knows of none.
-    looks, seed : int
-        How many, and which.
+        Of the head, rad; by default `pitch_for` the distance.
+    tilt : (float, float)
+        Standard deviations of the body's pitch and roll, rad, which the robot does not measure.
+    count, seed : int
+        Number of measurements, and seed of their errors.
     """
     rng = np.random.default_rng([seed, 121])
     pitch = pitch_for(distance) if pitch is None else pitch
-    believed = [NAO_V4.view(camera, 0.0, pitch, size=size) for camera in CAMERAS]
-    one, both = np.full(looks, np.nan), np.full(looks, np.nan)
+    upright = [NAO_V4.view(camera, 0.0, pitch, size=size) for camera in CAMERAS]
+    one, both = np.full(count, np.nan), np.full(count, np.nan)
     point = np.array([[distance, 0.0]])
-    for look in range(looks):
-        torso_pitch, torso_roll = rng.normal(0.0, lean)
+    for number in range(count):
+        torso_pitch, torso_roll = rng.normal(0.0, tilt)
         pixels = []
         for camera in CAMERAS:
             view = NAO_V4.view(camera, 0.0, pitch, size=size, torso_pitch=torso_pitch, torso_roll=torso_roll)
             pixels.append(view.project(point)[0] + rng.normal(0.0, PIXEL_SIGMA, 2))
         top, bottom = (
-            bool(view.contains(pixel[None])[0]) for view, pixel in zip(believed, pixels, strict=True)
+            bool(view.contains(pixel[None])[0]) for view, pixel in zip(upright, pixels, strict=True)
         )
         if bottom:
-            ground = np.asarray(pixel_to_ground(pixels[1][None].copy(), believed[1]), dtype=float)[0]
-            one[look] = np.hypot(*ground) if np.isfinite(ground).all() else np.inf
+            ground = np.asarray(pixel_to_ground(pixels[1][None].copy(), upright[1]), dtype=float)[0]
+            one[number] = np.hypot(*ground) if np.isfinite(ground).all() else np.inf
         if top and bottom:
-            rays = [each for view, pixel in zip(believed, pixels, strict=True) for each in ray(view, pixel)]
+            rays = [each for view, pixel in zip(upright, pixels, strict=True) for each in ray(view, pixel)]
             place, _ = intersect_rays(*rays)
             place = np.asarray(place, dtype=float)
-            both[look] = np.hypot(*place[:2]) if np.isfinite(place).all() else np.inf
-    return Looks(one, both, distance)
+            both[number] = np.hypot(*place[:2]) if np.isfinite(place).all() else np.inf
+    return Distances(one, both, distance)
 
 
 def expected_sigmas(distance: float, width: int) -> tuple[float, float]:
-    """What the formulas say of one camera and of both, m: r^2 / h sigma_lean, and r^2 / |B| sqrt(2) sigma_phi.
+    """Return the predicted errors of one camera and of both, m: r^2 / h sigma_tilt, and r^2 / |B| sqrt(2) sigma_phi.
 
-    sigma_phi is the angle of half a pixel where both cameras see: at the pictures' rims, where it is smaller by the
-    squared cosine of the angle from the middle.
+    sigma_phi is the angle of half a pixel in the overlap, near the edges of the pictures, where it is smaller by the
+    squared cosine of the angle from the optical axis.
     """
     views = [
         NAO_V4.view(camera, 0.0, pitch_for(distance), size=(width, width * 3 // 4)) for camera in CAMERAS
@@ -149,4 +151,4 @@ def expected_sigmas(distance: float, width: int) -> tuple[float, float]:
     baseline = float(np.linalg.norm(views[0].position - views[1].position))
     off_axis = float(NAO_V4.cameras["bottom"].pitch - NAO_V4.cameras["top"].pitch) / 2
     angle = np.cos(off_axis) ** 2 * PIXEL_SIGMA / views[1].focal[1]
-    return distance**2 / views[1].height * LEAN[0], float(distance**2 / baseline * np.sqrt(2) * angle)
+    return distance**2 / views[1].height * TILT[0], float(distance**2 / baseline * np.sqrt(2) * angle)

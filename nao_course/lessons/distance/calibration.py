@@ -1,4 +1,4 @@
-"""Pictures by a camera that hangs lower than its robot's joints say: what a calibration finds, and what is left.
+"""Calibration of a camera that points lower than its robot's joints report, and the remaining errors.
 
 Here they are simulated, marks only; of the real ones the course has the statistics alone (docs/real_data.md).
 """
@@ -14,18 +14,19 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course.exercises import register
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.distance.looks import usual_view
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
-from nao_course.plotting.style import STYLES, course_style
+from nao_course.plotting.style import STYLES, course_style, style_of
 from nao_course.sim import CameraView, Field, visible_landmarks
 
-OFFSET = float(
-    np.radians(6.4)
-)  # real robots' heads hang so much lower than their joints say (docs/real_data.md)
+# Real robots' heads hang so much lower than their joints say (docs/real_data.md).
+OFFSET = float(np.radians(6.4))
 PITCH_SIGMA, ROLL_SIGMA = float(np.radians(0.7)), float(np.radians(0.5))  # per picture, as of the real ones
 MARK_SIGMA = 1.0  # px
+LARGEST = 0.2  # rad: an offset of exercise 4.7 is at most 10 degrees; a little more for errors of the marks
 EDGES = (1.0, 2.0, 3.0, 4.0, 5.0)  # m, of the bins
 LEAST = 4  # landmarks of a picture
 COLOURS = {"the paper's formula": STYLES["odometry"].colour, "exact": STYLES["ekf"].colour}
@@ -44,6 +45,14 @@ REAL: dict[str, dict[str, tuple[tuple[float, float], ...]]] = {
 }
 
 
+@register
+def small_angle(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
+    """Return a message if the answer of `estimate_pitch` is larger than the text says; otherwise an empty text."""
+    if np.abs(answer).max() > LARGEST:
+        return "your offset is far larger than 10 degrees, or 0.175 rad. Is it in rad, and is it the offset alone?"
+    return ""
+
+
 @dataclass(frozen=True, eq=False)
 class Marked:
     """A picture of which only the marks are kept.
@@ -55,7 +64,7 @@ class Marked:
     ground : ndarray, shape (N, 2)
         Where they are, robot frame, metres.
     view : CameraView
-        What the robot believes of its camera.
+        Assumed view of the camera.
     """
 
     pixels: FloatArray
@@ -64,9 +73,9 @@ class Marked:
 
 
 def marked_pictures(number: int, rng: int = 0, offset: float = OFFSET) -> list[Marked]:
-    """Take pictures all over the whole field, by a camera that looks lower by `offset` (rad) than its robot believes.
+    """Take pictures on the whole field with a camera that points lower than assumed by `offset` (rad).
 
-    Each picture has a lean of its own beside that, and marks that are about a pixel off.
+    Each picture also has its own tilt, and its marks have errors of about a pixel.
     """
     field, generator = Field(2012, half=False), np.random.default_rng([rng, 7])
     true = usual_view()
@@ -96,7 +105,7 @@ def range_errors(
     pictures : sequence of Marked
         Which.
     offset : float
-        Added to the believed pitch, rad.
+        Angle that is added to the assumed pitch, in rad.
 
     Returns
     -------
@@ -114,7 +123,7 @@ def range_errors(
 
 
 def by_distance(true: FloatArray, errors: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Median and 90 % of the size of errors in each bin of `EDGES`; no distance is infinitely wrong."""
+    """Return the median and the 90 % quantile of the size of errors in each bin of `EDGES`."""
     size = np.where(np.isnan(errors), np.inf, np.abs(errors))
     bins = [size[(low <= true) & (true < high)] for low, high in pairwise(EDGES)]
     return tuple(
@@ -123,6 +132,7 @@ def by_distance(true: FloatArray, errors: FloatArray) -> tuple[tuple[float, floa
     )
 
 
+@course_style()
 def draw_calibrated(simulated: Mapping[str, tuple[FloatArray, FloatArray]]) -> Drawing:
     """Draw the size of the distances' errors by distance: simulated pictures, and a real robot's.
 
@@ -139,32 +149,31 @@ def draw_calibrated(simulated: Mapping[str, tuple[FloatArray, FloatArray]]) -> D
     sets = {"simulated": {name: by_distance(*each) for name, each in simulated.items()}, **REAL}
     middles = [(low + high) / 2 for low, high in pairwise(EDGES)]
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 3.8))
-        for ax, (title, methods) in zip(
-            figure.subplots(1, len(sets), sharey=True, squeeze=False)[0], sets.items(), strict=True
-        ):
-            for shift, (name, rows) in zip((-0.08, 0.08), methods.items(), strict=False):
-                median, most = np.array(rows).T
-                x, colour = np.array(middles) + shift, COLOURS[name]
-                ax.vlines(x, median, most, color=colour, lw=2, alpha=0.6)
-                ax.plot(x, median, STYLES["odometry" if shift < 0 else "ekf"].marker, color=colour, ms=8)
-                said.append(f"{title}, {name}: {', '.join(f'{each:.2f}' for each in median)} m")
-            ax.set(xlabel="true distance (m)", ylim=(0, 1.6), xticks=EDGES)
-            ax.grid(color="#e3e5e8")
-            ax.set_title(title, fontsize=11)
-        figure.axes[0].set_ylabel("error of the distance (m)")
-        keys = [
-            Line2D(
-                [],
-                [],
-                color=colour,
-                marker=STYLES[key].marker,
-                lw=2,
-                ms=8,
-                label=f"{name}: median, and up to 90 %",
-            )
-            for key, (name, colour) in zip(("odometry", "ekf"), COLOURS.items(), strict=True)
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(9.9, 3.8))
+    for ax, (title, methods) in zip(
+        figure.subplots(1, len(sets), sharey=True, squeeze=False)[0], sets.items(), strict=True
+    ):
+        for shift, (name, rows) in zip((-0.08, 0.08), methods.items(), strict=False):
+            median, most = np.array(rows).T
+            x, colour = np.array(middles) + shift, COLOURS[name]
+            ax.vlines(x, median, most, color=colour, lw=2, alpha=0.6)
+            ax.plot(x, median, STYLES["odometry" if shift < 0 else "ekf"].marker, color=colour, ms=8)
+            said.append(f"{title}, {name}: {', '.join(f'{each:.2f}' for each in median)} m")
+        ax.set(xlabel="true distance (m)", ylim=(0, 1.6), xticks=EDGES)
+        ax.grid(color="#e3e5e8")
+        ax.set_title(title, fontsize=11)
+    figure.axes[0].set_ylabel("size of the distance's error (m)")
+    keys = [
+        Line2D(
+            [],
+            [],
+            color=colour,
+            marker=style_of(key).marker,
+            lw=2,
+            ms=8,
+            label=f"{name}: median, and up to 90 %",
+        )
+        for key, (name, colour) in zip(("odometry", "ekf"), COLOURS.items(), strict=True)
+    ]
+    legend_below(figure, keys)
     return Drawing(figure, f"Median errors at 1-2, 2-3, 3-4 and 4-5 m. {'; '.join(said)}.")

@@ -1,4 +1,4 @@
-"""The challenge of lesson 04: how the camera leaned, told by the field's lines of one picture."""
+"""The challenge of lesson 04: estimate the tilt of the camera from the field lines in one picture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
-from nao_course.lessons.distance.challenge_figure import draw_worst_leans
+from nao_course.lessons.distance.challenge_figure import draw_worst_tilts
 from nao_course.lessons.distance.lines import LinePicture, line_picture_of
 
 CASES = 60
@@ -18,24 +18,26 @@ LARGEST = np.pi / 2  # rad, of an angle that makes sense
 
 
 @dataclass(frozen=True)
-class Lean:
-    """What an entry answers: pitch, roll and the pitch's sigma, rad."""
+class TiltEstimate:
+    """The answer of an entry: pitch, roll and the standard deviation of the pitch, rad."""
 
     pitch: float
     roll: float
     sigma: float
 
 
-def as_lean(answer: Any) -> Lean:
-    """Return an answer as a lean.
+def as_tilt(answer: Any) -> TiltEstimate:
+    """Return a student's answer as a tilt.
 
     Raises
     ------
     TypeError, ValueError
-        If it is something else; the message is for the student.
+        If it is not three numbers that make sense; the message is for the student.
     """
     if answer is None:
-        raise TypeError("Your entry returns None: does it end with return pitch, roll, sigma?")
+        raise TypeError(
+            "Your entry returns None, but should return pitch, roll and sigma. Is a return missing?"
+        )
     try:
         values = np.array(answer, dtype=float, subok=False)
     except (TypeError, ValueError):
@@ -53,38 +55,41 @@ def as_lean(answer: Any) -> Lean:
             "Your entry returns an angle of more than 90 degrees: pitch, roll and sigma are in rad."
         )
     if values[2] <= 0:
-        raise ValueError(f"Your entry returns a sigma of {values[2]:g}; a standard deviation is more than 0.")
-    return Lean(*values.tolist())
+        raise ValueError(
+            f"Your entry returns a sigma of {values[2]:g}, but a standard deviation must be more than 0."
+        )
+    return TiltEstimate(*values.tolist())
 
 
 def judge(answer: Any, scene: LinePicture) -> CaseScore:
-    """Score a lean: how many degrees the pitch is off, and whether its sigma says so."""
-    lean = as_lean(answer)
-    pitch_error = lean.pitch - scene.true_view.pitch
+    """Score a tilt by the error of its pitch in degrees, with the NEES of its sigma."""
+    estimate = as_tilt(answer)
+    pitch_error = estimate.pitch - scene.true_view.pitch
     columns = {
-        "roll off by": float(np.degrees(abs(lean.roll - scene.true_view.roll))),
-        "sigma": float(np.degrees(lean.sigma)),
-        "within 2 sigma": 100.0 * (abs(pitch_error) <= 2 * lean.sigma),
-        "NEES": float((pitch_error / lean.sigma) ** 2),
+        "roll error": float(np.degrees(abs(estimate.roll - scene.true_view.roll))),
+        "sigma": float(np.degrees(estimate.sigma)),
+        "within 2 sigma": 100.0 * (abs(pitch_error) <= 2 * estimate.sigma),
+        "NEES": float((pitch_error / estimate.sigma) ** 2),
     }
-    return CaseScore(float(np.degrees(abs(pitch_error))), columns, (scene, lean))
+    return CaseScore(float(np.degrees(abs(pitch_error))), columns, (scene, estimate))
 
 
 CHALLENGE = Challenge(
     lesson="04_distance",
-    title="Challenge 04: distance from one picture whose tilt nobody knows",
-    task="Tell how the camera leaned in sixty pictures, from segments of the field's lines: a function "
+    title="Challenge 04: the tilt of a single picture",
+    task="Estimate the tilt of the camera in sixty pictures from segments of field lines: a function "
     "tilt_from_lines(segments, view) that returns (pitch, roll, sigma) in rad. segments (N, 4) are (u1, v1, u2, v2) in "
-    "pixels, the lens removed; view is what the robot believes: its pitch is known to 1.3 degrees, its roll to 0.8.",
-    scoring="how many degrees the pitch is off, the mean over all pictures; smaller is better. NEES, error²/sigma², "
-    "is 1 for an honest sigma, and more for one that claims too much.",
+    "pixels, without lens distortion; view is the assumed view. The error of its pitch has a standard deviation of 1.3 "
+    "degrees, and the error of its roll of 0.8.",
+    scoring="the mean error of the pitch in degrees over all pictures; smaller is better. NEES, error²/sigma², "
+    "should be 1 in the mean; it is larger if your sigmas are too small.",
     seeds=tuple(range(FIRST, FIRST + CASES)),
     make=line_picture_of,
     given=lambda scene: (scene.segments, scene.view),
     judge=judge,
-    figure=draw_worst_leans,
+    figure=draw_worst_tilts,
     columns=(
-        Column("roll off by", "°"),
+        Column("roll error", "°"),
         Column("sigma", "°"),
         Column("within 2 sigma", " %", 0),
         Column("NEES", "", 1),

@@ -1,4 +1,4 @@
-"""Middles of the field's lines as segments in a picture, by a camera that leans unknown to its robot."""
+"""Centre lines of the field lines as segments in a picture, from a camera with an unknown tilt."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ END_SIGMA = 0.25  # px, of a segment's end, across it
 SHORTEST = 25.0  # px
 REACH = 5.0  # m: farther lines are too thin to be found
 FEWEST = 2  # segments in a picture
-MOST_ARCS = 2  # pieces of the circle that a detector takes for segments
-STRAY = 0.3  # part of the pictures with a segment that is no line of the field
+MOST_ARCS = 2  # arcs of the circle that a detector finds as segments
+STRAY = 0.3  # fraction of the pictures with a segment that is not a field line
 _FIELD = Field(2012, half=False)
 
 
 @dataclass(frozen=True, eq=False)
 class LinePicture:
-    """The segments of a picture, and what is true.
+    """The segments of a picture, with its assumed and its true view.
 
     Parameters
     ----------
     segments : ndarray, shape (N, 4)
         (u1, v1, u2, v2), px, the lens removed.
     view : CameraView
-        What the robot believes, without the lens term.
+        Assumed view, without the lens term.
     true_view : CameraView
-        How the camera really looked.
+        True view, without the lens term.
     pose : Pose
         The robot's, in the world.
     """
@@ -48,8 +48,8 @@ def line_picture_of(seed: int) -> LinePicture:
     while True:
         pose = Pose(*rng.uniform((-2.8, -1.9, -np.pi), (2.8, 1.9, np.pi)))
         view = replace(NAO_V4.view("bottom", rng.uniform(-0.6, 0.6), HEAD_PITCH), k1=0.0)
-        lean = rng.normal(0.0, (PITCH_SIGMA, ROLL_SIGMA))
-        true = replace(view, pitch=view.pitch + lean[0], roll=view.roll + lean[1])
+        tilt = rng.normal(0.0, (PITCH_SIGMA, ROLL_SIGMA))
+        true = replace(view, pitch=view.pitch + tilt[0], roll=view.roll + tilt[1])
         segments = _segments_in(pose, true, rng)
         if len(segments) >= FEWEST:
             break
@@ -59,7 +59,7 @@ def line_picture_of(seed: int) -> LinePicture:
 
 
 def _segments_in(pose: Pose, view: CameraView, rng: np.random.Generator) -> FloatArray:
-    """What a good detector finds: the lines as far as they are seen, and pieces of the circle."""
+    """Return the segments of a good detector: the visible lines and parts of the circle."""
     lines = [np.linspace((x1, y1), (x2, y2), 300) for x1, y1, x2, y2 in _FIELD.lines]
     arcs = []
     for x, y, radius, first, last in _FIELD.arcs:
@@ -74,7 +74,7 @@ def _segments_in(pose: Pose, view: CameraView, rng: np.random.Generator) -> Floa
 
 
 def _seen_part(points: FloatArray, pose: Pose, view: CameraView) -> FloatArray | None:
-    """Both ends (4,) of what of a curve (N, 2) is near and inside the picture; None where that is too short."""
+    """Return both ends (4,) of the near and visible part of a curve (N, 2); None if it is too short."""
     near = np.linalg.norm(points - (pose.x, pose.y), axis=1) < REACH
     pixels = view.project(points, pose)
     inside = near & view.contains(pixels)
@@ -85,7 +85,7 @@ def _seen_part(points: FloatArray, pose: Pose, view: CameraView) -> FloatArray |
 
 
 def _shaken(segment: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """The same segment with its ends a little aside."""
+    """Return the segment with small errors at its ends."""
     first, last = segment.reshape(2, 2)
     way = (last - first) / np.linalg.norm(last - first)
     aside = np.array([-way[1], way[0]])
@@ -93,7 +93,7 @@ def _shaken(segment: FloatArray, rng: np.random.Generator) -> FloatArray:
 
 
 def _stray(view: CameraView, rng: np.random.Generator) -> FloatArray:
-    """A segment (1, 4) somewhere on the carpet: a crack, a cable, a robot's arm."""
+    """Return a segment (1, 4) on the carpet that is not a field line, such as a crack or a cable."""
     width, height = view.size
     middle = rng.uniform((40, 0.45 * height), (width - 40, height - 30))
     angle, half = rng.uniform(0, np.pi), rng.uniform(15, 45)

@@ -1,4 +1,4 @@
-"""Looks at the field with what is marked in them, and what a camera that leans unknown to the robot does to them."""
+"""Pictures of the field with marked landmarks, and the errors that an unknown tilt causes in them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Function = Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class MarkedPicture:
     """A picture with its corners and posts marked.
 
     Parameters
@@ -29,7 +29,7 @@ class Look:
     pixels : ndarray of uint8, shape (H, W, 3)
         RGB.
     view : CameraView
-        What the robot believes of its camera.
+        Assumed view of the camera.
     pose : Pose
         The robot's, in the world.
     marks : ndarray, shape (N, 2)
@@ -47,11 +47,11 @@ class Look:
     landmarks: FloatArray
     kinds: tuple[LandmarkKind, ...]
 
-    def with_tilt(self, tilt: float) -> Look:
-        """Return the same picture by a camera that looks lower by `tilt` (rad) than the robot believes."""
+    def with_tilt(self, tilt: float) -> MarkedPicture:
+        """Return the same picture from a camera that points lower than assumed by `tilt` (rad)."""
         return replace(self, view=replace(self.view, pitch=self.view.pitch - tilt))
 
-    def within(self, reach: float) -> Look:
+    def within(self, reach: float) -> MarkedPicture:
         """Return the same picture with only those marks whose landmarks are within a distance of the robot, m."""
         near = np.linalg.norm(self.landmarks - self.pose.as_array()[:2], axis=1) < reach
         kinds = tuple(kind for kind, is_near in zip(self.kinds, near, strict=True) if is_near)
@@ -59,7 +59,7 @@ class Look:
 
 
 def usual_view(size: tuple[int, int] = (320, 240), lens: bool = True) -> CameraView:
-    """View of the lower camera of a standing NAO that looks ahead, 15 degrees down; with or without its lens term."""
+    """Return the view of a standing NAO's bottom camera, 15 degrees down, with or without its lens term."""
     view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, size)
     return view if lens else replace(view, k1=0.0)
 
@@ -71,7 +71,7 @@ def look_around(
     reality: Reality | None = None,
     tilt: TorsoTilt | None = None,
     pixel_sigma: float = PIXEL_SIGMA,
-) -> list[Look]:
+) -> list[MarkedPicture]:
     """Take a picture for each yaw of the head, and mark its landmarks as by hand.
 
     Parameters
@@ -81,11 +81,11 @@ def look_around(
     yaws : sequence of float
         Of the head, rad.
     rng : int
-        Seed of the noise, and of how the robot leans at each picture.
+        Seed of the noise and of the tilt of each picture.
     reality : Reality, optional
         How real the pictures look.
     tilt : TorsoTilt, optional
-        How much it leans.
+        Standard deviations of the tilt.
     pixel_sigma : float
         Standard deviation of the marks, px.
     """
@@ -94,17 +94,15 @@ def look_around(
     return [_look(nao, yaw, by_hand, pixel_sigma) for yaw in yaws]
 
 
-def _look(nao: SimulatedNao, yaw: float, by_hand: np.random.Generator, pixel_sigma: float) -> Look:
+def _look(nao: SimulatedNao, yaw: float, by_hand: np.random.Generator, pixel_sigma: float) -> MarkedPicture:
     nao.look(yaw, HEAD_PITCH)
     picture, truth = nao.take_picture("bottom"), Truth(nao)
     assert truth.picture is not None  # a picture was taken
-    seen = [each for each in truth.picture.landmarks if each.landmark.kind != "cross" and not each.occluded]
+    seen = [each for each in truth.picture.landmarks if each.landmark.detected_as and not each.occluded]
     marks = as_points([each.pixel for each in seen])
-    kinds: tuple[LandmarkKind, ...] = tuple(
-        "post" if each.landmark.kind == "post" else "corner" for each in seen
-    )
+    kinds = tuple(kind for each in seen if (kind := each.landmark.detected_as))
     places = truth.field.pose.to_parent([(each.landmark.x, each.landmark.y) for each in seen])
-    return Look(
+    return MarkedPicture(
         picture.pixels,
         picture.view,
         truth.pose,
@@ -114,7 +112,7 @@ def _look(nao: SimulatedNao, yaw: float, by_hand: np.random.Generator, pixel_sig
     )
 
 
-def leaning_measurements(
+def tilted_measurements(
     pixel_to_ground: Function,
     ground_to_measurement: Function,
     view: CameraView,
@@ -122,18 +120,18 @@ def leaning_measurements(
     tilts: npt.ArrayLike,
     pixel_errors: npt.ArrayLike = 0.0,
 ) -> FloatArray:
-    """Measure points with a camera that leans in each picture and does not know.
+    """Measure points with a camera that has an unknown tilt in each picture.
 
     Parameters
     ----------
     pixel_to_ground, ground_to_measurement : callable
         The student's.
     view : CameraView
-        What is believed.
+        Assumed view.
     points : array_like, shape (k, 2)
         On the ground, robot frame, metres.
     tilts : array_like, shape (M,)
-        How much lower the camera looks than believed in each of M pictures, rad.
+        Angles in rad by which the camera looks lower than assumed in each of M pictures.
     pixel_errors : array_like
         Added to the pixels; what can be broadcast to (M, k, 2).
 
@@ -142,11 +140,11 @@ def leaning_measurements(
     ndarray, shape (M, k, 2)
         (bearing, range): rad, m.
     """
-    places, lean = as_points(points), np.asarray(tilts, dtype=float)
-    pixels = np.array([replace(view, pitch=view.pitch + tilt).project(places) for tilt in lean])
+    places, angles = as_points(points), np.asarray(tilts, dtype=float)
+    pixels = np.array([replace(view, pitch=view.pitch + tilt).project(places) for tilt in angles])
     pixels = pixels + np.broadcast_to(pixel_errors, pixels.shape)
     measured = measure_pixels(pixel_to_ground, ground_to_measurement, pixels.reshape(-1, 2), view)
-    return measured.reshape(len(lean), len(places), 2)
+    return measured.reshape(len(angles), len(places), 2)
 
 
 def measure_pixels(
@@ -184,7 +182,7 @@ def rows_of_two(name: str, answer: Any, number: int) -> FloatArray:
 
 
 def ahead(distances: npt.ArrayLike, view: CameraView) -> FloatArray:
-    """Points (N, 2) of the robot frame on the line that the camera looks along, by their distance from below it, m."""
+    """Return points (N, 2) in the robot frame along the camera's direction, at these ground distances from it in m."""
     away = np.asarray(distances, dtype=float)
     way = np.array([np.cos(view.yaw), np.sin(view.yaw)])
     return np.array(view.offset) + away[:, None] * way

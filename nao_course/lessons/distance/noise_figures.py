@@ -13,13 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.distance.looks import (
-    Function,
-    ahead,
-    leaning_measurements,
-    measure_pixels,
-    usual_view,
-)
+from nao_course.lessons.distance.looks import Function, ahead, measure_pixels, tilted_measurements, usual_view
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import STYLES, course_style
@@ -29,79 +23,85 @@ SAYS = (0.10, 0.30)  # m: Aliyev et al. 2014, section 10, of two degrees
 SIZES = ((320, 240), (640, 480), (1280, 960))
 
 
+@course_style()
 def draw_tilt_band(
     pixel_to_ground: Function, ground_to_measurement: Function, degrees: float = 2.0, samples: int = 600
 ) -> Drawing:
-    """Draw how wrong a distance gets when the camera's angle is off by up to so many degrees, beside the paper's claim.
+    """Draw the error of a distance if the camera's angle is off by up to `degrees`, with the paper's claim.
 
     Parameters
     ----------
     pixel_to_ground, ground_to_measurement : callable
         The student's.
     degrees : float
-        Angles are drawn evenly from minus to plus this.
+        The angles are evenly spaced from minus to plus this.
     samples : int
         How many.
 
     Returns
     -------
     Drawing
-        The figure; its text has the typical error by distance.
+        The figure; its text has the median absolute error by distance.
     """
     away, errors = tilt_errors(pixel_to_ground, ground_to_measurement, degrees, samples)
     low, middle, high = np.nanquantile(errors, [0.05, 0.5, 0.95], axis=0)
-    with course_style():
-        figure = Figure(figsize=(7.8, 4.5))
-        ax = figure.add_subplot()
-        ax.axhspan(*SAYS, color=PAPER, alpha=0.25, lw=0)
-        ax.axhspan(-SAYS[1], -SAYS[0], color=PAPER, alpha=0.25, lw=0)
-        ax.fill_between(away, low, high, color=EXACT, alpha=0.25, lw=0)
-        ax.plot(away, middle, color=EXACT, lw=2)
-        ax.axhline(0, color=TRUTH, lw=0.8)
-        ax.set(
-            xlabel="true distance (m)",
-            ylabel="error of the distance (m)",
-            xlim=(away[0], away[-1]),
-            ylim=(-2.0, 3.0),
-        )
-        ax.grid(color="#e3e5e8")
-        keys = [
-            Patch(facecolor=EXACT, alpha=0.25, label=f"90 % of pictures, ±{degrees:g}°"),
-            Line2D([], [], color=EXACT, lw=2, label="median"),
-            Patch(facecolor=PAPER, alpha=0.25, label="the paper: 10 to 30 cm"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(7.8, 4.5))
+    ax = figure.add_subplot()
+    ax.axhspan(*SAYS, color=PAPER, alpha=0.25, lw=0)
+    ax.axhspan(-SAYS[1], -SAYS[0], color=PAPER, alpha=0.25, lw=0)
+    ax.fill_between(away, low, high, color=EXACT, alpha=0.25, lw=0)
+    ax.plot(away, middle, color=EXACT, lw=2)
+    sizes = np.nanmedian(np.abs(errors), axis=0)
+    ax.plot(away, sizes, color=STYLES["odometry"].colour, lw=2, ls="--")
+    ax.axhline(0, color=TRUTH, lw=0.8)
+    ax.set(
+        xlabel="true distance (m)",
+        ylabel="error of the distance (m)",
+        xlim=(away[0], away[-1]),
+        ylim=(-2.0, 3.0),
+    )
+    ax.grid(color="#e3e5e8")
+    keys = [
+        Patch(facecolor=EXACT, alpha=0.25, label=f"90 % of pictures, ±{degrees:g}°"),
+        Line2D([], [], color=EXACT, lw=2, label="median error"),
+        Line2D([], [], color=STYLES["odometry"].colour, lw=2, ls="--", label="median absolute error"),
+        Patch(facecolor=PAPER, alpha=0.25, label="the paper: 10 to 30 cm"),
+    ]
+    legend_below(figure, keys, columns=2)
     said = ", ".join(
         f"{typical_error(away, errors, at):.2f} m at {at:g} m" for at in (1.0, 2.0, 3.0, 4.0, 5.0)
     )
-    return Drawing(figure, f"Distances with the camera up to {degrees:g} degrees off. Typical error: {said}.")
+    return Drawing(
+        figure, f"Distances with a tilt of up to {degrees:g} degrees. Median absolute error: {said}."
+    )
 
 
 def tilt_errors(
     pixel_to_ground: Function, ground_to_measurement: Function, degrees: float = 2.0, samples: int = 600
 ) -> tuple[FloatArray, FloatArray]:
-    """Sample errors of the distance, measured less true, when the camera's angle is off.
+    """Compute errors of the distance, measured minus true, for evenly spaced errors of the camera's angle.
 
     Returns
     -------
     distances : ndarray, shape (K,)
-        True ones from below the camera, m.
+        True distances from the point below the camera, in m.
     errors : ndarray, shape (samples, K)
-        In m; NaN where a point is seen above the believed horizon.
+        Errors in m; NaN for points above the assumed horizon.
     """
     view = replace(usual_view(), offset=(0.0, 0.0))
     away = np.arange(0.75, 5.01, 0.25)
-    tilts = np.radians(degrees) * np.random.default_rng(4).uniform(-1, 1, samples)
-    measured = leaning_measurements(pixel_to_ground, ground_to_measurement, view, ahead(away, view), tilts)
+    tilts = np.radians(degrees) * np.linspace(-1, 1, samples)
+    measured = tilted_measurements(pixel_to_ground, ground_to_measurement, view, ahead(away, view), tilts)
     return away, measured[..., 1] - away
 
 
 def typical_error(away: FloatArray, errors: FloatArray, at: float) -> float:
-    """Median size of the error (m) at a distance that is one of `away`."""
+    """Return the median absolute error in m at the distance in `away` that is nearest to `at`."""
     column = errors[:, int(np.argmin(np.abs(away - at)))]
     return float(np.nanmedian(np.abs(column)))
 
 
+@course_style()
 def draw_asymmetry(
     pixel_to_ground: Function,
     ground_to_measurement: Function,
@@ -127,40 +127,38 @@ def draw_asymmetry(
     """
     view = replace(usual_view(), offset=(0.0, 0.0))
     tilts = tilt_sigma * np.random.default_rng(5).standard_normal(2000)
-    measured = leaning_measurements(
+    measured = tilted_measurements(
         pixel_to_ground, ground_to_measurement, view, ahead(distances, view), tilts
     )[..., 1]
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 3.5))
-        for ax, away, ranges in zip(figure.subplots(1, len(distances)), distances, measured.T, strict=True):
-            sigma = float(range_sigma(away, view.height, tilt_sigma))
-            shown = (away - 4 * sigma, away + 5.5 * sigma)
-            ax.hist(ranges, bins=np.linspace(*shown, 40), density=True, color=EXACT, alpha=0.45)
-            x = np.linspace(*shown, 200)
-            ax.plot(
-                x, np.exp(-(((x - away) / sigma) ** 2) / 2) / sigma / np.sqrt(2 * np.pi), color=TRUTH, lw=2
-            )
-            ax.axvline(float(np.nanmean(ranges)), color=PAPER, ls="--", lw=1.6)
-            ax.set(xlabel="measured distance (m)", yticks=[], xlim=shown)
-            ax.spines["left"].set_visible(False)
-            ax.set_title(f"{away:g} m away: σ = {sigma:.2f} m", fontsize=11)
-            below, above = np.nanquantile(ranges, [0.025, 0.975])
-            said.append(
-                f"at {away:g} m computed {sigma:.3f} m, sampled {np.nanstd(ranges):.3f} m, 95 % from "
-                f"{below - away:+.2f} to {above - away:+.2f} m, mean {np.nanmean(ranges) - away:+.3f} m"
-            )
-        keys = [
-            Patch(facecolor=EXACT, alpha=0.45, label="2000 pictures"),
-            Line2D([], [], color=TRUTH, lw=2, label="normal distribution with your σ"),
-            Line2D([], [], color=PAPER, ls="--", lw=1.6, label="mean of the pictures"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(9.9, 3.5))
+    for ax, away, ranges in zip(figure.subplots(1, len(distances)), distances, measured.T, strict=True):
+        sigma = float(range_sigma(away, view.height, tilt_sigma))
+        shown = (away - 4 * sigma, away + 5.5 * sigma)
+        ax.hist(ranges, bins=np.linspace(*shown, 40), density=True, color=EXACT, alpha=0.45)
+        x = np.linspace(*shown, 200)
+        ax.plot(x, np.exp(-(((x - away) / sigma) ** 2) / 2) / sigma / np.sqrt(2 * np.pi), color=TRUTH, lw=2)
+        ax.axvline(float(np.nanmean(ranges)), color=PAPER, ls="--", lw=1.6)
+        ax.set(xlabel="measured distance (m)", yticks=[], xlim=shown)
+        ax.spines["left"].set_visible(False)
+        ax.set_title(f"{away:g} m away: σ = {sigma:.2f} m", fontsize=11)
+        below, above = np.nanquantile(ranges, [0.025, 0.975])
+        said.append(
+            f"at {away:g} m computed {sigma:.3f} m, sampled {np.nanstd(ranges):.3f} m, 95 % from "
+            f"{below - away:+.2f} to {above - away:+.2f} m, mean {np.nanmean(ranges) - away:+.3f} m"
+        )
+    keys = [
+        Patch(facecolor=EXACT, alpha=0.45, label="2000 pictures"),
+        Line2D([], [], color=TRUTH, lw=2, label="normal distribution with your σ"),
+        Line2D([], [], color=PAPER, ls="--", lw=1.6, label="mean of the pictures"),
+    ]
+    legend_below(figure, keys)
     return Drawing(
         figure, f"Standard deviations with {np.degrees(tilt_sigma):.2g} degrees of tilt: {'; '.join(said)}."
     )
 
 
+@course_style()
 def draw_pixel_worth(
     pixel_to_ground: Function, ground_to_measurement: Function, range_sigma: Function
 ) -> Drawing:
@@ -178,30 +176,22 @@ def draw_pixel_worth(
     """
     away = np.linspace(0.75, 6.0, 80)
     said = []
-    with course_style():
-        figure = Figure(figsize=(7.8, 4.5))
-        ax = figure.add_subplot()
-        view = replace(usual_view(), offset=(0.0, 0.0))
-        tilt = np.array([float(range_sigma(float(r), view.height, float(np.radians(1.0)))) for r in away])
-        ax.plot(away, 100 * tilt, color=PAPER, lw=2.4, label="one degree of tilt")
-        for size, line in zip(SIZES, ("-", "--", ":"), strict=True):
-            worth = pixel_worth(pixel_to_ground, ground_to_measurement, away, size)
-            ax.plot(
-                away, 100 * worth, color=EXACT, lw=2, ls=line, label=f"one pixel of {size[0]} x {size[1]}"
-            )
-            said.append(
-                f"one pixel of {size[0]} x {size[1]} {100 * float(np.interp(3.0, away, worth)):.1f} cm"
-            )
-        ax.set(
-            xlabel="distance (m)",
-            ylabel="change of the distance (cm)",
-            yscale="log",
-            xlim=(away[0], away[-1]),
-        )
-        ax.set_yticks([0.3, 1, 3, 10, 30, 100])
-        ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        ax.grid(color="#e3e5e8")
-        legend_below(figure, ax.get_lines(), columns=2)
+    figure = Figure(figsize=(7.8, 4.5))
+    ax = figure.add_subplot()
+    view = replace(usual_view(), offset=(0.0, 0.0))
+    tilt = np.array([float(range_sigma(float(r), view.height, float(np.radians(1.0)))) for r in away])
+    ax.plot(away, 100 * tilt, color=PAPER, lw=2.4, label="one degree of tilt")
+    for size, line in zip(SIZES, ("-", "--", ":"), strict=True):
+        worth = pixel_worth(pixel_to_ground, ground_to_measurement, away, size)
+        ax.plot(away, 100 * worth, color=EXACT, lw=2, ls=line, label=f"one pixel of {size[0]} x {size[1]}")
+        said.append(f"one pixel of {size[0]} x {size[1]} {100 * float(np.interp(3.0, away, worth)):.1f} cm")
+    ax.set(
+        xlabel="distance (m)", ylabel="change of the distance (cm)", yscale="log", xlim=(away[0], away[-1])
+    )
+    ax.set_yticks([0.3, 1, 3, 10, 30, 100])
+    ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    ax.grid(color="#e3e5e8")
+    legend_below(figure, ax.get_lines(), columns=2)
     return Drawing(
         figure,
         f"At 3 m: {', '.join(said)}, one degree of tilt {100 * float(np.interp(3.0, away, tilt)):.0f} cm.",
@@ -211,7 +201,7 @@ def draw_pixel_worth(
 def pixel_worth(
     pixel_to_ground: Function, ground_to_measurement: Function, away: npt.ArrayLike, size: tuple[int, int]
 ) -> FloatArray:
-    """By how much (m) the distance changes over one pixel, straight ahead at distances `away` (N,) in m."""
+    """Return the change of the distance in m per pixel, straight ahead at distances `away` (N,) in m."""
     view = replace(usual_view(size), offset=(0.0, 0.0))
     pixels = view.project(ahead(away, view))
     high, low = (
@@ -221,6 +211,7 @@ def pixel_worth(
     return high - low
 
 
+@course_style()
 def draw_shared_tilt(
     pixel_to_ground: Function,
     ground_to_measurement: Function,
@@ -229,7 +220,7 @@ def draw_shared_tilt(
     tilt_sigma: float,
     pictures: int = 40,
 ) -> Drawing:
-    """Draw three landmarks as many pictures measure them, joined picture by picture, and how their errors correlate.
+    """Draw the errors of two ranges in many pictures, and the correlation of all measurements of a picture.
 
     Parameters
     ----------
@@ -250,49 +241,39 @@ def draw_shared_tilt(
     rng = np.random.default_rng(6)
     tilts = tilt_sigma * rng.standard_normal(pictures)
     errors = pixel_sigma * rng.standard_normal((pictures, len(places), 2))
-    measured = leaning_measurements(pixel_to_ground, ground_to_measurement, view, places, tilts, errors)
-    away = measured[..., 1]
-    points = np.stack([away * np.cos(measured[..., 0]), away * np.sin(measured[..., 0])], axis=2)
+    measured = tilted_measurements(pixel_to_ground, ground_to_measurement, view, places, tilts, errors)
+    missed = measured[..., 1] - np.linalg.norm(places, axis=1)
     full = np.asarray(
         measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma), dtype=float
     )
     deviations = np.sqrt(np.diag(full))
     correlation = full / np.outer(deviations, deviations)
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.5))
-        left, right = figure.subplots(1, 2, width_ratios=[1.25, 1])
-        for picture, tilt in zip(points, tilts, strict=True):
-            left.plot(
-                picture[:, 1], picture[:, 0], "-", color=PAPER if tilt > 0 else EXACT, lw=0.7, alpha=0.6
-            )
-        left.plot(points[..., 1].ravel(), points[..., 0].ravel(), ".", color=TRUTH, ms=4)
-        left.plot(places[:, 1], places[:, 0], "o", color=TRUTH, mfc="none", ms=11, mew=2)
-        left.plot(0, 0, "^", color=TRUTH, ms=9)
-        left.set(aspect="equal", xlabel="y, to the left (m)", ylabel="x, ahead (m)", ylim=(-0.2, None))
-        left.invert_xaxis()
-        left.grid(color="#e3e5e8")
-        names = [f"{kind} {number}" for number in (1, 2, 3) for kind in ("bearing", "range")]
-        _plot_correlation(right, correlation, names)
-        keys = [
-            Line2D(
-                [], [], color=TRUTH, marker="o", mfc="none", ls="", ms=9, mew=2, label="landmarks 1, 2, 3"
-            ),
-            Line2D(
-                [], [], color=PAPER, marker=".", mfc=TRUTH, mec=TRUTH, label="a picture that looks too low"
-            ),
-            Line2D([], [], color=EXACT, marker=".", mfc=TRUTH, mec=TRUTH, label="one that looks too high"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(9.9, 4.5))
+    left, right = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    left.axhline(0, color=TRUTH, lw=0.8)
+    left.axvline(0, color=TRUTH, lw=0.8)
+    for low, colour in ((True, PAPER), (False, EXACT)):
+        chosen = missed[(tilts > 0) == low]
+        left.plot(100 * chosen[:, 0], 100 * chosen[:, 2], "o", color=colour, ms=6, mec="white", mew=0.6)
+    left.set(xlabel="error of the range at 1 m (cm)", ylabel="error of the range at 3 m (cm)")
+    left.grid(color="#e3e5e8")
+    names = [f"{kind} {number}" for number in (1, 2, 3) for kind in ("bearing", "range")]
+    _plot_correlation(right, correlation, names)
+    keys = [
+        Line2D([], [], color=PAPER, marker="o", ls="", label="the camera looks lower than assumed"),
+        Line2D([], [], color=EXACT, marker="o", ls="", label="the camera looks higher than assumed"),
+    ]
+    legend_below(figure, keys)
     ranges = ", ".join(f"{correlation[2 * i + 1, 2 * j + 1]:.2f}" for i, j in ((0, 1), (0, 2), (1, 2)))
     words = (
-        f"Three landmarks in {pictures} pictures: in each picture all three come out too near, or all too far. "
+        f"Errors of two ranges in {pictures} pictures: in each picture both are too short, or both too long. "
         f"Correlation of their ranges by the student's covariance, 1-2, 1-3 and 2-3: {ranges}."
     )
     return Drawing(figure, words)
 
 
 def three_landmarks() -> FloatArray:
-    """Points (3, 2) in the robot frame, m: 1, 2 and 3 m away, to the left and to the right."""
+    """Return points (3, 2) in the robot frame at 1, 2 and 3 m, to the left and to the right."""
     bearing = np.radians([24.0, -23.0, 9.0])
     return np.array([1.0, 2.0, 3.0])[:, None] * np.column_stack([np.cos(bearing), np.sin(bearing)])
 

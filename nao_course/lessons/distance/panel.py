@@ -1,4 +1,4 @@
-"""The tilt panel: marks of a picture as points on the map, while the camera looks lower than the robot believes."""
+"""The tilt panel: marks of a picture as points on the map while the camera looks lower than assumed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from matplotlib.colors import to_rgb
 
 from nao_course.geometry import FloatArray, Pose, as_points
-from nao_course.lessons.distance.looks import Look, look_around, points_covariance
+from nao_course.lessons.distance.looks import MarkedPicture, look_around, points_covariance
 from nao_course.plotting import STYLES, table
 from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind
@@ -25,8 +25,8 @@ COLOUR = tuple(round(255 * each) for each in to_rgb(STYLES["ekf"].colour))
 
 
 @cache
-def upright_look() -> Look:
-    """Take the panel's picture, by a robot that does not lean; its marks are exact."""
+def upright_picture() -> MarkedPicture:
+    """Take the picture of the panel without any tilt; its marks are exact."""
     (look,) = look_around(
         POSE, [0.0], rng=2, reality=Reality(seed=4), tilt=TorsoTilt(0.0, 0.0), pixel_sigma=0.0
     )
@@ -34,7 +34,7 @@ def upright_look() -> Look:
 
 
 class TiltPanel(FunctionPanel):
-    """A picture, the map with your points and ellipses, and sliders for the tilt and for what is believed of it.
+    """Show a picture and the map with your points and ellipses, with sliders for the tilt and its sigma.
 
     Parameters
     ----------
@@ -49,14 +49,21 @@ class TiltPanel(FunctionPanel):
         measurement_covariance: Callable[..., Any],
     ) -> None:
         """Put the marks on the map and build the widgets."""
-        self._look = upright_look()
+        self._look = upright_picture()
         self._map = LiveMap(Field(2012), {"truth": "robot", "ekf": "your points, 95 %"})
         super().__init__(
             "Tilt panel",
             self._measure,
             [
                 Slider(
-                    "tilt", "Looks lower by", -3.0, 3.0, 0.1, 1.0, unit="°", tooltip="Than the robot believes"
+                    "tilt",
+                    "Looks lower by",
+                    -3.0,
+                    3.0,
+                    0.1,
+                    1.0,
+                    unit="°",
+                    tooltip="The angle by which the camera looks lower than assumed",
                 ),
                 Slider(
                     "sigma",
@@ -66,7 +73,7 @@ class TiltPanel(FunctionPanel):
                     0.1,
                     1.0,
                     unit="°",
-                    tooltip="What the covariance is told",
+                    tooltip="Standard deviation of the tilt for your covariance",
                 ),
                 Slider("pixel_sigma", "Pixel's sigma", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"),
                 Pixel("pixel", "Pixel", self._look.view.size, START, tooltip="One more point for the map"),
@@ -109,7 +116,7 @@ class TiltPanel(FunctionPanel):
     def _drawn(
         self, points: FloatArray, covariances: FloatArray, kinds: tuple[LandmarkKind, ...]
     ) -> npt.NDArray[np.uint8]:
-        """The map with points of the robot frame on it."""
+        """Draw the map with points in the robot frame."""
         c, s = np.cos(POSE.theta), np.sin(POSE.theta)
         turn = np.array([[c, -s], [s, c]])
         nowhere = np.full((3, 3), np.nan)  # the robot's own place is known: no ellipse
@@ -138,9 +145,13 @@ def _with_horizon(pixels: npt.NDArray[np.uint8], view: CameraView) -> npt.NDArra
 
 
 def _table(
-    look: Look, ground: FloatArray, measured: FloatArray, deviations: FloatArray, seen: npt.NDArray[np.bool_]
+    look: MarkedPicture,
+    ground: FloatArray,
+    measured: FloatArray,
+    deviations: FloatArray,
+    seen: npt.NDArray[np.bool_],
 ) -> Any:
-    """Range, sigma and error of each landmark that is seen on the ground."""
+    """Return range, sigma and error of each landmark below the horizon."""
     rows = []
     numbers = np.flatnonzero(seen)
     for number, (_, away), sigma in zip(numbers, measured, deviations, strict=True):
@@ -158,7 +169,7 @@ def _table(
 
 
 def _words(seen: npt.NDArray[np.bool_], measured: FloatArray, deviations: FloatArray) -> str:
-    """What is said of the chosen pixel."""
+    """Describe the selected pixel."""
     if not seen[-1]:
         return "The chosen pixel is at or above the horizon: it shows no point of the ground."
     bearing, away = measured[-1]

@@ -1,4 +1,4 @@
-"""The payoff of lesson 04: what is marked in three pictures, as points on the map with their doubt."""
+"""The payoff of lesson 04: marks in three pictures as points on the map with their covariances."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Function, Look, look_around
+from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Function, MarkedPicture, look_around
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
 from nao_course.plotting.legends import landmark_keys, legend_below
@@ -24,16 +24,18 @@ from nao_course.sim import Field
 
 POSE = Pose(0.95, 0.45, -0.12)
 YAWS = {"head to the left": 0.62, "straight ahead": 0.0, "to the right": -0.62}
+SHOWN_X, SHOWN_Y = (-0.4, 4.5), (-2.9, 3.2)  # m: whole ellipses
 FARTHEST = 3.5  # m: farther marks are left out
 ESTIMATE = STYLES["ekf"].colour
 
 
 @cache
-def payoff_looks() -> tuple[Look, ...]:
+def payoff_pictures() -> tuple[MarkedPicture, ...]:
     """Take the three pictures; the same at every call."""
     return tuple(each.within(FARTHEST) for each in look_around(POSE, list(YAWS.values()), rng=3))
 
 
+@course_style()
 def draw_payoff(
     pixel_to_ground: Callable[..., Any],
     ground_to_measurement: Callable[..., Any],
@@ -53,19 +55,22 @@ def draw_payoff(
     """
     own = (pixel_to_ground, ground_to_measurement, measurement_covariance)
     errors: list[float] = []
-    with course_style():
-        figure = Figure(figsize=(8.8, 6.0))
-        grid = figure.add_gridspec(3, 2, width_ratios=[1, 1.9])
-        above = figure.add_subplot(grid[:, 1])
-        plot_field(Field(2012), above)
-        for row, (title, look) in enumerate(zip(YAWS, payoff_looks(), strict=True)):
-            ax = figure.add_subplot(grid[row, 0])
-            ax.set_title(title, fontsize=10)
-            _plot_marks(look, ax)
-            errors += _plot_points(look, above, *own)
-        plot_pose(POSE, above, "truth")
-        ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="holds it with 95 %")
-        legend_below(figure, [*landmark_keys(("corner", "post"), ESTIMATE, "measured"), ellipse], columns=3)
+    figure = Figure(figsize=(9.6, 8.6))
+    grid = figure.add_gridspec(2, 3, height_ratios=[1, 2.1])
+    above = figure.add_subplot(grid[1, :])
+    plot_field(Field(2012), above)
+    for column, (title, look) in enumerate(zip(YAWS, payoff_pictures(), strict=True)):
+        ax = figure.add_subplot(grid[0, column])
+        ax.set_title(title, fontsize=10)
+        _plot_marks(look, ax)
+        errors += _plot_points(look, above, *own)
+    above.set(xlim=SHOWN_X, ylim=SHOWN_Y)
+    plot_pose(POSE, above, "truth")
+    ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="95 % ellipse")
+    robot = Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="robot")
+    legend_below(
+        figure, [*landmark_keys(("corner", "post"), ESTIMATE, "measured"), ellipse, robot], columns=4
+    )
     words = (
         f"Three pictures of the field with {len(errors)} corners and posts marked, and the map: each mark has become a "
         f"point with an ellipse that grows with the distance. The points are {np.median(errors):.2f} m from their "
@@ -74,8 +79,8 @@ def draw_payoff(
     return Drawing(figure, words, photo=True)
 
 
-def _plot_marks(look: Look, ax: Axes) -> None:
-    """A picture with its marks."""
+def _plot_marks(look: MarkedPicture, ax: Axes) -> None:
+    """Draw a picture with its marks."""
     plot_picture(look.pixels, ax, ticks=False)
     for kind, (u, v) in zip(look.kinds, look.marks, strict=True):
         marker = LANDMARK_MARKERS[kind]
@@ -83,9 +88,9 @@ def _plot_marks(look: Look, ax: Axes) -> None:
 
 
 def _plot_points(
-    look: Look, ax: Axes, to_ground: Function, to_measurement: Function, covariance: Function
+    look: MarkedPicture, ax: Axes, to_ground: Function, to_measurement: Function, covariance: Function
 ) -> list[float]:
-    """The marks as points with their ellipses; returns how far each is from its landmark, m."""
+    """Draw the marks as points with ellipses, and return their distances from the landmarks in m."""
     ground = np.asarray(to_ground(look.marks.copy(), look.view), dtype=float)
     measured = np.asarray(to_measurement(ground.copy()), dtype=float)
     full = np.asarray(covariance(look.marks.copy(), look.view, PIXEL_SIGMA, TILT_SIGMA), dtype=float)
@@ -98,7 +103,7 @@ def _plot_points(
 
 
 def polar_outlines(measurements: FloatArray, covariance: FloatArray, probability: float = 0.95) -> FloatArray:
-    """Outlines (k, corners, 2) in the robot frame, m, of ellipses that are ones in (bearing, range).
+    """Return outlines (k, corners, 2) in the robot frame, in m, of ellipses in (bearing, range).
 
     Parameters
     ----------

@@ -8,18 +8,18 @@ from nao_course.geometry import as_points
 from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 FOUND_BEFORE = ("goal posts", "corners")  # stages of lessons 02 and 03 whose result is pixels (K, 2)
 
 
-def _put_on_map(student: StudentCode, nao: SimulatedNao) -> Look:
+def _put_on_map(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Turn the pixels that the stages before have found into points of the robot frame."""
 
-    def look(sight: Sight) -> Overlay:
-        found = [as_points(sight.results[name]) for name in FOUND_BEFORE if name in sight.results]
+    def look(frame: Frame) -> Overlay:
+        found = [as_points(frame.results[name]) for name in FOUND_BEFORE if name in frame.results]
         pixels = np.vstack([np.zeros((0, 2)), *found])
-        points = as_points(student.pixel_to_ground(pixels, sight.picture.view), name="points on the ground")
+        points = as_points(student.pixel_to_ground(pixels, frame.picture.view), name="points on the ground")
         if len(points) != len(pixels):
             raise ValueError(f"{len(pixels)} pixels need as many points on the ground, got {len(points)}")
         below = points[np.isfinite(points).all(axis=1)]

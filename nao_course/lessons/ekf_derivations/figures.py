@@ -1,4 +1,4 @@
-"""Figures of lesson 05: samples beside the ellipse that a linearisation predicts, and where the two part."""
+"""Figures of lesson 05: samples and the ellipse that a linearisation predicts for them."""
 
 from __future__ import annotations
 
@@ -13,52 +13,49 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.ekf_derivations.samples import (
-    SAMPLES,
-    Cloud,
-    draw,
-    each_moved,
-)
+from nao_course.lessons.ekf_derivations.samples import SAMPLES, Cloud, draw, each_moved
 from nao_course.plotting import STYLES, Drawing, course_style, plot_ellipse
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, HALO
 
 Function = Callable[..., Any]
 
-TRUTH, BELIEF = STYLES["truth"], STYLES["ekf"]
-STEP = 1.0  # m, of the payoff's three steps
-STEP_NOISE = np.diag([0.04, 0.03, np.radians(1.0)]) ** 2  # of one step: along, across (m) and turn (rad)
-PAYOFF_DEGREES = (5, 15, 30)  # to which the heading is known
-START_NOISE = (0.03, 0.03)  # m, standard deviations of the place at the start
+TRUTH, ESTIMATE = STYLES["truth"], STYLES["ekf"]
+STEP = 1.0  # m, each of the payoff's three steps
+STEP_NOISE = (
+    np.diag([0.04, 0.03, np.radians(1.0)]) ** 2
+)  # covariance of one step: along, across (m) and turn (rad)
+PAYOFF_DEGREES = (5, 15, 30)  # standard deviations of the heading
+START_NOISE = (0.03, 0.03)  # m, standard deviations of the starting position
 
 
 def plot_cloud(
     cloud: Cloud, ax: Axes, colour: str = TRUTH.colour, scale: Sequence[float] = (1.0, 1.0)
 ) -> None:
-    """Draw samples with their mean, and the predicted mean with its 95 % ellipse, in units of `scale`."""
+    """Draw samples with their mean, and the predicted mean with its 95 % ellipse, all multiplied by `scale`."""
     factors = np.asarray(scale)
     ax.plot(*(cloud.points * factors).T, ".", color=colour, ms=3, alpha=0.45, mew=0)
     plot_ellipse(cloud.mean * factors, cloud.covariance * np.outer(factors, factors), ax)
-    ax.plot(*(cloud.mean * factors), BELIEF.marker, color=BELIEF.colour, ms=9, mec="white", zorder=5)
+    ax.plot(*(cloud.mean * factors), ESTIMATE.marker, color=ESTIMATE.colour, ms=9, mec="white", zorder=5)
     ax.plot(*(cloud.sampled_mean * factors), "X", color=colour, ms=9, mec="white", zorder=6)
 
 
 def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
-    """Keys of what `plot_cloud` draws."""
+    """Return the legend entries for `plot_cloud`."""
     return [
         Line2D([], [], color=TRUTH.colour, marker=".", ls="", ms=6, label=samples),
-        Line2D([], [], color=TRUTH.colour, marker="X", ls="", ms=9, mec="white", label="their mean"),
+        Line2D([], [], color=TRUTH.colour, marker="X", ls="", ms=9, mec="white", label="mean of the dots"),
         Line2D(
             [],
             [],
-            color=BELIEF.colour,
-            marker=BELIEF.marker,
+            color=ESTIMATE.colour,
+            marker=ESTIMATE.marker,
             ls="",
             ms=9,
             mec="white",
             label="predicted mean",
         ),
-        Patch(facecolor="#0b5fa529", edgecolor=BELIEF.colour, label="predicted, 95 %"),
+        Patch(facecolor="#0b5fa529", edgecolor=ESTIMATE.colour, label="predicted 95 % ellipse"),
     ]
 
 
@@ -66,7 +63,7 @@ def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
 
 
 def bending_clouds(predict_pose: Function, predict_covariance: Function, heading_sigma: float) -> list[Cloud]:
-    """Three steps of 1 m from (0, 0, 0) with an uncertain heading (rad): a cloud behind each step."""
+    """Simulate three steps of 1 m from (0, 0, 0) with an uncertain heading (rad): a cloud after each step."""
     rng = np.random.default_rng(5)
     pose, control = np.zeros(3), np.array([STEP, 0.0])
     covariance = np.diag([*START_NOISE, heading_sigma]) ** 2
@@ -80,8 +77,9 @@ def bending_clouds(predict_pose: Function, predict_covariance: Function, heading
     return clouds
 
 
+@course_style()
 def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawing:
-    """Draw 500 robots that walk three metres without being sure of their heading, and the ellipses predicted for them.
+    """Draw 500 robots that walk three metres with an uncertain heading, and the ellipses predicted for them.
 
     Parameters
     ----------
@@ -93,47 +91,45 @@ def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawin
     Returns
     -------
     Drawing
-        Headings known to 5, 15 and 30 degrees; its text says how many robots are inside.
+        Three panels, for headings known to 5, 15 and 30 degrees; the text says how many robots are inside.
     """
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.0, 5.0))
-        for ax, degrees in zip(figure.subplots(1, 3, sharey=True), PAYOFF_DEGREES, strict=True):
-            clouds = bending_clouds(predict_pose, predict_covariance, np.radians(degrees))
-            for cloud in clouds:
-                plot_cloud(cloud, ax)
-            ax.plot(0, 0, "o", color=TRUTH.colour, ms=8, mec="white", zorder=6)
-            ax.annotate("start", (0, 0), (0, -9), textcoords="offset points", ha="center", va="top")
-            ax.set(aspect="equal", xlim=(-0.5, 3.7), ylim=(-4.2, 4.7), xlabel="x (m)")
-            ax.set_title(f"heading known to {degrees}°", fontsize=11)
-            inside = [round(100 * cloud.inside()) for cloud in clouds]
-            for cloud, share in zip(clouds, inside, strict=True):
-                top = cloud.mean[1] + 2.45 * np.sqrt(cloud.covariance[1, 1]) + 0.15  # above the ellipse
-                ax.text(cloud.mean[0], top, f"{share} %", ha="center", color=BELIEF.colour, path_effects=HALO)
-            said.append(
-                f"{degrees} degrees: {inside[0]}, {inside[1]} and {inside[2]} % of the robots are inside"
-            )
-        figure.axes[0].set_ylabel("y (m)")
-        legend_below(figure, cloud_keys("500 robots"))
+    figure = Figure(figsize=(9.0, 5.0))
+    for ax, degrees in zip(figure.subplots(1, 3, sharey=True), PAYOFF_DEGREES, strict=True):
+        clouds = bending_clouds(predict_pose, predict_covariance, np.radians(degrees))
+        for cloud in clouds:
+            plot_cloud(cloud, ax)
+        ax.plot(0, 0, "o", color=TRUTH.colour, ms=8, mec="white", zorder=6)
+        ax.annotate("start", (0, 0), (0, -9), textcoords="offset points", ha="center", va="top")
+        ax.set(aspect="equal", xlim=(-0.5, 3.7), ylim=(-4.2, 4.7), xlabel="x (m)")
+        ax.set_title(f"heading known to {degrees}°", fontsize=11)
+        inside = [round(100 * cloud.inside()) for cloud in clouds]
+        for cloud, share in zip(clouds, inside, strict=True):
+            top = cloud.mean[1] + 2.45 * np.sqrt(cloud.covariance[1, 1]) + 0.15  # above the ellipse
+            ax.text(cloud.mean[0], top, f"{share} %", ha="center", color=ESTIMATE.colour, path_effects=HALO)
+        said.append(f"{degrees} degrees: {inside[0]}, {inside[1]} and {inside[2]} % of the robots are inside")
+    figure.axes[0].set_ylabel("y (m)")
+    legend_below(figure, cloud_keys("500 robots"))
     return Drawing(
         figure,
-        "500 robots after 1, 2 and 3 m, with the ellipses that were predicted to hold 95 % of them. Heading known to "
-        f"{'; to '.join(said)}: the last clouds are bent like bananas, the ellipses are not.",
+        "500 robots after 1, 2 and 3 m, with the ellipses that should hold 95 % of them. Heading known to "
+        f"{'; to '.join(said)}: the last clouds are bent like bananas, but the ellipses are not.",
     )
 
 
-# --- two landmarks from one look ---
+# --- two landmarks measured from one pose ---
 
 
+@course_style()
 def draw_correlation(points: FloatArray, correlation: float) -> Drawing:
-    """Draw the errors of two landmarks that were placed by one look, against each other.
+    """Draw the errors of two landmarks that were measured from the same pose, against each other.
 
     Parameters
     ----------
     points : ndarray, shape (N, 2)
-        Errors of both along y (m).
+        Errors of both landmarks along y (m).
     correlation : float
-        What the Jacobians say it is.
+        The correlation that the Jacobians predict.
 
     Returns
     -------
@@ -141,81 +137,78 @@ def draw_correlation(points: FloatArray, correlation: float) -> Drawing:
         The figure; its text has both correlations.
     """
     measured = float(np.asarray(np.corrcoef(points.T))[0, 1])
-    with course_style():
-        figure = Figure(figsize=(5.2, 4.4))
-        ax = figure.subplots()
-        ax.axhline(0, color=GREY, lw=0.8)
-        ax.axvline(0, color=GREY, lw=0.8)
-        ax.plot(*points.T, ".", color=TRUTH.colour, ms=4, alpha=0.5, mew=0)
-        ax.set(
-            aspect="equal", xlabel="error of landmark 1 along y (m)", ylabel="error of landmark 2 along y (m)"
-        )
-        ax.set_title(f"Correlation: {measured:.2f} (Jacobians: {correlation:.2f})", fontsize=11)
+    figure = Figure(figsize=(5.2, 4.4))
+    ax = figure.subplots()
+    ax.axhline(0, color=GREY, lw=0.8)
+    ax.axvline(0, color=GREY, lw=0.8)
+    ax.plot(*points.T, ".", color=TRUTH.colour, ms=4, alpha=0.5, mew=0)
+    ax.set(aspect="equal", xlabel="error of landmark 1 along y (m)", ylabel="error of landmark 2 along y (m)")
+    ax.set_title(f"Correlation: {measured:.2f} (Jacobians: {correlation:.2f})", fontsize=11)
     return Drawing(
         figure,
-        f"Errors of two landmarks along y, {len(points)} looks. They lie along a rising line: their correlation is "
-        f"{measured:.2f}; the Jacobians give {correlation:.2f}.",
+        f"Errors of two landmarks along y, {len(points)} times. They lie along a rising line: their correlation is "
+        f"{measured:.2f}, and the Jacobians give {correlation:.2f}.",
     )
 
 
-# --- where the straight line ends ---
+# --- where the linearisation fails ---
 
 
+@course_style()
 def draw_curves(
     sigmas: npt.ArrayLike, measured: Mapping[str, FloatArray], predicted: Mapping[str, FloatArray]
 ) -> Drawing:
-    """Draw what linearising the heading costs, against the heading's standard deviation.
+    """Draw the errors of a linearisation against the heading's standard deviation.
 
     Parameters
     ----------
     sigmas : array_like, shape (S,)
         Radians.
     measured : mapping of str to ndarray, shape (S, 3)
-        Low end, middle and high end of what samples give, by what it is.
+        By title: the low end, the mean and the high end of the measured values.
     predicted : mapping of str to ndarray, shape (S,)
-        What a formula gives, by what it is; drawn as lines.
+        By title: the values of a formula, drawn as lines.
 
     Returns
     -------
     Drawing
-        One axis for each; its text has the values at 5, 15, 30 and 45 degrees.
+        One axis for each title; its text has the values at 5, 15, 30 and 45 degrees.
     """
     degrees = np.degrees(np.asarray(sigmas, dtype=float))
     said = []
-    with course_style():
-        figure = Figure(figsize=(9.9, 3.7))
-        for ax, (title, values) in zip(figure.subplots(1, len(measured)), measured.items(), strict=True):
-            low, middle, high = values.T
-            ax.errorbar(
-                degrees,
-                middle,
-                [middle - low, high - middle],
-                color=TRUTH.colour,
-                fmt=TRUTH.marker,
-                ms=5,
-                mec="white",
-                lw=1.3,
-            )
-            if title in predicted:
-                ax.plot(degrees, predicted[title], color=BELIEF.colour, lw=2, zorder=0)
-            else:
-                ax.axhline(95, color=BELIEF.colour, lw=2, ls=BELIEF.line, zorder=0)
-            ax.set(xlabel="σ of the heading (degrees)", xticks=range(0, 61, 15))
-            ax.set_title(title, fontsize=11)
-            at = ", ".join(f"{np.interp(d, degrees, middle):.2g} at {d}°" for d in (5, 15, 30, 45))
-            said.append(f"{title}: {at}")
-        keys = [
-            Line2D(
-                [],
-                [],
-                color=TRUTH.colour,
-                marker=TRUTH.marker,
-                ls="",
-                mec="white",
-                label="2,000 samples, 95 % of 20 runs",
-            ),
-            Line2D([], [], color=BELIEF.colour, lw=2, label="formula"),
-            Line2D([], [], color=BELIEF.colour, lw=2, ls=BELIEF.line, label="what it should be"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(9.9, 3.7))
+    for ax, (title, values) in zip(figure.subplots(1, len(measured)), measured.items(), strict=True):
+        low, middle, high = values.T
+        ax.errorbar(
+            degrees,
+            middle,
+            [middle - low, high - middle],
+            color=TRUTH.colour,
+            fmt=TRUTH.marker,
+            ms=5,
+            mec="white",
+            lw=1.3,
+        )
+        if title in predicted:
+            ax.plot(degrees, predicted[title], color=ESTIMATE.colour, lw=2, zorder=0)
+        else:
+            ax.axhline(95, color=ESTIMATE.colour, lw=2, ls=ESTIMATE.line, zorder=0)
+        ax.set(xlabel="σ of the heading (degrees)", xticks=range(0, 61, 15))
+        ax.set_title(title, fontsize=11)
+        at = ", ".join(f"{np.interp(d, degrees, middle):.2g} at {d}°" for d in (5, 15, 30, 45))
+        said.append(f"{title}: {at}")
+    keys = [
+        Line2D(
+            [],
+            [],
+            color=TRUTH.colour,
+            marker=TRUTH.marker,
+            ls="",
+            mec="white",
+            label="mean and 95 % of 20 runs with 2,000 samples",
+        ),
+        Line2D([], [], color=ESTIMATE.colour, lw=2, label="formula"),
+        Line2D([], [], color=ESTIMATE.colour, lw=2, ls=ESTIMATE.line, label="should be 95 %"),
+    ]
+    legend_below(figure, keys)
     return Drawing(figure, "Against the heading's standard deviation. " + ". ".join(said) + ".")

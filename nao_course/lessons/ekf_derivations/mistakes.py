@@ -1,4 +1,4 @@
-"""The catalogue of mistakes in the Jacobian of a measurement that lesson 05's challenge chooses from."""
+"""The catalogue of mistakes in a measurement's Jacobian from which lesson 05's challenge chooses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.slam import range_and_bearing
 
 Change = Callable[[FloatArray, float], FloatArray]
 
@@ -18,20 +19,19 @@ _STEP = 1e-6  # of central differences
 
 
 def jacobian_at(pose: npt.ArrayLike, landmark: npt.ArrayLike) -> FloatArray:
-    """Slopes (2, 5) of (bearing, range) by x, y, theta, l_x and l_y, by central differences."""
+    """Return the Jacobian (2, 5) of (bearing, range) by x, y, theta, l_x and l_y, from central differences."""
     at = np.concatenate([np.asarray(pose, dtype=float), np.asarray(landmark, dtype=float)])
-    changes = np.stack([_seen(at + step) - _seen(at - step) for step in _STEP * np.eye(5)], axis=1)
+    changes = np.stack([_measured(at + step) - _measured(at - step) for step in _STEP * np.eye(5)], axis=1)
     changes[0] = wrap_angle(changes[0])
     return changes / (2 * _STEP)
 
 
-def _seen(at: FloatArray) -> FloatArray:
-    place = Pose(*at[:3]).to_local(at[3:])[0]
-    return np.array([np.angle(place @ [1, 1j]), np.linalg.norm(place)])
+def _measured(at: FloatArray) -> FloatArray:
+    return range_and_bearing(at[:3], at[3:])
 
 
 def _times(row: int, columns: tuple[int, ...], power: int = 0, factor: float = 1.0) -> Change:
-    """Multiply entries of a row by a factor and a power of the range."""
+    """Return a change that multiplies entries of a row by a factor and a power of the range."""
 
     def change(matrix: FloatArray, distance: float) -> FloatArray:
         changed = matrix.copy()
@@ -42,7 +42,7 @@ def _times(row: int, columns: tuple[int, ...], power: int = 0, factor: float = 1
 
 
 def _exchange(row: int, columns: tuple[int, int]) -> Change:
-    """Let two entries of a row change places, each with the sign that belongs to its place."""
+    """Return a change that swaps two entries of a row but keeps the sign that belongs to each position."""
 
     def change(matrix: FloatArray, distance: float) -> FloatArray:
         changed = matrix.copy()
@@ -63,7 +63,7 @@ def _rows_exchanged(matrix: FloatArray, distance: float) -> FloatArray:
 
 _ROBOT, _LANDMARK = (0, 1), (3, 4)
 
-# By name: what each makes of the right matrix (2, 5) and the range.
+# Each mistake, by its name, changes the right matrix (2, 5); it is given the range, too.
 MISTAKES: Mapping[str, Change] = MappingProxyType(
     {
         "the -1 is missing": _times(0, (2,), factor=0.0),
@@ -88,7 +88,7 @@ MISTAKES: Mapping[str, Change] = MappingProxyType(
 
 
 def with_mistake(name: str, pose: npt.ArrayLike, landmark: npt.ArrayLike) -> FloatArray:
-    """Return the Jacobian (2, 5) of a measurement with a mistake of the catalogue in it.
+    """Return the Jacobian (2, 5) of a measurement with one mistake of the catalogue.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The linearisation panel: samples through each of the student's functions, beside the ellipse of its Jacobian."""
+"""The linearisation panel: samples through a student's function, and the ellipse that its Jacobian predicts."""
 
 from __future__ import annotations
 
@@ -15,33 +15,77 @@ from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
 from nao_course.widgets import Action, Choice, FunctionPanel, Slider
 
-MOTION, LANDMARK, MEASUREMENT = "a drive", "a landmark placed", "a landmark expected"
+MOTION, LANDMARK, MEASUREMENT = "drive", "landmark position", "expected measurement"
 DRIVE_NOISE = np.diag([0.03, 0.03, 0.0]) ** 2  # along, across (m), turn (rad)
-LOOK_NOISE = np.diag([np.radians(1.0), 0.03]) ** 2  # bearing (rad), range (m)
+MEASUREMENT_NOISE = np.diag([np.radians(1.0), 0.03]) ** 2  # bearing (rad), range (m)
 _DEGREES = (180 / np.pi, 1.0)
+_CONTROLS = [
+    Choice(
+        "what",
+        "Function",
+        (MOTION, LANDMARK, MEASUREMENT),
+        tooltip="The function that the samples go through",
+    ),
+    Slider(
+        "heading", "Heading σ", 0, 60, 1, 5, unit="°", tooltip="Standard deviation of the robot's heading"
+    ),
+    Slider(
+        "position", "Position σ", 0.01, 0.5, 0.01, 0.03, unit="m", tooltip="Standard deviation of its x and y"
+    ),
+    Slider(
+        "distance",
+        "Distance",
+        0.1,
+        4.0,
+        0.1,
+        2.0,
+        unit="m",
+        tooltip="Length of the drive, or range of the landmark",
+    ),
+    Slider(
+        "direction",
+        "Direction",
+        -180,
+        180,
+        5,
+        0,
+        unit="°",
+        tooltip="Heading of the drive, or bearing of the landmark",
+    ),
+    Action("small", "5 degrees", sets={"heading": 5}),
+    Action("large", "30 degrees", sets={"heading": 30}),
+]
+_UNFINISHED = {
+    "predict_pose": "Finish exercise 5.1 to see this.",
+    "predict_covariance": "Finish exercises 5.4 and 5.5 to see this.",
+    "landmark_position": "Finish exercise 5.3 to see this.",
+    "landmark_jacobians": "Finish exercise 5.6 to see this.",
+    "expected_measurement": "Finish exercise 5.2 to see this.",
+    "measurement_jacobian_pose": "Finish exercise 5.8 to see this.",
+}
 
 
+@course_style()
 def draw_cloud(cloud: Cloud, *, polar: bool = False) -> Drawing:
-    """Draw samples and the predicted ellipse; `polar` for bearing and range, which get axes of their own units."""
+    """Draw samples and the predicted ellipse; with `polar` the axes are bearing (degrees) and range (m)."""
     scale = _DEGREES if polar else (1.0, 1.0)
-    with course_style():
-        figure = Figure(figsize=(7.2, 4.4))
-        ax = figure.subplots()
-        plot_cloud(cloud, ax, scale=scale)
-        names = ("bearing (degrees)", "range (m)") if polar else ("x (m)", "y (m)")
-        ax.set(xlabel=names[0], ylabel=names[1])
-        if not polar:
-            ax.plot(0, 0, "o", color="black", ms=8, mec="white")
-            outline = ellipse_outlines(cloud.mean, cloud.covariance)[0]
-            reach = max(0.5, np.nanmax(np.abs([*cloud.points, *outline])) + 0.2)
-            ax.set(aspect="equal", xlim=(-1.4 * reach, 1.4 * reach), ylim=(-reach, reach))
-            ax.axhline(0, color=GREY, lw=0.5, zorder=0)
-        legend_below(figure, cloud_keys(f"{len(cloud.points)} samples"))
+    figure = Figure(figsize=(7.2, 4.4))
+    ax = figure.subplots()
+    plot_cloud(cloud, ax, scale=scale)
+    names = ("bearing (degrees)", "range (m)") if polar else ("x (m)", "y (m)")
+    ax.set(xlabel=names[0], ylabel=names[1])
+    if not polar:
+        ax.plot(0, 0, "o", color="black", ms=8, mec="white")
+        outline = ellipse_outlines(cloud.mean, cloud.covariance)[0]
+        reach = max(0.5, np.nanmax(np.abs([*cloud.points, *outline])) + 0.2)
+        ax.set(aspect="equal", xlim=(-1.4 * reach, 1.4 * reach), ylim=(-reach, reach))
+        ax.axhline(0, color=GREY, lw=0.5, zorder=0)
+    legend_below(figure, cloud_keys(f"{len(cloud.points)} samples"))
     return Drawing(figure, say_cloud(cloud, polar=polar))
 
 
 def say_cloud(cloud: Cloud, *, polar: bool = False) -> str:
-    """Say how far prediction and samples are apart: mean, standard deviations, and the part inside the ellipse."""
+    """Compare prediction and samples in words: mean, standard deviations, and the share inside the ellipse."""
     scale = np.array(_DEGREES if polar else (1.0, 1.0))
     names, units = (("bearing", "range"), ("°", " m")) if polar else (("x", "y"), (" m", " m"))
     predicted, sampled = (
@@ -52,19 +96,18 @@ def say_cloud(cloud: Cloud, *, polar: bool = False) -> str:
         f"{name}: mean off by {off:z.2f}{unit}, σ predicted {one:.2f}{unit}, sampled {other:.2f}{unit}"
         for name, unit, off, one, other in zip(names, units, shift, predicted, sampled, strict=True)
     ]
-    return (
-        f"{cloud.inside():.0%} of the samples lie in the ellipse that should hold 95 %. {'; '.join(parts)}."
-    )
+    inside = f"{cloud.inside():.0%} of these {len(cloud.points)} samples are in the ellipse"
+    return f"{inside} that should hold 95 %. {'; '.join(parts)}."
 
 
 class LinearisationPanel(FunctionPanel):
-    """500 samples through a drive, a landmark's place or a measurement, and what your Jacobians say of them.
+    """500 samples through a drive, a landmark's position or a measurement, and the ellipse that your Jacobians predict.
 
     Parameters
     ----------
     predict_pose, predict_covariance, landmark_position, landmark_jacobians, expected_measurement,
     measurement_jacobian_pose : callable
-        The student's.
+        The student's functions.
     """
 
     def __init__(
@@ -80,49 +123,7 @@ class LinearisationPanel(FunctionPanel):
         super().__init__(
             "Linearisation panel",
             self._show,
-            [
-                Choice(
-                    "what",
-                    "What",
-                    (MOTION, LANDMARK, MEASUREMENT),
-                    tooltip="Which function the samples go through",
-                ),
-                Slider(
-                    "heading",
-                    "Heading σ",
-                    0,
-                    60,
-                    1,
-                    5,
-                    unit="°",
-                    tooltip="How uncertain the robot's heading is",
-                ),
-                Slider(
-                    "place",
-                    "Place σ",
-                    0.01,
-                    0.5,
-                    0.01,
-                    0.03,
-                    unit="m",
-                    tooltip="How uncertain its x and y are",
-                ),
-                Slider(
-                    "distance",
-                    "Distance",
-                    0.1,
-                    4.0,
-                    0.1,
-                    2.0,
-                    unit="m",
-                    tooltip="Of the drive, or of the landmark",
-                ),
-                Slider(
-                    "direction", "Direction", -180, 180, 5, 0, unit="°", tooltip="The heading, or the bearing"
-                ),
-                Action("small", "5 degrees", sets={"heading": 5}),
-                Action("large", "30 degrees", sets={"heading": 30}),
-            ],
+            _CONTROLS,
             student={
                 "predict_pose": predict_pose,
                 "predict_covariance": predict_covariance,
@@ -131,25 +132,18 @@ class LinearisationPanel(FunctionPanel):
                 "expected_measurement": expected_measurement,
                 "measurement_jacobian_pose": measurement_jacobian_pose,
             },
-            unfinished={
-                "predict_pose": "Finish exercise 5.1 to see this.",
-                "predict_covariance": "Finish exercises 5.4 and 5.5 to see this.",
-                "landmark_position": "Finish exercise 5.3 to see this.",
-                "landmark_jacobians": "Finish exercise 5.6 to see this.",
-                "expected_measurement": "Finish exercise 5.2 to see this.",
-                "measurement_jacobian_pose": "Finish exercise 5.8 to see this.",
-            },
+            unfinished=_UNFINISHED,
         )
 
     def _show(self, values: Any, student: Any) -> Iterator[Any]:
-        """Send the samples through the chosen function."""
+        """Draw the samples after the chosen function."""
         cloud = self._cloud(values, student)
         polar = values.what == MEASUREMENT
         yield {"": draw_cloud(cloud, polar=polar)}
         yield say_cloud(cloud, polar=polar)
 
     def _cloud(self, values: Any, student: Any) -> Cloud:
-        covariance = np.diag([values.place, values.place, np.radians(values.heading)]) ** 2
+        covariance = np.diag([values.position, values.position, np.radians(values.heading)]) ** 2
         direction = np.radians(values.direction)
         if values.what == MOTION:
             pose, control = (0.0, 0.0, direction), (values.distance, 0.0)
@@ -158,7 +152,7 @@ class LinearisationPanel(FunctionPanel):
         if values.what == LANDMARK:
             measurement = (direction, values.distance)
             functions = student.landmark_position, student.landmark_jacobians
-            return landmark_cloud(*functions, covariance, measurement, LOOK_NOISE, values.rng)
+            return landmark_cloud(*functions, covariance, measurement, MEASUREMENT_NOISE, values.rng)
         landmark = values.distance * np.array([np.cos(direction), np.sin(direction)])
         functions = student.expected_measurement, student.measurement_jacobian_pose
         return measurement_cloud(*functions, covariance, landmark, values.rng)

@@ -1,4 +1,4 @@
-"""Samples sent through a student's function, beside what its linearisation says of them."""
+"""Samples sent through a student's function, and the Gaussian that the linearisation predicts for them."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ SAMPLES = 500
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Where samples went, and the Gaussian distribution that a linearisation predicts for them.
+    """Samples after a function, and the Gaussian that a linearisation predicts for them.
 
     Parameters
     ----------
     points : ndarray, shape (N, 2)
-        Two numbers of each sample: a place in metres, or bearing (rad) and range (m).
+        Two numbers for each sample: a position in metres, or bearing (rad) and range (m).
     mean : ndarray, shape (2,)
-        Where the function takes the samples' mean.
+        The function's value at the mean of the input.
     covariance : ndarray, shape (2, 2)
-        What the Jacobians make of their covariance.
+        The covariance that the Jacobians predict.
     """
 
     points: FloatArray
@@ -46,18 +46,18 @@ class Cloud:
 
     @property
     def shift(self) -> FloatArray:
-        """How far the samples' mean is from the predicted one, shape (2,)."""
+        """The samples' mean minus the predicted mean, shape (2,)."""
         return self.sampled_mean - self.mean
 
     def inside(self, probability: float = 0.95) -> float:
-        """Return which part of the samples lies in the ellipse that should hold a given part of them."""
+        """Return the share of samples inside the ellipse that should hold the share `probability`."""
         away = self.points - self.mean
         squared = np.einsum("ni,ij,nj->n", away, np.linalg.pinv(self.covariance), away)
         return float(np.mean(squared <= -2 * np.log1p(-probability)))
 
 
 def draw(mean: npt.ArrayLike, covariance: npt.ArrayLike, number: int, rng: np.random.Generator) -> FloatArray:
-    """Samples (number, K) of a Gaussian distribution with a mean (K,) and a covariance (K, K)."""
+    """Draw samples (number, K) of a Gaussian with a mean (K,) and a covariance (K, K)."""
     values, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
     root = axes * np.sqrt(np.maximum(values, 0.0))
     return np.asarray(mean, dtype=float) + rng.standard_normal((number, len(values))) @ root.T
@@ -66,7 +66,7 @@ def draw(mean: npt.ArrayLike, covariance: npt.ArrayLike, number: int, rng: np.ra
 def each_moved(
     predict_pose: Function, poses: FloatArray, control: npt.ArrayLike, noise: FloatArray
 ) -> FloatArray:
-    """Move poses (N, 3) by a control (2,), each with its own error (N, 3): along, across (m) and turn (rad)."""
+    """Move poses (N, 3) by a control (2,), each with its own errors (N, 3): along, across (m) and turn (rad)."""
     distance, turn = np.asarray(control, dtype=float)
     controls = np.column_stack([distance + noise[:, 0], turn + noise[:, 2]])
     ends = np.array(
@@ -86,32 +86,32 @@ def motion_cloud(
     rng: np.random.Generator,
     number: int = SAMPLES,
 ) -> Cloud:
-    """Move robots that are not sure of their pose.
+    """Move robots whose poses are drawn from a Gaussian.
 
     Parameters
     ----------
     predict_pose, predict_covariance : callable
         The student's.
     pose, control : array_like, shapes (3,) and (2,)
-        Where they believe to be (m, rad), and what they are told (m, rad).
+        The estimated pose (m, rad) and the command (m, rad).
     covariance, control_covariance : array_like, shape (3, 3)
-        Of the pose, and of the control's error (along, across, turn) in the robot frame.
+        Covariances of the pose, and of the motion errors (along, across, turn) in the robot frame.
     rng : numpy.random.Generator
-        Draws poses and errors.
+        Source of poses and errors.
     number : int
-        Of robots.
+        Number of robots.
 
     Returns
     -------
     Cloud
-        Their places (x, y) in metres.
+        Their positions (x, y) in metres.
     """
     pose, control = np.array(pose, dtype=float), np.array(control, dtype=float)
     poses = draw(pose, covariance, number, rng)
     ends = each_moved(predict_pose, poses, control, draw(np.zeros(3), control_covariance, number, rng))
     mean = np.asarray(predict_pose(pose.copy(), control.copy()), dtype=float)
-    spread = predict_covariance(np.array(covariance), pose, control, np.array(control_covariance))
-    return Cloud(ends[:, :2], mean[:2], np.asarray(spread, dtype=float)[:2, :2])
+    predicted = predict_covariance(np.array(covariance), pose, control, np.array(control_covariance))
+    return Cloud(ends[:, :2], mean[:2], np.asarray(predicted, dtype=float)[:2, :2])
 
 
 def landmark_cloud(
@@ -123,20 +123,20 @@ def landmark_cloud(
     rng: np.random.Generator,
     number: int = SAMPLES,
 ) -> Cloud:
-    """Place a landmark from a robot at (0, 0, 0) that is not sure of its pose, by a measurement (bearing, range).
+    """Compute a landmark's position from uncertain poses around (0, 0, 0) and a noisy (bearing, range).
 
     Returns
     -------
     Cloud
-        Places (x, y) of the landmark in metres.
+        Positions (x, y) of the landmark in metres.
     """
     pose, measurement = np.zeros(3), np.array(measurement, dtype=float)
     poses = draw(pose, covariance, number, rng)
     measured = draw(measurement, measurement_covariance, number, rng)
     points = np.array([landmark_position(*pair) for pair in zip(poses, measured, strict=True)], dtype=float)
     by_pose, by_measurement = (np.asarray(each) for each in landmark_jacobians(pose, measurement))
-    spread = carried(by_pose, covariance) + carried(by_measurement, measurement_covariance)
-    return Cloud(points, np.asarray(landmark_position(pose, measurement), dtype=float), spread)
+    predicted = propagated(by_pose, covariance) + propagated(by_measurement, measurement_covariance)
+    return Cloud(points, np.asarray(landmark_position(pose, measurement), dtype=float), predicted)
 
 
 def measurement_cloud(
@@ -147,25 +147,25 @@ def measurement_cloud(
     rng: np.random.Generator,
     number: int = SAMPLES,
 ) -> Cloud:
-    """Expect a measurement of a landmark (2,) at a robot at (0, 0, 0) that is not sure of its pose.
+    """Compute the expected measurement of a landmark (2,) from uncertain poses around (0, 0, 0).
 
     Returns
     -------
     Cloud
-        Bearing (rad) and range (m); bearings are not more than half a turn from the mean's.
+        Bearing (rad) and range (m); each bearing is within half a turn of the mean's.
     """
     pose, landmark = np.zeros(3), np.array(landmark, dtype=float)
     mean = np.asarray(expected_measurement(pose, landmark), dtype=float)
     poses = draw(pose, covariance, number, rng)
     points = np.array([expected_measurement(each, landmark.copy()) for each in poses], dtype=float)
     points[:, 0] = mean[0] + wrap_angle(points[:, 0] - mean[0])
-    return Cloud(points, mean, carried(np.asarray(measurement_jacobian_pose(pose, landmark)), covariance))
+    return Cloud(points, mean, propagated(np.asarray(measurement_jacobian_pose(pose, landmark)), covariance))
 
 
-def carried(slopes: FloatArray, covariance: npt.ArrayLike) -> FloatArray:
-    """What a linear map (R, C) makes of a covariance (C, C)."""
+def propagated(jacobian: FloatArray, covariance: npt.ArrayLike) -> FloatArray:
+    """Return the covariance (R, R) of a covariance (C, C) after a linear map (R, C)."""
     root = np.linalg.cholesky(
         np.asarray(covariance, dtype=float) + 1e-18 * np.eye(len(np.asarray(covariance)))
     )
-    half = slopes @ root
+    half = jacobian @ root
     return np.asarray(half @ half.T)

@@ -1,6 +1,12 @@
-"""What lesson 07, EKF SLAM, alone uses."""
+"""Figures, logs and filters of lesson 07, EKF SLAM."""
 
 from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
+from nao_course.lessons.ekf_slam.bent_map import (
+    draw_bearings,
+    draw_bent_map,
+    draw_covariance_test,
+    draw_second_error,
+)
 from nao_course.lessons.ekf_slam.consistency import compare, draw_consistency
 from nao_course.lessons.ekf_slam.costs import draw_costs
 from nao_course.lessons.ekf_slam.evaluation import (
@@ -8,7 +14,6 @@ from nao_course.lessons.ekf_slam.evaluation import (
     draw_gain,
     draw_nis,
     first_lines,
-    landmarks_in_log,
     mean_nis,
     turn_factor,
 )
@@ -17,7 +22,7 @@ from nao_course.lessons.ekf_slam.filters import CompressedFilter, FirstEstimates
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 from nao_course.lessons.ekf_slam.noise import joint_noise
 from nao_course.lessons.ekf_slam.panel import FilmPanel
-from nao_course.lessons.ekf_slam.starts import draw_starts, final_nees
+from nao_course.lessons.ekf_slam.starts import draw_starts
 
 __all__ = [
     "OWN_SIGMAS",
@@ -29,17 +34,19 @@ __all__ = [
     "compare",
     "distances_table",
     "draw_ablations",
+    "draw_bearings",
+    "draw_bent_map",
     "draw_consistency",
     "draw_costs",
+    "draw_covariance_test",
     "draw_film",
     "draw_gain",
     "draw_nis",
+    "draw_second_error",
     "draw_starts",
     "draw_turn_last",
-    "final_nees",
     "first_lines",
     "joint_noise",
-    "landmarks_in_log",
     "mean_nis",
     "own_log",
     "record_film",
@@ -48,5 +55,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names, for tab completion."""
     return __all__

@@ -1,4 +1,4 @@
-"""The report's ten ablations: each sigma ten times as large and a tenth, as a table and as a grid of plots."""
+"""Run the report's ten ablations: each standard deviation times ten and divided by ten."""
 
 from __future__ import annotations
 
@@ -14,27 +14,28 @@ from matplotlib.lines import Line2D
 
 from nao_course.datasets import HomeworkLog
 from nao_course.geometry import FloatArray
-from nao_course.lessons.ekf_slam.homework_log import Function, LogRun, Sigmas, homework_start, run_log
+from nao_course.lessons.ekf_slam.homework_log import LogRun, homework_start, run_log
 from nao_course.plotting import STYLES, Drawing, Table, course_style, ellipse_outlines, table
 from nao_course.plotting.legends import legend_below
+from nao_course.sim.drives import Function, Sigmas
 
 NAMES = {"along": "σx", "across": "σy", "turn": "σα", "bearing": "σβ", "range": "σr"}
 FACTORS = (10.0, 0.1)
-ROBOT, LANDMARK = "#0b5fa5", "#2e8540"  # as in the film: the robot, updated; landmarks, updated
+ROBOT, LANDMARK = "#0b5fa5", "#2e8540"  # as in the film
 
 
 @dataclass(frozen=True, eq=False)
 class Ablation:
-    """A log run with one sigma changed.
+    """Run of a log with one standard deviation changed.
 
     Parameters
     ----------
     name : str
-        Which of `Sigmas`; "" where all are as they were.
+        Field of `Sigmas`; "" if none is changed.
     factor : float
-        By what it was multiplied.
+        Factor by which it was multiplied.
     run : LogRun
-        What was believed.
+        Estimates.
     """
 
     name: str
@@ -43,38 +44,39 @@ class Ablation:
 
     @property
     def title(self) -> str:
-        """Such as "σx × 10"."""
+        """Return a title such as "σx × 10"."""
         if not self.name:
-            return "as they are"
+            return "unchanged"
         return f"{NAMES[self.name]} {'× 10' if self.factor > 1 else '/ 10'}"
 
     @property
     def position(self) -> float:
-        """Doubt of the position, mean over all steps: the root of both variances' sum, m; before the updates."""
-        return _spread(self.run.predicted_covariances[:, :2, :2])
+        """Return the mean standard deviation of the predicted position over all steps, m."""
+        return _mean_sigma(self.run.predicted_covariances[:, :2, :2])
 
     @property
     def updated_position(self) -> float:
-        """The same after the updates, m."""
-        return _spread(self.run.covariances[1:, :2, :2])
+        """Return the mean standard deviation of the updated position over all steps, m."""
+        return _mean_sigma(self.run.covariances[1:, :2, :2])
 
     @property
     def heading(self) -> float:
-        """Doubt of the heading after each update, mean over all steps, rad."""
+        """Return the mean standard deviation of the updated heading over all steps, rad."""
         return float(np.sqrt(self.run.covariances[1:, 2, 2]).mean())
 
     @property
     def landmark(self) -> float:
-        """Doubt of a landmark at the end, mean over all: the root of both variances' sum, m."""
-        return _spread(self.run.landmark_covariances)
+        """Return the mean standard deviation of the landmarks at the end, m."""
+        return _mean_sigma(self.run.landmark_covariances)
 
     @property
     def nis(self) -> float:
-        """Mean of the normalised innovation squared."""
+        """Return the mean normalised innovation squared."""
         return float(self.run.nis.mean())
 
 
-def _spread(covariances: FloatArray) -> float:
+def _mean_sigma(covariances: FloatArray) -> float:
+    """Return the mean over all covariances of the square root of the trace."""
     return float(np.sqrt(np.trace(covariances, axis1=-2, axis2=-1)).mean())
 
 
@@ -86,23 +88,23 @@ def ablate(
     sigmas: Sigmas | None = None,
     every: int = 1,
 ) -> list[Ablation]:
-    """Run a log with the sigmas as they are, then with each of the five ten times as large and a tenth.
+    """Run a log unchanged, then with each of the five standard deviations times ten and divided by ten.
 
     Parameters
     ----------
     log : HomeworkLog
-        The homework's, or the course's own.
+        The homework's log or the course's own.
     init_landmarks, predict, update : callable
-        The student's.
+        The student's functions.
     sigmas : Sigmas, optional
-        As they are; by default the homework's.
+        Unchanged values; by default the homework's.
     every : int
-        Only in every so many steps the measurements are used.
+        The filter updates in every `every`-th step only.
 
     Returns
     -------
     list of Ablation
-        Eleven: as they are, then the report's figures 2 to 11 in its order.
+        Eleven: unchanged, then the report's figures 2 to 11 in its order.
     """
     assumed = sigmas or Sigmas()
 
@@ -115,7 +117,7 @@ def ablate(
 
 
 def ablation_table(ablations: Sequence[Ablation]) -> Table:
-    """Set what each change does in a table: doubts in cm and degrees, and the mean NIS."""
+    """Return a table of the standard deviations, in cm and degrees, and the mean NIS of each ablation."""
     columns = ("sigmas", "position predicted, cm", "updated, cm", "heading, deg", "landmark, cm", "mean NIS")
     return table(
         columns,
@@ -133,60 +135,58 @@ def ablation_table(ablations: Sequence[Ablation]) -> Table:
     )
 
 
+@course_style()
 def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
-    """Draw the map of each change, the larger sigma above the smaller.
+    """Draw the map of each ablation, the larger standard deviation above the smaller.
 
     Parameters
     ----------
     ablations : sequence of Ablation
-        What `ablate` gives.
+        Result of `ablate`.
 
     Returns
     -------
     Drawing
-        The map with all as they are, then two rows of five, with the robot's ellipses before each update and the
-        landmarks' at the end.
+        The unchanged map, then two rows of five, with the robot's ellipses before each update and the
+        landmarks' ellipses at the end.
     """
     changed = [each for each in ablations if each.name]
     base = next(each for each in ablations if not each.name)
     rows = [[each for each in changed if (each.factor > 1) is larger] for larger in (True, False)]
-    with course_style():
-        figure = Figure(figsize=(14.4, 6.4))
-        grid = figure.subplots(2, 1 + len(rows[0]), squeeze=False)
-        grid[1, 0].set_axis_off()
-        shown = [(grid[0, 0], base), *zip(grid[:, 1:].flat, [*rows[0], *rows[1]], strict=True)]
-        for ax, each in shown:
-            _plot_run(ax, each.run)
-            _frame(ax, base.run)
-            ax.set_title(each.title)
-        grid[0, 0].set_xlabel("x (m)")
-        grid[0, 0].tick_params(labelbottom=True)
-        grid[1, 1].set_ylabel("y (m)")
-        grid[1, 1].tick_params(labelleft=True)
-        handles = [
-            Line2D([], [], color=STYLES["truth"].colour, lw=0.8, label="believed path"),
-            *(
-                PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
-                for colour, label in (
-                    (ROBOT, "robot, predicted, 95 %"),
-                    (LANDMARK, "landmark, at the end, 95 %"),
-                )
-            ),
-        ]
-        legend_below(figure, handles)
-    told = "; ".join(
+    figure = Figure(figsize=(14.4, 6.4))
+    grid = figure.subplots(2, 1 + len(rows[0]), squeeze=False)
+    grid[1, 0].set_axis_off()
+    shown = [(grid[0, 0], base), *zip(grid[:, 1:].flat, [*rows[0], *rows[1]], strict=True)]
+    for ax, each in shown:
+        _plot_run(ax, each.run)
+        _frame(ax, base.run)
+        ax.set_title(each.title)
+    grid[0, 0].set_xlabel("x (m)")
+    grid[0, 0].tick_params(labelbottom=True)
+    grid[1, 1].set_ylabel("y (m)")
+    grid[1, 1].tick_params(labelleft=True)
+    handles = [
+        Line2D([], [], color=STYLES["truth"].colour, lw=0.8, label="estimated path"),
+        *(
+            PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
+            for colour, label in ((ROBOT, "robot, predicted, 95 %"), (LANDMARK, "landmark, at the end, 95 %"))
+        ),
+    ]
+    legend_below(figure, handles)
+    changes = "; ".join(
         f"{each.title}: {each.position / base.position:.2g} and {each.landmark / base.landmark:.2g} times"
         for each in changed
     )
     return Drawing(
         figure,
-        f"{len(changed)} maps of the same log. The robot's predicted doubt and the landmarks' at the end, beside those "
-        f"with the sigmas as they are ({100 * base.position:.1f} and {100 * base.landmark:.1f} cm): {told}.",
+        f"{len(changed)} maps of the same log. Standard deviations of the robot's predicted position and of the "
+        "landmarks at the end, compared with the unchanged run "
+        f"({100 * base.position:.1f} and {100 * base.landmark:.1f} cm): {changes}.",
     )
 
 
 def _frame(ax: Axes, run: LogRun) -> None:
-    """Equal axes in metres round path and landmarks, with a fifth of their extent to spare."""
+    """Set equal axes in metres around path and landmarks, with a margin of a fifth."""
     around = np.vstack([run.states[:, :2], run.landmarks])
     low, high = around.min(axis=0), around.max(axis=0)
     margin = 0.2 * float((high - low).max())
@@ -196,7 +196,7 @@ def _frame(ax: Axes, run: LogRun) -> None:
 
 
 def _plot_run(ax: Axes, run: LogRun) -> None:
-    """Path, the robot's predicted ellipses, landmarks and their ellipses at the end: all of 95 %."""
+    """Plot the path, the landmarks, and the 95 % ellipses of robot and landmarks."""
     robots = ellipse_outlines(run.predicted_states[:, :2], run.predicted_covariances[:, :2, :2])
     landmarks = ellipse_outlines(run.landmarks, run.landmark_covariances)
     for outlines, colour in ((robots, ROBOT), (landmarks, LANDMARK)):
@@ -209,9 +209,10 @@ def _plot_run(ax: Axes, run: LogRun) -> None:
     ax.plot(*run.landmarks.T, "+", color=LANDMARK, ms=6)
 
 
-# --- what turning last hides ---
+# --- the turn at the end of each step ---
 
 
+@course_style()
 def draw_turn_last(
     log: HomeworkLog,
     init_landmarks: Function,
@@ -220,38 +221,39 @@ def draw_turn_last(
     sigmas: Sigmas | None = None,
     every: int = 5,
 ) -> Drawing:
-    """Draw what a larger sigma of the turn does when every step is corrected at once, and when it is not.
+    """Draw the effect of a larger standard deviation of the turn, with an update in each step and in few steps.
 
     Parameters
     ----------
     log : HomeworkLog
-        Its steps drive first and turn last.
+        In each of its steps the robot drives first and turns last.
     init_landmarks, predict, update : callable
-        The student's.
+        The student's functions.
     sigmas : Sigmas, optional
         By default the homework's.
     every : int
-        Beside an update in each step, one in so many.
+        The second row updates in every `every`-th step only.
 
     Returns
     -------
     Drawing
-        Two rows of maps: the sigma as it is, and ten times.
+        Two rows of maps: unchanged, and with ten times the standard deviation.
     """
     assumed = sigmas or Sigmas()
-    told = []
-    with course_style():
-        figure = Figure(figsize=(8.4, 8.6))
-        grid = figure.subplots(2, 2, sharex=True, sharey=True)
-        for axes, often in zip(grid, (1, every), strict=True):
-            for ax, factor in zip(axes, (1.0, 10.0), strict=True):
-                changed = assumed.scaled("turn", factor)
-                start = homework_start(log, init_landmarks, changed)
-                each = Ablation("turn", factor, run_log(log, start, predict, update, changed, often))
-                _plot_run(ax, each.run)
-                _frame(ax, each.run)
-                size = "as it is" if factor == 1 else "× 10"
-                when = "each step" if often == 1 else f"every {often}th step"
-                ax.set_title(f"σα {size}, update in {when}")
-                told.append(f"{when}, {size}: {100 * each.position:.1f} cm")
-    return Drawing(figure, f"The robot's predicted doubt, mean over all steps. Update in {'; '.join(told)}.")
+    means = []
+    figure = Figure(figsize=(8.4, 8.6))
+    grid = figure.subplots(2, 2, sharex=True, sharey=True)
+    for axes, often in zip(grid, (1, every), strict=True):
+        for ax, factor in zip(axes, (1.0, 10.0), strict=True):
+            changed = assumed.scaled("turn", factor)
+            start = homework_start(log, init_landmarks, changed)
+            each = Ablation("turn", factor, run_log(log, start, predict, update, changed, often))
+            _plot_run(ax, each.run)
+            _frame(ax, each.run)
+            size = "unchanged" if factor == 1 else "× 10"
+            when = "each step" if often == 1 else f"every {often}th step"
+            ax.set_title(f"σα {size}, update in {when}")
+            means.append(f"{when}, {size}: {100 * each.position:.1f} cm")
+    return Drawing(
+        figure, f"Mean standard deviation of the robot's predicted position. Update in {'; '.join(means)}."
+    )

@@ -1,4 +1,4 @@
-"""Whether a SLAM filter is as sure as it may be: its pose's NEES over many drives on the field, with its band."""
+"""Measure the consistency of a SLAM filter: the NEES of its pose over many drives, with its band."""
 
 from __future__ import annotations
 
@@ -6,106 +6,84 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.lessons.ekf_slam.filters import FirstEstimates
-from nao_course.lessons.ekf_slam.homework_log import (
-    Belief,
-    Function,
-    Sigmas,
-    as_belief,
-    innovation_and_spread,
-    true_path,
-)
+from nao_course.lessons.ekf_slam.homework_log import innovation_and_covariance
 from nao_course.metrics import band, squared_distances
-from nao_course.plotting import STYLES, Drawing, Table, course_style, table
+from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
 from nao_course.sim import Field
-from nao_course.slam import range_and_bearing
+from nao_course.sim.drives import (
+    Belief,
+    Drive,
+    FieldOfView,
+    Function,
+    Functions,
+    NamedEkf,
+    Sigmas,
+    Step,
+    checked_functions,
+    measure_in_view,
+    true_path,
+)
+from nao_course.slam import Motion
 
 RUNS = 100
-START = Pose(1.4, -0.8, 0.0)  # in the field's frame; the filter's own frame begins here
+START = Pose(1.4, -0.8, 0.0)  # in the field frame; the origin of the filter's map frame
 LAPS, STEPS, STEP = 8, 25, 0.2  # circles of 0.8 m; steps to each, and metres to a step
-REACH = 4.0  # m: as far as the half field goes
-SIDEWAYS = float(np.radians(60))  # two pictures side by side, 61 degrees wide each
+# Two pictures side by side, 61 degrees wide each; 4 m cover the half field.
+VIEW = FieldOfView(float(np.radians(60)), 4.0)
 
-# A range is good to 2 cm once the field's lines have told how the camera leans (lesson 04).
+# A range is accurate to 2 cm once the body tilt has been estimated from the field's lines (lesson 04).
 NOMINAL = Sigmas(0.02, 0.01, float(np.radians(1.0)), float(np.radians(1.5)), 0.02)
 NOISY = Sigmas(0.02, 0.01, float(np.radians(3.0)), float(np.radians(5.0)), 0.02)
 
-Functions = tuple[Function, Function, Function]  # predict, update_landmarks, add_landmark
 
-
-@dataclass(frozen=True, eq=False)
-class FieldDrive:
-    """A drive over the half field as the simulator knows it, in the frame of the start.
-
-    Parameters
-    ----------
-    landmarks : ndarray, shape (k, 2)
-        The field's corners and posts, m.
-    path : ndarray, shape (M + 1, 3)
-        True poses.
-    controls : ndarray, shape (M, 2)
-        (distance, turn) as commanded, m and rad.
-    sights : tuple of (ndarray of int (n,), ndarray (n, 2))
-        Which landmarks are seen after each step, and their (bearing, range).
-    sigmas : Sigmas
-        Of all errors; what the filter is told.
-    """
-
-    landmarks: FloatArray
-    path: FloatArray
-    controls: FloatArray
-    sights: tuple[tuple[npt.NDArray[np.intp], FloatArray], ...]
-    sigmas: Sigmas
-
-
-def field_drive(seed: int, sigmas: Sigmas = NOMINAL, laps: int = LAPS) -> FieldDrive:
-    """Drive circles on the half field and look ahead after each step.
+def field_drive(seed: int, sigmas: Sigmas = NOMINAL, laps: int = LAPS, view: FieldOfView = VIEW) -> Drive:
+    """Drive circles on the half field and measure landmarks after each step.
 
     Parameters
     ----------
     seed : int
-        Of all errors.
+        Seed of all errors.
     sigmas : Sigmas
-        Their size.
+        Standard deviations of the errors.
     laps : int
-        How many circles of 25 steps.
+        Number of circles, 25 steps each.
+    view : FieldOfView
+        The landmarks in it are measured.
 
     Returns
     -------
-    FieldDrive
-        The same seed gives the same one.
+    Drive
+        In the frame of the start, where no landmark is measured. The same seed gives the same drive.
     """
     rng = np.random.default_rng(seed)
-    marks = [mark for mark in Field(2012).landmarks if mark.kind != "cross"]
-    landmarks = START.to_local([(mark.x, mark.y) for mark in marks])
-    controls = np.tile([STEP, 2 * np.pi / STEPS], (laps * STEPS, 1))
-    path = np.array([pose.as_array() for pose in true_path(controls, sigmas, rng)])
-    exact = range_and_bearing(path[1:, None], landmarks)
-    noisy = exact + rng.standard_normal(exact.shape) * (sigmas.bearing, sigmas.range)
-    noisy[..., 0] = wrap_angle(noisy[..., 0])
-    seen = (np.abs(exact[..., 0]) <= SIDEWAYS) & (exact[..., 1] <= REACH)
-    sights = tuple((np.flatnonzero(row), each[row]) for row, each in zip(seen, noisy, strict=True))
-    return FieldDrive(landmarks, path, controls, sights, sigmas)
+    landmarks = START.to_local(Field(2012).detectable_positions)
+    motion = Motion(STEP, 2 * np.pi / STEPS)
+    start, *path = (pose.as_array() for pose in true_path([motion] * laps * STEPS, sigmas, rng))
+    steps = [Step.at_start(start)]
+    for pose in path:
+        numbers, seen = measure_in_view(pose, landmarks, sigmas, view, rng, draw_unseen=True)
+        steps.append(Step(pose, motion, sigmas.control_covariance, numbers, seen, sigmas.covariances(seen)))
+    return Drive(landmarks, tuple(steps))
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a filter believed of its pose along a drive of M steps.
+    """Pose estimates of a filter along a drive of M steps.
 
     Parameters
     ----------
     errors : ndarray, shape (M, 3)
-        Believed less true pose, the heading wrapped.
+        Estimated minus true pose, the heading wrapped.
     covariances : ndarray, shape (M, 3, 3)
-        Believed.
+        Estimated.
     nis : ndarray, shape (K,)
-        Normalised innovation squared over its degrees of freedom, of each update; empty unless asked for.
+        Normalised innovation squared per degree of freedom of each update; empty unless requested.
     """
 
     errors: FloatArray
@@ -114,21 +92,21 @@ class Trace:
 
     @property
     def nees(self) -> FloatArray:
-        """Normalised estimation error squared of each pose, (M,); 3 degrees of freedom."""
+        """Return the normalised estimation error squared of each pose, (M,); 3 degrees of freedom."""
         return squared_distances(self.errors, self.covariances)
 
 
-def follow(drive: FieldDrive, functions: Functions, with_nis: bool = False) -> Trace:
-    """Run a filter along a drive: move, correct by what is on the map, then add what is not.
+def follow(drive: Drive, functions: Functions, with_nis: bool = False) -> Trace:
+    """Run a filter along a drive: predict, update with the landmarks on the map, then add the others.
 
     Parameters
     ----------
-    drive : FieldDrive
-        Which landmark is which is known.
+    drive : Drive
+        Its measurements come with the landmarks' numbers.
     functions : (predict, update_landmarks, add_landmark)
-        The student's, or others that are called in the same way.
+        The student's functions, or others with the same arguments.
     with_nis : bool
-        Whether innovations are judged, too; it takes twice as long.
+        Whether to compute the NIS, too, which doubles the time.
 
     Returns
     -------
@@ -140,29 +118,18 @@ def follow(drive: FieldDrive, functions: Functions, with_nis: bool = False) -> T
     ValueError
         If a function returns something of another shape.
     """
-    predict, update_landmarks, add_landmark = functions
-    Q, R = drive.sigmas.control_covariance, drive.sigmas.measurement_covariance
-    state, covariance = np.zeros(3), np.zeros((3, 3))
-    on_map: list[int] = []  # which of the field's landmarks each one of the map is
+    slam = NamedEkf(Pose(), *checked_functions(functions))
     errors, covariances, nis = [], [], []
-    for control, (seen, measured), truth in zip(drive.controls, drive.sights, drive.path[1:], strict=True):
-        answer = predict(state.copy(), covariance.copy(), control.copy(), Q.copy(), len(on_map))
-        state, covariance = as_belief(answer, len(state), "predict")
-        known = [number for number, landmark in enumerate(seen) if landmark in on_map]
-        if known:
-            indices, values = [on_map.index(seen[number]) for number in known], measured[known].reshape(-1)
-            if with_nis:
-                surprise, spread = innovation_and_spread(state, covariance, indices, values, R)
-                nis.append(squared_distances(surprise[None], spread[None])[0] / len(values))
-            answer = update_landmarks(state.copy(), covariance.copy(), indices, values, R.copy())
-            state, covariance = as_belief(answer, len(state), "update_landmarks")
-        for number in set(range(len(seen))) - set(known):
-            answer = add_landmark(state.copy(), covariance.copy(), measured[number].copy(), R.copy())
-            state, covariance = as_belief(answer, len(state) + 2, "add_landmark")
-            on_map.append(int(seen[number]))
-        off = state[:3] - truth
-        errors.append([off[0], off[1], float(wrap_angle(off[2]))])
-        covariances.append(covariance[:3, :3])
+    for step in drive.steps[1:]:
+        slam.move(step.control, step.control_covariance)
+        again, slots = slam.on_map(step.numbers)
+        if with_nis and again:
+            values, noise = step.measurements[again].reshape(-1), step.covariances[0]
+            innovation, S = innovation_and_covariance(slam.state, slam.covariance, slots, values, noise)
+            nis.append(squared_distances(innovation[None], S[None])[0] / len(values))
+        slam.observe(step.numbers, step.measurements, step.covariances)
+        errors.append(pose_errors(slam.state[:3], step.pose))
+        covariances.append(slam.covariance[:3, :3])
     return Trace(np.array(errors), np.array(covariances), np.array(nis))
 
 
@@ -170,36 +137,36 @@ def follow(drive: FieldDrive, functions: Functions, with_nis: bool = False) -> T
 
 
 def without_pose_map(functions: Functions) -> Functions:
-    """The same three functions, with the covariances between pose and map set to zero after each."""
+    """Return the three functions with the covariance between pose and map set to zero after each call."""
 
     def cut(function: Function) -> Function:
-        def ill(*arguments: object) -> Belief:
+        def without(*arguments: object) -> Belief:
             state, covariance = function(*arguments)
             covariance = np.array(covariance, dtype=float)
             covariance[:3, 3:] = covariance[3:, :3] = 0.0
             return state, covariance
 
-        return ill
+        return without
 
     predict, update_landmarks, add_landmark = functions
     return cut(predict), cut(update_landmarks), cut(add_landmark)
 
 
 def with_first_estimates(functions: Functions) -> Functions:
-    """The same three functions with slopes at first estimates; for one drive."""
+    """Return the three functions with Jacobians at first estimates; for one drive."""
     own = FirstEstimates(*functions)
     return own.predict, own.update_landmarks, own.add_landmark
 
 
 VARIANTS: Mapping[str, Callable[[Functions], Functions]] = {
-    "as it is": lambda functions: functions,
+    "unchanged": lambda functions: functions,
     "first estimates": with_first_estimates,
-    "no covariance of pose and map": without_pose_map,
+    "no covariance between pose and map": without_pose_map,
 }
 COLOURS = {
-    "as it is": STYLES["ekf"].colour,
+    "unchanged": STYLES["ekf"].colour,
     "first estimates": "#2e8540",
-    "no covariance of pose and map": "#c84b00",
+    "no covariance between pose and map": "#c84b00",
 }
 
 
@@ -217,20 +184,20 @@ def compare(
     Parameters
     ----------
     predict, update_landmarks, add_landmark : callable
-        The student's.
+        The student's functions.
     sigmas : Sigmas
         `NOMINAL` or `NOISY`.
     runs : int
-        How many drives.
+        Number of drives.
     variants : sequence of str
-        Of `VARIANTS`.
+        Keys of `VARIANTS`.
     with_nis : bool
-        Whether innovations are judged, too.
+        Whether to compute the NIS, too.
 
     Returns
     -------
     dict of str to list of Trace
-        One for each drive.
+        One trace for each drive.
     """
     functions = (predict, update_landmarks, add_landmark)
     drives = [field_drive(seed, sigmas) for seed in range(runs)]
@@ -239,64 +206,46 @@ def compare(
     }
 
 
-# --- how they are shown ---
+# --- figures ---
 
 
 def mean_nees(traces: Sequence[Trace]) -> float:
-    """Mean over all drives and steps."""
+    """Return the mean NEES over all drives and steps."""
     return float(np.mean([trace.nees for trace in traces]))
 
 
-def nees_table(found: Mapping[str, Sequence[Trace]]) -> Table:
-    """Set the mean NEES of each variant in a table, with its band and, where judged, the NIS per degree of freedom."""
-    low, high = band(3, len(next(iter(found.values()))))
-    rows = []
-    for name, traces in found.items():
-        mean = mean_nees(traces)
-        nis = np.concatenate([trace.nis for trace in traces])
-        rows.append(
-            (
-                name,
-                f"{mean:.2f}",
-                "inside" if low <= mean <= high else "outside",
-                f"{nis.mean():.2f}" if len(nis) else "-",
-            )
-        )
-    return table(("filter", "mean NEES", f"band {low:.2f} to {high:.2f}", "NIS per degree of freedom"), rows)
-
-
+@course_style()
 def draw_consistency(found: Mapping[str, Sequence[Trace]]) -> Drawing:
-    """Draw the mean NEES of each step over many drives, with the band that an honest filter keeps.
+    """Draw the mean NEES of each step over many drives, with the band of a consistent filter.
 
     Parameters
     ----------
     found : mapping of str to sequence of Trace
-        What `compare` gives.
+        Result of `compare`.
 
     Returns
     -------
     Drawing
-        One plot with a logarithmic axis; the text says every mean.
+        One plot with a logarithmic axis; the text contains every mean.
     """
     runs = len(next(iter(found.values())))
     low, high = band(3, runs)
-    with course_style():
-        figure = Figure(figsize=(8.4, 4.4))
-        ax = figure.add_subplot()
-        ax.axhspan(low, high, color="#e3e5e8", zorder=1, label="95 % band")
-        ax.axhline(3.0, color=GREY, lw=1, ls="--", zorder=2, label="ideal")
-        for (name, traces), line in zip(found.items(), ("-", "--", ":"), strict=False):
-            nees = np.mean([trace.nees for trace in traces], axis=0)
-            steps = np.arange(1, len(nees) + 1)
-            ax.plot(steps, nees, line, color=COLOURS.get(name, GREY), lw=1.8, zorder=3, label=name)
-        ax.set(yscale="log", xlabel="step", ylabel=f"pose NEES, mean of {runs} drives", xlim=(1, None))
-        ticks = [1, 2, 3, 5, 10, 20, 50, 100]
-        ax.set_yticks(ticks, labels=[str(tick) for tick in ticks])
-        ax.minorticks_off()
-        legend_below(figure, ax.get_legend_handles_labels()[0], columns=5)
-    told = "; ".join(f"{name} {mean_nees(traces):.2f}" for name, traces in found.items())
+    figure = Figure(figsize=(8.4, 4.4))
+    ax = figure.add_subplot()
+    ax.axhspan(low, high, color="#e3e5e8", zorder=1, label="95 % band")
+    ax.axhline(3.0, color=GREY, lw=1, ls="--", zorder=2, label="ideal")
+    for (name, traces), line in zip(found.items(), ("-", "--", ":"), strict=False):
+        nees = np.mean([trace.nees for trace in traces], axis=0)
+        steps = np.arange(1, len(nees) + 1)
+        ax.plot(steps, nees, line, color=COLOURS.get(name, GREY), lw=1.8, zorder=3, label=name)
+    ax.set(yscale="log", xlabel="step", ylabel=f"pose NEES, mean of {runs} drives", xlim=(1, None))
+    ticks = [1, 2, 3, 5, 10, 20, 50, 100]
+    ax.set_yticks(ticks, labels=[str(tick) for tick in ticks])
+    ax.minorticks_off()
+    legend_below(figure, ax.get_legend_handles_labels()[0], columns=3)
+    means = "; ".join(f"{name} {mean_nees(traces):.2f}" for name, traces in found.items())
     return Drawing(
         figure,
-        f"Pose NEES by step, mean of {runs} drives; an honest filter's lies between {low:.2f} and {high:.2f}. "
-        f"Mean over all steps: {told}.",
+        f"Pose NEES by step, mean of {runs} drives; for a consistent filter it lies between {low:.2f} and {high:.2f}. "
+        f"Mean over all steps: {means}.",
     )

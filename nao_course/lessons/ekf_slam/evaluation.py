@@ -1,8 +1,6 @@
-"""What a log's run is worth: distances of the landmarks, NIS beside its band, and the gain at its best."""
+"""Evaluate the run of a log: distances of the landmarks, NIS with its band, and the variance by the gain."""
 
 from __future__ import annotations
-
-from dataclasses import astuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,18 +10,17 @@ from nao_course.lessons.ekf_slam.ablations import Ablation
 from nao_course.lessons.ekf_slam.film import Film
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
-    Function,
     LogRun,
-    Sigmas,
     homework_start,
-    innovation_and_spread,
+    innovation_and_covariance,
     landmark_errors,
     own_log,
     run_log,
 )
 from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, Table, course_style, table
-from nao_course.plotting.style import GREY
+from nao_course.plotting.style import GREY, style_of
+from nao_course.sim.drives import Function
 
 BAND = "#e3e5e8"
 FACTORS = (1.0, 3.0, 10.0)
@@ -31,7 +28,7 @@ SCALES = np.linspace(0.0, 2.0, 41)
 
 
 def first_lines(lines: int = 5) -> str:
-    """The first lines of the lesson's own log, as they stand in the file."""
+    """Return the first lines of the lesson's own log."""
     log = own_log()
     rows = [log.measurements[0]]
     for control, seen in zip(log.controls, log.measurements[1:], strict=True):
@@ -39,25 +36,20 @@ def first_lines(lines: int = 5) -> str:
     return "\n".join("  ".join(f"{value:.2f}" for value in row) for row in rows[:lines])
 
 
-def landmarks_in_log() -> int:
-    """How many landmarks are in the lesson's own log."""
-    return own_log().k
-
-
 def distances_table(film: Film, evaluate_landmarks: Function) -> Table:
-    """Lay the landmarks of a film beside the true ones.
+    """Compare the landmarks of a film with the true ones in a table.
 
     Parameters
     ----------
     film : Film
-        Of the lesson's own log.
+        Film of the lesson's own log.
     evaluate_landmarks : callable
-        The student's.
+        The student's functions.
 
     Returns
     -------
     Table
-        A row for each landmark: Euclidean distance, Mahalanobis distance, and what the homework calls so.
+        A row for each landmark: Euclidean distance, Mahalanobis distance, and the distance that the homework calls so.
     """
     run = film.run
     euclidean, mahalanobis = evaluate_landmarks(
@@ -73,56 +65,59 @@ def distances_table(film: Film, evaluate_landmarks: Function) -> Table:
     return table(("landmark", "Euclidean (m)", "Mahalanobis (sigmas)", "the homework's √(d'Pd) (m²)"), rows)
 
 
-# --- what the log itself says ---
-
-
-def times(sigmas: Sigmas, factor: float) -> Sigmas:
-    """All standard deviations multiplied."""
-    return Sigmas(*(factor * each for each in astuple(sigmas)))
+# --- NIS ---
 
 
 def run_with(factor: float, init_landmarks: Function, predict: Function, update: Function) -> LogRun:
-    """Run the own log, all standard deviations assumed a factor too large."""
-    log, sigmas = own_log(), times(OWN_SIGMAS, factor)
+    """Run the own log with all standard deviations assumed too large by a factor."""
+    log, sigmas = own_log(), OWN_SIGMAS.times(factor)
     return run_log(log, homework_start(log, init_landmarks, sigmas), predict, update, sigmas)
 
 
 def mean_nis(factor: float, init_landmarks: Function, predict: Function, update: Function) -> float:
-    """Mean NIS over the own log, all standard deviations assumed a factor too large."""
+    """Return the mean NIS over the own log with all standard deviations assumed too large by a factor."""
     return float(run_with(factor, init_landmarks, predict, update).nis.mean())
 
 
+@course_style()
 def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> Drawing:
-    """Draw NIS over the own log, for noise that is assumed right and too large.
+    """Draw the NIS over the own log, with correct standard deviations and with too large ones.
 
     Parameters
     ----------
     init_landmarks, predict, update : callable
-        The student's.
+        The student's functions.
 
     Returns
     -------
     Drawing
-        Three curves with the band of one step; the text has their means.
+        Three curves with the band of one step; the text contains their means.
     """
     runs = {factor: run_with(factor, init_landmarks, predict, update) for factor in FACTORS}
     degrees = 2 * runs[1.0].k
     low, high = band(degrees, 1)
-    looks = (("ekf", "as they are"), ("graph", "three times too large"), ("odometry", "ten times too large"))
-    with course_style():
-        figure = Figure(figsize=(8.4, 4.2))
-        ax = figure.add_subplot()
-        ax.axhspan(low, high, color=BAND, zorder=0, label="95 % band of one step")
-        ax.axhline(degrees, color=GREY, lw=1, ls="--", label="ideal")
-        for run, (source, label) in zip(runs.values(), looks, strict=True):
-            style = STYLES[source]
-            steps = np.arange(1, len(run.nis) + 1)
-            ax.semilogy(
-                steps, run.nis, color=style.colour, marker=style.marker, ms=4, lw=1.2, label=f"sigmas {label}"
-            )
-        ax.set(xlabel="step", ylabel=f"NIS, {degrees} degrees of freedom", ylim=(0.006, 60))
-        ax.legend(fontsize=9, ncols=2)
-    means = ", ".join(f"{run.nis.mean():.2f} with sigmas {factor:.0f} times" for factor, run in runs.items())
+    styles = (("ekf", "correct"), ("graph", "three times too large"), ("odometry", "ten times too large"))
+    figure = Figure(figsize=(8.4, 4.2))
+    ax = figure.add_subplot()
+    ax.axhspan(low, high, color=BAND, zorder=0, label="95 % band of one step")
+    ax.axhline(degrees, color=GREY, lw=1, ls="--", label="ideal")
+    for run, (source, label) in zip(runs.values(), styles, strict=True):
+        style = style_of(source)
+        steps = np.arange(1, len(run.nis) + 1)
+        ax.semilogy(
+            steps,
+            run.nis,
+            color=style.colour,
+            marker=style.marker,
+            ms=4,
+            lw=1.2,
+            label=f"standard deviations {label}",
+        )
+    ax.set(xlabel="step", ylabel=f"NIS, {degrees} degrees of freedom", ylim=(0.006, 60))
+    ax.legend(fontsize=9, ncols=2)
+    means = ", ".join(
+        f"{run.nis.mean():.2f} with standard deviations times {factor:.0f}" for factor, run in runs.items()
+    )
     return Drawing(
         figure,
         f"NIS over the steps of the log, on a logarithmic axis. Its mean is {means}; the band of a single step is "
@@ -134,17 +129,17 @@ def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> D
 
 
 def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
-    """How much doubt the first update of a film leaves, by how much of the Kalman gain is used.
+    """Return the variances after the first update of a film for gains from zero to twice the Kalman gain.
 
     Parameters
     ----------
     film : Film
-        Of the lesson's own log.
+        Film of the lesson's own log.
 
     Returns
     -------
     (ndarray (41,), ndarray (41,))
-        Variances (m^2) of the robot's place and, summed, of the landmarks, for gains of 0 to 2 times K.
+        Sums of the variances (m^2) of the robot's position and of the landmarks, for gains from 0 to 2 K.
     """
     state, P = film.run.predicted_states[0], film.run.predicted_covariances[0]
     log, R = own_log(), OWN_SIGMAS.measurement_covariance
@@ -153,60 +148,68 @@ def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
     given = (range(log.k), measured, R)
     H = -np.column_stack(
         [
-            innovation_and_spread(state + step, P, *given)[0]
-            - innovation_and_spread(state - step, P, *given)[0]
+            innovation_and_covariance(state + step, P, *given)[0]
+            - innovation_and_covariance(state - step, P, *given)[0]
             for step in steps
         ]
     ) / (2e-6)
     K = np.linalg.solve(H @ P @ H.T + joint, H @ P).T
     left = np.eye(len(state))
-    doubts = [np.diag((left - s * K @ H) @ P @ (left - s * K @ H).T + s**2 * K @ joint @ K.T) for s in SCALES]
-    return np.array([each[:2].sum() for each in doubts]), np.array([each[3:].sum() for each in doubts])
+    variances = [
+        np.diag((left - s * K @ H) @ P @ (left - s * K @ H).T + s**2 * K @ joint @ K.T) for s in SCALES
+    ]
+    return np.array([each[:2].sum() for each in variances]), np.array([each[3:].sum() for each in variances])
 
 
+@course_style()
 def draw_gain(film: Film) -> Drawing:
-    """Draw what is left of the doubt by how much of the Kalman gain is used; the student's own update is marked.
+    """Draw the variances after an update by the part of the Kalman gain that is used, and mark the student's update.
 
     Parameters
     ----------
     film : Film
-        Of the lesson's own log, by the student's functions.
+        Film of the lesson's own log, by the student's functions.
 
     Returns
     -------
     Drawing
-        Two curves with their lowest points at 1.
+        Two curves with their minima at 1.
     """
     robot, landmarks = traces_by_gain(film)
     after = np.diag(film.run.covariances[1])
     yours = float(after[:2].sum()), float(after[3:].sum())
-    with course_style():
-        figure = Figure(figsize=(9.4, 3.7))
-        pairs = zip(figure.subplots(1, 2), (robot, landmarks), yours, ("robot", "landmarks"), strict=True)
-        for ax, curve, own, name in pairs:
-            ax.plot(SCALES, 1e4 * curve, color=GREY, lw=2)
-            ax.plot([1], [1e4 * own], STYLES["ekf"].marker, color=STYLES["ekf"].colour, ms=10, label="yours")
-            ax.axvline(1, color=GREY, lw=0.8, ls=":")
-            ax.set(xlabel="gain, in parts of K", ylabel="variance left (cm²)", title=f"Place of the {name}")
-            ax.set_ylim(0, None)
-            ax.legend()
+    figure = Figure(figsize=(9.4, 3.7))
+    pairs = zip(figure.subplots(1, 2), (robot, landmarks), yours, ("robot", "landmarks"), strict=True)
+    for ax, curve, own, name in pairs:
+        ax.plot(SCALES, 1e4 * curve, color=GREY, lw=2)
+        ax.plot([1], [1e4 * own], STYLES["ekf"].marker, color=STYLES["ekf"].colour, ms=10, label="yours")
+        ax.axvline(1, color=GREY, lw=0.8, ls=":")
+        ax.set(
+            xlabel="factor by which K is multiplied",
+            ylabel="variance after the update (cm²)",
+            title=f"Position of the {name}",
+        )
+        ax.set_ylim(0, None)
+        ax.legend()
     return Drawing(
         figure,
-        "What is left of the variances after the first update, by the part of the Kalman gain that is used: two "
-        f"parabolas, both lowest at 1. The robot's is {1e4 * robot[0]:.1f} square centimetres without a gain, "
+        "Variances after the first update by the part of the Kalman gain that is used: two parabolas with "
+        f"their minima at 1. The robot's is {1e4 * robot[0]:.1f} square centimetres without a gain, "
         f"{1e4 * robot.min():.1f} at best, {1e4 * robot[-1]:.1f} with twice the gain; yours is {1e4 * yours[0]:.1f}.",
     )
 
 
-# --- what looking seldom does ---
+# --- few updates ---
 
 
 def turn_factor(init_landmarks: Function, predict: Function, update: Function, every: int = 5) -> float:
-    """By which factor a tenfold sigma of the turn enlarges the predicted doubt, with a look in every so many steps."""
+    """Return the factor by which a tenfold sigma of the turn increases the predicted sigma, with few updates."""
     log = own_log()
-    doubts = []
+    sigma_of_position = []
     for factor in (1.0, 10.0):
         sigmas = OWN_SIGMAS.scaled("turn", factor)
         start = homework_start(log, init_landmarks, sigmas)
-        doubts.append(Ablation("turn", factor, run_log(log, start, predict, update, sigmas, every)).position)
-    return doubts[1] / doubts[0]
+        sigma_of_position.append(
+            Ablation("turn", factor, run_log(log, start, predict, update, sigmas, every)).position
+        )
+    return sigma_of_position[1] / sigma_of_position[0]

@@ -1,4 +1,4 @@
-"""The report's figure as a film: ellipses at each half step, and the correlations beside them."""
+"""Show the report's figure as a film: ellipses at each half step, and the correlations beside them."""
 
 from __future__ import annotations
 
@@ -19,10 +19,8 @@ from matplotlib.patches import Patch
 from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
-    Function,
     LogRun,
     homework_start,
-    landmark_blocks,
     own_log,
     record_pentagon,
     run_log,
@@ -31,8 +29,9 @@ from nao_course.plotting import STYLES, Drawing, course_style, ellipse_outlines
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.maps import metric_axes
 from nao_course.plotting.style import GREY
+from nao_course.sim.drives import Function, landmark_blocks
 
-# The report's four colours, in tones that can be told apart.
+# The report's four colours, in tones that are easy to distinguish.
 PREDICTED, UPDATED, INITIAL, IMPROVED = "#c2409c", "#0b5fa5", "#c0392b", "#2e8540"
 KEYS = {
     PREDICTED: "robot, predicted",
@@ -40,7 +39,7 @@ KEYS = {
     INITIAL: "landmark, initial",
     IMPROVED: "landmark, updated",
 }
-_HARDLY = 0.005  # correlations below are white; all others have a colour that can be told from it
+_HARDLY = 0.005  # smaller correlations are white; all others have a visible colour
 CORRELATION = LinearSegmentedColormap.from_list(
     "correlation",
     [
@@ -53,21 +52,21 @@ CORRELATION = LinearSegmentedColormap.from_list(
     ],
     N=801,
 )
-HEADING = 0.05  # part of the map's width, length of the line that shows where the robot looks
-SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends as it is
+HEADING = 0.05  # length of the heading line as a part of the map's width
+SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends unscaled
 Pixels = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A log that was run, half step by half step: frame 0 is the start, 2 n - 1 predicted and 2 n updated by step n.
+    """Frames of a run: 0 is the start, 2 n - 1 the prediction and 2 n the update of step n.
 
     Parameters
     ----------
     run : LogRun
-        What was believed.
+        Estimates.
     truth : ndarray, shape (k, 2)
-        Where the landmarks are, m.
+        True landmarks, m.
     """
 
     run: LogRun
@@ -75,11 +74,11 @@ class Film:
 
     @property
     def last(self) -> int:
-        """Number of the last frame."""
+        """Return the number of the last frame."""
         return 2 * len(self.run.predicted_states)
 
     def at(self, frame: int) -> tuple[int, FloatArray, FloatArray]:
-        """Step, state (n,) and covariance (n, n) of a frame."""
+        """Return step, state (n,) and covariance (n, n) of a frame."""
         run, step = self.run, (frame + 1) // 2
         if frame % 2:
             return step, run.predicted_states[step - 1], run.predicted_covariances[step - 1]
@@ -87,14 +86,14 @@ class Film:
 
 
 def record_film(init_landmarks: Function, predict: Function, update: Function) -> Film:
-    """Run the lesson's own log by a student's functions, begun as the homework does."""
+    """Run the lesson's own log with a student's functions, initialised as in the homework."""
     log = own_log()
     start = homework_start(log, init_landmarks, OWN_SIGMAS)
     return Film(run_log(log, start, predict, update, OWN_SIGMAS), record_pentagon().landmarks)
 
 
 def correlations(covariance: npt.ArrayLike) -> FloatArray:
-    """Correlation coefficients (n, n) of a covariance (n, n); 0 beside a variance that is 0."""
+    """Return the correlations (n, n) of a covariance (n, n); 0 where a variance is 0."""
     matrix = np.asarray(covariance, dtype=float)
     sigma = np.sqrt(np.maximum(np.diag(matrix), 0))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -103,28 +102,28 @@ def correlations(covariance: npt.ArrayLike) -> FloatArray:
 
 
 def between_landmarks(covariance: npt.ArrayLike) -> float:
-    """Mean size of the correlations of different landmarks, along the same axis; 0 where there is only one."""
+    """Return the mean absolute correlation of different landmarks along the same axis; 0 for one landmark."""
     matrix = np.abs(correlations(covariance))[3:, 3:]
     k = len(matrix) // 2
     if k < 2:
         return 0.0
-    apart = ~np.eye(k, dtype=bool)
-    return float(np.mean([matrix[axis::2, axis::2][apart].mean() for axis in (0, 1)]))
+    different = ~np.eye(k, dtype=bool)
+    return float(np.mean([matrix[axis::2, axis::2][different].mean() for axis in (0, 1)]))
 
 
 class MapArtists:
-    """What moves on the map of a film.
+    """Moving artists on the map of a film.
 
     Parameters
     ----------
     ax : matplotlib Axes
-        In metres; what stands still is drawn on it at once.
+        In metres; static artists are drawn on it at once.
     film : Film
-        What is shown.
+        The film to show.
     """
 
     def __init__(self, ax: Axes, film: Film) -> None:
-        """Draw what stands still, and make the rest."""
+        """Draw the static artists, and create the moving ones."""
         run = film.run
         self._film = film
         self._robots = {
@@ -142,21 +141,15 @@ class MapArtists:
         metric_axes(ax, around, margin=0.3)
         self._length = HEADING * float(np.ptp(ax.get_xlim()))
         ax.plot(*film.truth.T, "o", color=STYLES["truth"].colour, ms=4, zorder=2)
-        for number, place in enumerate(film.truth, start=1):  # as the rows of the matrix
-            ax.annotate(str(number), place, (6, 6), textcoords="offset points", fontsize=10, zorder=6)
+        for number, position in enumerate(film.truth, start=1):  # like the rows of the matrix
+            ax.annotate(str(number), position, (6, 6), textcoords="offset points", fontsize=10, zorder=6)
         ax.add_collection(_outlines(INITIAL, self._landmarks[0]))
         self._ellipses = {colour: _outlines(colour) for colour in (PREDICTED, UPDATED, IMPROVED)}
         self._path = Line2D([], [], color=GREY, lw=1.0)
         self._places = Line2D([], [], color=IMPROVED, marker="+", ms=9, mew=1.6, ls="")
         self._robot = Line2D([], [], marker=STYLES["ekf"].marker, ms=9, mec="white", ls="")
-        self._look = Line2D([], [], lw=2.2)
-        self.all: list[Any] = [
-            self._path,
-            *self._ellipses.values(),
-            self._places,
-            self._look,
-            self._robot,
-        ]
+        self._heading = Line2D([], [], lw=2.2)
+        self.all: list[Any] = [self._path, *self._ellipses.values(), self._places, self._heading, self._robot]
         for artist in self.all:
             ax.add_artist(artist)
 
@@ -174,18 +167,18 @@ class MapArtists:
         colour = UPDATED if is_updated else PREDICTED
         self._robot.set(data=([x], [y]), color=colour, markeredgecolor="white")
         ahead = x + self._length * np.cos(theta), y + self._length * np.sin(theta)
-        self._look.set(data=([x, ahead[0]], [y, ahead[1]]), color=colour)
+        self._heading.set(data=([x, ahead[0]], [y, ahead[1]]), color=colour)
 
 
 def _outlines(colour: str, outlines: Sequence[FloatArray] | FloatArray = ()) -> PolyCollection:
-    """Ellipses in one colour, hardly filled, so that those below can be seen."""
+    """Return ellipses in one colour, almost transparent."""
     return PolyCollection(
         list(outlines), facecolors=[to_rgba(colour, 0.07)], edgecolors=[to_rgba(colour, 0.95)], linewidths=1.3
     )
 
 
 def keys() -> list[Patch | Line2D]:
-    """What the colours mean."""
+    """Return the legend's entries."""
     ellipses: list[Patch | Line2D] = [
         Patch(fc=to_rgba(colour, 0.15), ec=colour, label=label) for colour, label in KEYS.items()
     ]
@@ -194,16 +187,20 @@ def keys() -> list[Patch | Line2D]:
 
 
 def plot_correlations(ax: Axes, covariance: npt.ArrayLike) -> Any:
-    """Draw correlations as a matrix, with lines that part the pose and the landmarks; returns the image."""
-    matrix = correlations(covariance)
+    """Draw the correlations of a covariance as a matrix, and return the image."""
+    return plot_blocks(ax, correlations(covariance))
+
+
+def plot_blocks(ax: Axes, matrix: FloatArray) -> Any:
+    """Draw a matrix of pose and landmarks with values from -1 to 1, its blocks separated by lines; return the image."""
     k = (len(matrix) - 3) // 2
     image = ax.imshow(matrix, cmap=CORRELATION, vmin=-1, vmax=1, interpolation="nearest")
     for edge in (3 + 2 * i for i in range(k)):
         ax.axhline(edge - 0.5, color=GREY, lw=1.4 if edge == 3 else 0.5)
         ax.axvline(edge - 0.5, color=GREY, lw=1.4 if edge == 3 else 0.5)
-    middles = [1, *(3.5 + 2 * i for i in range(k))]
+    centres = [1, *(3.5 + 2 * i for i in range(k))]
     names = ["pose", *map(str, range(1, k + 1))]
-    ax.set(xticks=middles, yticks=middles)
+    ax.set(xticks=centres, yticks=centres)
     ax.set_xticklabels(names, fontsize=9)
     ax.set_yticklabels(names, fontsize=9)
     ax.tick_params(length=0)
@@ -212,60 +209,60 @@ def plot_correlations(ax: Axes, covariance: npt.ArrayLike) -> Any:
 
 
 def say_frame(film: Film, frame: int) -> str:
-    """Say what one half step shows."""
+    """Describe one half step in words."""
     step, state, covariance = film.at(frame)
     when = (
         "at the start" if frame == 0 else f"after step {step}, {'updated' if frame % 2 == 0 else 'predicted'}"
     )
     robot, sides = np.sqrt(np.trace(covariance[:2, :2])), np.diag(covariance)[3:].reshape(-1, 2).sum(axis=1)
     said = (
-        f"{when.capitalize()}: robot sure to {100 * robot:.1f} cm and "
-        f"{np.degrees(np.sqrt(covariance[2, 2])):.1f} degrees, landmarks to {100 * np.sqrt(sides.mean()):.1f} cm; "
+        f"{when.capitalize()}: standard deviation of the robot {100 * robot:.1f} cm and "
+        f"{np.degrees(np.sqrt(covariance[2, 2])):.1f} degrees, of the landmarks {100 * np.sqrt(sides.mean()):.1f} cm; "
         f"correlation between landmarks {between_landmarks(covariance):.2f}"
     )
     off = np.hypot(*(state[3:].reshape(-1, 2) - film.truth).T)
-    return f"{said}. They are {100 * off.mean():.1f} cm off."
+    return f"{said}. The landmarks are {100 * off.mean():.1f} cm off."
 
 
+@course_style()
 def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     """Draw some half steps of a film, each with its correlations below.
 
     Parameters
     ----------
     film : Film
-        What is shown.
+        The film to show.
     frames : sequence of int, optional
-        Which; by default the start, the first update, the middle and the end.
+        Their numbers; by default the start, the first update, the middle and the end.
 
     Returns
     -------
     Drawing
-        A column for each.
+        A column for each half step.
     """
     chosen = (0, 2, film.last // 4 * 2, film.last) if frames is None else frames
-    with course_style():
-        figure = Figure(figsize=(11.0, 6.3))
-        axes = figure.subplots(2, len(chosen), height_ratios=(1.25, 1), squeeze=False)
-        image: Any = None
-        for number, frame in enumerate(chosen):
-            above, below = axes[:, number]
-            artists = MapArtists(above, film)
-            artists.show(frame)
-            step, _, covariance = film.at(frame)
-            above.set_title("Start" if frame == 0 else f"Step {step}")
-            above.set_ylabel("y (m)" if number == 0 else "")
-            image = plot_correlations(below, covariance)
-        figure.colorbar(image, ax=list(axes[1]), label="correlation", shrink=0.9, ticks=[-1, 0, 1])
-        legend_below(figure, keys(), columns=5)
+    figure = Figure(figsize=(11.0, 6.3))
+    axes = figure.subplots(2, len(chosen), height_ratios=(1.25, 1), squeeze=False)
+    image: Any = None
+    for number, frame in enumerate(chosen):
+        above, below = axes[:, number]
+        artists = MapArtists(above, film)
+        artists.show(frame)
+        step, _, covariance = film.at(frame)
+        above.set_title("Start" if frame == 0 else f"Step {step}")
+        above.set_ylabel("y (m)" if number == 0 else "")
+        image = plot_correlations(below, covariance)
+    figure.colorbar(image, ax=list(axes[1]), label="correlation", shrink=0.9, ticks=[-1, 0, 1])
+    legend_below(figure, keys(), columns=5)
     words = " ".join(say_frame(film, frame) for frame in chosen)
     return Drawing(figure, f"Maps of robot and landmarks with 95 % ellipses, the correlations below. {words}")
 
 
 class _Scene:
-    """One figure of which only some artists move: they are drawn by blit."""
+    """Figure with few moving artists, which are drawn by blitting."""
 
     def __init__(self, figure: Figure, ax: Axes, moving: Sequence[Any]) -> None:
-        """Draw what stands still, once."""
+        """Draw the static artists once."""
         self._ax, self._moving, self._canvas = ax, list(moving), _agg(figure)
         for artist in self._moving:
             artist.set_animated(True)
@@ -273,7 +270,7 @@ class _Scene:
         self._background = self._canvas.copy_from_bbox(figure.bbox)
 
     def picture(self) -> Pixels:
-        """What the artists show now, as an RGB picture (H, W, 3)."""
+        """Return the current figure as an RGB picture (H, W, 3)."""
         self._canvas.restore_region(self._background)
         for artist in self._moving:
             self._ax.draw_artist(artist)
@@ -281,30 +278,30 @@ class _Scene:
 
 
 class FilmStrip:
-    """All half steps of a log that was run, each as two pictures: the map and the correlations.
+    """Two pictures of each half step of a film: the map and the correlations.
 
     Parameters
     ----------
     film : Film
-        What is shown.
+        The film to show.
     """
 
+    @course_style()
     def __init__(self, film: Film) -> None:
-        """Draw what stands still, once."""
+        """Draw the static artists once."""
         self._film = film
-        with course_style():
-            figure = Figure(figsize=SIZE, dpi=DPI)
-            ax = figure.add_subplot()
-            self._map = MapArtists(ax, film)
-            legend_below(figure, keys(), columns=2)
-            self._left = _Scene(figure, ax, self._map.all)
-            figure = Figure(figsize=SIZE, dpi=DPI)
-            ax = figure.add_subplot()
-            self._image = plot_correlations(ax, film.run.covariances[-1])
-            figure.colorbar(
-                self._image, ax=ax, location="bottom", label="correlation", shrink=0.8, ticks=[-1, 0, 1]
-            )
-            self._right = _Scene(figure, ax, (self._image, *ax.lines))
+        figure = Figure(figsize=SIZE, dpi=DPI)
+        ax = figure.add_subplot()
+        self._map = MapArtists(ax, film)
+        legend_below(figure, keys(), columns=2)
+        self._left = _Scene(figure, ax, self._map.all)
+        figure = Figure(figsize=SIZE, dpi=DPI)
+        ax = figure.add_subplot()
+        self._image = plot_correlations(ax, film.run.covariances[-1])
+        figure.colorbar(
+            self._image, ax=ax, location="bottom", label="correlation", shrink=0.8, ticks=[-1, 0, 1]
+        )
+        self._right = _Scene(figure, ax, (self._image, *ax.lines))
 
     def pictures(self, frame: int) -> tuple[Pixels, Pixels]:
         """Return map and correlations of one half step, RGB pictures (H, W, 3)."""
@@ -314,10 +311,10 @@ class FilmStrip:
 
 
 def _agg(figure: Figure) -> Any:
-    """A canvas in memory; matplotlib gives its methods no types."""
+    """Return a canvas in memory; matplotlib's methods have no types."""
     return FigureCanvasAgg(figure)
 
 
 def draw_film(init_landmarks: Function, predict: Function, update: Function) -> Drawing:
-    """Draw the start, the first update, the middle and the end of the lesson's own log, by a student's functions."""
+    """Draw four half steps of the lesson's own log, run with a student's functions."""
     return draw_frames(record_film(init_landmarks, predict, update))

@@ -1,4 +1,4 @@
-"""The noise of several landmarks as one covariance, and the range that angles are brought into."""
+"""Combine the noise of several landmarks in one covariance, and check the range of angles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray
 
 SLACK = 1e-9  # rad, for rounding at the half turn
@@ -15,24 +15,24 @@ SLACK = 1e-9  # rad, for rounding at the half turn
 
 @register
 def joint_noise(measurement_covariance: npt.ArrayLike, k: int) -> FloatArray:
-    """Return the covariance of k landmarks' noise, (bearing, range) by (bearing, range).
+    """Return the joint covariance of the noise of k landmarks, in the order (bearing, range, bearing, range, ...).
 
     Parameters
     ----------
     measurement_covariance : array_like, shape (2, 2), (k, 2, 2) or (2k, 2k)
-        The same for each landmark, one for each, or already that of all: rad^2 and m^2.
+        The same for each landmark, one for each, or the joint covariance: rad^2 and m^2.
     k : int
-        How many landmarks.
+        Number of landmarks.
 
     Returns
     -------
     ndarray, shape (2k, 2k)
-        Blocks on the diagonal, unless all of it was given; a new array.
+        Blocks on the diagonal, unless the joint covariance was given; a new array.
 
     Raises
     ------
     ValueError
-        If it has another shape.
+        If the covariance has another shape.
 
     Examples
     --------
@@ -54,8 +54,8 @@ def joint_noise(measurement_covariance: npt.ArrayLike, k: int) -> FloatArray:
 
 @register
 def in_one_turn(args: Any, kwargs: Any, answer: Any) -> str:
-    """Law of `warp2pi`: all angles from -pi to pi."""
+    """Check that all angles returned by `warp2pi` lie between -pi and pi."""
     angles = np.asarray(answer, dtype=float)
     if np.all(np.abs(angles) <= np.pi + SLACK):
         return ""
-    return "some of your angles are not from -pi to pi"
+    return "some of your angles are outside the range from -pi to pi"

@@ -1,4 +1,4 @@
-"""The player of lesson 07: the film of a log, step by step, forwards and backwards, at speed."""
+"""The film panel of lesson 07: play the run of a log step by step, forwards and backwards."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FRAMES = "frame"
 
 
 class FilmPanel(PlayerPanel):
-    """The log's film, made by your functions: run once, then played.
+    """Film of the log, computed once with your functions and then played.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class FilmPanel(PlayerPanel):
     def __init__(
         self, init_landmarks: Callable[..., Any], predict: Callable[..., Any], update: Callable[..., Any]
     ) -> None:
-        """Begin at the start of the log."""
+        """Create the panel at the start of the log."""
         self._functions = {"init_landmarks": init_landmarks, "predict": predict, "update": update}
         self._made: dict[Any, tuple[Film, FilmStrip]] = {}
         super().__init__(
@@ -40,20 +40,20 @@ class FilmPanel(PlayerPanel):
                 2 * len(own_log().controls),
                 1,
                 0,
-                tooltip="Even: updated; odd: predicted. The arrow keys go one on or back",
+                tooltip="Even half steps are updates, odd ones predictions. The arrow keys move by one half step",
             ),
             speeds=SPEEDS,
             speed="3 a second",
             student=self._functions,
             unfinished={
-                "init_landmarks": "Finish exercise 7.2: the film begins with the landmarks of the first look.",
+                "init_landmarks": "Finish exercise 7.2 to see the film: it begins with your first landmarks.",
                 "predict": "Finish exercise 7.3 to see the film.",
                 "update": "Finish exercises 7.4 and 7.5 to see the film.",
             },
         )
 
     def _play(self, values: Values, student: Any) -> Iterator[Any]:
-        """Show one half step; the log is run only where a function has changed."""
+        """Show one half step; run the log again only if a function has changed."""
         key = tuple(newest_definition(each) for each in self._functions.values())
         if key not in self._made:
             film = record_film(student.init_landmarks, student.predict, student.update)
@@ -64,5 +64,5 @@ class FilmPanel(PlayerPanel):
         yield say_frame(film, values.frame)
 
     def say_pace(self, seconds: float) -> str:
-        """Say how long the student's code took: the log is run once, and what is played is there already."""
+        """Return a sentence on the time that the student's code took for the whole log."""
         return f"Your code took {1000 * seconds:.0f} ms for the whole log." if self._student.called else ""

@@ -1,6 +1,6 @@
-"""What lesson 10, experiments, alone uses."""
+"""Figures, panels and data of lesson 10, experiments."""
 
-from nao_course.lazy_names import import_when_asked
+from nao_course._internal.lazy_names import import_when_asked
 
 _NAMES = {
     "budget": (
@@ -11,7 +11,7 @@ _NAMES = {
         "measure_budget",
         "pixel_errors",
         "tell_tilt_left",
-        "usual_sight",
+        "usual_scene",
     ),
     "intervals": ("Interval",),
     "landscape": (
@@ -36,5 +36,5 @@ __getattr__ = import_when_asked(__name__, _NAMES)  # a check compares intervals,
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """List the public names, without the modules that define them."""
     return __all__

@@ -1,4 +1,4 @@
-"""The error budget of a look: what pixels and what the tilt do to ranges and to the pose, predicted and sampled."""
+"""Predict and sample how errors of pixels and tilt affect measured ranges and an estimated pose."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _AXES = ("x", "y", "heading")
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
-    """What a robot looks at.
+class LandmarkScene:
+    """A scene: a robot's pose, its view, and the landmarks in it.
 
     Parameters
     ----------
@@ -47,17 +47,17 @@ class Sight:
 
 
 @cache
-def usual_sight() -> Sight:
-    """Return the corners and posts that the lower camera sees from a place before the goal."""
+def usual_scene() -> LandmarkScene:
+    """Return a pose in front of the goal, with the corners and posts that the lower camera sees from there."""
     view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, (320, 240))
-    places = np.array([(mark.x, mark.y) for mark in Field(2012).landmarks if mark.kind != "cross"])
+    places = Field(2012).detectable_positions
     seen = view.contains(view.project(POSE.to_local(places)))
-    return Sight(POSE.as_array(), places[seen], view)
+    return LandmarkScene(POSE.as_array(), places[seen], view)
 
 
-def in_pixels(sight: Sight) -> FloatArray:
-    """Where the landmarks are in the picture, (k, 2), px."""
-    return sight.view.project(Pose.from_array(sight.pose).to_local(sight.landmarks))
+def in_pixels(scene: LandmarkScene) -> FloatArray:
+    """Return the landmarks' pixels, shape (k, 2)."""
+    return scene.view.project(Pose.from_array(scene.pose).to_local(scene.landmarks))
 
 
 def pixel_errors(find: Callable[[Any], Any], scenes: tuple[CornerScene, ...]) -> FloatArray:
@@ -73,7 +73,7 @@ def pixel_errors(find: Callable[[Any], Any], scenes: tuple[CornerScene, ...]) ->
     Returns
     -------
     ndarray, shape (N, 2)
-        (u, v) in pixels: found less true, of each hit.
+        (u, v) in pixels: the detected minus the true position of each hit.
     """
     errors = []
     for picture, corners in scenes:
@@ -85,17 +85,19 @@ def pixel_errors(find: Callable[[Any], Any], scenes: tuple[CornerScene, ...]) ->
     return np.array(errors).reshape(-1, 2)
 
 
-def sampled_poses(sight: Sight, pixel_sigma: float, tilt_sigma: float, weights: FloatArray) -> FloatArray:
-    """Take many pictures of a sight and find the pose from each, by least squares.
+def sampled_poses(
+    scene: LandmarkScene, pixel_sigma: float, tilt_sigma: float, weights: FloatArray
+) -> FloatArray:
+    """Simulate many noisy pictures of a scene and estimate the pose from each by least squares.
 
     Parameters
     ----------
-    sight : Sight
-        What is seen, and from where.
+    scene : LandmarkScene
+        Pose, landmarks and view.
     pixel_sigma, tilt_sigma : float
         Standard deviations of each pixel, px, and of each picture's pitch, rad.
     weights : ndarray, shape (2k, 2k)
-        Inverse covariance by which the robot weighs (bearing, range, ...): the same in all pictures.
+        Inverse of the covariance that the robot assumes for (bearing, range, ...), the same in all pictures.
 
     Returns
     -------
@@ -105,26 +107,26 @@ def sampled_poses(sight: Sight, pixel_sigma: float, tilt_sigma: float, weights: 
     from scipy.optimize import least_squares  # takes long to import
 
     rng, root = np.random.default_rng(7), np.linalg.cholesky(weights).T
-    true = in_pixels(sight)
+    true = in_pixels(scene)
     errors = []
     for _ in range(SAMPLES):
-        leaning = replace(sight.view, pitch=sight.view.pitch + rng.normal(0, tilt_sigma))
-        pixels = leaning.project(Pose.from_array(sight.pose).to_local(sight.landmarks))
+        leaning = replace(scene.view, pitch=scene.view.pitch + rng.normal(0, tilt_sigma))
+        pixels = leaning.project(Pose.from_array(scene.pose).to_local(scene.landmarks))
         pixels = pixels + rng.normal(0, pixel_sigma, true.shape)
-        seen = _bearings_and_ranges(_ground(pixels, sight.view))
+        seen = _bearings_and_ranges(_ground(pixels, scene.view))
 
         def misses(pose: FloatArray, seen: FloatArray = seen) -> FloatArray:
-            expected = _bearings_and_ranges(Pose.from_array(pose).to_local(sight.landmarks))
+            expected = _bearings_and_ranges(Pose.from_array(pose).to_local(scene.landmarks))
             off = seen - expected
             off[:, 0] = wrap_angle(off[:, 0])
             return np.asarray(root @ off.ravel())
 
-        errors.append(least_squares(misses, sight.pose, method="lm").x - sight.pose)
+        errors.append(least_squares(misses, scene.pose, method="lm").x - scene.pose)
     return np.array(errors)
 
 
 def _ground(pixels: FloatArray, view: CameraView) -> FloatArray:
-    """Points of the ground (k, 2) that pixels show: the meeting of each pixel's ray and the floor, by homography."""
+    """Return the ground points (k, 2) where the rays of pixels meet the floor, by a homography."""
     corners = np.array([(0.5, -0.5), (0.5, 0.5), (4.0, -1.0), (4.0, 1.0)])
     import cv2
 
@@ -139,12 +141,13 @@ def _bearings_and_ranges(points: FloatArray) -> FloatArray:
     return np.stack((np.angle(polar), np.abs(polar)), axis=1)
 
 
+@course_style()
 def draw_range_budget(
     measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
 ) -> Drawing:
-    """Draw what a pixel error and a tilt are worth at each distance, by lesson 04's covariance."""
+    """Draw the range error due to pixels and due to tilt at each distance, by lesson 04's covariance."""
     pixel_sigma = made(pixel_sigma)
-    view = usual_sight().view
+    view = usual_scene().view
     distances = np.linspace(0.8, 5.0, 43)
     pixels = view.project(np.array([(d + view.offset[0], 0.0) for d in distances]))
     parts = {
@@ -152,22 +155,17 @@ def draw_range_budget(
         "tilt": [_range_sigma(measurement_covariance, each, view, 0.0, tilt_sigma) for each in pixels],
     }
     words = []
-    with course_style():
-        figure = Figure(figsize=(7.6, 3.6))
-        ax = figure.add_subplot()
-        for name, sigmas in parts.items():
-            ax.plot(
-                distances,
-                sigmas,
-                color=_COLOURS[name],
-                lw=2.4,
-                label=_say_source(name, pixel_sigma, tilt_sigma),
-            )
-            at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
-            words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
-        ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
-        legend_below(figure, ax.get_legend_handles_labels()[0])
-    return Drawing(figure, f"What each source does to a range. {'; '.join(words)}.")
+    figure = Figure(figsize=(7.6, 3.6))
+    ax = figure.add_subplot()
+    for name, sigmas in parts.items():
+        ax.plot(
+            distances, sigmas, color=_COLOURS[name], lw=2.4, label=_say_source(name, pixel_sigma, tilt_sigma)
+        )
+        at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
+        words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
+    ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
+    legend_below(figure, ax.get_legend_handles_labels()[0])
+    return Drawing(figure, f"Standard deviation of a range due to each source. {'; '.join(words)}.")
 
 
 def _range_sigma(covariance: Function, pixel: FloatArray, view: CameraView, *sigmas: float) -> float:
@@ -182,7 +180,7 @@ def _say_source(name: str, pixel_sigma: float, tilt_sigma: float) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Budget:
-    """Standard deviations of x, y (m) and theta (rad), by where they come from.
+    """Standard deviations of x, y (m) and theta (rad) for each source of error.
 
     Parameters
     ----------
@@ -199,56 +197,56 @@ class Budget:
 def measure_budget(
     error_budget: Function, measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
 ) -> Budget:
-    """Ask a student's function for the budget of the usual sight, and sample it."""
+    """Compute the budget of the usual scene with a student's function, and sample the same errors."""
     pixel_sigma = made(pixel_sigma)
-    sight = usual_sight()
-    given = (sight.pose.copy(), sight.landmarks.copy(), sight.view)
+    scene = usual_scene()
+    given = (scene.pose.copy(), scene.landmarks.copy(), scene.view)
     parts = [np.asarray(each, dtype=float) for each in error_budget(*given, pixel_sigma, tilt_sigma)]
     predicted = dict(zip(("pixels", "tilt"), map(_sigmas, parts), strict=True)) | {
         "both": _sigmas(sum(parts))
     }
-    weights = np.linalg.inv(measurement_covariance(in_pixels(sight), sight.view, pixel_sigma, tilt_sigma))
+    weights = np.linalg.inv(measurement_covariance(in_pixels(scene), scene.view, pixel_sigma, tilt_sigma))
     sources = {"pixels": (pixel_sigma, 0.0), "tilt": (0.0, tilt_sigma), "both": (pixel_sigma, tilt_sigma)}
-    measured = {name: sampled_poses(sight, *each, weights).std(axis=0) for name, each in sources.items()}
+    measured = {name: sampled_poses(scene, *each, weights).std(axis=0) for name, each in sources.items()}
     return Budget(predicted, measured)
 
 
 def tilt_left(
     measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
 ) -> dict[str, FloatArray]:
-    """Measure what a tilt does to the pose, by what the robot's weights know of it.
+    """Measure the pose error due to a tilt, for weights that include the tilt fully, partly or not at all.
 
     Returns
     -------
     dict of str to ndarray, shape (3,)
         Standard deviations of x, y (m) and theta (rad), from sampled pictures whose pixels are exact.
     """
-    sight = usual_sight()
-    pixels = in_pixels(sight)
+    scene = usual_scene()
+    pixels = in_pixels(scene)
     exact, leaning = (
-        np.asarray(measurement_covariance(pixels, sight.view, pixel_sigma, tilt))
+        np.asarray(measurement_covariance(pixels, scene.view, pixel_sigma, tilt))
         for tilt in (0.0, tilt_sigma)
     )
     own_blocks = np.kron(np.eye(len(pixels)), np.ones((2, 2))) > 0
     known = {
-        "nothing": exact,
-        "one for each landmark": np.where(own_blocks, leaning, 0.0),
-        "one for all": leaning,
+        "none": exact,
+        "an independent tilt for each landmark": np.where(own_blocks, leaning, 0.0),
+        "one tilt for all landmarks": leaning,
     }
     return {
-        name: sampled_poses(sight, 0.0, tilt_sigma, np.linalg.inv(covariance)).std(axis=0)
+        name: sampled_poses(scene, 0.0, tilt_sigma, np.linalg.inv(covariance)).std(axis=0)
         for name, covariance in known.items()
     }
 
 
 def tell_tilt_left(measurement_covariance: Function, pixel_sigma: float) -> Table:
-    """Set in a table what one degree of tilt does to the pose, by what the robot's weights know of it."""
+    """Make a table of the pose error due to one degree of tilt, for weights that include the tilt or do not."""
     found = tilt_left(measurement_covariance, made(pixel_sigma))
     rows = [
         (name, f"{100 * x:.1f} cm", f"{100 * y:.1f} cm", f"{np.degrees(theta):.1f}°")
         for name, (x, y, theta) in found.items()
     ]
-    return table(("what the weights know of the tilt", "x", "y", "heading"), rows)
+    return table(("tilt in the weights", "x", "y", "heading"), rows)
 
 
 def _sigmas(covariance: Any) -> FloatArray:
@@ -256,39 +254,37 @@ def _sigmas(covariance: Any) -> FloatArray:
 
 
 def larger_source(budget: Budget) -> str:
-    """Return which source is the larger part of the error in x, as predicted: "pixels" or "tilt"."""
+    """Return the source with the larger predicted error in x: "pixels" or "tilt"."""
     predicted = made(budget).predicted
     return max(("pixels", "tilt"), key=lambda name: float(predicted[name][0]))
 
 
+@course_style()
 def draw_budget(budget: Budget) -> Drawing:
-    """Draw what each source adds to x, y and heading: bars as predicted, dots as measured."""
+    """Draw the error of x, y and heading due to each source: bars are predicted, diamonds are sampled."""
     budget = made(budget)
     words = []
-    with course_style():
-        figure = Figure(figsize=(9.0, 3.7))
-        place, heading = figure.subplots(1, 2, width_ratios=(2, 1))
-        for row, (name, colour) in enumerate({**_COLOURS, "both": STYLES["truth"].colour}.items()):
-            scale = np.array([100.0, 100.0, np.degrees(1.0)])
-            wanted, have = budget.predicted[name] * scale, budget.measured[name] * scale
-            for i, (value, dot) in enumerate(zip(wanted, have, strict=True)):
-                ax = place if i < 2 else heading
-                at = (i if i < 2 else 0) + (row - 1) * 0.26
-                ax.bar(at, value, 0.24, color=colour, alpha=0.75, label=name if i == 0 else None)
-                ax.plot(at, dot, "D", color="white", mec="black", ms=7)
-            said = zip(_AXES, wanted, have, ("cm", "cm", "degrees"), strict=True)
-            words.append(
-                f"{name}: " + ", ".join(f"{axis} {a:.1f} {unit} ({b:.1f})" for axis, a, b, unit in said)
-            )
-        place.set_xticks([0, 1], ["x", "y"])
-        place.set(ylabel="sigma (cm)")
-        heading.set_xticks([0], ["heading"])
-        heading.set(ylabel="sigma (degrees)", xlim=(-0.6, 0.6))
-        keys = [*place.get_legend_handles_labels()[0]]
-        measured = place.plot(
-            [], [], "D", color="white", mec="black", ms=7, label=f"measured, {SAMPLES} pictures"
-        )
-        legend_below(figure, [*keys, *measured])
+    figure = Figure(figsize=(9.0, 3.7))
+    place, heading = figure.subplots(1, 2, width_ratios=(2, 1))
+    for row, (name, colour) in enumerate({**_COLOURS, "both": STYLES["truth"].colour}.items()):
+        scale = np.array([100.0, 100.0, np.degrees(1.0)])
+        wanted, have = budget.predicted[name] * scale, budget.measured[name] * scale
+        for i, (value, dot) in enumerate(zip(wanted, have, strict=True)):
+            ax = place if i < 2 else heading
+            at = (i if i < 2 else 0) + (row - 1) * 0.26
+            ax.bar(at, value, 0.24, color=colour, alpha=0.75, label=name if i == 0 else None)
+            ax.plot(at, dot, "D", color="white", mec="black", ms=7)
+        said = zip(_AXES, wanted, have, ("cm", "cm", "degrees"), strict=True)
+        words.append(f"{name}: " + ", ".join(f"{axis} {a:.1f} {unit} ({b:.1f})" for axis, a, b, unit in said))
+    place.set_xticks([0, 1], ["x", "y"])
+    place.set(ylabel="sigma (cm)")
+    heading.set_xticks([0], ["heading"])
+    heading.set(ylabel="sigma (degrees)", xlim=(-0.6, 0.6))
+    keys = [*place.get_legend_handles_labels()[0]]
+    measured = place.plot(
+        [], [], "D", color="white", mec="black", ms=7, label=f"measured, {SAMPLES} pictures"
+    )
+    legend_below(figure, [*keys, *measured])
     return Drawing(
         figure, f"Error of the pose by its source, predicted and, in brackets, measured. {'; '.join(words)}."
     )

@@ -1,4 +1,4 @@
-"""The challenge of lesson 10: corners in rooms that nobody has seen, with the mean cost said beforehand."""
+"""The challenge of lesson 10: find corners in unseen rooms and predict the mean cost."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LARGEST = 1000.0  # of an interval's end
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """Pictures of one room.
+    """The pictures of one room.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """What an entry answers: corners of each picture, and between what it says that their mean cost is."""
+    """An entry's answer: the corners of each picture and an interval for their mean cost."""
 
     corners: tuple[FloatArray, ...]
     low: float
@@ -52,7 +52,7 @@ class Claim:
 
 
 def make_room(seed: tuple[str, int]) -> Room:
-    """Take the pictures of a room: `seed` is its preset and its own seed."""
+    """Take the pictures of a room; `seed` contains its preset and its own seed."""
     preset, room = seed
     each = places({preset: (room,)}, IN_EACH)
     scenes = [place.scene(lambda scene: True, STREAM) for place in each]
@@ -61,7 +61,7 @@ def make_room(seed: tuple[str, int]) -> Room:
 
 
 def name_of(seed: tuple[str, int]) -> str:
-    """Name a room: its preset, and its number among those."""
+    """Return a room's name: its preset and its number within the preset."""
     preset, room = seed
     return f"{preset} {ROOMS[preset].index(room) + 1}"
 
@@ -94,7 +94,7 @@ def as_claim(answer: Any, pictures: int) -> Claim:
 
 
 def interval_score(low: float, high: float, value: float) -> float:
-    """Return what an interval of 80 % costs: its width, and ten times how far the value is outside.
+    """Return the interval score of an 80 % interval: its width plus ten times the distance of the value outside it.
 
     References
     ----------
@@ -105,7 +105,7 @@ def interval_score(low: float, high: float, value: float) -> float:
 
 
 def judge(answer: Any, room: Room) -> CaseScore:
-    """Score a room: its mean cost by Table 6.1, and what the interval is worth that was said before."""
+    """Score a room: its mean cost by Table 6.1 and the interval score of the prediction."""
     claim = as_claim(answer, len(room.scenes))
     matches = [
         match_points(each, corners) for each, (_, corners) in zip(claim.corners, room.scenes, strict=True)
@@ -114,52 +114,50 @@ def judge(answer: Any, room: Room) -> CaseScore:
     columns = {
         "mean cost": cost,
         "false": float(np.mean([match.false for match in matches])),
-        "width said": claim.high - claim.low,
+        "interval width": claim.high - claim.low,
         "inside": 100.0 * (claim.low <= cost <= claim.high),
     }
     score = cost + WEIGHT * interval_score(claim.low, claim.high, cost)
     return CaseScore(score, columns, (room.name, cost, claim.low, claim.high))
 
 
+@course_style()
 def draw_rooms(run: Run) -> Drawing:
-    """Draw the rooms of a run; what a judge kept of each is (name, cost, low, high)."""
+    """Draw the rooms of a run from (name, cost, low, high) of each."""
     kept = [each.kept for each in run.results if each.kept]
     outside = [name for name, cost, low, high in kept if not low <= cost <= high]
-    with course_style():
-        figure = Figure(figsize=(8.6, 0.32 * len(kept) + 1.3))
-        ax = figure.add_subplot()
-        for row, (name, cost, low, high) in enumerate(kept):
-            colour = STYLES["odometry"].colour if name in outside else STYLES["ekf"].colour
-            ax.plot([low, high], [row, row], color=colour, lw=4, alpha=0.45, solid_capstyle="butt")
-            ax.plot(cost, row, "o", color=STYLES["truth"].colour, ms=7)
-        ax.set_yticks(range(len(kept)), [name for name, *_ in kept])
-        ax.set(xlabel="mean cost of a room", ylim=(len(kept) - 0.5, -0.5))
-        said = ax.plot([], [], color=STYLES["ekf"].colour, lw=4, alpha=0.45, label="said before")
-        wrong = ax.plot(
-            [], [], color=STYLES["odometry"].colour, lw=4, alpha=0.45, label="said before, and wrong"
-        )
-        came = ax.plot([], [], "o", color=STYLES["truth"].colour, ls="", label="came out")
-        legend_below(figure, [*said, *wrong, *came])
+    figure = Figure(figsize=(8.6, 0.32 * len(kept) + 1.3))
+    ax = figure.add_subplot()
+    for row, (name, cost, low, high) in enumerate(kept):
+        colour = STYLES["odometry"].colour if name in outside else STYLES["ekf"].colour
+        ax.plot([low, high], [row, row], color=colour, lw=4, alpha=0.45, solid_capstyle="butt")
+        ax.plot(cost, row, "o", color=STYLES["truth"].colour, ms=7)
+    ax.set_yticks(range(len(kept)), [name for name, *_ in kept])
+    ax.set(xlabel="mean cost of a room", ylim=(len(kept) - 0.5, -0.5))
+    said = ax.plot([], [], color=STYLES["ekf"].colour, lw=4, alpha=0.45, label="your interval")
+    wrong = ax.plot([], [], color=STYLES["odometry"].colour, lw=4, alpha=0.45, label="your interval, wrong")
+    came = ax.plot([], [], "o", color=STYLES["truth"].colour, ls="", label="mean cost")
+    legend_below(figure, [*said, *wrong, *came])
     return Drawing(
         figure,
-        f"Mean cost of {len(kept)} rooms and the intervals said before; outside are {', '.join(outside) or 'none'}.",
+        f"Mean cost of {len(kept)} rooms with the predicted intervals; outside are {', '.join(outside) or 'none'}.",
     )
 
 
 CHALLENGE = Challenge(
     lesson="10_experiments",
-    title="Challenge 10: corners in unseen rooms, and what they will cost",
-    task=f"A function of the {IN_EACH} pictures of a room, a list, that returns (found, low, high): found is a list "
-    "of corners (K, 2), (u, v) in pixels, one for each picture; between low and high, you say before anybody looks, "
-    "their mean cost lies with 80 %.",
-    scoring="a room's mean cost by Table 6.1, plus a quarter of what the interval costs: its width, and ten times the "
-    "distance if the mean cost is outside. The mean over six rooms; less is better.",
+    title="Challenge 10: corners in unseen rooms, and their predicted cost",
+    task=f"A function of the {IN_EACH} pictures of a room, a list, that returns (found, low, high). found is a list "
+    "with the corners of each picture, (K, 2), (u, v) in pixels. low and high are the ends of an interval that "
+    "contains their mean cost with a probability of 80 %.",
+    scoring="a room's mean cost by Table 6.1, plus a quarter of the interval's cost: its width, and ten times the "
+    "distance if the mean cost is outside. The score is the mean over six rooms; less is better.",
     seeds=tuple((preset, room) for preset, rooms in ROOMS.items() for room in rooms),
     make=make_room,
     given=lambda room: ([pixels for pixels, _ in room.scenes],),
     judge=judge,
     figure=draw_rooms,
-    columns=(Column("mean cost"), Column("false"), Column("width said"), Column("inside", " %", 0)),
+    columns=(Column("mean cost"), Column("false"), Column("interval width"), Column("inside", " %", 0)),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
     nothing=10.0,
     higher_is_better=False,

@@ -1,4 +1,4 @@
-"""How an interval is judged that is made of random draws: it is asked for with several generators."""
+"""Judge intervals made from random draws by calling the function with several generators."""
 
 from __future__ import annotations
 
@@ -12,28 +12,29 @@ from nao_course.exercises import Case, Comparison, Verdict, register, register_d
 from nao_course.exercises.comparisons.comparison import RIGHT, with_article
 from nao_course.exercises.comparisons.structure import as_numbers
 
-SEEDS = (0, 1, 2, 3, 4, 0)  # the first comes again at the end: it has to give the same
+SEEDS = (0, 1, 2, 3, 4, 0)  # the first one is repeated at the end and has to give the same answer
+NARROW = 0.4  # below this fraction of the right width, the width is reported and not an end
 _ENDS = ("the lower end", "the upper end")
 
 
 @register_driver
 def with_generators(function: Callable[..., Any], values: Any, probability: float) -> list[Any]:
-    """Call ``function(values, probability, rng)`` with several generators; what it answers comes back as it is."""
+    """Call ``function(values, probability, rng)`` with several generators and return the answers."""
     return [function(np.array(values), probability, np.random.default_rng(seed)) for seed in SEEDS]
 
 
 @register
 @dataclass(frozen=True)
 class Interval(Comparison):
-    """Two ends that scatter from generator to generator around the expected ones.
+    """Compare two ends, which vary between generators, with the reference's.
 
     Parameters
     ----------
     share : float
-        How far the ends' means over the generators may be from the reference's, as a part of its width.
+        Largest distance of an end's mean over the generators from the reference's, as a fraction of the width.
     scatter : float
-        How far the ends may move from generator to generator, standard deviation, as a part of the width. With 2000
-        resamples it is 0.015, and 0.02 for 99 %.
+        Largest standard deviation of an end over the generators, as a fraction of the width. With 2000 resamples it
+        is 0.015, and 0.02 for 99 %.
     """
 
     share: float = 0.05
@@ -43,25 +44,23 @@ class Interval(Comparison):
         """Compare the answers to all generators with the reference's."""
         wanted = np.asarray(expected, dtype=float)
         if not isinstance(got, list) or len(got) != len(SEEDS):
-            return Verdict("type", "your answers are not one for each call")
+            return Verdict("type", "your function did not return one answer for each call")
         if any(each is None for each in got):
             return Verdict("nothing", "your answer is None: a return may be missing")
         rows = [as_numbers(each, "your answer") for each in got]
         for answer, row in zip(got, rows, strict=True):
             if isinstance(row, Verdict):
                 return Verdict(
-                    "type", f"your answer is {with_article(answer)}; two numbers (low, high) are wanted"
+                    "type", f"your answer is {with_article(answer)}; return two numbers (low, high)"
                 )
             if row.shape != (2,):
-                return Verdict(
-                    "shape", f"your answer has shape {row.shape}; two numbers (low, high) are wanted"
-                )
+                return Verdict("shape", f"your answer has shape {row.shape}; return two numbers (low, high)")
             if np.isnan(row).any():
                 return Verdict("nan", "your answer has NaN in it")
         return self._judge_ends(wanted, np.array(rows, dtype=float))
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's: as repeatable, and with about the same ends."""
+        """Return whether two wrong answers are alike: equally repeatable, with nearly the same ends."""
         pair = [_rows(each) for each in (answer, got)]
         one, other = pair
         if one is None or other is None:
@@ -73,33 +72,41 @@ class Interval(Comparison):
         return bool((np.abs(one.mean(axis=0) - other.mean(axis=0)) <= near * width).all())
 
     def _scatters(self, rows: Any) -> bool:
-        """Whether the ends move more from generator to generator than those of enough resamples."""
+        """Return whether the ends vary more between generators than with enough resamples."""
         width = float(np.ptp(rows.mean(axis=0)))
         return bool(np.std(rows[:-1], axis=0).mean() > self.scatter * width + 1e-9)
 
     def _judge_ends(self, wanted: Any, have: Any) -> Verdict:
         width = float(np.ptp(wanted.mean(axis=0)))
         if not _repeats(have):
-            return Verdict("value", "the same rng gave two different answers; rng.choice draws from it")
+            return Verdict("value", "the same rng gave two different answers; draw with rng.choice")
         if width and _fixed(have):
             return Verdict(
-                "value",
-                "whatever rng it gets, your answer is the same: draw resamples with it, and take their means",
+                "value", "your answer is the same for every rng; draw resamples with it and take their means"
             )
         if (have[:, 0] > have[:, 1]).any():
-            return Verdict("value", "the lower end is above the upper one: the answer is (low, high)")
+            return Verdict("value", "the lower end is above the upper end; return (low, high)")
+        own_width = float(np.ptp(have.mean(axis=0)))
+        if width and own_width < 1e-9 * width:
+            return Verdict("value", "both ends of your interval are equal; take quantiles of many means")
+        if own_width < NARROW * width:
+            return Verdict(
+                "value",
+                f"your interval is {width / own_width:.0f} times too narrow; take each mean over one "
+                "resample of len(values) values",
+            )
         off = np.abs(have.mean(axis=0) - wanted.mean(axis=0))
         for i, end in enumerate(_ENDS):
             if off[i] > self.share * width + 1e-9:
                 where = "low" if have[:, i].mean() < wanted[:, i].mean() else "high"
                 return Verdict("value", f"{end} of your interval, {have[:, i].mean():.4g}, is too {where}")
         if self._scatters(have):
-            return Verdict("value", "from one rng to another the ends of your interval move too much")
+            return Verdict("value", "the ends of your interval vary too much between generators")
         return RIGHT
 
 
 def _rows(answers: Any) -> Any:
-    """Answers as an array (len(SEEDS), 2); None where they are something else."""
+    """Return answers as an array (len(SEEDS), 2), or None if they are something else."""
     try:
         rows = np.array(answers, dtype=float)
     except (TypeError, ValueError):
@@ -108,15 +115,15 @@ def _rows(answers: Any) -> Any:
 
 
 def _repeats(rows: Any) -> bool:
-    """Whether the first generator, asked again at the end, gave the same."""
+    """Return whether the first generator gave the same answer when it was repeated."""
     return bool((rows[0] == rows[-1]).all())
 
 
 def _fixed(rows: Any) -> bool:
-    """Whether all generators gave the same."""
+    """Return whether all generators gave the same answer."""
     return bool(np.allclose(rows, rows[0], rtol=1e-12, atol=1e-12))
 
 
 def case_of(values: Any, probability: float, name: str = "") -> Case:
-    """A case of `Interval`: the generator is the driver's."""
+    """Return a case for `Interval`, whose generators the driver makes."""
     return Case((np.asarray(values, dtype=float), probability), name)

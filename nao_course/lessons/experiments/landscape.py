@@ -1,4 +1,4 @@
-"""Figures of 27 costs: as a landscape beside the paper's, with intervals, and how often each setting is the best."""
+"""Figures of the 27 mean costs: beside the paper's, with intervals, and how often each setting is best."""
 
 from __future__ import annotations
 
@@ -28,21 +28,22 @@ from nao_course.plotting.style import GREY
 Function = Callable[..., Any]
 OURS, THEIRS, NOTHING = STYLES["ekf"].colour, STYLES["graph"].colour, STYLES["odometry"].colour
 PROBABILITY = 0.95
+MOST_BARS = 9  # settings with a bar of their own in the figure of the winners
 
 
 def say_setting(setting: Setting) -> str:
-    """A setting in a few letters: "120, 5, 40"."""
+    """Return a short label for a setting: "120, 5, 40"."""
     return ", ".join(f"{each:g}" for each in setting)
 
 
 def interval_of(bootstrap_interval: Function, values: FloatArray) -> tuple[float, float]:
-    """Ask a student's function for the 95 % interval of the values' mean."""
+    """Return the 95 % interval of the values' mean from a student's function."""
     low, high = bootstrap_interval(np.array(values), PROBABILITY, np.random.default_rng(0))
     return float(low), float(high)
 
 
 def best_settings(table: CostTable, rows: int = 6) -> Table:
-    """Set the settings with the lowest means in a table, each with the sigma of a single picture's cost."""
+    """Make a table of the settings with the lowest means, with the standard deviation of a single picture's cost."""
     return make_table(
         ("beta, gap, length", "mean", "sigma"),
         [
@@ -57,6 +58,7 @@ def draw_payoff(grid_search: Function, bootstrap_interval: Function) -> Drawing:
     return draw_landscape(search_scenes(grid_search, simulated_scenes()), bootstrap_interval)
 
 
+@course_style()
 def draw_landscape(table: CostTable, bootstrap_interval: Function) -> Drawing:
     """Draw the mean costs of 27 settings beside the paper's, and each one's interval.
 
@@ -70,18 +72,14 @@ def draw_landscape(table: CostTable, bootstrap_interval: Function) -> Drawing:
     costs = as_table(table)
     means = {key: float(each.mean()) for key, each in costs.items()}
     nothing = float(nothing_costs(simulated_scenes()).mean())
-    with course_style():
-        figure = Figure(figsize=(9.9, 6.2))
-        halves: Any = figure.subfigures(1, 2, width_ratios=(1.55, 1))
-        tiles, right = halves
-        rows = tiles.subfigures(2, 1)
-        for part, name, values in (
-            (rows[0], "the paper's Table A.1", PAPER_MEANS),
-            (rows[1], "yours", means),
-        ):
-            part.suptitle(f"Mean cost, {name}", x=0.02, ha="left", fontsize=11, fontweight="bold")
-            _plot_tiles(part.subplots(1, 3, sharey=True), values)
-        tied = _plot_intervals(right.subplots(), costs, bootstrap_interval, nothing)
+    figure = Figure(figsize=(9.9, 6.8))
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.45, 1))
+    tiles, right = halves
+    rows = tiles.subfigures(2, 1)
+    for part, name, values in ((rows[0], "the paper's Table A.1", PAPER_MEANS), (rows[1], "yours", means)):
+        part.suptitle(f"Mean cost, {name}", x=0.02, ha="left", fontsize=11, fontweight="bold")
+        _plot_tiles(part.subplots(1, 3, sharey=True), values)
+    tied = _plot_intervals(right.subplots(), costs, bootstrap_interval, nothing)
     best = next(iter(costs))
     return Drawing(
         figure,
@@ -93,7 +91,7 @@ def draw_landscape(table: CostTable, bootstrap_interval: Function) -> Drawing:
 
 
 def _plot_tiles(axes: Sequence[Axes], means: Mapping[Setting, float]) -> None:
-    """Three squares of nine means, by beta and gap, one for each length; a frame around the best."""
+    """Draw nine means by beta and gap for each length, with a frame around the best setting."""
     low, high = min(means.values()), max(means.values())
     best = min(means, key=lambda key: means[key])
     for ax, length in zip(axes, LENGTHS, strict=True):
@@ -115,7 +113,7 @@ def _plot_tiles(axes: Sequence[Axes], means: Mapping[Setting, float]) -> None:
 
 
 def _plot_intervals(ax: Axes, costs: CostTable, bootstrap_interval: Function, nothing: float) -> int:
-    """Means with intervals, the best above; returns how many of the others cannot be told from the best."""
+    """Draw means with intervals, the best at the top; return the number of others that may be equally good."""
     best = next(iter(costs))
     tied = 0
     for row, (key, each) in enumerate(costs.items()):
@@ -127,14 +125,15 @@ def _plot_intervals(ax: Axes, costs: CostTable, bootstrap_interval: Function, no
         ax.plot([low, high], [row, row], color=colour, lw=2, alpha=0.55)
         ax.plot(each.mean(), row, "o", color=colour, mfc=colour if same else "white", ms=6)
     ax.plot([nothing, nothing], [-0.6, len(costs)], color=NOTHING, ls=":", lw=1.8)
-    ax.text(nothing, -1.1, "nothing", color=NOTHING, ha="center", fontsize=9)
-    ax.set_yticks(range(len(costs)), [say_setting(key) for key in costs], fontsize=8)
+    ax.text(nothing, -1.1, "reporting nothing", color=NOTHING, ha="center", fontsize=10)
+    ax.set_yticks(range(len(costs)), [say_setting(key) for key in costs], fontsize=10)
     ax.set(xlabel="mean cost, with its 95 % interval", ylim=(len(costs) - 0.4, -1.6))
     ax.set_title("filled: may be the best", fontsize=10, fontweight="normal")
     ax.tick_params(axis="y", length=0)
     return tied
 
 
+@course_style()
 def draw_beside_paper(table: CostTable) -> Drawing:
     """Draw each setting's mean against the paper's, and each scatter against the paper's sigma."""
     from nao_course.lessons.experiments.paper_table import PAPER_SIGMAS
@@ -144,33 +143,32 @@ def draw_beside_paper(table: CostTable) -> Drawing:
     sigmas = {key: float(each.std(ddof=1)) for key, each in costs.items()}
     errors = {key: sigma / np.sqrt(len(costs[key])) for key, sigma in sigmas.items()}
     markers = dict(zip(LENGTHS, ("o", "s", "^"), strict=True))
-    with course_style():
-        figure = Figure(figsize=(9.6, 4.2))
-        left, right = figure.subplots(1, 2)
-        for key, mean in means.items():
-            left.plot(PAPER_MEANS[key], mean, markers[key[2]], color=OURS, ms=7, mec="white")
-            right.plot(PAPER_MEANS[key], PAPER_SIGMAS[key], "D", color=THEIRS, ms=5)
-            right.plot(mean, sigmas[key], "^", color=OURS, ms=6)
-            right.plot(mean, errors[key], "^", color=OURS, ms=6, mfc="white")
-        rho = rank_correlation(PAPER_MEANS, means)
-        left.set(xlabel="mean cost in the paper", ylabel="your mean cost")
-        left.set_title(f"rank correlation {rho:.2f}", fontsize=11)
-        right.set(xlabel="mean cost", ylabel="sigma")
-        right.set_title("what is the paper's sigma?", fontsize=11)
-        left.legend(
-            handles=[
-                Line2D([], [], color=OURS, marker=markers[each], ls="", label=f"length {each} px")
-                for each in LENGTHS
-            ],
-            loc="upper left",
-        )
-        right.legend(
-            handles=[
-                Line2D([], [], color=THEIRS, marker="D", ls="", label="the paper's sigma"),
-                Line2D([], [], color=OURS, marker="^", ls="", label="yours, of a picture"),
-                Line2D([], [], color=OURS, marker="^", mfc="white", ls="", label="yours, of the mean"),
-            ]
-        )
+    figure = Figure(figsize=(9.6, 4.2))
+    left, right = figure.subplots(1, 2)
+    for key, mean in means.items():
+        left.plot(PAPER_MEANS[key], mean, markers[key[2]], color=OURS, ms=7, mec="white")
+        right.plot(PAPER_MEANS[key], PAPER_SIGMAS[key], "D", color=THEIRS, ms=5)
+        right.plot(mean, sigmas[key], "P", color=OURS, ms=7)
+        right.plot(mean, errors[key], "P", color=OURS, ms=7, mfc="white")
+    rho = rank_correlation(PAPER_MEANS, means)
+    left.set(xlabel="mean cost in the paper", ylabel="your mean cost")
+    left.set_title(f"rank correlation {rho:.2f}", fontsize=11)
+    right.set(xlabel="mean cost", ylabel="sigma")
+    right.set_title("what is the paper's sigma?", fontsize=11)
+    left.legend(
+        handles=[
+            Line2D([], [], color=OURS, marker=markers[each], ls="", label=f"length {each} px")
+            for each in LENGTHS
+        ],
+        loc="upper left",
+    )
+    right.legend(
+        handles=[
+            Line2D([], [], color=THEIRS, marker="D", ls="", label="the paper's sigma"),
+            Line2D([], [], color=OURS, marker="P", ls="", label="yours, of a picture"),
+            Line2D([], [], color=OURS, marker="P", mfc="white", ls="", label="yours, of the mean"),
+        ]
+    )
     return Drawing(
         figure,
         f"Left: your 27 mean costs against the paper's, rank correlation {rho:.2f}. Right: sigma against mean; the "
@@ -180,57 +178,61 @@ def draw_beside_paper(table: CostTable) -> Drawing:
     )
 
 
+@course_style()
 def draw_winners(table: CostTable) -> Drawing:
-    """Draw how often each setting would be the best, were these scenes drawn again."""
+    """Draw how often each setting is the best when the scenes are resampled."""
     shares = shares_won(as_table(table))
     names = sorted(shares, key=lambda key: -shares[key])
-    with course_style():
-        figure = Figure(figsize=(9.6, 3.6))
-        ax = figure.add_subplot()
-        ax.bar(range(len(names)), [100 * shares[key] for key in names], color=OURS)
-        ax.set_xticks(
-            range(len(names)), [say_setting(key) for key in names], rotation=60, ha="right", fontsize=8
-        )
-        ax.set(ylabel="best in so many %", xlim=(-0.6, len(names) - 0.4))
-        ax.tick_params(axis="x", length=0)
+    shown = names[:MOST_BARS]
+    bars = {say_setting(key): 100 * shares[key] for key in shown}
+    if len(names) > len(shown):
+        bars[f"{len(names) - len(shown)} others"] = 100 * sum(shares[key] for key in names[MOST_BARS:])
+    figure = Figure(figsize=(9.6, 3.4))
+    ax = figure.add_subplot()
+    ax.bar(range(len(bars)), list(bars.values()), color=OURS)
+    ax.set_xticks(range(len(bars)), list(bars), fontsize=10)
+    ax.set(ylabel="lowest mean in % of the draws", xlim=(-0.6, len(bars) - 0.4))
+    ax.tick_params(axis="x", length=0)
     said = "; ".join(f"{say_setting(key)}: {100 * shares[key]:.0f} %" for key in names[:6])
     never = sum(shares[key] == 0 for key in names)
     return Drawing(
         figure,
         f"How often each of {len(names)} settings has the lowest mean cost when the scenes are drawn again. {said}. "
-        f"{never} never have.",
+        f"{never} never have it.",
     )
 
 
+@course_style()
 def draw_optimism(table: CostTable) -> Drawing:
-    """Draw what the best setting of one half costs there, and on the other half."""
+    """Draw the cost of the best setting of one half of the scenes, on that half and on the other half."""
     found = optimism(as_table(table))
-    with course_style():
-        figure = Figure(figsize=(8.6, 3.6))
-        ax = figure.add_subplot()
-        bins = np.linspace(
-            min(found.promised.min(), found.kept.min()), max(found.promised.max(), found.kept.max()), 36
-        )
-        for values, colour, name in (
-            (found.promised, OURS, "on the half it was chosen on"),
-            (found.kept, NOTHING, "on the other half"),
-        ):
-            ax.hist(values, bins.tolist(), color=colour, alpha=0.55, label=f"{name}: {values.mean():.2f}")
-            ax.axvline(values.mean(), color=colour, lw=2)
-        ax.axvline(
-            found.any_setting, color=GREY, ls=":", lw=2, label=f"all settings: {found.any_setting:.2f}"
-        )
-        ax.set(xlabel="mean cost of the chosen setting, 15 scenes", ylabel="halvings", yticks=[])
-        legend_below(figure, ax.get_legend_handles_labels()[0])
+    figure = Figure(figsize=(8.6, 3.6))
+    ax = figure.add_subplot()
+    bins = np.linspace(
+        min(found.promised.min(), found.kept.min()), max(found.promised.max(), found.kept.max()), 36
+    )
+    for values, colour, name in (
+        (found.promised, OURS, "on the half used to choose it"),
+        (found.kept, NOTHING, "on the other half"),
+    ):
+        ax.hist(values, bins.tolist(), color=colour, alpha=0.55, label=f"{name}: {values.mean():.2f}")
+        ax.axvline(values.mean(), color=colour, lw=2)
+    ax.axvline(
+        found.any_setting, color=GREY, ls=":", lw=2, label=f"mean of all settings: {found.any_setting:.2f}"
+    )
+    ax.set(
+        xlabel="mean cost of the chosen setting on fifteen scenes", ylabel="number of divisions", yticks=[]
+    )
+    legend_below(figure, ax.get_legend_handles_labels()[0])
     return Drawing(
         figure,
-        f"Scenes halved {len(found.promised)} times. The setting that is best on one half costs "
+        f"The scenes were divided into halves {len(found.promised)} times. The setting that is best on one half costs "
         f"{found.promised.mean():.2f} there on average and {found.kept.mean():.2f} on the other half; the mean of all "
         f"settings is {found.any_setting:.2f}.",
     )
 
 
 def broken_promise(table: CostTable) -> float:
-    """Return by how much more the best setting of one half costs on the other half, the mean of many halvings."""
+    """Return the mean increase in cost of the best setting of one half when it is used on the other half."""
     found = optimism(as_table(table))
     return float(found.kept.mean() - found.promised.mean())

@@ -1,4 +1,4 @@
-"""The settings panel: any setting on sliders, what it costs, how sure that is, and the pictures that cost most."""
+"""The settings panel: the cost of any setting with its interval, and the pictures that cost most."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WORST = 2  # pictures that are shown
 
 
 class SettingPanel(FunctionPanel):
-    """A setting on sliders: its cost with an interval, the cost of each picture, and the worst pictures.
+    """Show the cost of a setting with an interval, the cost of each picture, and the worst pictures.
 
     Parameters
     ----------
@@ -55,11 +55,22 @@ class SettingPanel(FunctionPanel):
             "Settings panel",
             self._try,
             [
-                Slider("beta", "Beta", 80, 180, 5, 120, tooltip="Of the white threshold, a lightness"),
                 Slider(
-                    "gap", "Largest gap", 1, 15, 1, 5, unit="px", tooltip="Missing pixels within a segment"
+                    "beta", "Beta", 80, 180, 5, 120, tooltip="Parameter of the white threshold, a lightness"
                 ),
-                Slider("length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Of a segment"),
+                Slider(
+                    "gap",
+                    "Largest gap",
+                    1,
+                    15,
+                    1,
+                    5,
+                    unit="px",
+                    tooltip="Largest number of missing pixels within a segment",
+                ),
+                Slider(
+                    "length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Shortest length of a segment"
+                ),
                 Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
             ],
             student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
@@ -85,23 +96,23 @@ class SettingPanel(FunctionPanel):
             marked = with_crosses(with_rings(pixels, found, "corners (u, v)"), corners)
             yield {f"Picture {i + 1} costs {costs[i]:.2f}": marked}
         yield (
-            f"Mean cost {costs.mean():.2f}, 95 % from {low:.2f} to {high:.2f}. Nothing costs "
+            f"Mean cost {costs.mean():.2f}, 95 % from {low:.2f} to {high:.2f}. Reporting nothing costs "
             f"{self._nothing.mean():.2f}; "
             f"the difference is {np.mean(costs - self._nothing):.2f}, 95 % from {better:.2f} to {worse:.2f}."
         )
 
 
+@course_style()
 def _draw_costs(costs: FloatArray, nothing: FloatArray) -> Drawing:
-    """The cost of each picture, sorted, with what nothing costs there."""
+    """Draw the sorted costs of all pictures beside the cost of reporting nothing."""
     order = np.argsort(costs, kind="stable")
-    with course_style():
-        figure = Figure(figsize=(4.6, 3.4))
-        ax = figure.add_subplot()
-        ax.bar(range(len(costs)), costs[order], color=OURS, width=0.8, label="this setting")
-        ax.plot(range(len(costs)), nothing[order], "_", color=NOTHING, ms=8, mew=2, label="nothing")
-        ax.axhline(0, color="black", lw=0.8)
-        ax.set(xlabel="pictures, by their cost", ylabel="cost", xticks=[])
-        ax.legend(loc="upper left")
+    figure = Figure(figsize=(4.6, 3.4))
+    ax = figure.add_subplot()
+    ax.bar(range(len(costs)), costs[order], color=OURS, width=0.8, label="this setting")
+    ax.plot(range(len(costs)), nothing[order], "_", color=NOTHING, ms=8, mew=2, label="nothing")
+    ax.axhline(0, color="black", lw=0.8)
+    ax.set(xlabel="pictures, by their cost", ylabel="cost", xticks=[])
+    ax.legend(loc="upper left")
     return Drawing(
         figure,
         f"Cost of {len(costs)} pictures from {costs.min():.2f} to {costs.max():.2f}, mean {costs.mean():.2f}.",

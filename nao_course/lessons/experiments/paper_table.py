@@ -9,9 +9,10 @@ from types import MappingProxyType
 Setting = tuple[int, int, int]  # beta, maxLineGap (px), minLineLength (px)
 
 BETAS, GAPS, LENGTHS = (110, 120, 130), (4, 5, 7), (30, 40, 50)
+# In the order of its rows
 SETTINGS: tuple[Setting, ...] = tuple(
     (beta, gap, length) for length, gap, beta in product(LENGTHS, GAPS, BETAS)
-)  # in the order of its rows
+)
 PICTURES = 30
 BEST: Setting = (120, 5, 40)
 

@@ -1,4 +1,4 @@
-"""Figures that read the paper's table: which means counts can give, and how other pictures and sizes order it."""
+"""Figures about the paper's table: which means are possible, and how other pictures and sizes rank the settings."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RECORDED = Path(__file__).with_name("recorded.json")
 
 
 def impossible_means(possible_hits: Callable[..., Any], most_hits: int = MOST_HITS) -> list[Setting]:
-    """Return the settings of Table A.1 whose printed mean no counts in thirty pictures can give."""
+    """Return the settings of Table A.1 whose printed mean thirty pictures cannot have."""
     return [
         key
         for key, mean in PAPER_MEANS.items()
@@ -34,7 +34,7 @@ def impossible_means(possible_hits: Callable[..., Any], most_hits: int = MOST_HI
 
 
 def ninetieths(pictures: int = PICTURES) -> list[Setting]:
-    """Return the settings whose mean can be one of so many pictures if a hit gains four thirds: a sum of thirds."""
+    """Return the settings whose mean is possible for a number of pictures if a hit costs -4/3."""
     return [
         key
         for key, mean in PAPER_MEANS.items()
@@ -42,42 +42,44 @@ def ninetieths(pictures: int = PICTURES) -> list[Setting]:
     ]
 
 
+@course_style()
 def draw_possible(possible_hits: Callable[..., Any], most_hits: int = MOST_HITS) -> Drawing:
-    """Draw which numbers of hits can be behind each mean of Table A.1, and which means four thirds allow."""
+    """Draw which numbers of hits explain each mean of Table A.1, and which means are possible with -4/3 for a hit."""
     hits = {
         key: np.asarray(possible_hits(mean, PICTURES, most_hits), dtype=float).ravel()
         for key, mean in PAPER_MEANS.items()
     }
     cannot, thirds = [key for key, each in hits.items() if not len(each)], ninetieths()
-    with course_style():
-        figure = Figure(figsize=(9.6, 4.9))
-        ax = figure.add_subplot()
-        for row, (key, each) in enumerate(hits.items()):
-            ax.axhline(row, color="#e3e5e8", lw=0.8, zorder=0)
-            ax.plot(each, np.full(len(each), row), "o", color=OURS, ms=3.5)
-            if not len(each):
-                box = {"fc": "white", "ec": "none", "pad": 1}
-                place = (most_hits / 2, row, "no number of hits")
-                ax.text(*place, color=NOTHING, fontsize=8, va="center", ha="center", bbox=box)
-            if key in thirds:
-                ax.plot(most_hits + 14, row, "D", color=THEIRS, ms=4.5)
-        names = [f"{say_setting(key)}:  {mean:.3f}" for key, mean in PAPER_MEANS.items()]
-        ax.set_yticks(range(len(names)), names, fontsize=8)
-        ax.set(xlabel="hits in thirty pictures that can be behind the mean", ylim=(len(names) - 0.4, -0.6))
-        ax.set_xlim(-3, most_hits + 22)
-        ax.set_xticks(range(0, most_hits + 1, 40))
-        ax.tick_params(axis="y", length=0)
-        marks = (("o", OURS, "with 1.333, as printed"), ("D", THEIRS, "with four thirds"))
-        legend_below(
-            figure, [Line2D([], [], ls="", marker=m, ms=5, color=c, label=name) for m, c, name in marks]
-        )
+    figure = Figure(figsize=(9.6, 6.6))
+    ax, beside = figure.subplots(1, 2, sharey=True, width_ratios=(12, 1))
+    for row, (key, each) in enumerate(hits.items()):
+        for part in (ax, beside):
+            part.axhline(row, color="#e3e5e8", lw=0.8, zorder=0)
+        ax.plot(each, np.full(len(each), row), "o", color=OURS, ms=3.5)
+        if not len(each):
+            box = {"fc": "white", "ec": "none", "pad": 1}
+            place = (most_hits / 2, row, "no number of hits")
+            ax.text(*place, color=NOTHING, fontsize=10, va="center", ha="center", bbox=box)
+        if key in thirds:
+            beside.plot(0, row, "D", color=THEIRS, ms=5)
+    names = [f"{say_setting(key)}:  {mean:.3f}" for key, mean in PAPER_MEANS.items()]
+    ax.set_yticks(range(len(names)), names, fontsize=10)
+    ax.set(xlabel="possible numbers of hits in thirty pictures", ylim=(len(names) - 0.4, -0.6))
+    ax.set_xlim(-3, most_hits + 3)
+    ax.set_xticks(range(0, most_hits + 1, 40))
+    beside.set(xlim=(-1, 1), xlabel="possible\nwith 4/3?")
+    beside.set_xticks([])
+    for part in (ax, beside):
+        part.tick_params(axis="y", length=0)
+    marks = (("o", OURS, "possible with 1.333, as printed"), ("D", THEIRS, "mean possible with four thirds"))
+    legend_below(figure, [Line2D([], [], ls="", marker=m, ms=5, color=c, label=name) for m, c, name in marks])
     best = hits[BEST]
     said = f"{len(best)} from {best.min():.0f} to {best.max():.0f}" if len(best) else "none"
     return Drawing(
         figure,
-        f"Numbers of hits, up to {most_hits}, that can be behind each of the 27 means of Table A.1. For {len(cannot)} "
+        f"Possible numbers of hits, up to {most_hits}, for each of the 27 means of Table A.1. For {len(cannot)} "
         f"there is none: {'; '.join(say_setting(key) for key in cannot)}. For the best setting there are {said}. With "
-        f"four thirds for a hit {len(thirds)} means can be: {'; '.join(say_setting(key) for key in thirds)}.",
+        f"four thirds for a hit {len(thirds)} means are possible: {'; '.join(say_setting(key) for key in thirds)}.",
     )
 
 
@@ -86,7 +88,7 @@ def draw_possible(possible_hits: Callable[..., Any], most_hits: int = MOST_HITS)
 
 @cache
 def recorded() -> Mapping[str, Mapping[str, Any]]:
-    """Read what ``python -m benchmarks experiments`` measured: by the name of a set, means in the order of SETTINGS."""
+    """Read the means measured by ``python -m benchmarks experiments``, by set of pictures, in the order of SETTINGS."""
     found: dict[str, dict[str, Any]] = json.loads(RECORDED.read_text(encoding="utf-8"))
     return found
 
@@ -96,8 +98,9 @@ def recorded_means(name: str) -> dict[Setting, float]:
     return dict(zip(SETTINGS, recorded()[name]["means"], strict=True))
 
 
+@course_style()
 def draw_agreement(own: CostTable) -> Drawing:
-    """Draw how alike the 27 settings are ordered: by the student's table and the paper's, and by other pictures.
+    """Draw how similarly the student's table, the paper's and other pictures rank the 27 settings.
 
     Parameters
     ----------
@@ -108,25 +111,20 @@ def draw_agreement(own: CostTable) -> Drawing:
     found = agreement(own, others)
     theirs = {name: rank_correlation(PAPER_MEANS, others[name]) for name in AGREEING}
     names = [HALVES, *sorted(others, key=lambda name: -found[name][0])]
-    with course_style():
-        figure = Figure(figsize=(8.2, 3.2))
-        ax = figure.add_subplot()
-        ax.axvline(0, color=GREY, lw=1, zorder=0)
-        for row, name in enumerate(names):
-            middle, low, high = found[name]
-            ax.plot([low, high], [row, row], color=OURS, lw=3, alpha=0.45, solid_capstyle="butt")
-            ax.plot(middle, row, "o", color=OURS, ms=8, mec="white")
-            if name in theirs:
-                ax.plot(theirs[name], row, "D", color=THEIRS, ms=6, mec="white")
-        ax.set_yticks(range(len(names)), names)
-        ax.set(
-            xlabel="rank correlation of the 27 mean costs", xlim=(-0.55, 1.02), ylim=(len(names) - 0.5, -0.5)
-        )
-        ax.tick_params(axis="y", length=0)
-        marks = (("o", OURS, "yours; bar: your pictures drawn again, 95 %"), ("D", THEIRS, "the paper's"))
-        legend_below(
-            figure, [Line2D([], [], ls="", marker=m, ms=7, color=c, label=name) for m, c, name in marks]
-        )
+    figure = Figure(figsize=(8.2, 3.2))
+    ax = figure.add_subplot()
+    ax.axvline(0, color=GREY, lw=1, zorder=0)
+    for row, name in enumerate(names):
+        middle, low, high = found[name]
+        ax.plot([low, high], [row, row], color=OURS, lw=3, alpha=0.45, solid_capstyle="butt")
+        ax.plot(middle, row, "o", color=OURS, ms=8, mec="white")
+        if name in theirs:
+            ax.plot(theirs[name], row, "D", color=THEIRS, ms=6, mec="white")
+    ax.set_yticks(range(len(names)), names)
+    ax.set(xlabel="rank correlation of the 27 mean costs", xlim=(-0.55, 1.02), ylim=(len(names) - 0.5, -0.5))
+    ax.tick_params(axis="y", length=0)
+    marks = (("o", OURS, "yours; bar: 95 % of the resamples of your pictures"), ("D", THEIRS, "the paper's"))
+    legend_below(figure, [Line2D([], [], ls="", marker=m, ms=7, color=c, label=name) for m, c, name in marks])
     said = [
         f"{name} {found[name][0]:.2f}, 95 % from {found[name][1]:.2f} to {found[name][2]:.2f}"
         for name in names
@@ -146,8 +144,8 @@ def agreement(
     Returns
     -------
     dict of str to tuple of float
-        By the other's name, and `HALVES`: the correlation (for halves the median), and between what 95 % lie when the
-        student's scenes are drawn again, or halved in another way.
+        By the name of the other table, and `HALVES`: the correlation (for halves the median) and the two ends of the
+        interval that contains 95 % of it when the student's scenes are resampled or halved again.
     """
     from scipy.stats import rankdata  # takes long to import
 
@@ -184,51 +182,36 @@ AGREEING = ("simulator, other rooms", "a real NAO, eight places", "a real NAO, a
 SIZES = {"160 x 120": 0.5, "320 x 240": 1.0, "640 x 480": 2.0}
 
 
+@course_style()
 def draw_sizes() -> Drawing:
-    """Draw what the settings cost in pictures of other sizes: with the same pixels, and with pixels in proportion."""
-    with course_style():
-        figure = Figure(figsize=(8.6, 4.2))
-        ax = figure.add_subplot()
-        words = []
-        for name, colour, shift in (("the same pixels", NOTHING, -0.2), ("in proportion", OURS, 0.2)):
-            for at, size in enumerate(SIZES):
-                means = np.array(recorded()[f"{size}, {name}"]["means"])
-                best = means[SETTINGS.index(BEST)]
-                across = at + shift + np.linspace(-0.15, 0.15, len(means))
-                ax.plot(across, np.sort(means), "o", color=colour, alpha=0.45, ms=4)
-                ax.plot(
-                    across[np.sort(means).searchsorted(best)], best, "o", color=colour, ms=10, mec="black"
-                )
-                words.append(f"{size}, {name}: {best:.2f}, all from {means.min():.2f} to {means.max():.2f}")
-        nothing = recorded()["320 x 240, the same pixels"]["nothing"]
-        ax.axhline(nothing, color=GREY, ls=":", lw=1.8)
-        ax.text(2.48, nothing * 1.04, "nothing", color=GREY, fontsize=9, ha="right")
-        ax.set_xticks(range(len(SIZES)), list(SIZES))
-        ax.set_yscale("log")
-        ax.set_yticks([1, 2, 4, 8], ["1", "2", "4", "8"])
-        ax.minorticks_off()
-        ax.set(xlabel="size of the pictures (px)", ylabel="mean cost", xlim=(-0.5, 2.5))
-        marks = (
-            (5, NOTHING, "none", "27 settings, the same pixels"),
-            (5, OURS, "none", "in proportion"),
-            (10, "white", "black", "120, 5, 40"),
-        )
-        legend_below(
-            figure,
-            [
-                Line2D(
-                    [],
-                    [],
-                    ls="",
-                    marker="o",
-                    ms=ms,
-                    color=colour,
-                    mec=colour if edge == "none" else edge,
-                    label=name,
-                )
-                for ms, colour, edge, name in marks
-            ],
-        )
+    """Draw the settings' costs at other picture sizes, with the same pixels and with pixels in proportion."""
+    figure = Figure(figsize=(8.6, 4.2))
+    ax = figure.add_subplot()
+    words = []
+    for name, colour, shift in (("the same pixels", NOTHING, -0.2), ("in proportion", OURS, 0.2)):
+        for at, size in enumerate(SIZES):
+            means = np.array(recorded()[f"{size}, {name}"]["means"])
+            best = means[SETTINGS.index(BEST)]
+            across = at + shift + np.linspace(-0.15, 0.15, len(means))
+            ax.plot(across, np.sort(means), "o", color=colour, alpha=0.45, ms=4)
+            ax.plot(across[np.sort(means).searchsorted(best)], best, "o", color=colour, ms=10, mec="black")
+            words.append(f"{size}, {name}: {best:.2f}, all from {means.min():.2f} to {means.max():.2f}")
+    nothing = recorded()["320 x 240, the same pixels"]["nothing"]
+    ax.axhline(nothing, color=GREY, ls=":", lw=1.8)
+    ax.text(2.48, nothing * 1.04, "nothing", color=GREY, fontsize=10, ha="right")
+    ax.set_xticks(range(len(SIZES)), list(SIZES))
+    ax.set_yscale("log")
+    ax.set_yticks([1, 2, 4, 8], ["1", "2", "4", "8"])
+    ax.minorticks_off()
+    ax.set(xlabel="size of the pictures (px)", ylabel="mean cost", xlim=(-0.5, 2.5))
+    keys = [
+        Line2D([], [], ls="", marker="o", ms=5, color=NOTHING, label="27 settings, same values in px"),
+        Line2D([], [], ls="", marker="o", ms=5, color=OURS, label="values proportional to the size"),
+        Line2D(
+            [], [], ls="", marker="o", ms=10, color="white", mec="black", label="the paper's best, 120, 5, 40"
+        ),
+    ]
+    legend_below(figure, keys)
     return Drawing(
         figure,
         f"Mean costs of the 27 settings by the pictures' size, lowest first; large the paper's 120, 5, 40. "

@@ -1,4 +1,4 @@
-"""How much a table of costs would change with other pictures: what wins, and what a choice promises."""
+"""Estimate how a table of costs would change with other pictures: which setting wins, and by how much."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DRAWS = 4000
 def as_table(answer: Any) -> dict[Setting, FloatArray]:
     """Return a student's table as costs (S,) of floats by setting, the best mean first.
 
-    Where a demonstration could not make the table, what that one said is said again.
+    If an earlier cell could not make the table, its message is shown again.
 
     Raises
     ------
@@ -35,12 +35,14 @@ def as_table(answer: Any) -> dict[Setting, FloatArray]:
     costs = {key: np.array(each, dtype=float, subok=False) for key, each in answer.items()}
     shapes = {each.shape for each in costs.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 1:
-        raise ValueError(f"all settings must have one cost a scene, (S,); got shapes {sorted(shapes)}")
+        raise ValueError(
+            f"every setting must have one cost per scene, shape (S,); got shapes {sorted(shapes)}"
+        )
     return dict(sorted(costs.items(), key=lambda item: float(item[1].mean())))
 
 
 def shares_won(table: CostTable, draws: int = DRAWS) -> dict[Setting, float]:
-    """Return how often each setting has the lowest mean, when as many scenes are drawn from these, with replacement."""
+    """Return how often each setting has the lowest mean when the scenes are resampled with replacement."""
     costs = np.array(list(table.values()))
     counts = np.random.default_rng(0).multinomial(
         costs.shape[1], np.full(costs.shape[1], 1 / costs.shape[1]), draws
@@ -52,7 +54,7 @@ def shares_won(table: CostTable, draws: int = DRAWS) -> dict[Setting, float]:
 
 @dataclass(frozen=True)
 class Optimism:
-    """What a setting costs that was chosen on one half of the scenes, the mean of each over many halvings.
+    """Mean costs of a setting that was chosen on one half of the scenes, over many random halves.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ class Optimism:
 
 
 def optimism(table: CostTable, halvings: int = 1000) -> Optimism:
-    """Choose on one half, report on the other, many times."""
+    """Choose a setting on one random half and compute its cost on both halves, many times."""
     costs = np.array(list(table.values()))
     rng, scenes = np.random.default_rng(0), costs.shape[1]
     promised, kept = [], []
@@ -84,7 +86,7 @@ def optimism(table: CostTable, halvings: int = 1000) -> Optimism:
 
 
 def rank_correlation(first: Mapping[Setting, float], second: Mapping[Setting, float]) -> float:
-    """Return Spearman's correlation of two tables' means: 1 where they order the settings alike."""
+    """Return Spearman's rank correlation of two tables' means, which is 1 if both rank the settings alike."""
     from scipy.stats import spearmanr  # takes long to import
 
     return float(spearmanr([first[key] for key in first], [second[key] for key in first]).statistic)

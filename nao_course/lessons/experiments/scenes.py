@@ -1,4 +1,4 @@
-"""Pictures to try settings on: simulated and real ones, each with the corners that are in it."""
+"""Simulated and real pictures for trying settings, each with its true corners."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CornerScene = tuple[Pixels, FloatArray]  # a picture (H, W, 3), and its corners 
 
 @cache
 def simulated_scene(number: int, which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> CornerScene:
-    """Make one picture of a standard set, from 0, with the corners L and T in it; nobody can paint on it."""
+    """Return a picture of a standard set, counted from 0, with its L and T corners; it is read-only."""
     scene = standard_scene(which, number, size)
     pair = scene.pixels, CornerTruth.of(scene.truth).corners
     for array in pair:
@@ -32,12 +32,12 @@ def simulated_scene(number: int, which: SceneSet = "tune", size: tuple[int, int]
 
 
 def simulated_scenes(which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> tuple[CornerScene, ...]:
-    """Make all thirty pictures of the simulator's set "tune" or "report"."""
+    """Return all thirty pictures of the simulator's set "tune" or "report"."""
     return tuple(simulated_scene(number, which, size) for number in range(PICTURES))
 
 
 def real_scenes(which: PictureSet) -> tuple[CornerScene, ...]:
-    """Read the pictures of a real NAO with the corners that were marked by hand; none where they are not."""
+    """Read the pictures of a real NAO with hand-marked corners; the list is empty if they are not installed."""
     try:
         pictures = read_pictures(which)
     except FileNotFoundError:
@@ -53,10 +53,10 @@ def nothing_costs(scenes: Sequence[CornerScene]) -> FloatArray:
 def search_scenes(
     grid_search: Callable[..., Any], scenes: Sequence[CornerScene]
 ) -> dict[Setting, FloatArray]:
-    """Search the 27 settings with a student's function, and say meanwhile how many scenes are done.
+    """Search the 27 settings with a student's function and show the progress.
 
-    It is asked for one scene after the other: a bar that counts what is taken from a list would begin anew with each
-    of the student's loops.
+    The function is called once for each scene. Counting the scenes that it takes from a list would not work, because
+    the count would start again in each of the student's loops.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What lesson 10 adds to the student's robot: it tries settings while it drives, and looks with the best so far."""
+"""The stage of lesson 10 in the student's robot: it tries settings while it drives and uses the best one so far."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from nao_course.lessons.experiments.scenes import simulated_scene
 from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 EVERY = 3  # pictures until the next try: with more of them the robot would have to wait
 TRIES = tuple((number, beta) for number in range(PICTURES) for beta in BETAS)  # scenes, thresholds
 
 
-def _tune_and_look(student: StudentCode, nao: SimulatedNao) -> Look:
-    """Try the 27 settings on one scene after the other while pictures come; find corners with the best of them."""
+def _tune_and_look(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+    """Try the 27 settings on scene after scene during the drive, and find corners with the best setting so far."""
     costs: dict[Setting, list[float]] = {setting: [] for setting in SETTINGS}
     pictures = tried = 0
 
@@ -38,10 +38,10 @@ def _tune_and_look(student: StudentCode, nao: SimulatedNao) -> Look:
         scenes = tried // len(BETAS)
         return min(costs, key=lambda setting: float(np.mean(costs[setting][:scenes]))), scenes
 
-    def look(sight: Sight) -> Overlay:
+    def look(frame: Frame) -> Overlay:
         setting, scenes = tune()
         beta, gap, length = setting
-        pixels = sight.picture.pixels
+        pixels = frame.picture.pixels
         labels = student.color_labels(
             pixels, GREEN, YELLOW, student.white_threshold(mean_lightness(pixels), beta)
         )

@@ -1,4 +1,4 @@
-"""What lesson 02, goal posts, alone uses."""
+"""Pictures, figures, measures and panel of lesson 02, goal posts."""
 
 from nao_course.lessons.goalposts.figures import (
     draw_column,
@@ -9,6 +9,7 @@ from nao_course.lessons.goalposts.figures import (
     draw_turning_head,
     score_table,
 )
+from nao_course.lessons.goalposts.labels import or_recorded
 from nao_course.lessons.goalposts.measuring import Feet, FootMatch, match_feet
 from nao_course.lessons.goalposts.panel import PostPanel, mark_feet
 from nao_course.lessons.goalposts.scenes import (
@@ -38,6 +39,7 @@ __all__ = [
     "mark_feet",
     "match_feet",
     "match_scenes",
+    "or_recorded",
     "picture_from",
     "post_height",
     "robot_before",
@@ -49,5 +51,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the names that tab completion shows."""
     return __all__

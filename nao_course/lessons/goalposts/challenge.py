@@ -22,7 +22,7 @@ def with_feet(scene: Scene) -> PostScene:
 
 
 def make_scene(place: Place) -> PostScene:
-    """Take the picture of a place: one of those that show a goal foot."""
+    """Return a picture of a room that shows the foot of a post."""
     return with_feet(place.scene(lambda scene: len(with_feet(scene).feet.pixels) > 0, stream=[2]))
 
 
@@ -39,8 +39,9 @@ CHALLENGE = Challenge(
     title="Challenge 02: goal feet in dark and harsh rooms",
     task="Find the feet of the goal posts in thirty pictures, fifteen in dark rooms and fifteen in harsh ones, with "
     "one function of the picture: points (K, 2), (u, v) in pixels.",
-    scoring="F1, 2 found / (feet + points), the mean over all scenes. A foot is found by a point within 8 pixels of "
-    "it, each foot once. Every scene shows a foot; one that is hidden or outside counts neither way.",
+    scoring="the mean F1 over all scenes, the harmonic mean of precision and recall. A foot is found if a point is "
+    "within 8 pixels of it; each foot counts once. Every scene shows a foot. Hidden feet and feet outside the picture "
+    "do not count.",
     seeds=places(ROOMS, SCENES_PER_ROOM),
     make=make_scene,
     given=lambda scene: (scene.pixels,),

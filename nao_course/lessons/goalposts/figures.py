@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Arc, Rectangle
 
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.goalposts.measuring import FootMatch
@@ -19,31 +19,35 @@ from nao_course.metrics import total, wilson_interval
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
 from nao_course.plotting.drawing import Table, say_count, table
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import FOUND, GREY, HALO
+from nao_course.plotting.style import FOUND, GREY, style_of
 from nao_course.sim import LABELS
 
 CANDIDATE = "#7a2cff"  # apart from feet, carpet, posts and lines
 _NONE: tuple[()] = ()
 
 
+@course_style()
 def draw_feet(
     pictures: Mapping[str, npt.ArrayLike],
     feet: Sequence[npt.ArrayLike],
     candidates: Sequence[npt.ArrayLike] = _NONE,
     columns: int = 2,
+    candidate: str = "candidate",
 ) -> Drawing:
-    """Draw pictures side by side, with what was found in each.
+    """Draw pictures side by side with the detected points.
 
     Parameters
     ----------
     pictures : mapping of str to array_like, (H, W, 3) of uint8
-        By their titles.
+        Pictures by their titles.
     feet : sequence of array_like, shape (K, 2)
         (u, v) of the feet found in each.
     candidates : sequence of array_like, shape (N, 2)
-        The same of the columns' candidates; none are drawn where it is empty.
+        Candidates (u, v) of each picture; not drawn if empty.
     columns : int
-        Of the grid.
+        Number of columns in the grid.
+    candidate : str
+        Name of the candidates in the legend.
 
     Returns
     -------
@@ -66,22 +70,24 @@ def draw_feet(
     columns = min(columns, len(pictures))
     rows = -(-len(pictures) // columns)
     width = {1: 5.6, 2: 4.1}.get(columns, 9.9 / columns)
-    with course_style():
-        figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.35) + 0.4))
-        grid = list(figure.subplots(rows, columns, squeeze=False).flat)
-        for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
-            plot_picture(np.asarray(picture), ax, ticks=False)
-            ax.plot(*near.T, ".", color=CANDIDATE, ms=4, path_effects=HALO)
-            plot_found(points, ax)
-            ax.set_title(title, fontsize=11)
-        for ax in grid[len(pictures) :]:
-            ax.set_axis_off()
-        keys = [Line2D([], [], color=CANDIDATE, marker=".", ls="", ms=8, label="candidate")]
-        keys = keys if candidates else []
-        if any(map(len, found)) or not keys:
-            ring: dict[str, Any] = {"color": FOUND, "marker": "o", "mfc": "none", "ms": 10, "mew": 2.2}
-            keys.append(Line2D([], [], ls="", label="foot found", **ring))
-        legend_below(figure, keys)
+    figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.35) + 0.4))
+    grid = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
+        plot_picture(np.asarray(picture), ax, ticks=False)
+        ax.plot(
+            *near.T, "o", color="white", ms=5.7
+        )  # below all dots, so that neighbours do not cover each other
+        ax.plot(*near.T, "o", color=CANDIDATE, ms=4.3)
+        plot_found(points, ax)
+        ax.set_title(title, fontsize=11)
+    for ax in grid[len(pictures) :]:
+        ax.set_axis_off()
+    keys = [Line2D([], [], color=CANDIDATE, marker="o", mec="white", ls="", ms=7, label=candidate)]
+    keys = keys if candidates else []
+    if any(map(len, found)) or not keys:
+        ring: dict[str, Any] = {"color": FOUND, "marker": "o", "mfc": "none", "ms": 10, "mew": 2.2}
+        keys.append(Line2D([], [], ls="", label="foot found", **ring))
+    legend_below(figure, keys)
     said = "; ".join(
         f"{title}: {_say_points(points, 'foot', 'feet')}"
         for title, points in zip(pictures, found, strict=True)
@@ -97,13 +103,14 @@ def draw_feet(
 
 
 def draw_turning_head(find: Callable[[Any], Any]) -> Drawing:
-    """Draw what the robot sees while it turns its head, with the feet that `find(pixels)` finds in each picture."""
+    """Draw pictures from a robot that turns its head, with the feet that `find(pixels)` returns for each."""
     pictures = turning_head()
     return draw_feet(pictures, [find(pixels.copy()) for pixels in pictures.values()], columns=3)
 
 
+@course_style()
 def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 10) -> Drawing:
-    """Draw a few columns of labels, one beside the other, with the lowest yellow pixel and the pixels below it.
+    """Draw some columns of labels side by side, with the lowest yellow pixel and the pixels below it.
 
     Parameters
     ----------
@@ -120,20 +127,19 @@ def draw_column(labels: npt.ArrayLike, columns: Sequence[int], look_down: int = 
         The figure; its text says what stands in each column.
     """
     array = np.asarray(labels)
-    with course_style():
-        figure = Figure(figsize=(1.9 * len(columns) + 0.6, 5.2))
-        axes = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
-        words = [_plot_column(ax, array[:, u], u, look_down) for ax, u in zip(axes, columns, strict=True)]
-        axes[0].set_ylabel("v (px)")
-        keys: list[Any] = label_keys(LABELS)
-        keys.append(Line2D([], [], color=FOUND, marker=">", ls="", ms=9, label="lowest yellow"))
-        keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOUND, lw=2, label=f"{look_down} pixels below"))
-        legend_below(figure, keys, columns=3)
+    figure = Figure(figsize=(1.9 * len(columns) + 0.6, 5.2))
+    axes = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
+    words = [_plot_column(ax, array[:, u], u, look_down) for ax, u in zip(axes, columns, strict=True)]
+    axes[0].set_ylabel("v (px)")
+    keys: list[Any] = label_keys(LABELS)
+    keys.append(Line2D([], [], color=FOUND, marker=">", ls="", ms=9, label="lowest yellow"))
+    keys.append(Rectangle((0, 0), 1, 1, fill=False, ec=FOUND, lw=2, label=f"{look_down} pixels below"))
+    legend_below(figure, keys, columns=3)
     return Drawing(figure, f"Columns of labels from above. {' '.join(words)}")
 
 
 def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> str:
-    """One column as coloured cells; returns what it shows in words."""
+    """Draw one column as coloured cells, and return a description."""
     height = len(column)
     edges = np.flatnonzero(np.diff(column)) + 1
     for first, last in zip((0, *edges), (*edges, height), strict=True):
@@ -154,22 +160,23 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
 
 
+@course_style()
 def draw_heights(
     distances: npt.ArrayLike,
     heights: npt.ArrayLike,
     formula: tuple[npt.ArrayLike, npt.ArrayLike],
     limits: Mapping[str, float],
 ) -> Drawing:
-    """Draw how many pixels high posts are by distance: measured, computed, and what is asked for.
+    """Draw the height of posts in the picture by distance, measured and computed, with the required heights.
 
     Parameters
     ----------
     distances, heights : array_like, shape (N,)
         Measured: metres, pixels.
     formula : (array_like, array_like)
-        The same, computed: drawn as a line.
+        Computed distances and heights, drawn as a line.
     limits : mapping of str to float
-        Least heights in pixels, by name; each a horizontal line.
+        Smallest heights in pixels, by name, drawn as horizontal lines.
 
     Returns
     -------
@@ -177,32 +184,26 @@ def draw_heights(
         The figure; its text says where the line falls below each limit.
     """
     x, y = (np.asarray(each, dtype=float) for each in formula)
-    with course_style():
-        figure = Figure(figsize=(7.6, 4.6))
-        ax = figure.add_subplot()
-        ax.plot(x, y, color=STYLES["ekf"].colour, lw=2, label="equation 2.1")
-        ax.plot(
-            distances,
-            heights,
-            "o",
-            color=STYLES["truth"].colour,
-            ms=6,
-            label="measured: yellow pixels in a column",
-        )
-        crossings: dict[str, float] = {}
-        for style, (name, limit) in zip(("--", ":", "-."), limits.items(), strict=False):
-            ax.axhline(
-                limit, color=STYLES["odometry"].colour, ls=style, lw=1.6, label=f"{name}: {limit:g} px"
-            )
-            if x[y >= limit].size and y.min() < limit:
-                crossings[name] = float(x[y >= limit].max())
-        ax.set(
-            xlabel="distance of the post (m)",
-            ylabel="height in the picture (px)",
-            ylim=(0, None),
-            xlim=(0, None),
-        )
-        ax.legend()
+    figure = Figure(figsize=(7.6, 4.6))
+    ax = figure.add_subplot()
+    ax.plot(x, y, color=STYLES["ekf"].colour, lw=2, label="equation 2.1")
+    ax.plot(
+        distances,
+        heights,
+        "o",
+        color=STYLES["truth"].colour,
+        ms=6,
+        label="measured: yellow pixels in a column",
+    )
+    crossings: dict[str, float] = {}
+    for style, (name, limit) in zip(("--", ":", "-."), limits.items(), strict=False):
+        ax.axhline(limit, color=STYLES["odometry"].colour, ls=style, lw=1.6, label=f"{name}: {limit:g} px")
+        if x[y >= limit].size and y.min() < limit:
+            crossings[name] = float(x[y >= limit].max())
+    ax.set(
+        xlabel="distance of the post (m)", ylabel="height in the picture (px)", ylim=(0, None), xlim=(0, None)
+    )
+    ax.legend()
     met = [f"meets {name} at {at:.1f} m" for name, at in crossings.items()]
     met += [f"stays above {name}" for name in limits if name not in crossings]
     return Drawing(
@@ -211,59 +212,78 @@ def draw_heights(
     )
 
 
+def _xy(point: FloatArray) -> tuple[float, float]:
+    """Return a point (2,) as two numbers."""
+    return float(point[0]), float(point[1])
+
+
+@course_style()
 def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pitch: float = 0.26) -> Drawing:
-    """Draw a camera that looks down at a goal post, from the side, with what the pitch does to the foot.
+    """Draw from the side how a camera that looks down sees a goal post, with its image plane.
 
     Parameters
     ----------
     distance : float
-        From below the camera to the post, metres.
+        Distance on the ground from the camera to the post, in m.
     height, post : float
-        Of the camera and of the post, metres.
+        Heights of the camera and of the post, in m.
     pitch : float
-        How far the camera looks down, rad.
+        Pitch of the camera in rad, positive downwards.
     """
     camera, along = np.array([0.0, height]), np.array([np.cos(pitch), -np.sin(pitch)])
     truth, axis = STYLES["truth"].colour, STYLES["odometry"].colour
     ends = {"foot": np.array([distance, 0.0]), "top": np.array([distance, post])}
-    with course_style():
-        figure = Figure(figsize=(8.6, 4.2))
-        ax = figure.add_subplot()
-        ax.axhline(0, color="#3a9a50", lw=3)
-        ax.plot([distance] * 2, [0, post], color="#d9a800", lw=7, solid_capstyle="butt")
-        ax.plot(*np.transpose([camera, camera + 1.28 * distance * along]), color=axis, ls="--", lw=1.6)
-        aside = {"foot": ((8, 6), (8, 0), "left"), "top": ((-6, -16), (-8, 30), "right")}  # of words, points
-        for name, end in ends.items():
-            at = camera + ((end - camera) @ along) * along
-            at_axis, at_line, ha = aside[name]
-            look: dict[str, Any] = {"textcoords": "offset points", "color": FOUND, "ha": ha}
-            ax.plot(*np.transpose([camera, end]), color=truth, lw=1.2)
-            ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
-            ax.plot(*at, "o", color=FOUND, ms=5)
-            ax.annotate(f"z of the {name}", at, at_axis, **look)
-            ax.annotate(f"y of the {name}", (at + end) / 2, at_line, **look)
-        ax.plot(*camera, "s", color="black", ms=9)
-        ax.plot([0, distance], [height] * 2, color=GREY, lw=1)
-        ax.plot([0, 0], [0, height], color=GREY, lw=1)
-        places = {
-            "camera": (-0.05, height + 0.06),
-            "h": (-0.05, height / 2),
-            "d": (distance / 2, -0.07),
-            "H": (distance + 0.04, post * 0.75),
-            "p": (0.3, height - 0.06),
-        }
-        for word, place in places.items():
-            ax.text(*place, word, fontsize=12, style="normal" if word == "camera" else "italic")
-        ax.set(xlim=(-0.15, 1.4 * distance), ylim=(-0.12, post + 0.06), aspect="equal")
-        ax.set_axis_off()
+    figure = Figure(figsize=(8.6, 4.2))
+    ax = figure.add_subplot()
+    ax.axhline(0, color="#3a9a50", lw=3)
+    ax.plot([distance] * 2, [0, post], color="#d9a800", lw=7, solid_capstyle="butt")
+    ax.plot(*np.transpose([camera, camera + 1.28 * distance * along]), color=axis, ls="--", lw=1.6)
+    aside = {"foot": ((8, 6), (8, 0), "left"), "top": ((-6, -16), (-8, 30), "right")}  # of words, points
+    for name, end in ends.items():
+        at = camera + ((end - camera) @ along) * along
+        at_axis, at_line, ha = aside[name]
+        look: dict[str, Any] = {"textcoords": "offset points", "color": FOUND, "ha": ha}
+        ax.plot(*np.transpose([camera, end]), color=truth, lw=1.2)
+        ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
+        ax.plot(*at, "o", color=FOUND, ms=5)
+        ax.annotate(f"z of the {name}", at, at_axis, **look)
+        ax.annotate(f"y of the {name}", (at + end) / 2, at_line, **look)
+    ax.plot(*camera, "s", color="black", ms=9)
+    focal, across = 0.36 * distance, np.array([np.sin(pitch), np.cos(pitch)])  # the image plane, not to scale
+    centre = camera + focal * along
+    rays = [camera + (end - camera) * focal / ((end - camera) @ along) for end in ends.values()]
+    ax.plot(*np.transpose([centre + 0.3 * across, centre - 0.25 * across]), color="#7a4fa3", lw=2)
+    ax.plot(*np.transpose(rays), color="#7a4fa3", lw=5, alpha=0.5)
+    ax.text(*_xy(centre + 0.33 * across), "image plane", color="#7a4fa3", ha="center", fontsize=10)
+    below = 0.06 * np.array([-np.sin(pitch), -np.cos(pitch)])
+    arrow = {"arrowstyle": "<->", "color": "#7a4fa3", "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", _xy(camera + below), _xy(centre + below), arrowprops=arrow)
+    at_f = _xy(camera + 0.5 * focal * along + 1.9 * below)
+    ax.text(*at_f, "f", color="#7a4fa3", style="italic", fontsize=12, ha="center", va="center")
+    ax.add_patch(Arc(_xy(camera), 0.34, 0.34, theta1=-float(np.degrees(pitch)), theta2=0, color="black"))
+    ax.text(*_xy(rays[1] + (-0.03, -0.05)), "n", color="#7a4fa3", style="italic", fontsize=12, ha="right")
+    ax.plot([0, distance], [height] * 2, color=GREY, lw=1)
+    ax.plot([0, 0], [0, height], color=GREY, lw=1)
+    places = {
+        "camera": (-0.05, height + 0.06),
+        "h": (-0.05, height / 2),
+        "d": (distance / 2, -0.07),
+        "H": (distance + 0.04, post * 0.75),
+        "p": (0.19, height - 0.035),
+    }
+    for word, place in places.items():
+        ax.text(*place, word, fontsize=12, style="normal" if word == "camera" else "italic")
+    ax.set(xlim=(-0.15, 1.4 * distance), ylim=(-0.12, post + 0.06), aspect="equal")
+    ax.set_axis_off()
     return Drawing(
         figure,
-        "A camera at height h, from the side, that looks down by p, at a post of height H at distance d. From foot "
-        "and top of the post a line falls at a right angle on the camera's axis: z is how far along the axis it "
-        "meets it, y is how long it is.",
+        "A camera at height h, from the side, that looks down by p at a post of height H at distance d. Perpendicular "
+        "lines go from foot and top of the post to the camera's axis. z is the distance along the axis, and y is the "
+        "length of such a line. The image plane is at distance f, and the post is n high in it.",
     )
 
 
+@course_style()
 def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) -> Drawing:
     """Draw precision and recall by distance, with 95 % intervals.
 
@@ -279,26 +299,25 @@ def draw_recall(matches: Mapping[str, Sequence[FootMatch]], width: float = 1.0) 
     Drawing
         The figure; its text gives the sums.
     """
-    with course_style():
-        figure = Figure(figsize=(9.6, 4.1))
-        left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-        looks = (("ekf", -0.06), ("odometry", 0.06), ("graph", 0.0))
-        for (name, each), (source, aside) in zip(matches.items(), looks, strict=False):
-            look = STYLES[source]
-            for ax, of in ((left, recall_counts), (right, precision_counts)):
-                _plot_parts(
-                    ax,
-                    of(each, width),
-                    width,
-                    {"color": look.colour, "marker": look.marker, "label": name},
-                    aside,
-                )
-        left.set(ylabel="share", title="Recall: of the feet, found")
-        right.set(title="Precision: of the points, right")
-        for ax in (left, right):
-            ax.set(xlabel="distance (m)", ylim=(-0.02, 1.05), xlim=(0, None))
-            ax.grid(color="#e3e5e8")
-        legend_below(figure, left.get_legend_handles_labels()[0])
+    figure = Figure(figsize=(9.6, 4.1))
+    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
+    looks = (("ekf", -0.06), ("odometry", 0.06), ("graph", 0.0))
+    for (name, each), (source, aside) in zip(matches.items(), looks, strict=False):
+        look = style_of(source)
+        for ax, of in ((left, recall_counts), (right, precision_counts)):
+            _plot_parts(
+                ax,
+                of(each, width),
+                width,
+                {"color": look.colour, "marker": look.marker, "label": name},
+                aside,
+            )
+    left.set(ylabel="fraction", title="Recall: feet that are found")
+    right.set(title="Precision: points that are correct")
+    for ax in (left, right):
+        ax.set(xlabel="distance (m)", ylim=(-0.02, 1.05), xlim=(0, None))
+        ax.grid(color="#e3e5e8")
+    legend_below(figure, left.get_legend_handles_labels()[0])
     said = "; ".join(f"{name}: {total(each)}" for name, each in matches.items())
     return Drawing(figure, f"Recall and precision by distance. In all: {said}.")
 
@@ -322,7 +341,7 @@ def precision_counts(matches: Sequence[FootMatch], width: float = 1.0) -> dict[i
 
 
 def _bins(distances: npt.ArrayLike, width: float) -> npt.NDArray[np.int_]:
-    """Numbers of the bins that distances are in; one at the edge of two is in the nearer one."""
+    """Return the numbers of the bins that contain the distances; an edge belongs to the nearer bin."""
     return np.maximum(np.ceil(np.asarray(distances) / width - 1e-6).astype(int) - 1, 0)
 
 
@@ -352,7 +371,7 @@ def score_table(found: Mapping[str, Mapping[str, Sequence[FootMatch]]]) -> Table
 def _plot_parts(
     ax: Axes, counts: Mapping[int, tuple[int, int]], width: float, look: dict[str, Any], aside: float
 ) -> None:
-    """A point for each bin with its interval."""
+    """Draw a point for each bin with its interval."""
     middle: FloatArray = (np.array(list(counts)) + 0.5) * width + aside
     parts = np.array([hits / trials for hits, trials in counts.values()])
     low, high = np.array([wilson_interval(*each) for each in counts.values()]).T

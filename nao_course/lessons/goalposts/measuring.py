@@ -1,4 +1,4 @@
-"""Which goal feet a detector finds: true feet of a picture, hits, misses and false ones, and sums over pictures."""
+"""Evaluation of a detector of goal posts: the true feet of a picture, and the feet that are found, missed or false."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Feet:
     Parameters
     ----------
     pixels : ndarray, shape (K, 2)
-        (u, v) of those that can be found.
+        (u, v) of the visible feet.
     distances : ndarray, shape (K,)
-        From the robot over the ground, metres; NaN where nobody knows.
+        Distances from the robot over the ground in m; NaN if unknown.
     excused : ndarray, shape (M, 2)
-        Feet that are hidden, or outside the picture: to find one of them, by its post, is neither right nor wrong.
+        Feet that are hidden or outside the picture. A point near one of them counts neither as correct nor as false.
     """
 
     pixels: FloatArray
@@ -32,7 +32,7 @@ class Feet:
 
     @classmethod
     def of(cls, truth: PictureTruth, field: Field) -> Feet:
-        """Read the feet off a picture's truth; `field` is the one it was taken on."""
+        """Return the feet in a picture from its ground truth and the field on which it was taken."""
         seen = [mark for mark in truth.landmarks if mark.landmark.kind == "post"]
         clear = [mark for mark in seen if not mark.occluded]
         everywhere = truth.view.project(field.posts, truth.pose)
@@ -43,33 +43,33 @@ class Feet:
 
 @dataclass(frozen=True, eq=False)
 class FootMatch(PointMatch):
-    """What of the feet in one picture, or in several, was found.
+    """Detected and missed feet of one picture or of several.
 
     Parameters
     ----------
     distances : ndarray, shape (K,)
-        Of all true feet, metres.
+        Distances of all true feet in m.
     """
 
     distances: FloatArray
 
     def __str__(self) -> str:
-        """In words."""
+        """Return the counts in words."""
         feet = f"{self.hits} of {len(self.found)} feet found" if len(self.found) else "no foot to find"
         return f"{feet}, {self.false} false"
 
 
 def match_feet(points: npt.ArrayLike, feet: Feet, reach: float = REACH) -> FootMatch:
-    """Pair found points with true feet, as `nao_course.metrics.match_points` does.
+    """Match detected points with true feet, as `nao_course.metrics.match_points` does.
 
     Parameters
     ----------
     points : array_like, shape (N, 2)
-        (u, v) of what was found, pixels.
+        (u, v) of the detected points, in pixels.
     feet : Feet
-        The truth.
+        True feet.
     reach : float
-        How far a point may be from its foot, pixels.
+        Largest distance of a point from its foot, in pixels.
 
     Returns
     -------

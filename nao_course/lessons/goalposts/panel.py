@@ -1,4 +1,4 @@
-"""The posts panel: the student's search for goal posts in several scenes, its four values on sliders."""
+"""The posts panel: the student's detector of goal posts in several scenes, with its four parameters on sliders."""
 
 from __future__ import annotations
 
@@ -20,6 +20,45 @@ from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
 Pixels = npt.NDArray[np.uint8]
 SIZE = 2  # times: how much larger than the camera's the shown pictures are
+_SLIDERS = (
+    Slider(
+        "min_green",
+        "Green pixels",
+        0,
+        20,
+        1,
+        8,
+        unit="px",
+        tooltip="Smallest number of green pixels below the foot",
+    ),
+    Slider(
+        "look_down", "Look down", 1, 30, 1, 10, unit="px", tooltip="Number of pixels tested below the foot"
+    ),
+    Slider(
+        "min_height",
+        "Smallest height",
+        0.0,
+        0.5,
+        0.01,
+        0.1,
+        tooltip="Smallest height of the yellow run, as a fraction of the picture's height",
+    ),
+    Slider(
+        "max_distance",
+        "Linkage",
+        0,
+        60,
+        1,
+        20,
+        unit="px",
+        tooltip="Candidates that are not farther apart belong to one post",
+    ),
+)
+_UNFINISHED = {
+    "label": "Finish exercises 1.3 and 1.5 of lesson 01 to see this, because the search uses your labels.",
+    "post_candidates": "Finish exercise 2.1 to see your candidates.",
+    "cluster_points": "Finish exercise 2.2 to see the feet.",
+}
 
 
 def mark_feet(
@@ -31,8 +70,10 @@ def mark_feet(
     """
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).repeat(SIZE, axis=0).repeat(SIZE, axis=1)
     scale = max(1, round(len(shown) / 240))
-    for u, v in _shown_at(candidates, "candidates (u, v)"):
-        cv2.circle(shown, (round(u), round(v)), scale, rgb(CANDIDATE), -1)
+    dots = _shown_at(candidates, "candidates (u, v)")
+    for colour, radius in (((255, 255, 255), 3 * scale), (rgb(CANDIDATE), 2 * scale)):
+        for u, v in dots:
+            cv2.circle(shown, (round(u), round(v)), radius, colour, -1, cv2.LINE_AA)
     for u, v in _shown_at(feet, "feet (u, v)"):
         for colour, thickness in (((255, 255, 255), 3 * scale), (rgb(FOUND), 2 * scale)):
             cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
@@ -40,17 +81,17 @@ def mark_feet(
 
 
 def _shown_at(points: npt.ArrayLike, name: str) -> FloatArray:
-    """Where pixels (u, v) have their middles in the enlarged picture."""
+    """Return the centres of pixels (u, v) in the enlarged picture."""
     return as_points(points, name=name) * SIZE + (SIZE - 1) / 2
 
 
 class PostPanel(FunctionPanel):
-    """Scenes, their labels, and what your search finds in them; sliders for its four values.
+    """Show scenes, their labels, and the points that your search finds, with sliders for its four parameters.
 
     Parameters
     ----------
     scenes : mapping of str to PostScene
-        By name, to choose from.
+        Scenes by their names.
     label : callable
         ``label(pixels)`` returns labels (H, W), as lesson 01 makes them.
     post_candidates : callable
@@ -80,59 +121,17 @@ class PostPanel(FunctionPanel):
             self._search,
             [
                 Choice("scene", "Scene", list(scenes), tooltip="Which picture is searched", stays=True),
-                Slider(
-                    "min_green",
-                    "Least green",
-                    0,
-                    20,
-                    1,
-                    8,
-                    unit="px",
-                    tooltip="How many of the pixels below must be green",
-                ),
-                Slider(
-                    "look_down",
-                    "Look down",
-                    1,
-                    30,
-                    1,
-                    10,
-                    unit="px",
-                    tooltip="How far the rule looks down",
-                ),
-                Slider(
-                    "min_height",
-                    "Least height",
-                    0.0,
-                    0.5,
-                    0.01,
-                    0.1,
-                    tooltip="Of the yellow run, as a part of the picture's height",
-                ),
-                Slider(
-                    "max_distance",
-                    "Linkage",
-                    0,
-                    60,
-                    1,
-                    20,
-                    unit="px",
-                    tooltip="Candidates that are not farther apart are one post",
-                ),
+                *_SLIDERS,
             ],
             student={"label": label, "post_candidates": post_candidates, "cluster_points": cluster_points},
-            unfinished={
-                "label": "Finish exercises 1.3 and 1.5 of lesson 01 to see this: posts are searched in your labels.",
-                "post_candidates": "Finish exercise 2.1 to see your candidates.",
-                "cluster_points": "Finish exercise 2.2 to see the feet.",
-            },
+            unfinished=_UNFINISHED,
         )
 
     def _search(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the scene, its labels, the candidates, and at last the feet."""
         scene = self._scenes[values.scene]
         yield {"What you find": mark_feet(scene.pixels, ())}
-        yield Legend({"candidate": CANDIDATE, "foot found": FOUND, "true foot (cross)": TRUE})
+        yield Legend({"candidate (dot)": CANDIDATE, "detected foot (ring)": FOUND, "true foot (cross)": TRUE})
         labels = student.label(scene.pixels)
         yield {"Your labels": mark_feet(painted(labels), ())}
         candidates = student.post_candidates(labels, values.min_green, values.look_down, values.min_height)
@@ -141,5 +140,10 @@ class PostPanel(FunctionPanel):
         yield {"What you find": mark_feet(scene.pixels, feet, candidates, scene.feet.pixels)}
         counts = f"{say_count(len(candidates), 'candidate')} in {say_count(len(feet), 'cluster')}"
         asks_too_much = values.min_green > values.look_down
-        more = f" Of {values.look_down} pixels never {values.min_green} are green." if asks_too_much else ""
+        more = (
+            f" No column can pass, because {values.min_green} green pixels are required and only "
+            f"{values.look_down} pixels are tested."
+            if asks_too_much
+            else ""
+        )
         yield f"{counts}: {scene.match(feet)}.{more}"

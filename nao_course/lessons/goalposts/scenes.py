@@ -1,4 +1,4 @@
-"""Pictures of goal posts from known distances: what the lesson measures a detector on."""
+"""Pictures of goal posts at known distances, on which the lesson measures a detector."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PostScene:
     pixels : ndarray of uint8, shape (H, W, 3)
         RGB.
     labels : ndarray of uint8, shape (H, W)
-        The true ones: 0 other, 1 green, 2 yellow, 3 white.
+        True labels: 0 other, 1 green, 2 yellow, 3 white.
     feet : Feet
         The truth.
     view : CameraView
@@ -45,20 +45,20 @@ class PostScene:
 
     @classmethod
     def of(cls, pixels: npt.NDArray[np.uint8], truth: PictureTruth, field: Field) -> PostScene:
-        """Make it of a picture and its truth; `field` is the one it was taken on."""
+        """Return the scene of a picture, its ground truth and the field on which it was taken."""
         return cls(pixels, truth.labels, Feet.of(truth, field), truth.view)
 
     @property
     def nearest(self) -> FloatArray:
-        """(u, v) of the nearest foot in the picture."""
+        """Pixel (u, v) of the nearest foot in the picture."""
         return self.feet.pixels[self.feet.distances.argmin()]
 
     def post_pixels(self) -> int:
-        """Count the yellow pixels of the nearest foot's column."""
+        """Return the number of yellow pixels in the column of the nearest foot."""
         return int((self.labels[:, round(self.nearest[0])] == YELLOW).sum())
 
     def match(self, points: npt.ArrayLike) -> FootMatch:
-        """Hold points (N, 2) against the true feet, within 8 pixels at 240 rows."""
+        """Match points (N, 2) with the true feet, within 8 pixels at 240 rows."""
         return match_feet(points, self.feet, REACH * len(self.pixels) / 240)
 
 
@@ -76,15 +76,15 @@ def picture_from(
     Parameters
     ----------
     pose : Pose
-        The robot's, in the field frame.
+        Pose of the robot in the field frame.
     reality : Reality
-        How real it looks.
+        Effects of the picture.
     rng : numpy.random.Generator
-        Of the sensor's noise.
+        Generator of the sensor's noise.
     yaw, pitch : float
-        Of the head, rad; positive to the left, and down.
+        Angles of the head in rad, positive to the left and down.
     torso_pitch, torso_roll : float
-        How the body leans, rad.
+        Body tilt in rad.
     """
     view = NAO_V4.view("bottom", yaw, pitch, (320, 240), torso_pitch=torso_pitch, torso_roll=torso_roll)
     pixels, truth = render(FIELD, pose, view, reality, rng)
@@ -92,14 +92,14 @@ def picture_from(
 
 
 def scenes_by_distance(number: int = 40, seed: int = 0) -> list[PostScene]:
-    """Take pictures of posts from 0.6 to 6 m, evenly spread, in several rooms: the same at every call.
+    """Take pictures of posts at evenly spaced distances from 0.6 to 6 m, in four rooms; every call returns the same.
 
     Parameters
     ----------
     number : int
-        How many.
+        Number of pictures.
     seed : int
-        Which rooms and places.
+        Seed of the rooms and places.
     """
     distances = np.linspace(0.6, 6.0, number)
     return [
@@ -110,7 +110,7 @@ def scenes_by_distance(number: int = 40, seed: int = 0) -> list[PostScene]:
 
 
 def _scene(distance: float, reality: Reality, rng: np.random.Generator) -> PostScene:
-    """A picture of a post at a distance, by a robot that leans without knowing it."""
+    """Return a picture of a post at a distance, from a robot with an unknown body tilt."""
     lean = TorsoTilt()
     pose, yaw = _place(distance, rng)
     return picture_from(
@@ -125,14 +125,14 @@ def _scene(distance: float, reality: Reality, rng: np.random.Generator) -> PostS
 
 
 def approach(distances: npt.ArrayLike, reality: Reality | None = None) -> list[PostScene]:
-    """Take pictures of the left goal post on the way towards it, upright and straight ahead.
+    """Take pictures of the left goal post from several distances, with the robot upright and facing it.
 
     Parameters
     ----------
     distances : array_like, shape (N,)
-        From the robot to the middle of the post, metres.
+        Distances from the robot to the centre of the post in m.
     reality : Reality, optional
-        How real they look; by default without any effect.
+        Effects in the pictures; none by default.
     """
     x, y = FIELD.posts[FIELD.posts[:, 0].argmax()]
     reality = reality or Reality.clean()
@@ -143,7 +143,7 @@ def approach(distances: npt.ArrayLike, reality: Reality | None = None) -> list[P
 
 
 def turning_head(degrees: Sequence[float] = (25.0, 0.0, -25.0)) -> dict[str, npt.NDArray[np.uint8]]:
-    """Take a picture of the goal for each yaw of the head, in degrees to the left; by a title that says it."""
+    """Return a picture of the goal for each yaw of the head, in degrees to the left, by a title with the angle."""
     nao = SimulatedNao(Field(2012), Pose(1.0, -0.1, 0.0), rng=8)
     pictures = {}
     for yaw in degrees:
@@ -156,7 +156,7 @@ def turning_head(degrees: Sequence[float] = (25.0, 0.0, -25.0)) -> dict[str, npt
 
 
 def robot_before(pixels: npt.NDArray[np.uint8], foot: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Return a copy of a picture with a grey robot, roughly drawn, that hides what stands at (u, v)."""
+    """Return a copy of a picture with a grey robot, roughly drawn, that hides the foot at (u, v)."""
     shown = pixels.copy()
     size = len(shown) / 240
     u, v = (round(float(each)) for each in np.asarray(foot))
@@ -177,16 +177,16 @@ def robot_before(pixels: npt.NDArray[np.uint8], foot: npt.ArrayLike) -> npt.NDAr
 def post_height(
     distance: npt.ArrayLike, view: CameraView, height: float = FIELD.dimensions.post_height
 ) -> FloatArray:
-    """Compute how many pixels high a goal post is in the middle of the picture, equation 2.1 of the lesson.
+    """Compute the height of a goal post in pixels, in the middle of the picture, by equation 2.1 of the lesson.
 
     Parameters
     ----------
     distance : array_like
-        From below the camera to the post, metres.
+        Distance on the ground from the camera to the post in m.
     view : CameraView
-        Its focal length, height and pitch count.
+        View with the camera's focal length, height and pitch.
     height : float
-        Of the post, metres.
+        Height of the post in m.
     """
     d, h, p = np.asarray(distance, dtype=float), view.height, view.pitch
     depth_foot = d * np.cos(p) + h * np.sin(p)
@@ -200,7 +200,7 @@ def match_scenes(find: Callable[[Any], Any], scenes: Sequence[PostScene]) -> lis
 
 
 def _place(distance: float, rng: np.random.Generator) -> tuple[Pose, float]:
-    """A place on the field at this distance from one post of the goal at +x, and a head's yaw that shows the post."""
+    """Return a pose at this distance from a post of the goal at +x, and a head yaw that shows the post."""
     posts: FloatArray = FIELD.posts[FIELD.posts[:, 0] > 0]
     while True:
         post = posts[rng.integers(len(posts))]

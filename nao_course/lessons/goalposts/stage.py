@@ -1,4 +1,4 @@
-"""What lesson 02 adds to the student's robot: the feet of goal posts in each picture, live."""
+"""The part of the student's robot that lesson 02 adds: the feet of goal posts in each picture, live."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from nao_course.geometry import as_points
 from nao_course.plotting import painted
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 
-def _mark_feet(student: StudentCode, nao: SimulatedNao) -> Look:
+def _mark_feet(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Label each picture with the lesson's limits, and find the posts in it."""
 
-    def look(sight: Sight) -> Overlay:
-        picture = sight.picture.pixels
+    def look(frame: Frame) -> Overlay:
+        picture = frame.picture.pixels
         threshold = student.white_threshold(mean_lightness(picture))
         labels = np.asarray(student.color_labels(picture, GREEN, YELLOW, threshold))
         feet = as_points(student.find_goalposts(labels.copy()), name="feet (u, v)")

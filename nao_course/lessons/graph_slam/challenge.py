@@ -1,4 +1,4 @@
-"""The challenge of lesson 08: one more measurement, where it tells most."""
+"""The challenge of lesson 08: choose the additional measurement that improves the graph most."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ GRAPHS = 40
 POSES, LANDMARKS, CANDIDATES = 40, 14, 60
 START_WEIGHT = 1e4  # 1/m^2: the start is known to a centimetre
 MOTION_EPSILON = 0.02  # m^2 a step
-SIGHT_EPSILON = (0.01, 0.08)  # m^2, from the best to the worst measurement
-NEAR = 4  # stops, within which a landmark is met
+MEASUREMENT_EPSILON = (0.01, 0.08)  # m^2, from the best to the worst measurement
+NEAR = 4  # stops from which a landmark is measured, at most
 
 Candidate = tuple[int, int, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Choices:
-    """A graph on one axis, and measurements of which one can still be made.
+    """A graph on one axis, and candidates for one more measurement.
 
     Parameters
     ----------
     omega : ndarray, shape (N, N)
-        Information matrix, 1/m^2: poses first, then landmarks. Its start is held to a centimetre.
+        Information matrix, 1/m^2: poses first, then landmarks. The start has a standard deviation of 1 cm.
     xi : ndarray, shape (N,)
         Right-hand side, 1/m.
     candidates : list of (int, int, float)
-        Of each possible measurement: pose, landmark, and its variance epsilon, m^2.
+        Pose, landmark and variance epsilon, in m^2, of each possible measurement.
     covariance : ndarray, shape (N, N)
         The inverse of omega, m^2.
     """
@@ -46,7 +46,7 @@ class Choices:
     covariance: FloatArray
 
     def gains(self) -> FloatArray:
-        """By how much each candidate lowers the sum of all variances, m^2: (C,)."""
+        """Return how much each candidate would reduce the sum of all variances, in m^2: (C,)."""
         # The inverse after one more row, by Sherman and Morrison, 1950.
         pose, landmark, epsilon = np.array(self.candidates).T
         row = self.covariance[:, landmark.astype(int)] - self.covariance[:, pose.astype(int)]
@@ -55,7 +55,7 @@ class Choices:
         return np.asarray((row**2).sum(axis=0) / (epsilon + spread))
 
     def worst_after(self, chosen: int | None) -> float:
-        """Return the largest standard deviation of a variable, m: now, or with a candidate measured."""
+        """Return the largest standard deviation of a variable in m, now or after a candidate was measured."""
         covariance = self.covariance
         if chosen is not None:
             pose, landmark, epsilon = self.candidates[chosen]
@@ -65,7 +65,7 @@ class Choices:
 
 
 def make_graph(seed: int) -> Choices:
-    """Walk along an axis there and back, with landmarks near by, some of them met only once and badly."""
+    """Make the graph of a walk there and back along an axis; some landmarks are measured only once, and badly."""
     rng = np.random.default_rng([seed, 808])
     size = POSES + LANDMARKS
     position = np.cumsum(np.where(np.arange(POSES) < rng.integers(22, 34), 0.5, -0.5)) - 0.5
@@ -85,24 +85,24 @@ def make_graph(seed: int) -> Choices:
         order = np.argsort(np.abs(position - place) + 10.0 * (np.arange(POSES) > POSES // 2))
         times = 1 if number % 3 == 0 else int(rng.integers(2, NEAR + 1))
         for pose in order[:times]:
-            spoiled = 12.0 if times == 1 else 1.0
-            add(int(pose), POSES + number, place - position[pose], spoiled * rng.uniform(*SIGHT_EPSILON))
+            factor = 12.0 if times == 1 else 1.0
+            add(int(pose), POSES + number, place - position[pose], factor * rng.uniform(*MEASUREMENT_EPSILON))
     return Choices(omega, xi, _candidates(position, places, rng), np.linalg.inv(omega).astype(float))
 
 
 def _candidates(position: FloatArray, places: FloatArray, rng: np.random.Generator) -> list[Candidate]:
-    """Pairs of pose and landmark, each once; the farther apart, the larger is the variance."""
+    """Draw different pairs of pose and landmark; the variance grows with their distance."""
     pairs = rng.permutation(POSES * LANDMARKS)[:CANDIDATES]
     found = []
     for pose, number in zip(*np.divmod(pairs, LANDMARKS), strict=True):
         away = abs(float(places[number] - position[pose]))
-        epsilon = float(rng.uniform(*SIGHT_EPSILON)) * (1.0 + away**2)
+        epsilon = float(rng.uniform(*MEASUREMENT_EPSILON)) * (1.0 + away**2)
         found.append((int(pose), POSES + int(number), epsilon))
     return found
 
 
 def judge(answer: Any, graph: Choices) -> CaseScore:
-    """Score a choice: by how much it lowers the sum of the variances, as a part of what the best one does."""
+    """Score a choice: its reduction of the sum of the variances, divided by the reduction by the best candidate."""
     count = len(graph.candidates)
     if answer is None:
         raise TypeError(f"Your choice is None: return the index of a candidate, from 0 to {count - 1}.")
@@ -121,29 +121,31 @@ def judge(answer: Any, graph: Choices) -> CaseScore:
     return CaseScore(score, columns, (gains / gains.max(), chosen))
 
 
+@course_style()
 def draw_choices(run: Run) -> Drawing:
-    """Draw for each graph what all candidates would have brought, and the one that was chosen."""
+    """Draw the scores of all candidates and of the chosen candidate, for each graph."""
     kept = [(number, each.kept) for number, each in enumerate(run.results, start=1) if each.kept]
-    with course_style():
-        figure = Figure(figsize=(9.6, 4.0))
-        ax = figure.add_subplot()
-        for number, (gains, chosen) in kept:
-            ax.plot(np.full(len(gains), number), gains, ".", color=GREY, ms=3, alpha=0.5)
-            score = gains[chosen] if chosen >= 0 else 0.0
-            ax.plot(number, score, STYLES["graph"].marker, color=STYLES["graph"].colour, ms=7, mec="white")
-        ax.set(xlabel="graph", ylabel="part of the best", ylim=(-0.03, 1.05), xlim=(0, len(run.results) + 1))
-        ax.set_title("chosen (diamonds), and all other candidates (dots)", fontsize=11)
+    figure = Figure(figsize=(9.6, 4.0))
+    ax = figure.add_subplot()
+    for number, (gains, chosen) in kept:
+        ax.plot(np.full(len(gains), number), gains, ".", color=GREY, ms=3, alpha=0.5)
+        score = gains[chosen] if chosen >= 0 else 0.0
+        ax.plot(number, score, STYLES["graph"].marker, color=STYLES["graph"].colour, ms=7, mec="white")
+    ax.set(xlabel="graph", ylabel="fraction of the best", ylim=(-0.03, 1.05), xlim=(0, len(run.results) + 1))
+    ax.set_title("chosen (diamonds), and all other candidates (dots)", fontsize=11)
     best = sum(chosen >= 0 and bool(gains[chosen] == 1.0) for _, (gains, chosen) in kept)
-    return Drawing(figure, f"What was chosen in {len(kept)} graphs: the best candidate in {best} of them.")
+    return Drawing(
+        figure, f"The chosen candidates in {len(kept)} graphs: the best candidate in {best} of them."
+    )
 
 
 CHALLENGE = Challenge(
     lesson="08_graph_slam",
-    title="Challenge 08: one more measurement, where it tells most",
+    title="Challenge 08: the most useful measurement",
     task=f"In each of {GRAPHS} graphs one more measurement can be made. Write a function of (omega, xi, candidates), "
     "where each candidate is (pose, landmark, epsilon); return the index of the one to make, or -1 for none.",
-    scoring="by how much the sum of all variances, the trace of the inverse of omega, becomes smaller, as a part of "
-    "what the best candidate does; the mean over all graphs.",
+    scoring="by how much the sum of the variances of all positions falls, as a fraction of what the best candidate "
+    "achieves; the mean over all graphs.",
     seeds=range(1, GRAPHS + 1),
     make=make_graph,
     given=lambda graph: (graph.omega, graph.xi, graph.candidates),

@@ -1,4 +1,4 @@
-"""What solving costs by size, as ``python -m benchmarks linear_graphs`` measured it, and what it costs here."""
+"""The time and memory that solving takes by the size of the system, recorded and on this computer."""
 
 from __future__ import annotations
 
@@ -15,20 +15,24 @@ from matplotlib.figure import Figure
 from nao_course.exercises.checking import strict
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.systems import not_a_solution
-from nao_course.plotting import STYLES, Drawing, course_style
+from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
+from nao_course.plotting.style import style_of
 
 System = tuple[scipy.sparse.csc_array, FloatArray]
 
 RECORDED = Path(__file__).with_suffix(".json")
-_LOOKS = {"dense": "odometry", "sparse, as numbered": "ekf", "sparse, a good order": "graph"}
+_STYLES = {"dense": "odometry", "sparse, as numbered": "ekf", "sparse, a good order": "graph"}
 
 
 OWN_SIZES = (300, 1000, 3000)
 
 
 def corridor_system(variables: int, rng: np.random.Generator) -> System:
-    """A straight walk: three poses to a landmark pair, each landmark seen from the nearest eight or nine poses."""
+    """Return the system of a straight walk with a pair of landmarks every three poses.
+
+    Each landmark is measured from the nearest eight or nine poses.
+    """
     poses = 3 * variables // 5
     landmarks = variables - poses
     i, j = ([np.arange(k, poses - 1 + k)] for k in (0, 1))
@@ -49,7 +53,7 @@ def corridor_system(variables: int, rng: np.random.Generator) -> System:
 
 
 def seconds_of(solve_sparse: Callable[..., Any]) -> list[float]:
-    """How long the student's solver takes here for each of `OWN_SIZES`, seconds; no times for a blank one."""
+    """Return the seconds that the student's solver takes here for each of `OWN_SIZES`, or [] if it is blank."""
     rng, found = np.random.default_rng(8), list[float]()
     for size in OWN_SIZES:
         omega, xi = corridor_system(size, rng)
@@ -64,14 +68,15 @@ def seconds_of(solve_sparse: Callable[..., Any]) -> list[float]:
     return found
 
 
+@course_style()
 def draw_costs(solve_sparse: Callable[..., Any] | None = None) -> Drawing:
-    """Draw the recorded seconds and megabytes by the number of variables, in three ways of solving.
+    """Draw the recorded seconds and megabytes by the number of variables, with three methods.
 
     Parameters
     ----------
     solve_sparse : callable, optional
-        The student's: its times on this machine are drawn beside them. Where the course is built they are left out,
-        for each build would draw others.
+        The student's function, whose times on this computer are drawn, too. A build of the course leaves them out,
+        because they would differ each time.
 
     Returns
     -------
@@ -81,27 +86,26 @@ def draw_costs(solve_sparse: Callable[..., Any] | None = None) -> Drawing:
     own = seconds_of(solve_sparse) if solve_sparse and not strict() else []
     recorded = json.loads(RECORDED.read_text(encoding="utf-8"))
     words = []
-    with course_style():
-        figure = Figure(figsize=(9.8, 4.1))
-        times, sizes = figure.subplots(1, 2)
-        for name, source in _LOOKS.items():
-            rows = recorded[name]
-            look = STYLES[source]
-            options = {"color": look.colour, "marker": look.marker, "ms": 6, "lw": 2, "label": name}
-            variables = [row["variables"] for row in rows]
-            times.plot(variables, [row["seconds"] for row in rows], **options)
-            sizes.plot(variables, [row["megabytes"] for row in rows], **options)
-            last = rows[-1]
-            words.append(
-                f"{name}: {last['seconds']:.2g} s and {last['megabytes']:.2g} MB for {last['variables']} variables"
-            )
-        if own:
-            times.plot(OWN_SIZES, own, "k*", ms=12, mec="white", zorder=6, label="yours, on this computer")
-            words.append(f"yours, on this computer: {own[-1]:.2g} s for {OWN_SIZES[-1]} variables")
-        times.set(ylabel="seconds for one axis")
-        sizes.set(ylabel="megabytes of the factor")
-        for ax in (times, sizes):
-            ax.set(xscale="log", yscale="log", xlabel="variables")
-            ax.grid(color="#e3e5e8")
-        legend_below(figure, times.get_legend_handles_labels()[0])
+    figure = Figure(figsize=(9.8, 4.1))
+    times, sizes = figure.subplots(1, 2)
+    for name, source in _STYLES.items():
+        rows = recorded[name]
+        style = style_of(source)
+        options = {"color": style.colour, "marker": style.marker, "ms": 6, "lw": 2, "label": name}
+        variables = [row["variables"] for row in rows]
+        times.plot(variables, [row["seconds"] for row in rows], **options)
+        sizes.plot(variables, [row["megabytes"] for row in rows], **options)
+        last = rows[-1]
+        words.append(
+            f"{name}: {last['seconds']:.2g} s and {last['megabytes']:.2g} MB for {last['variables']} variables"
+        )
+    if own:
+        times.plot(OWN_SIZES, own, "k*", ms=12, mec="white", zorder=6, label="yours, on this computer")
+        words.append(f"yours, on this computer: {own[-1]:.2g} s for {OWN_SIZES[-1]} variables")
+    times.set(ylabel="seconds for one axis")
+    sizes.set(ylabel="megabytes of the factor")
+    for ax in (times, sizes):
+        ax.set(xscale="log", yscale="log", xlabel="variables")
+        ax.grid(color="#e3e5e8")
+    legend_below(figure, times.get_legend_handles_labels()[0])
     return Drawing(figure, f"Cost of solving a corridor by its size, on one core. {'; '.join(words)}.")

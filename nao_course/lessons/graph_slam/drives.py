@@ -29,21 +29,21 @@ STOPS = np.array(
         *((1.5, 1.5), (0.9, 1.5), (0.3, 1.2), (0.3, 0.5), (0.4, -0.1), (0.4, -0.8), (1.0, -1.2)),
     ]
 )
-SIGHT = 1.7  # m, how far the robot sees a landmark
+REACH = 1.7  # m, up to which the robot measures a landmark
 MOTION_SIGMA = 0.15  # m, of each axis of a step
 MEASUREMENT_SIGMA = 0.03  # m, of each axis of an offset
 
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """What is known of one variable, or of the difference of two, in both axes.
+    """A constraint on one variable, or on the difference of two variables, in both axes.
 
     Parameters
     ----------
     kind : "start", "motion" or "measurement"
-        A start holds its variable `first`; `second` is the same one.
+        A start gives the position of its variable `first`; `second` is the same number.
     first, second : int
-        Variables: poses come first, landmarks behind them.
+        Numbers of variables: all poses, and after them all landmarks.
     value : ndarray, shape (2,)
         The position, or the difference `second` minus `first`, in metres.
     epsilon : float
@@ -58,8 +58,8 @@ class Constraint:
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
-    """Where a robot was, what is there, and all that it measured.
+class LinearDrive:
+    """A drive: the true path and landmarks, and all constraints.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Drive:
     landmarks : ndarray, shape (L, 2)
         True positions of the landmarks, m: variables P to P + L - 1.
     constraints : tuple of Constraint
-        In the order in which they came.
+        In the order in which they arrived.
     """
 
     path: FloatArray
@@ -82,7 +82,7 @@ class Drive:
 
     @property
     def size(self) -> int:
-        """How many variables there are."""
+        """Number of variables."""
         return len(self.path) + len(self.landmarks)
 
     @property
@@ -92,39 +92,38 @@ class Drive:
         return (*poses, *(f"L{number}" for number in range(len(self.landmarks))))
 
     def say(self, constraint: Constraint) -> str:
-        """Say what a constraint tells."""
+        """Say a constraint in words and numbers."""
         dx, dy = constraint.value
         first, second = self.names[constraint.first], self.names[constraint.second]
-        told = f"{first} is at" if constraint.kind == "start" else f"{second} - {first} ="
-        return f"{constraint.kind}: {told} ({dx:z.2f}, {dy:z.2f}) m"
+        words = f"{first} is at" if constraint.kind == "start" else f"{second} - {first} ="
+        return f"{constraint.kind}: {words} ({dx:z.2f}, {dy:z.2f}) m"
 
 
 def odometry(constraints: Sequence[Constraint]) -> FloatArray:
-    """Add up the start and the motions among some constraints: positions (M, 2) in metres."""
+    """Return the positions, (M, 2) in metres, that follow from the start and the motions alone."""
     steps = [each.value for each in constraints if each.kind != "measurement"]
     return np.cumsum(steps, axis=0) if steps else np.zeros((0, 2))
 
 
-def field_drive(seed: int = 1, noise: float = 1.0, turn: float = 0.0) -> Drive:
+def field_drive(seed: int = 1, noise: float = 1.0, turn: float = 0.0) -> LinearDrive:
     """Drive two rounds over half a field: ahead, back and sideways.
 
     Parameters
     ----------
     seed : int
-        Of the errors.
+        Seed of the errors.
     noise : float
-        Their size; 0 for none, where the variances stay as they are.
+        Factor of the errors; 0 gives exact constraints. The variances stay the same.
     turn : float
-        By how much the robot turns on the whole way, rad. What it measures is in its own frame, and by
-        default that keeps the field's directions.
+        Angle by which the robot turns during the whole drive, rad. It measures in its own frame, which by default
+        stays parallel to the field.
 
     Returns
     -------
-    Drive
-        With the corners and goal posts of the half field.
+    LinearDrive
+        The landmarks are the corners and goal posts of the half field.
     """
-    marks = Field(2012, half=True).landmarks
-    landmarks = np.array([(each.x, each.y) for each in marks if each.kind != "cross"])
+    landmarks = Field(2012, half=True).detectable_positions
     return drive_along(STOPS, landmarks, np.random.default_rng(seed), noise, turn)
 
 
@@ -134,24 +133,24 @@ def drive_along(
     rng: np.random.Generator,
     noise: float = 1.0,
     turn: float = 0.0,
-    sight: float = SIGHT,
-) -> Drive:
-    """Drive along a path (P, 2), and measure at each stop the landmarks (L, 2) within `sight` metres."""
+    reach: float = REACH,
+) -> LinearDrive:
+    """Drive along a path (P, 2), and measure at each stop the landmarks (L, 2) within `reach` metres."""
     frames = [rotation_2d(-turn * step / max(len(path) - 1, 1)) for step in range(len(path))]
     made = [Constraint("start", 0, 0, path[0].copy(), 1.0)]
     for step, at in enumerate(path):
         if step:
             moved = frames[step - 1] @ (at - path[step - 1]) + noise * MOTION_SIGMA * rng.standard_normal(2)
             made.append(Constraint("motion", step - 1, step, moved, MOTION_SIGMA**2))
-        for number in np.flatnonzero(np.hypot(*(landmarks - at).T) <= sight):
+        for number in np.flatnonzero(np.hypot(*(landmarks - at).T) <= reach):
             seen = frames[step] @ (landmarks[number] - at)
             seen = seen + noise * MEASUREMENT_SIGMA * rng.standard_normal(2)
             made.append(Constraint("measurement", step, len(path) + int(number), seen, MEASUREMENT_SIGMA**2))
-    return Drive(path, landmarks, tuple(made))
+    return LinearDrive(path, landmarks, tuple(made))
 
 
-def odometry_first(drive: Drive) -> tuple[Constraint, ...]:
-    """Order a drive's constraints anew: the start, all motions, the first sight of each landmark, then all others."""
+def odometry_first(drive: LinearDrive) -> tuple[Constraint, ...]:
+    """Sort the constraints: the start, all motions, the first measurement of each landmark, then all others."""
     seen: set[int] = set()
     ranks = []
     for each in drive.constraints:
@@ -162,9 +161,9 @@ def odometry_first(drive: Drive) -> tuple[Constraint, ...]:
     return tuple(drive.constraints[number] for number in order)
 
 
-def corridor(poses: int, rng: np.random.Generator, width: float = 1.5, sight: float = 2.0) -> Drive:
+def corridor(poses: int, rng: np.random.Generator, width: float = 1.5, reach: float = 2.0) -> LinearDrive:
     """Walk straight on, 0.5 m a step, with a landmark every metre and a half on each side."""
     path = np.column_stack([0.5 * np.arange(poses), np.zeros(poses)])
     along = np.arange(0.0, 0.5 * poses, 1.5)
     landmarks = np.vstack([np.column_stack([along, np.full(len(along), side)]) for side in (-width, width)])
-    return drive_along(path, landmarks, rng, sight=sight)
+    return drive_along(path, landmarks, rng, reach=reach)

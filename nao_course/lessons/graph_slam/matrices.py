@@ -1,4 +1,4 @@
-"""Pictures of matrices in lesson 08: their entries, those that elimination adds, and a covariance beside them."""
+"""Figures of matrices in lesson 08: signs of the entries, fill-in by elimination, and correlations."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.graph_slam.drives import Drive
+from nao_course.lessons.graph_slam.drives import LinearDrive
 from nao_course.lessons.graph_slam.systems import Builders, assemble, inverse_of
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
+from nao_course.plotting.matrix_signs import NEGATIVE, POSITIVE
 from nao_course.plotting.style import GREY, STYLES
 
-POSITIVE, NEGATIVE, FILLED = "#2c6e8f", "#e39a2d", "#b3261e"
+FILLED = "#b3261e"
 _SIGNS = ListedColormap([NEGATIVE, "#ffffff", POSITIVE])
-ROUNDING = 1e-13  # of the largest entry: what is smaller may be no more than rounding
+ROUNDING = 1e-13  # of the largest entry: smaller entries may be rounding errors
 Bools = npt.NDArray[np.bool_]
 
 
 def plot_matrix(omega: npt.ArrayLike, ax: Axes, poses: int | None = None) -> None:
-    """Show which entries of a matrix (N, N) are positive, negative and zero; a line parts poses from landmarks."""
+    """Show which entries of a matrix (N, N) are positive, negative and zero; a line separates poses from landmarks."""
     array = np.asarray(omega, dtype=float)
     ax.imshow(np.sign(array), cmap=_SIGNS, vmin=-1, vmax=1, interpolation="nearest")
     _frame(ax, len(array), poses)
@@ -45,7 +46,7 @@ def _frame(ax: Axes, size: int, poses: int | None) -> None:
 
 
 def sign_keys() -> list[Patch]:
-    """Legend keys of positive and negative entries."""
+    """Return the legend keys of positive and negative entries."""
     return [
         Patch(facecolor=POSITIVE, label="positive"),
         Patch(facecolor=NEGATIVE, label="negative"),
@@ -57,14 +58,16 @@ def sign_keys() -> list[Patch]:
 
 
 def fill_in(pattern: npt.ArrayLike, order: Sequence[int]) -> Bools:
-    """Eliminate variables one after the other: whoever is connected with one that goes is connected afterwards.
+    """Return the pattern of the factor after eliminating variables in a given order.
+
+    The neighbours of an eliminated variable are connected with each other afterwards.
 
     Parameters
     ----------
     pattern : array_like of bool, shape (N, N)
         Which entries of a symmetric matrix are not zero.
     order : sequence of int
-        In which order the variables go.
+        The order in which the variables are eliminated.
 
     Returns
     -------
@@ -80,7 +83,7 @@ def fill_in(pattern: npt.ArrayLike, order: Sequence[int]) -> Bools:
 
 
 def fewest_neighbours_first(pattern: npt.ArrayLike) -> list[int]:
-    """Order variables so that the one with the fewest neighbours left goes next: minimum degree."""
+    """Order variables by minimum degree: the variable with the fewest remaining neighbours is next."""
     left = np.asarray(pattern, dtype=bool).copy()
     np.fill_diagonal(left, False)
     waiting, order = list(range(len(left))), list[int]()
@@ -95,6 +98,7 @@ def fewest_neighbours_first(pattern: npt.ArrayLike) -> list[int]:
     return order
 
 
+@course_style()
 def draw_fill_in(omega: npt.ArrayLike, poses: int) -> Drawing:
     """Draw a matrix and its factor in two orders: as the variables are numbered, and fewest neighbours first.
 
@@ -113,38 +117,38 @@ def draw_fill_in(omega: npt.ArrayLike, poses: int) -> Drawing:
     pattern = np.asarray(omega) != 0
     lower = np.tril(pattern)
     counts = {"below and on the diagonal of Omega": int(lower.sum())}
-    with course_style():
-        figure = Figure(figsize=(10.2, 4.2))
-        axes = figure.subplots(1, 3)
-        axes[0].imshow(pattern, cmap=ListedColormap(["#ffffff", POSITIVE]), interpolation="nearest")
-        axes[0].set_title(rf"$\Omega$: {lower.sum()} entries in a half", fontsize=11)
-        _frame(axes[0], len(pattern), poses)
-        orders = {
-            "as numbered": list(range(len(pattern))),
-            "fewest neighbours first": fewest_neighbours_first(pattern),
-        }
-        for ax, (name, order) in zip(axes[1:], orders.items(), strict=True):
-            factor = fill_in(pattern, order)
-            before = lower | lower.T
-            shown = np.where(factor, np.where(before[np.ix_(order, order)], 1, 2), 0)
-            colours = ListedColormap(["#ffffff", POSITIVE, FILLED])
-            ax.imshow(shown, cmap=colours, vmin=0, vmax=2, interpolation="nearest")
-            _frame(ax, len(pattern), None)
-            counts[name] = int(factor.sum())
-            ax.set_title(f"{name}: {counts[name]}", fontsize=11)
-        keys = [
-            Patch(facecolor=POSITIVE, label="entries of $\\Omega$"),
-            Patch(facecolor=FILLED, label="added by elimination"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(10.2, 4.2))
+    axes = figure.subplots(1, 3)
+    axes[0].imshow(pattern, cmap=ListedColormap(["#ffffff", POSITIVE]), interpolation="nearest")
+    axes[0].set_title(rf"$\Omega$: {lower.sum()} entries in a half", fontsize=11)
+    _frame(axes[0], len(pattern), poses)
+    orders = {
+        "as numbered": list(range(len(pattern))),
+        "fewest neighbours first": fewest_neighbours_first(pattern),
+    }
+    for ax, (name, order) in zip(axes[1:], orders.items(), strict=True):
+        factor = fill_in(pattern, order)
+        before = lower | lower.T
+        shown = np.where(factor, np.where(before[np.ix_(order, order)], 1, 2), 0)
+        colours = ListedColormap(["#ffffff", POSITIVE, FILLED])
+        ax.imshow(shown, cmap=colours, vmin=0, vmax=2, interpolation="nearest")
+        _frame(ax, len(pattern), None)
+        counts[name] = int(factor.sum())
+        ax.set_title(f"{name}: {counts[name]}", fontsize=11)
+    keys = [
+        Patch(facecolor=POSITIVE, label="entries of $\\Omega$"),
+        Patch(facecolor=FILLED, label="added by elimination"),
+    ]
+    legend_below(figure, keys)
     said = "; ".join(f"{name}: {count}" for name, count in counts.items())
     return Drawing(
         figure, f"An information matrix of {len(pattern)} variables and its factor. Entries {said}."
     )
 
 
+@course_style()
 def draw_marginalised(omega: npt.ArrayLike, poses: int, kept: npt.ArrayLike) -> Drawing:
-    """Draw an information matrix of poses and landmarks beside that of the landmarks alone.
+    """Draw an information matrix of poses and landmarks, and the matrix of the landmarks alone.
 
     Parameters
     ----------
@@ -153,29 +157,24 @@ def draw_marginalised(omega: npt.ArrayLike, poses: int, kept: npt.ArrayLike) -> 
     poses : int
         How many poses there are.
     kept : array_like, shape (N - poses, N - poses)
-        What is left when the poses are removed.
+        The matrix after the poses were removed.
 
     Returns
     -------
     Drawing
-        Three matrices: all, the landmarks' block of it, and what is left.
+        Three matrices: of all variables, its block of the landmarks, and `kept`.
     """
     array, left = np.asarray(omega, dtype=float), np.asarray(kept, dtype=float)
     block = array[poses:, poses:]
     if left.shape != block.shape:
-        raise ValueError(f"what is left must have shape {block.shape}, got {left.shape}")
+        raise ValueError(f"the matrix without the poses has shape {left.shape}; expected {block.shape}")
     left = np.where(np.abs(left) > ROUNDING * np.abs(left).max(initial=1e-300), left, 0.0)
-    shown = {
-        r"$\Omega$": array,
-        "the landmarks' block": block,
-        "poses removed": left,
-    }
-    with course_style():
-        figure = Figure(figsize=(10.2, 4.1))
-        for ax, (name, matrix) in zip(figure.subplots(1, 3), shown.items(), strict=True):
-            plot_matrix(matrix, ax, poses if len(matrix) == len(array) else None)
-            ax.set_title(f"{name}: {100 * share(matrix):.0f} % not zero", fontsize=11)
-        legend_below(figure, sign_keys())
+    shown = {r"$\Omega$": array, "the landmarks' block": block, "poses removed": left}
+    figure = Figure(figsize=(10.2, 4.1))
+    for ax, (name, matrix) in zip(figure.subplots(1, 3), shown.items(), strict=True):
+        plot_matrix(matrix, ax, poses if len(matrix) == len(array) else None)
+        ax.set_title(f"{name}: {100 * share(matrix):.0f} % not zero", fontsize=11)
+    legend_below(figure, sign_keys())
     words = f"{100 * share(array):.0f} % of Omega, {100 * share(block):.0f} % of its block of landmarks"
     return Drawing(
         figure, f"Entries that are not zero: {words}, {100 * share(left):.0f} % once poses are removed."
@@ -199,19 +198,20 @@ def held_tightly(omega: npt.ArrayLike, weight: float = 1e6) -> FloatArray:
 
 
 def correlations(omega: npt.ArrayLike) -> FloatArray:
-    """Correlation matrix of an information matrix, its start held tightly."""
+    """Return the correlation matrix by an information matrix whose start is held tightly."""
     covariance = inverse_of(held_tightly(omega))
     sigma = np.sqrt(np.diag(covariance))
     return np.asarray(covariance / np.outer(sigma, sigma), dtype=float)
 
 
-def draw_correlations(drive: Drive, builders: Builders) -> Drawing:
+@course_style()
+def draw_correlations(drive: LinearDrive, builders: Builders) -> Drawing:
     """Draw an information matrix, the correlations of its inverse, and how both fill with the drive.
 
     Parameters
     ----------
-    drive : Drive
-        Whose constraints are added, one after the other.
+    drive : LinearDrive
+        Drive whose constraints are added one after the other.
     builders : Builders
         The student's functions.
 
@@ -225,30 +225,29 @@ def draw_correlations(drive: Drive, builders: Builders) -> Drawing:
     growth = [_growth(drive, builders, end) for end in [*ends, len(drive.constraints)]]
     stops, of_omega, correlated = np.array(growth).T
     omega, _ = assemble(drive.constraints, drive.size, builders, 0)
-    with course_style():
-        figure = Figure(figsize=(10.6, 4.0))
-        left, middle, right = figure.subplots(1, 3)
-        plot_matrix(omega, left, poses)
-        left.set_title(rf"$\Omega$: {100 * share(omega):.0f} % not zero", fontsize=11)
-        image = middle.imshow(correlations(omega), cmap="RdBu", vmin=-1, vmax=1, interpolation="nearest")
-        _frame(middle, len(omega), poses)
-        middle.set_title(r"correlations in $\Omega^{-1}$", fontsize=11)
-        figure.colorbar(image, ax=middle, shrink=0.75, ticks=[-1, 0, 1])
-        look, other = STYLES["graph"], STYLES["ekf"]
-        right.plot(
-            stops, 100 * of_omega, color=look.colour, marker=look.marker, ms=5, label=r"not zero in $\Omega$"
-        )
-        right.plot(
-            stops,
-            100 * correlated,
-            color=other.colour,
-            marker=other.marker,
-            ms=5,
-            label="mean correlation of landmarks",
-        )
-        right.set(xlabel="stops", ylabel="%", ylim=(0, 100), xticks=stops[::3])
-        right.legend(loc="lower left", fontsize=9)
-        right.grid(color="#e3e5e8")
+    figure = Figure(figsize=(10.6, 4.0))
+    left, middle, right = figure.subplots(1, 3)
+    plot_matrix(omega, left, poses)
+    left.set_title(rf"$\Omega$: {100 * share(omega):.0f} % not zero", fontsize=11)
+    image = middle.imshow(correlations(omega), cmap="RdBu", vmin=-1, vmax=1, interpolation="nearest")
+    _frame(middle, len(omega), poses)
+    middle.set_title(r"correlations in $\Omega^{-1}$", fontsize=11)
+    figure.colorbar(image, ax=middle, shrink=0.75, ticks=[-1, 0, 1])
+    style, other = STYLES["graph"], STYLES["ekf"]
+    right.plot(
+        stops, 100 * of_omega, color=style.colour, marker=style.marker, ms=5, label=r"not zero in $\Omega$"
+    )
+    right.plot(
+        stops,
+        100 * correlated,
+        color=other.colour,
+        marker=other.marker,
+        ms=5,
+        label="mean correlation of landmarks",
+    )
+    right.set(xlabel="stops", ylabel="%", ylim=(0, 100), xticks=stops[::3])
+    right.legend(loc="lower left", fontsize=9)
+    right.grid(color="#e3e5e8")
     return Drawing(
         figure,
         f"Information and covariance. After {stops[-1]:.0f} stops {100 * of_omega[-1]:.0f} % of Omega's entries are "
@@ -256,8 +255,8 @@ def draw_correlations(drive: Drive, builders: Builders) -> Drawing:
     )
 
 
-def _growth(drive: Drive, builders: Builders, end: int) -> tuple[float, float, float]:
-    """After some constraints: stops so far, part of Omega that is not zero, mean correlation of two landmarks."""
+def _growth(drive: LinearDrive, builders: Builders, end: int) -> tuple[float, float, float]:
+    """Return the stops, the nonzero part of Omega, and the landmarks' mean correlation after some constraints."""
     used = drive.constraints[:end]
     known = sorted({variable for each in used for variable in (each.first, each.second)})
     omega = assemble(used, drive.size, builders, 0)[0][np.ix_(known, known)]

@@ -7,13 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from matplotlib.colors import to_rgb
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.drives import Constraint, field_drive, odometry_first
 from nao_course.lessons.graph_slam.figures import GraphMap, say_error
-from nao_course.lessons.graph_slam.matrices import NEGATIVE, POSITIVE
 from nao_course.lessons.graph_slam.systems import (
     Builders,
     Function,
@@ -22,43 +19,30 @@ from nao_course.lessons.graph_slam.systems import (
     not_a_solution,
     variables_in,
 )
-from nao_course.plotting.drawing import say_count
+from nao_course.plotting.drawing import say_count, table
+from nao_course.plotting.matrix_signs import NEGATIVE, POSITIVE, paint_matrix
 from nao_course.plotting.style import FOUND
-from nao_course.widgets import Choice, FunctionPanel, Legend, Slider, Toggle
+from nao_course.widgets import Choice, FunctionPanel, Legend, Pixel, Slider, Toggle
 
-CELL = 14  # px
-ORDERS = ("as they came", "odometry first")
-Pixels = npt.NDArray[np.uint8]
+ORDERS = ("as measured", "odometry first")
+NEAR = 12.0  # px: an edge that is farther from the click is not selected
 
 
-def paint_matrix(omega: FloatArray, poses: int, newest: tuple[int, ...] = ()) -> Pixels:
-    """Paint which entries of a matrix are positive, negative and zero, one cell each.
+def clicked(ends: FloatArray, at: tuple[int, int]) -> int | None:
+    """Return the number of the edge nearest to a pixel, or None if all are farther than `NEAR`.
 
     Parameters
     ----------
-    omega : ndarray, shape (N, N)
-        Information matrix.
-    poses : int
-        Its first rows are those of poses: a line parts them from the landmarks.
-    newest : tuple of int
-        Variables of the newest constraint, whose cells are framed.
-
-    Returns
-    -------
-    ndarray of uint8, shape (14 N, 14 N, 3)
-        RGB.
+    ends : ndarray, shape (E, 2, 2)
+        Both ends of each edge, as pixels (u, v).
+    at : (int, int)
+        The pixel.
     """
-    colours = np.array([_rgb(NEGATIVE), (255, 255, 255), _rgb(POSITIVE)], dtype=np.uint8)
-    painted = colours[np.nan_to_num(np.sign(omega)).astype(int) + 1].repeat(CELL, axis=0).repeat(CELL, axis=1)
-    painted[::CELL], painted[:, ::CELL] = 225, 225
-    painted[poses * CELL], painted[:, poses * CELL] = 110, 110
-    for row in newest:
-        for column in newest:
-            cell = painted[row * CELL : (row + 1) * CELL, column * CELL : (column + 1) * CELL]
-            inside = cell[3:-2, 3:-2].copy()
-            cell[1:, 1:] = _rgb(FOUND)
-            cell[3:-2, 3:-2] = inside
-    return painted
+    along = ends[:, 1] - ends[:, 0]
+    from_end = np.asarray(at) - ends[:, 0]
+    part = (from_end * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-9)
+    away = np.linalg.norm(from_end - np.clip(part, 0.0, 1.0)[:, None] * along, axis=1)
+    return int(np.argmin(away)) if len(away) and away.min() <= NEAR else None
 
 
 class GraphPanel(FunctionPanel):
@@ -92,11 +76,24 @@ class GraphPanel(FunctionPanel):
                     every,
                     1,
                     22,
-                    tooltip="How many have arrived: the arrow keys add one",
+                    tooltip="How many constraints are in the matrix; the arrow keys add one",
                 ),
-                Choice("order", "Order", ORDERS, tooltip="In which order they arrive"),
-                Choice("variance", "Variance of sights", ("x 1/100", "x 1", "x 100", "x 10000"), start="x 1"),
-                Toggle("held", "Start held", True, tooltip="Whether the constraint of the start is used"),
+                Choice("order", "Order", ORDERS, tooltip="The order in which they are added"),
+                Choice(
+                    "variance",
+                    "Variance of measurements",
+                    ("x 1/100", "x 1", "x 100", "x 10000"),
+                    start="x 1",
+                ),
+                Toggle("held", "Use the start", True, tooltip="Whether the constraint of the start is used"),
+                Pixel(
+                    "edge",
+                    "Edge",
+                    self._map.size,
+                    (0, 0),
+                    picture="Your map",
+                    tooltip="Click an edge of the map to see what it adds; beside the map: the newest constraint",
+                ),
             ],
             student={
                 "add_initial_position": add_initial_position,
@@ -113,7 +110,7 @@ class GraphPanel(FunctionPanel):
         )
 
     def _arrived(self, values: Any) -> list[Constraint]:
-        """The constraints so far, with the variance that is set."""
+        """Return the constraints so far, with the chosen variance."""
         drive = self._drive
         every = drive.constraints if values.order == ORDERS[0] else odometry_first(drive)
         factor = {"x 1/100": 0.01, "x 1": 1.0, "x 100": 1e2, "x 10000": 1e4}[values.variance]
@@ -124,23 +121,24 @@ class GraphPanel(FunctionPanel):
         ]
 
     def _grow(self, values: Any, student: Any) -> Iterator[Any]:
-        """Show the matrix, and then the map that it gives."""
+        """Show the matrix, and then the map."""
         drive, used = self._drive, self._arrived(values)
         if not used:
             yield "No constraint has arrived."
             return
-        yield Legend({"positive": POSITIVE, "negative": NEGATIVE, "newest constraint": FOUND})
+        yield Legend({"positive": POSITIVE, "negative": NEGATIVE, "newest or selected constraint": FOUND})
         builders = Builders(
             student.add_initial_position, student.add_relative_motion, student.add_relative_measurement
         )
         systems = [assemble(used, drive.size, builders, axis) for axis in (0, 1)]
         omega, newest = systems[0][0], used[-1]
-        yield {"Your Omega": paint_matrix(omega, len(drive.path), (newest.first, newest.second))}
+        yield self._framed(omega, newest)
         yield f"{say_count(len(used), 'constraint')}; the newest is a {drive.say(newest)}."
         if not all(np.isfinite(part).all() for system in systems for part in system):
-            yield "Your Omega or xi has entries that are no numbers: check exercises 8.1 to 8.3."
+            yield "Your Omega or xi contains NaN or infinity: check exercises 8.1 to 8.3."
             return
         yield f"{np.count_nonzero(omega)} of {omega.size} entries of Omega are not zero."
+        yield self._added(newest, builders)
         known = variables_in(used)
         answers = []
         try:
@@ -154,10 +152,28 @@ class GraphPanel(FunctionPanel):
             return
         positions = np.full((drive.size, 2), np.nan)
         positions[known] = np.column_stack(answers)
-        yield {"Your map": self._map.draw(used, positions)}
+        ends = np.array([positions[[each.first, each.second]] for each in used])
+        pixels = self._map.pixels(ends.reshape(-1, 2)).reshape(-1, 2, 2)
+        selected = clicked(pixels, values.edge)
+        if selected is not None:
+            yield self._framed(omega, used[selected])
+            yield self._added(used[selected], builders)
+            yield f"You selected a {drive.say(used[selected])}."
+        yield {"Your map": self._map.draw(used, positions, None if selected is None else used[selected])}
         yield f"{say_error(map_error(drive, positions)).capitalize()}."
 
+    def _framed(self, omega: FloatArray, constraint: Constraint) -> dict[str, Any]:
+        """Return the picture of the matrix with the entries framed that a constraint changes."""
+        ends = constraint.first, constraint.second
+        return {"Your Omega": paint_matrix(omega, len(self._drive.path), ends)}
 
-def _rgb(colour: str) -> tuple[int, int, int]:
-    red, green, blue = (round(255 * part) for part in to_rgb(colour))
-    return red, green, blue
+    def _added(self, constraint: Constraint, builders: Builders) -> dict[str, Any]:
+        """Return a table of what the student's functions add for a constraint in x."""
+        omega, xi = assemble([constraint], self._drive.size, builders, 0)
+        ends = sorted({constraint.first, constraint.second})
+        names = [self._drive.names[end] for end in ends]
+        rows = [
+            [name, *(f"{value:z.1f}" for value in (*omega[end, ends], xi[end]))]
+            for name, end in zip(names, ends, strict=True)
+        ]
+        return {"It adds to Ω and ξ (x axis, 1/m² and 1/m)": table(["row", *names, "ξ"], rows)}

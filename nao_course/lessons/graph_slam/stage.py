@@ -1,4 +1,4 @@
-"""What lesson 08 adds to the student's robot: the map of the drive, one linear graph for each axis."""
+"""The stage of lesson 08 for the student's robot: the map of the drive, one linear graph for each axis."""
 
 from __future__ import annotations
 
@@ -13,25 +13,24 @@ from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import Estimate, LandmarkKind, Measurement, measured_points, place_estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
-STEP, TURN = 0.25, np.radians(20)  # m, rad: after so much of either there is a new pose in the graph
+STEP, TURN = 0.25, np.radians(20)  # m, rad: either distance adds a new pose to the graph
 GATE = 0.4  # m: a landmark of the same kind that is nearer is the same one
-MOTION_EPSILON = 0.004  # m^2 for a metre, and as much for standing still a little
-SIGHT_EPSILON = 0.002  # m^2 for a range of one metre; it grows with its square
+MOTION_EPSILON = 0.004  # m^2 for each metre; a tenth of it is added to each step
+MEASUREMENT_EPSILON = 0.002  # m^2 for a range of one metre; it grows with its square
 
 
 @dataclass
 class _Graph:
-    """Two systems that grow, and where their variables are."""
+    """The system of each axis, which grows during the drive, and the estimates of its variables."""
 
     student: StudentCode
     kinds: list[str] = field(default_factory=list)  # "pose", or the landmark's kind
     systems: list[Any] = field(default_factory=lambda: [(np.zeros((0, 0)), np.zeros(0)) for _ in range(2)])
     positions: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    variances: FloatArray = field(
-        default_factory=lambda: np.zeros(0)
-    )  # of each variable, m^2, in either axis
+    # of each variable, m^2, in either axis
+    variances: FloatArray = field(default_factory=lambda: np.zeros(0))
     odometry: list[Pose] = field(default_factory=list)  # of the poses
     measured: int = 0
 
@@ -56,7 +55,7 @@ class _Graph:
         ]
 
     def solved(self) -> None:
-        """Solve both systems; what is not known of the start itself counts for no variable."""
+        """Solve both systems; the variances are relative to the start."""
         columns = [np.asarray(self.student.solve(*system), dtype=float) for system in self.systems]
         self.positions = np.column_stack(columns).reshape(len(self.kinds), 2)
         if not np.isfinite(self.positions).all():
@@ -66,11 +65,11 @@ class _Graph:
 
     @property
     def last_pose(self) -> int:
-        """The newest pose."""
+        """Number of the newest pose."""
         return max(number for number, kind in enumerate(self.kinds) if kind == "pose")
 
     def estimate(self, pose: Pose) -> Estimate:
-        """The landmarks, and the robot at `pose`, in the frame of the start."""
+        """Return the estimate of the landmarks, with the robot at `pose`, in the frame of the start."""
         marks = [number for number, kind in enumerate(self.kinds) if kind != "pose"]
         spread = self.variances[self.last_pose]
         return Estimate(
@@ -83,7 +82,7 @@ class _Graph:
 
 
 def _start_or_move(graph: _Graph, odometry: Pose) -> int:
-    """Add the pose at which the robot is; the heading is odometry's, so its motions are in the start's directions."""
+    """Add the current pose; its motion is in the frame of the start, by the heading of odometry."""
     at = np.array([odometry.x, odometry.y])
     if not graph.odometry:
         number = graph.new_variable("pose", at)
@@ -99,7 +98,7 @@ def _start_or_move(graph: _Graph, odometry: Pose) -> int:
 
 
 def _measure(graph: _Graph, pose: int, heading: float, seen: tuple[Measurement, ...]) -> None:
-    """Add what is seen from a pose: each to the nearest landmark of its kind, or to a new one."""
+    """Add measurements from a pose, each of the nearest landmark of its kind or of a new landmark."""
     for each in seen:
         offset = measured_points([each], Pose(0.0, 0.0, heading))[0]
         at = graph.positions[pose] + offset
@@ -107,32 +106,34 @@ def _measure(graph: _Graph, pose: int, heading: float, seen: tuple[Measurement, 
         away = np.hypot(*(graph.positions[alike] - at).T)
         known = alike[int(np.argmin(away))] if len(alike) and away.min() < GATE else None
         landmark = graph.new_variable(each.kind, at) if known is None else known
-        graph.add("add_relative_measurement", pose, landmark, offset, SIGHT_EPSILON * (0.1 + each.range**2))
+        graph.add(
+            "add_relative_measurement", pose, landmark, offset, MEASUREMENT_EPSILON * (0.1 + each.range**2)
+        )
         graph.measured += 1
 
 
 def _as_seen_by_a_copy(nao: SimulatedNao, camera: str) -> tuple[Measurement, ...]:
-    """What the ideal detector reports; of a copy, because to look must not change how the robot slips next."""
+    """Return the ideal detector's measurements, by a copy: measuring must not change how the robot slips next."""
     shared = {id(part): part for part in (nao.model, nao.field, nao.reality)}
     return copy.deepcopy(nao, shared).sense(camera)
 
 
 def _is_new(graph: _Graph, odometry: Pose) -> bool:
-    """Whether the robot has gone far enough from its last pose in the graph."""
+    """Return whether the robot is far enough from its last pose in the graph."""
     if not graph.odometry:
         return True
     moved = graph.odometry[-1].inverse() @ odometry
     return bool(np.hypot(moved.x, moved.y) >= STEP - 1e-9 or abs(moved.theta) >= TURN - 1e-9)
 
 
-def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> Look:
-    """Fill two systems with what the robot does and sees, and solve them."""
+def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+    """Fill two systems with the robot's motions and measurements, and solve them."""
     graph, truth = _Graph(student), Truth(nao)
 
-    def look(sight: Sight) -> Overlay:
+    def look(frame: Frame) -> Overlay:
         odometry = nao.odometry
         if _is_new(graph, odometry):
-            seen = _as_seen_by_a_copy(nao, sight.picture.camera)
+            seen = _as_seen_by_a_copy(nao, frame.picture.camera)
             pose = _start_or_move(graph, odometry)
             _measure(graph, pose, odometry.theta, seen)
             graph.solved()

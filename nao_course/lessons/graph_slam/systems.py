@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.graph_slam.drives import Constraint, Drive
+from nao_course.lessons.graph_slam.drives import Constraint, LinearDrive
 
 Function = Callable[..., Any]
 
@@ -45,7 +45,7 @@ def assemble(
     Parameters
     ----------
     constraints : sequence of Constraint
-        What is known.
+        Constraints to use.
     size : int
         How many variables there are.
     builders : Builders
@@ -99,7 +99,7 @@ def not_a_solution(answer: Any, size: int) -> str:
 
 
 def solved(solve: Function, omega: FloatArray, xi: FloatArray) -> FloatArray:
-    """Call the student's solver; ValueError where what it returns is no solution."""
+    """Call the student's solver, and raise ValueError if it does not return a solution."""
     answer = solve(omega, xi)
     if wrong := not_a_solution(answer, len(xi)):
         raise ValueError(wrong)
@@ -107,7 +107,7 @@ def solved(solve: Function, omega: FloatArray, xi: FloatArray) -> FloatArray:
 
 
 def inverse_of(omega: FloatArray) -> FloatArray:
-    """Invert what the student's functions have filled; ValueError where it has no inverse."""
+    """Return the inverse of the student's Omega, and raise ValueError if it has none."""
     try:
         return np.asarray(np.linalg.inv(omega))
     except np.linalg.LinAlgError as error:
@@ -117,12 +117,12 @@ def inverse_of(omega: FloatArray) -> FloatArray:
 def solve_axes(
     constraints: Sequence[Constraint], size: int, builders: Builders, solve: Function
 ) -> tuple[FloatArray, FloatArray]:
-    """Solve both axes for the variables of which something is known.
+    """Solve both axes for all variables that appear in a constraint.
 
     Parameters
     ----------
     constraints : sequence of Constraint
-        What is known.
+        Constraints to use.
     size : int
         How many variables there are.
     builders : Builders
@@ -133,9 +133,9 @@ def solve_axes(
     Returns
     -------
     positions : ndarray, shape (size, 2)
-        In metres; NaN for variables of which nothing is known.
+        In metres; NaN for variables without a constraint.
     omega : ndarray, shape (size, size)
-        That of x; y has the same.
+        The matrix of the x axis; the y axis has the same.
     """
     known = variables_in(constraints)
     positions = np.full((size, 2), np.nan)
@@ -147,7 +147,7 @@ def solve_axes(
     return positions, omega
 
 
-def map_error(drive: Drive, positions: FloatArray) -> float:
-    """Root mean square distance of the landmarks from the true ones, m; those that are not there do not count."""
+def map_error(drive: LinearDrive, positions: FloatArray) -> float:
+    """Return the root mean square distance of the landmarks from the true ones, in m, without missing landmarks."""
     away = positions[len(drive.path) :] - drive.landmarks
     return float(np.sqrt(np.nanmean((away**2).sum(axis=1)))) if np.isfinite(away).any() else float("nan")

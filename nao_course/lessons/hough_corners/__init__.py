@@ -1,6 +1,6 @@
-"""What lesson 03, Hough corners, alone uses."""
+"""Figures, pictures, measurements and the panel of lesson 03, Hough corners."""
 
-from nao_course.lazy_names import import_when_asked
+from nao_course._internal.lazy_names import import_when_asked
 
 _NAMES = {
     "figures": ("draw_close_up", "draw_places", "draw_segments"),
@@ -10,8 +10,10 @@ _NAMES = {
     "scenes": (
         "CornerPicture",
         "match_pictures",
+        "ready_made_segments",
         "real_pictures",
         "rows_between",
+        "running_picture",
         "three_places",
         "tuning_pictures",
     ),
@@ -24,5 +26,5 @@ __getattr__ = import_when_asked(__name__, _NAMES)  # a check compares segments, 
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names for tab completion, without the modules that they come from."""
     return __all__

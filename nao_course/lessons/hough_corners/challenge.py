@@ -1,4 +1,4 @@
-"""The challenge of lesson 03: corners of the field's lines in pictures that no value was chosen on."""
+"""The challenge of lesson 03: find corners in thirty pictures that were not used for tuning."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def _scenes() -> tuple[Scene, ...]:
 
 
 def make_picture(number: int) -> CornerPicture:
-    """Take one of the standard set's pictures to report on."""
+    """Return one of the thirty pictures of the simulator's reporting set."""
     scene = _scenes()[number]
     return CornerPicture(scene.pixels, CornerTruth.of(scene.truth))
 
 
 def judge(answer: Any, picture: CornerPicture) -> CaseScore:
-    """Score the corners found in a picture by the paper's costs."""
+    """Score the corners that were found in a picture with the paper's costs."""
     points = as_found_points(answer, "corners")
     match = picture.match(points)
     columns = {"found": match.hits, "false": match.false, "missed": match.missed}
@@ -41,12 +41,12 @@ def judge(answer: Any, picture: CornerPicture) -> CaseScore:
 
 CHALLENGE = Challenge(
     lesson="03_hough_corners",
-    title="Challenge 03: corners, from the picture alone",
-    task="Find the corners of the field's lines, L and T, in thirty pictures of other rooms, with one function of the "
-    "picture: points (K, 2), (u, v) in pixels.",
-    scoring="the paper's cost of a picture, the mean over all: -1.333 for each corner found, 5 for each false one, 1 "
-    "for each missed; less is better. A corner is found by a point within 8 pixels of it, each once; a point at a "
-    "crossing X or at a post's foot counts neither way.",
+    title="Challenge 03: find corners in rooms you have not seen",
+    task="Write one function that takes a picture and returns the corners of the field's lines (L and T) as points "
+    "(K, 2), (u, v) in pixels. It is run on thirty pictures from other rooms.",
+    scoring="the mean of the paper's cost over all pictures; lower is better. Each corner that is found counts -1.333, "
+    "each false one 5 and each missed one 1. A corner is found if a point lies within 8 pixels of it, and each point "
+    "finds at most one corner. A point at an X crossing or at the foot of a post is ignored.",
     seeds=range(PICTURES),
     make=make_picture,
     given=lambda picture: (picture.pixels,),

@@ -1,4 +1,4 @@
-"""Tools to measure a student's detector: a step exchanged, and at which step true corners are lost."""
+"""Measure a student's detector: replace one of its steps, and count the true corners left after each step."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ STEPS = (
     "white within 3 px",
     "still there after erasing",
     "a segment within 6 px",
-    "two that are not parallel",
+    "two segments, not parallel",
 )
 WHITE_WITHIN, SEGMENT_WITHIN = 3.0, 6.0  # px at 240 rows
 PARALLEL = float(np.sin(np.radians(10.0)))
 
 
 def with_others(function: Callable[..., Any], **others: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that is the same, but finds other functions behind names that it calls.
+    """Return a copy of a function that calls other functions in place of some that it uses.
 
     Parameters
     ----------
     function : callable
-        Written in Python, such as a student's.
+        A function written in Python, such as a student's.
     others : callable
-        By the names that they take the place of.
+        The replacements, each by the name of the function it replaces.
 
     Examples
     --------
@@ -55,19 +55,19 @@ def count_corners(
     erase_background: Callable[[Any], Any],
     find_segments: Callable[[Any], Any],
 ) -> dict[str, int]:
-    """Count the true corners that are left after each step.
+    """Count the true corners that survive each step of the detector.
 
     Parameters
     ----------
     pictures : iterable of CornerPicture
-        With their corners.
+        The pictures with their true corners.
     label, erase_background, find_segments : callable
-        The steps: of a picture, of its labels (H, W), and of the labels that are left.
+        The steps: they take a picture, its labels (H, W), and the labels that were not erased.
 
     Returns
     -------
     dict of str to int
-        By the names of `STEPS`.
+        The counts, by the names in `STEPS`.
     """
     left = np.zeros(len(STEPS), dtype=int)
     for picture in pictures:
@@ -81,7 +81,7 @@ def count_corners(
 
 
 def near_white(labels: npt.NDArray[Any], point: FloatArray, within: float = WHITE_WITHIN) -> bool:
-    """Whether a pixel of labels (H, W) that is white lies within so many pixels of a point (u, v)."""
+    """Return whether a white pixel of labels (H, W) lies within so many pixels of a point (u, v)."""
     rows, columns = np.nonzero(labels == 3)
     return bool((np.hypot(columns - point[0], rows - point[1]) <= within).any())
 
@@ -89,7 +89,7 @@ def near_white(labels: npt.NDArray[Any], point: FloatArray, within: float = WHIT
 def near_segments(
     segments: FloatArray, point: FloatArray, within: float = SEGMENT_WITHIN
 ) -> tuple[bool, bool]:
-    """Whether a segment (u1, v1, u2, v2) of (N, 4) passes near a point, and whether two do that are not parallel."""
+    """Return whether a segment of (N, 4) passes near a point, and whether two do that are not parallel."""
     if not len(segments):
         return False, False
     near = segments[distances_to_segments(point[None], segments)[0] <= within]

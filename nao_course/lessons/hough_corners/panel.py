@@ -1,4 +1,4 @@
-"""The corners panel: the student's segments and corners in several pictures, the paper's values on sliders."""
+"""The corners panel: shows the student's segments and corners, with the paper's parameters on sliders."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ Pixels = npt.NDArray[np.uint8]
 
 
 class CornerPanel(FunctionPanel):
-    """Pictures, their labels without background, the segments and the corners; sliders for the paper's values.
+    """Show a picture, its labels without background, the segments and the corners, with a slider per parameter.
 
     Parameters
     ----------
     pictures : mapping of str to CornerPicture
-        By name, to choose from.
+        The pictures to choose from, by name.
     label : callable
         ``label(pixels, beta)`` returns labels (H, W), as lesson 01 makes them.
     erase_background : callable
         ``erase_background(labels, run)`` returns labels (H, W).
     find_segments : callable
-        ``find_segments(labels, gap, length)`` returns segments (N, 4) of the labels that are left.
+        ``find_segments(labels, gap, length)`` returns segments (N, 4) in the labels that were not erased.
     find_corners : callable
         ``find_corners(labels, run, gap, length, reach)`` returns corners (K, 2).
 
@@ -60,12 +60,14 @@ class CornerPanel(FunctionPanel):
             "Corners panel",
             self._search,
             [
-                Choice("picture", "Picture", list(pictures), tooltip="Which picture is searched", stays=True),
-                _whole("beta", "Beta", 60, 200, 120, "Of the white threshold, a lightness", unit=""),
-                _whole("run", "Run of green", 1, 15, 7, "How many green pixels end the background"),
-                _whole("gap", "Largest gap", 0, 20, 5, "How many pixels may be missing in a segment"),
-                _whole("length", "Least length", 10, 80, 40, "Of a segment"),
-                _whole("reach", "Reach", 0, 60, 5, "How much longer segments are made at each end"),
+                Choice("picture", "Picture", list(pictures), tooltip="The picture to search", stays=True),
+                _whole(
+                    "beta", "Beta", 60, 200, 120, "Parameter of the white threshold, a lightness", unit=""
+                ),
+                _whole("run", "Run of green", 1, 15, 7, "Length of the green run where the field begins"),
+                _whole("gap", "Largest gap", 0, 20, 5, "Largest gap within a segment"),
+                _whole("length", "Least length", 10, 80, 40, "Shortest segment that is returned"),
+                _whole("reach", "Reach", 0, 60, 5, "How far segments are extended at each end"),
             ],
             student={
                 "label": label,
@@ -74,26 +76,27 @@ class CornerPanel(FunctionPanel):
                 "find_corners": find_corners,
             },
             unfinished={
-                "label": "Finish lesson 01 to see this: lines are searched in your labels.",
-                "erase_background": "Finish exercise 3.2 to see what is left of the labels.",
+                "label": "Finish lesson 01 to see this: the search starts from your labels.",
+                "erase_background": "Finish exercise 3.2 to see the labels after erasing.",
                 "find_segments": "Finish exercises 3.1 and 3.3 to see your segments.",
                 "find_corners": "Finish exercise 3.6 to see the corners.",
             },
         )
 
     def _search(self, values: Any, student: Any) -> Iterator[Any]:
-        """Show the picture, its labels, the segments, and at last the corners."""
+        """Show the picture, then its labels, the segments and the corners, as far as the functions are written."""
         picture = self._searched[values.picture]
         true = picture.truth.corners
         yield {"What you find": with_crosses(picture.pixels, true)}
-        yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
+        yield Legend(
+            {"true corner (cross)": TRUE, "corner found (ring)": FOUND}
+            | {f"segments {i + 1}, {i + 4}, ... (line)": colour for i, colour in enumerate(SEGMENTS)}
+        )
         labels = student.label(picture.pixels, values.beta)
         left = student.erase_background(labels, values.run)
-        yield {"What is left": painted(left)}
+        yield {"Labels after erasing": painted(left)}
         segments = as_points(
-            student.find_segments(left, values.gap, values.length),
-            4,
-            "segments (u1, v1, u2, v2)",
+            student.find_segments(left, values.gap, values.length), 4, "segments (u1, v1, u2, v2)"
         )
         yield {"What you find": with_crosses(mark_found(picture.pixels, segments, ()), true)}
         corners = student.find_corners(labels, values.run, values.gap, values.length, float(values.reach))
@@ -101,7 +104,7 @@ class CornerPanel(FunctionPanel):
         match = picture.match(corners)
         yield (
             f"{say_count(len(segments), 'segment')}, {say_count(len(corners), 'corner')}: {match.hits} of "
-            f"{len(match.found)} true ones found, {match.false} false, cost {corner_cost(match):.2f}."
+            f"{len(match.found)} true corners found, {match.false} false, cost {corner_cost(match):.2f}."
         )
 
 
@@ -114,5 +117,5 @@ def mark_found(pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.Arra
 
 
 def _whole(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:
-    """A slider of whole numbers."""
+    """Make a slider for whole numbers."""
     return Slider(name, label, low, high, 1, start, unit=unit, tooltip=tooltip)

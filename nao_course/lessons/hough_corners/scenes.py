@@ -1,4 +1,4 @@
-"""Pictures of lesson 03: places for its figures, pictures to measure detectors on, and the goal line from afar."""
+"""Pictures of lesson 03: three places, the tuning pictures, and the goal line from several distances."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from nao_course.datasets import read_pictures
 from nao_course.geometry import FloatArray, Pose
 from nao_course.metrics import CornerTruth, PointMatch
-from nao_course.sim import NAO_V4, CameraView, Field, Reality, SimulatedNao, render, standard_scenes
+from nao_course.sim import NAO_V4, CameraView, Field, Reality, SimulatedNao, Truth, render, standard_scenes
 
 Pixels = npt.NDArray[np.uint8]
 
-# By the paper's method: all corners and one of them twice; all and no more; none. The third is lesson 01's scene.
+# The paper's method finds all corners and one of them twice in the first, all of them in the second, none in the third.
 PLACES = {
     "near the halfway line": Pose(1.77, 0.57, -0.91),
     "from the left": Pose(1.2, -0.38, -0.62),
@@ -30,28 +31,16 @@ _WHOLE = Field(2012, half=False)  # there the goal line can be 6 m away
 _ASIDE = -1.55  # m: from here the middle columns see the goal line and carpet, nothing else
 
 
-@cache
-def three_places() -> Mapping[str, Pixels]:
-    """Take one picture from each place, by a title that says where: the same at every call, and read-only."""
-    pictures = {
-        title: SimulatedNao(Field(2012), pose, rng=41).take_picture("bottom").pixels
-        for title, pose in PLACES.items()
-    }
-    for pixels in pictures.values():
-        pixels.setflags(write=False)
-    return MappingProxyType(pictures)
-
-
 @dataclass(frozen=True, eq=False)
 class CornerPicture:
-    """A picture with the corners in it.
+    """A picture with the true corners in it.
 
     Parameters
     ----------
     pixels : ndarray of uint8, shape (H, W, 3)
         RGB.
     truth : CornerTruth
-        The corners, and what may be taken for one.
+        The true corners, and the points that count neither as found nor as false.
     """
 
     pixels: Pixels
@@ -63,17 +52,50 @@ class CornerPicture:
 
 
 @cache
+def three_places() -> Mapping[str, CornerPicture]:
+    """Take one picture from each of `PLACES`, by its title; the pictures are read-only and always the same."""
+    return MappingProxyType({title: _picture_at(pose) for title, pose in PLACES.items()})
+
+
+def running_picture() -> CornerPicture:
+    """Return the picture near the halfway line, to which the lesson returns after each exercise."""
+    return next(iter(three_places().values()))
+
+
+def _picture_at(pose: Pose) -> CornerPicture:
+    """Take a read-only picture at a pose of the standard field."""
+    nao = SimulatedNao(Field(2012), pose, rng=41)
+    pixels = nao.take_picture("bottom").pixels
+    pixels.setflags(write=False)
+    truth = Truth(nao).picture
+    assert truth is not None  # a picture was taken
+    return CornerPicture(pixels, CornerTruth.of(truth))
+
+
+def ready_made_segments(pixels: npt.ArrayLike, least: float = 20.0) -> FloatArray:
+    """Find line segments (N, 4) in a picture (H, W, 3) or (H, W) with OpenCV's ready-made line segment detector.
+
+    It knows nothing about fields: it marks every straight edge that is at least `least` pixels long.
+    """
+    picture = np.asarray(pixels, dtype=np.uint8)
+    grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture
+    found = cv2.createLineSegmentDetector().detect(grey)[0]
+    segments = np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
+    return segments[np.hypot(*(segments[:, 2:] - segments[:, :2]).T) >= least]
+
+
+@cache
 def tuning_pictures() -> tuple[CornerPicture, ...]:
-    """Make the 30 pictures of the simulator to choose a detector's values on: the same at every call."""
+    """Return the simulator's 30 pictures for tuning a detector; they are always the same."""
     return tuple(
         CornerPicture(scene.pixels, CornerTruth.of(scene.truth)) for scene in standard_scenes("tune")
     )
 
 
 def real_pictures() -> tuple[CornerPicture, ...]:
-    """Read eight pictures of a real NAO, one from each place; none where the recordings are not.
+    """Read eight pictures of a real NAO, one from each place; return none if the recordings are not installed.
 
-    The others of the set stay unseen, to report on (lesson 04).
+    The other pictures of the set are kept for reporting results in lesson 04.
     """
     try:
         scenes = read_pictures("scenes")
@@ -89,45 +111,45 @@ def match_pictures(find: Callable[[Any], Any], pictures: Sequence[CornerPicture]
     return [picture.match(find(picture.pixels.copy())) for picture in pictures]
 
 
-# --- the goal line from afar ---
+# --- the goal line from several distances ---
 
 
 @dataclass(frozen=True, eq=False)
 class GoalLinePicture:
-    """A picture of the goal line, straight ahead.
+    """A picture of the goal line straight ahead.
 
     Parameters
     ----------
     pixels : ndarray of uint8, shape (H, W, 3)
         RGB.
     rows : slice
-        Where the line is in the middle columns.
+        The rows that the line covers in the middle columns.
     """
 
     pixels: Pixels
     rows: slice
 
     def share(self, labels: npt.ArrayLike) -> float:
-        """Return in which part of the middle columns some of the line is white in labels (H, W)."""
+        """Return the fraction of the middle columns in which the line has a white pixel in labels (H, W)."""
         middle = np.asarray(labels).shape[1] // 2
         line = np.asarray(labels)[self.rows, middle - 20 : middle + 20]
         return float((line == 3).any(axis=0).mean())
 
 
 def goal_line_view() -> CameraView:
-    """Return the camera that takes these pictures: 15.1 degrees down, 0.48 m above the ground."""
+    """Return the camera of these pictures: pitched 15.1 degrees down, 0.48 m above the ground."""
     return NAO_V4.view("bottom", 0.0, HEAD_PITCH, (320, 240))
 
 
 def goal_line_at(distances: npt.ArrayLike, reality: Reality | None = None) -> list[GoalLinePicture]:
-    """Take pictures of the goal line, with only carpet behind it.
+    """Take pictures of the goal line with only carpet behind it.
 
     Parameters
     ----------
     distances : array_like, shape (N,)
-        From below the camera to the line's far edge, metres.
+        From the point below the camera to the line's far edge, metres.
     reality : Reality, optional
-        How real they look; by default without any effect.
+        The effects of a real camera; none by default.
     """
     view, width = goal_line_view(), _WHOLE.dimensions.line_width
     edge = _WHOLE.dimensions.length / 2 + width / 2
@@ -141,16 +163,16 @@ def goal_line_at(distances: npt.ArrayLike, reality: Reality | None = None) -> li
 
 
 def rows_between(distance: npt.ArrayLike, length: float, view: CameraView | None = None) -> FloatArray:
-    """Compute how many rows a stretch of the ground straight ahead takes in a picture, equation 3.2 of the lesson.
+    """Compute how many rows of a picture a stretch of ground straight ahead covers (equation 3.2).
 
     Parameters
     ----------
     distance : array_like
-        From below the camera to its near end, metres.
+        From the point below the camera to the near end of the stretch, metres.
     length : float
-        Of the stretch, metres.
+        Length of the stretch, metres.
     view : CameraView, optional
-        Its focal length, height and pitch count; by default that of the goal line's pictures.
+        Its focal length, height and pitch are used; by default the camera of the goal line's pictures.
     """
     view, d = view or goal_line_view(), np.asarray(distance, dtype=float)
     near, far = (each * np.cos(view.pitch) + view.height * np.sin(view.pitch) for each in (d, d + length))

@@ -1,4 +1,4 @@
-"""How answers are judged: a picture of bytes; line segments that cover each other, in any order and however cut."""
+"""Compare answers of lesson 03: pictures by their dtype, line segments by the pixels that they cover."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ RIGHT = Verdict("right")
 
 @register
 def of_bytes(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
-    """Say of an answer that is an array of other numbers than bytes that OpenCV takes no such picture."""
+    """Return a message if an array is not of dtype uint8, which OpenCV needs; otherwise an empty text."""
     dtype = getattr(answer, "dtype", np.dtype(np.uint8))
-    return "" if dtype == np.uint8 else f"your picture has the dtype {dtype}; uint8 is wanted"
+    return "" if dtype == np.uint8 else f"your picture has dtype {dtype}, but OpenCV needs uint8"
 
 
-# An answer is looked at up to so many times the wanted length, and some pixels.
+# An answer that is longer than this many times the expected length plus some pixels is rejected at once.
 MOST_LENGTH, MORE_LENGTH = 4, 500.0
 MOST_SEGMENTS = 2000
 
@@ -30,14 +30,14 @@ MOST_SEGMENTS = 2000
 @register
 @dataclass(frozen=True)
 class Segments(Comparison):
-    """Segments (N, 4) that cover the expected ones and nothing else.
+    """Compare segments (N, 4) by coverage: they must cover the expected ones and nothing else.
 
     Parameters
     ----------
     tolerance : float
-        How far a point of a segment may be from the nearest one of the other set, pixels.
+        Largest distance of a point on a segment to the nearest segment of the other set, pixels.
     share : float
-        Which part of the length has to be covered, in both directions.
+        Fraction of the length that must be covered, in both directions.
     """
 
     tolerance: float = 2.0
@@ -60,7 +60,8 @@ class Segments(Comparison):
             length, most = _length(have), MOST_LENGTH * (_length(wanted) + MORE_LENGTH)
         if length > most or len(have) > MOST_SEGMENTS:  # before points are made along them
             return Verdict(
-                "value", f"your {_segments(have)} have {length:.3g} pixels in all, far more than there are"
+                "value",
+                f"your {_segments(have)} are {length:.3g} pixels long in total, far longer than expected",
             )
         extra, lacking = (
             1 - coverage(have, wanted, self.tolerance),
@@ -68,21 +69,23 @@ class Segments(Comparison):
         )
         if extra > 1 - self.share:
             return Verdict(
-                "value", f"{extra:.0%} of the length of your {_segments(have)} is where none belongs"
+                "value",
+                f"{extra:.0%} of the length of your {_segments(have)} lies where no segment is expected",
             )
         if lacking > 1 - self.share:
-            return Verdict("value", f"{lacking:.0%} of what is to be found is not in your {_segments(have)}")
+            verb = "misses" if len(have) == 1 else "miss"
+            return Verdict("value", f"your {_segments(have)} {verb} {lacking:.0%} of the expected length")
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """As above; a mistake's answer may be no segments at all."""
+        """Return whether two wrong answers cover the same pixels; an answer of another shape is compared as numbers."""
         if np.shape(answer)[1:] != (4,) or np.shape(got)[1:] != (4,):
             return bool(Close().compare(answer, got))
         return bool(self.compare(answer, got))
 
 
 def _length(segments: FloatArray) -> float:
-    """Length of all segments (N, 4) together, pixels."""
+    """Return the total length of segments (N, 4), pixels."""
     ways = segments.reshape(-1, 4)
     return float(np.hypot(*(ways[:, 2:] - ways[:, :2]).T).sum())
 
@@ -92,7 +95,7 @@ def _segments(found: FloatArray) -> str:
 
 
 def coverage(segments: npt.ArrayLike, others: npt.ArrayLike, tolerance: float) -> float:
-    """Return which part of the length of segments (N, 4) is within `tolerance` pixels of others (M, 4); 1 for none."""
+    """Return the fraction of the length of segments (N, 4) within `tolerance` px of others (M, 4); 1 if N is 0."""
     points = sample(np.asarray(segments, dtype=float))
     near = np.asarray(others, dtype=float)
     if not len(points):

@@ -14,34 +14,37 @@ from nao_course.lessons.hsl_filtering.challenge_figure import draw_lost_points
 from nao_course.sim import LABELS, Scene
 
 ENOUGH = 300  # pixels of white and of yellow that every scene has at least
-ROOMS = {"dark": (601, 602, 603), "harsh": (604, 605, 606)}  # by preset; parameters are tuned in others
+ROOMS = {
+    "dark": (601, 602, 603),
+    "harsh": (604, 605, 606),
+}  # seeds by preset; our parameters were tuned in other rooms
 SCENES_PER_ROOM = 5
 YELLOW, WHITE = LABELS.index("yellow"), LABELS.index("white")
 
 
 def shows_enough(scene: Scene) -> bool:
-    """Whether a picture shows both enough white and enough yellow."""
+    """Return True if a picture shows enough white and enough yellow."""
     return all((scene.truth.labels == label).sum() >= ENOUGH for label in (WHITE, YELLOW))
 
 
 def make_scene(place: Place) -> Scene:
-    """Take the picture of a place: one of those that show enough white and yellow."""
+    """Return a picture of a room that shows enough white and yellow."""
     return place.scene(shows_enough)
 
 
 def on_the_field(truth: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
-    """From the far edge of the carpet down, column by column: bool (H, W)."""
+    """Return a mask (H, W) of everything below the far edge of the carpet, column by column."""
     return np.logical_or.accumulate((truth == LABELS.index("green")) | (truth == WHITE), axis=0)
 
 
 def f1(called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> float:
-    """The harmonic mean of precision and recall, twice both / (called + there); 0 where nothing is either."""
+    """Return the harmonic mean of precision and recall; 0 if both are undefined."""
     both, total = int((called & there).sum()), int(called.sum() + there.sum())
     return 2 * both / total if total else 0.0
 
 
 def as_labels(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
-    """Return an answer as labels of a picture's shape.
+    """Return a student's answer as labels with the shape of a picture.
 
     Raises
     ------
@@ -49,7 +52,7 @@ def as_labels(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
         If it is something else; the message is for the student.
     """
     if answer is None:
-        raise TypeError("Your entry returns None: does it end with return labels?")
+        raise TypeError("Your entry returns None. Does it end with return labels?")
     try:
         labels = np.array(answer, subok=False)
     except (TypeError, ValueError):
@@ -58,7 +61,7 @@ def as_labels(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
         raise TypeError(f"Your entry must return an array of labels, got {type(answer).__name__}.")
     if labels.shape != shape:
         raise ValueError(
-            f"Your entry must return one label a pixel, shape {shape}; got shape {labels.shape}."
+            f"Your entry must return one label for each pixel, shape {shape}; got shape {labels.shape}."
         )
     if not np.isfinite(labels).all():
         raise ValueError("Your entry returns labels that are NaN or infinite.")
@@ -90,9 +93,9 @@ CHALLENGE = Challenge(
     title="Challenge 01: dark and harsh rooms",
     task="Label thirty pictures, fifteen in dark rooms and fifteen in harsh ones, with one function of the picture: "
     "labels (H, W), 0 other, 1 green, 2 yellow, 3 white.",
-    scoring="the mean of F1 of white and F1 of yellow, over all scenes. F1 is 2 both / (called + there), in pixels. "
-    "White counts from the far edge of the carpet down, yellow in the whole picture; every scene shows 300 pixels of "
-    "each at least.",
+    scoring="the mean of the F1 of white and the F1 of yellow over all scenes. F1 is the harmonic mean of precision "
+    "and recall, in pixels. White counts below the far edge of the carpet, and yellow in the whole picture. Each scene "
+    "shows at least 300 pixels of both.",
     seeds=places(ROOMS, SCENES_PER_ROOM),
     make=make_scene,
     given=lambda scene: (scene.pixels,),

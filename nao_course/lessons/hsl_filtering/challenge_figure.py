@@ -1,4 +1,4 @@
-"""Where an entry to lesson 01's challenge loses points: scene by scene, and in the worst scene pixel by pixel."""
+"""Figure of the challenge of lesson 01: lost points of each scene, and wrong pixels of the worst scene."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from nao_course.sim import LABELS
 SCORED, WHITE_LOST = STYLES["ekf"].colour, "#c9ced6"
 
 
+@course_style()
 def draw_lost_points(run: Run) -> Drawing:
-    """Draw the score of each scene with what white and yellow cost it, and the worst scene with its wrong pixels.
+    """Draw the score of each scene, the points lost to white and yellow, and the wrong pixels of the worst scene.
 
     Parameters
     ----------
@@ -33,18 +34,17 @@ def draw_lost_points(run: Run) -> Drawing:
         The figure; its text names the worst scenes.
     """
     shown = min((each for each in run.results if each.kept), key=lambda each: each.score, default=None)
-    with course_style():
-        figure = Figure(figsize=(9.9, 6.6 if shown else 3.6))
-        grid = figure.add_gridspec(2 if shown else 1, 3, height_ratios=[1.0, 1.15] if shown else None)
-        _plot_scenes(run, figure.add_subplot(grid[0, :]))
-        if shown:
-            _plot_worst(shown, [figure.add_subplot(grid[1, column]) for column in range(3)])
-        legend_below(figure, _keys(run, with_pixels=shown is not None), columns=3)
+    figure = Figure(figsize=(9.9, 6.6 if shown else 3.6))
+    grid = figure.add_gridspec(2 if shown else 1, 3, height_ratios=[1.0, 1.15] if shown else None)
+    _plot_scenes(run, figure.add_subplot(grid[0, :]))
+    if shown:
+        _plot_worst(shown, [figure.add_subplot(grid[1, column]) for column in range(3)])
+    legend_below(figure, _keys(run, with_pixels=shown is not None), columns=3)
     return Drawing(figure, _words(run), photo=True)
 
 
 def harder_rooms(report: EntryReport) -> str:
-    """Say in which rooms an entry loses more: "dark" or "harsh".
+    """Return the rooms in which an entry loses more, "dark" or "harsh".
 
     Parameters
     ----------
@@ -54,10 +54,10 @@ def harder_rooms(report: EntryReport) -> str:
     Raises
     ------
     NotImplementedError
-        If the entry was not run on all scenes, as one that calls a blank exercise.
+        If the entry was not run on all scenes, for example because it calls a blank exercise.
     """
     if not report.run.complete:
-        raise NotImplementedError("an entry with a score is needed")
+        raise NotImplementedError("the entry has no score")
     return min(("dark", "harsh"), key=lambda room: _mean_score(report.run, room))
 
 
@@ -66,7 +66,7 @@ def _mean_score(run: Run, room: str) -> float:
 
 
 def _plot_scenes(run: Run, ax: Axes) -> None:
-    """A bar a scene, from 0 to 1: scored, lost to white, lost to yellow; and the reference's score as a line."""
+    """Draw a bar for each scene with the score and the points lost, and the reference's score as a line."""
     x = np.arange(len(run.results))
     score = np.array([each.score for each in run.results])
     lost = {
@@ -79,7 +79,7 @@ def _plot_scenes(run: Run, ax: Axes) -> None:
     for row in run.challenge.rows:
         if row.name == "the reference" and len(row.cases) == len(x):
             ax.hlines(row.cases, x - 0.4, x + 0.4, color="black", lw=2)
-    ax.set(xlim=(-0.6, len(x) - 0.4), ylim=(0, 1), ylabel="points of the scene", xticks=x)
+    ax.set(xlim=(-0.6, len(x) - 0.4), ylim=(0, 1), ylabel="score of the scene", xticks=x)
     ax.set_xticklabels([each.name.split()[-1] for each in run.results], fontsize=8)
     ax.set_title(f"Where points are lost: {run.score:.2f} of 1", pad=18)
     rooms = [each.name.split()[0] for each in run.results]
@@ -91,7 +91,7 @@ def _plot_scenes(run: Run, ax: Axes) -> None:
 
 
 def _plot_worst(worst: CaseResult, axes: list[Axes]) -> None:
-    """The worst scene's picture, and its errors in white and in yellow."""
+    """Draw the picture of the worst scene and its errors in white and in yellow."""
     pixels, labels, truth, field = worst.kept
     plot_picture(pixels, axes[0], ticks=False)
     axes[0].set_title(f"worst: {worst.name}, {worst.score:.2f}", fontsize=11)
@@ -111,7 +111,7 @@ def _keys(run: Run, with_pixels: bool) -> list[Patch | Line2D]:
     if any(row.name == "the reference" for row in run.challenge.rows):
         keys.append(Line2D([], [], color="black", lw=2, label="the reference's score"))
     if with_pixels:
-        words = ("right", "called so, but is not", "missed")
+        words = ("right", "wrongly labelled", "missed")
         keys += [
             Patch(facecolor=colour, edgecolor="black", lw=0.5, label=f"pixel: {text}")
             for colour, text in zip(ERROR_COLOURS, words, strict=False)
@@ -121,7 +121,7 @@ def _keys(run: Run, with_pixels: bool) -> list[Patch | Line2D]:
 
 
 def _words(run: Run) -> str:
-    """The figure's contents in words."""
+    """Return the contents of the figure in words."""
     by_score = sorted(run.results, key=lambda each: each.score)
     lost = ", ".join(f"{each.name} with {each.score:.2f}" for each in by_score[:3])
     means = "; ".join(

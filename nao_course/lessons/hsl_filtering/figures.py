@@ -1,4 +1,4 @@
-"""Figures of lesson 01: channels beside their picture, hues on their circle, what one stray pixel does."""
+"""Figures of lesson 01: channels of a picture, hues on the circle, and the effect of a stray pixel."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ if TYPE_CHECKING:
 _PIXEL_TEXT: Any = {"color": "#c84b00", "ha": "center"}
 
 
+@course_style()
 def draw_hsl(
     picture: npt.ArrayLike, hue: npt.ArrayLike, saturation: npt.ArrayLike, lightness: npt.ArrayLike
 ) -> Drawing:
-    """Draw a picture beside its hue, saturation and lightness.
+    """Draw a picture and its hue, saturation and lightness.
 
     Parameters
     ----------
     picture : array_like of uint8, shape (H, W, 3)
         RGB.
     hue, saturation, lightness : array_like, shape (H, W)
-        Degrees [0, 360), 0 to 1, and 0 to 255. Hues are painted as pure colours.
+        Hue in degrees [0, 360), saturation from 0 to 1, and lightness from 0 to 255. Hues are shown as pure colours.
 
     Returns
     -------
@@ -43,7 +44,7 @@ def draw_hsl(
     Raises
     ------
     ValueError
-        For another shape.
+        If a channel does not have the shape of the picture.
     """
     array = as_pixels(picture)
     channels = [np.asarray(each, dtype=float) for each in (hue, saturation, lightness)]
@@ -57,14 +58,13 @@ def draw_hsl(
     )
     shown = (array, np.round(255 * painted).astype(np.uint8), channels[1], channels[2])
     titles = ("picture", "hue (degrees, as pure colours)", "saturation (0 to 1)", "lightness (0 to 255)")
-    with course_style():
-        figure = Figure(figsize=(6.2, 5.0))
-        for ax, image, title, largest in zip(
-            figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
-        ):
-            grey = {} if largest is None else {"cmap": "gray", "vmin": 0, "vmax": largest}
-            plot_picture(image, ax, ticks=False, **grey)
-            ax.set_title(title, fontsize=11)
+    figure = Figure(figsize=(5.8, 4.7))
+    for ax, image, title, largest in zip(
+        figure.subplots(2, 2).flat, shown, titles, (None, None, 1.0, 255.0), strict=True
+    ):
+        grey = {} if largest is None else {"cmap": "gray", "vmin": 0, "vmax": largest}
+        plot_picture(image, ax, ticks=False, **grey)
+        ax.set_title(title, fontsize=11)
     middle = [float(np.median(channel)) for channel in channels]
     words = (
         f"A picture of {array.shape[1]} x {array.shape[0]} pixels beside its hue, saturation and lightness; "
@@ -73,21 +73,22 @@ def draw_hsl(
     return Drawing(figure, words, photo=True)
 
 
+@course_style()
 def draw_hue_circle(
     hues: Mapping[str, npt.ArrayLike],
     limits: Mapping[str, tuple[float, float]] | None = None,
     title: str = "",
 ) -> Drawing:
-    """Draw where hues lie on the circle, and intervals of them.
+    """Draw hues and intervals of hues on the colour circle.
 
     Parameters
     ----------
     hues : mapping of str to array_like
-        Hues in degrees, by what they are of; each has a ring of its own, from the inside.
+        Hues in degrees by the name of the object. Each object has its own ring, in this order from the inside.
     limits : mapping of str to (low, high), optional
         Intervals in degrees, counterclockwise from low to high, by the same names; low > high goes through 0.
     title : str
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
@@ -102,33 +103,32 @@ def draw_hue_circle(
     if not hues:
         raise ValueError("hues must have at least one entry, got none")
     if unknown := sorted((limits or {}).keys() - hues.keys()):
-        raise ValueError(f"limits are for {list(hues)}; got {unknown}, too")
+        raise ValueError(f"limits must have the keys {list(hues)}, got also {unknown}")
     angles = {name: np.asarray(values, dtype=float).ravel() % 360 for name, values in hues.items()}
-    with course_style():
-        figure = Figure(figsize=(5.4, 5.6))
-        ax: Any = figure.add_subplot(projection="polar")
-        outer = np.radians(np.arange(0, 360, 2.0))
-        colours = hsv_to_rgb(
-            np.column_stack([outer / (2 * np.pi), np.ones_like(outer), np.full_like(outer, 0.9)])
-        )
-        ax.bar(outer, 0.25, width=np.radians(2.2), bottom=len(angles) + 3.0, color=colours)
-        keys: list[Artist] = []
-        for ring, (name, values) in enumerate(angles.items(), start=3):
-            style = list(STYLES.values())[(ring - 3) % len(STYLES)]
-            spread = ring + 0.35 * np.sin(12.9898 * np.arange(len(values)))  # apart, but the same each time
-            ax.plot(np.radians(values), spread, style.marker, ms=4, color=style.colour, alpha=0.6, mec="none")
-            keys.append(Line2D([], [], color=style.colour, marker=style.marker, ls="", label=name))
-            if limits and name in limits:
-                low, high = limits[name]
-                arc = np.radians(np.linspace(low, low + (high - low) % 360, 200))
-                ax.plot(arc, np.full_like(arc, ring + 0.47), color=style.colour, lw=3)
-        ax.set_rlim(0, len(angles) + 3.25)
-        ax.set_rticks([])
-        ax.grid(color="#e3e5e8")
-        ax.spines["polar"].set_visible(False)
-        ax.set_thetagrids(range(0, 360, 30), [f"{degrees}°" for degrees in range(0, 360, 30)])
-        ax.set_title(title)
-        legend_below(figure, keys, columns=2)
+    figure = Figure(figsize=(5.4, 5.6))
+    ax: Any = figure.add_subplot(projection="polar")
+    outer = np.radians(np.arange(0, 360, 2.0))
+    colours = hsv_to_rgb(
+        np.column_stack([outer / (2 * np.pi), np.ones_like(outer), np.full_like(outer, 0.9)])
+    )
+    ax.bar(outer, 0.25, width=np.radians(2.2), bottom=len(angles) + 3.0, color=colours)
+    keys: list[Artist] = []
+    for ring, (name, values) in enumerate(angles.items(), start=3):
+        style = list(STYLES.values())[(ring - 3) % len(STYLES)]
+        spread = ring + 0.35 * np.sin(12.9898 * np.arange(len(values)))  # apart, but the same each time
+        ax.plot(np.radians(values), spread, style.marker, ms=4, color=style.colour, alpha=0.6, mec="none")
+        keys.append(Line2D([], [], color=style.colour, marker=style.marker, ls="", label=name))
+        if limits and name in limits:
+            low, high = limits[name]
+            arc = np.radians(np.linspace(low, low + (high - low) % 360, 200))
+            ax.plot(arc, np.full_like(arc, ring + 0.47), color=style.colour, lw=3)
+    ax.set_rlim(0, len(angles) + 3.25)
+    ax.set_rticks([])
+    ax.grid(color="#e3e5e8")
+    ax.spines["polar"].set_visible(False)
+    ax.set_thetagrids(range(0, 360, 30), [f"{degrees}°" for degrees in range(0, 360, 30)])
+    ax.set_title(title)
+    legend_below(figure, keys, columns=2)
     said = "; ".join(
         f"{name}: {say_count(len(values), 'hue')}"
         + (
@@ -138,17 +138,14 @@ def draw_hue_circle(
         )
         for name, values in angles.items()
     )
-    return Drawing(figure, f"{title or 'Hues on the circle of colours'}. {said}.")
+    return Drawing(figure, f"{title or 'Hues on the colour circle'}. {said}.")
 
 
+@course_style()
 def draw_stray_pixel(
-    before: npt.ArrayLike,
-    after: npt.ArrayLike,
-    pixel: tuple[int, int],
-    shares: npt.ArrayLike,
-    share: float,
+    before: npt.ArrayLike, after: npt.ArrayLike, pixel: tuple[int, int], shares: npt.ArrayLike, share: float
 ) -> Drawing:
-    """Draw labels before and after a pixel got into a calibration, and what other pixels would have done.
+    """Draw labels without and with a stray pixel in the calibration, and the effect of other stray pixels.
 
     Parameters
     ----------
@@ -157,7 +154,7 @@ def draw_stray_pixel(
     pixel : (int, int)
         Row and column of the stray pixel.
     shares : array_like, shape (N,)
-        Which part of the carpet is called yellow, 0 to 1, for each of N other pixels.
+        Fractions of the carpet that are labelled yellow, 0 to 1, for each of N other pixels.
     share : float
         The same for this pixel.
 
@@ -167,28 +164,25 @@ def draw_stray_pixel(
         The figure; its text gives the shares.
     """
     parts = np.asarray(shares, dtype=float)
-    with course_style():
-        figure = Figure(figsize=(9.9, 3.4))
-        axes = figure.subplots(1, 3, width_ratios=(1, 1, 0.95))
-        titles = ("clean example", "one pixel of grass in it")
-        for ax, labels, title in zip(axes, (before, after), titles, strict=False):
-            plot_picture(painted(labels), ax, ticks=False)
-            ax.set_title(title, fontsize=11)
-        axes[1].plot(pixel[1], pixel[0], "o", ms=11, mew=2, mfc="none", mec="#c84b00")
-        ax = axes[2]
-        ax.hist(100 * parts, bins=np.arange(0, 101, 10), color=YELLOW, ec="white")
-        ax.axvline(100 * share, ymax=0.88, color="#c84b00", lw=2)
-        ax.text(
-            100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT
-        )
-        ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
-        ax.set(xlabel="carpet called yellow (%)", ylabel=f"of {len(parts)} stray pixels")
-        ax.set_title("any pixel of grass", fontsize=11)
-        legend_below(figure, label_keys(LABELS))
+    figure = Figure(figsize=(9.9, 3.4))
+    axes = figure.subplots(1, 3, width_ratios=(1, 1, 0.95))
+    titles = ("clean example", "with one pixel of grass")
+    for ax, labels, title in zip(axes, (before, after), titles, strict=False):
+        plot_picture(painted(labels), ax, ticks=False)
+        ax.set_title(title, fontsize=11)
+    axes[1].plot(pixel[1], pixel[0], "o", ms=11, mew=2, mfc="none", mec="#c84b00")
+    ax = axes[2]
+    ax.hist(100 * parts, bins=np.arange(0, 101, 10), color=YELLOW, ec="white")
+    ax.axvline(100 * share, ymax=0.88, color="#c84b00", lw=2)
+    ax.text(100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT)
+    ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
+    ax.set(xlabel="carpet labelled yellow (%)", ylabel=f"number of stray pixels (of {len(parts)})")
+    ax.set_title("other pixels of grass", fontsize=11)
+    legend_below(figure, label_keys(LABELS))
     low, middle, high = np.percentile(100 * parts, (5, 50, 95))
     words = (
         f"Labels with a clean example of the goal and with one pixel of grass in it: {share:.0%} of the carpet is "
-        f"called yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
-        f"them), {middle:.0f} % in the middle."
+        f"labelled yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
+        f"them), with a median of {middle:.0f} %."
     )
     return Drawing(figure, words)

@@ -1,4 +1,4 @@
-"""The filter panel's two instruments, painted at once for each frame: a histogram of lightness and a circle of hues."""
+"""The filter panel's histogram of lightness and circle of hues, painted as arrays because figures are too slow."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEFT, RIGHT, TOP, BOTTOM = 10, 390, 8, 250  # of the histogram's axes, px
 CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bars, px
 PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
 WEDGE = 3  # degrees of a bar on the circle
-_STACKED = (1, 0, 2, 3)  # labels, from the bottom up
+_STACKED = (1, 0, 2, 3)  # labels from the bottom of the histogram to its top
 _BAR_COLOURS = np.array([to_rgb(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0)]) * 255
 _BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
 
@@ -40,12 +40,12 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
     """
     picture = _histogram_paper().copy()
     stacked = np.cumsum(counts[list(_STACKED)], axis=0)
-    most = 1.15 * max(
-        1.0, float(np.sort(stacked[-1])[-2])
-    )  # the brightest bin may be far higher: it is cut off
+    # The brightest bin may be far higher: it is cut off
+    most = 1.15 * max(1.0, float(np.sort(stacked[-1])[-2]))
     heights = np.minimum(stacked / most, 1.0)
     level = (BOTTOM - np.arange(TOP, BOTTOM))[:, None] / (BOTTOM - TOP)
-    bars = np.sum(level[None] > heights[:, None, :], axis=0)  # (rows, BINS): how many labels a place is above of
+    # (rows, BINS): the number of labels whose bars end below a point
+    bars = np.sum(level[None] > heights[:, None, :], axis=0)
     columns = (np.arange(RIGHT - LEFT) * BINS) // (RIGHT - LEFT)
     picture[TOP:BOTTOM, LEFT:RIGHT] = np.take(_BAR_COLOURS, bars, axis=0)[:, columns]
     tops = (BOTTOM - np.round(heights[-1, columns] * (BOTTOM - TOP))).astype(np.int32)
@@ -64,9 +64,9 @@ def hue_counts(hue: npt.NDArray[np.float32], counted: npt.NDArray[np.bool_]) -> 
     Parameters
     ----------
     hue : ndarray of float32, shape (H, W)
-        Degrees [0, 360).
+        Hues in degrees [0, 360).
     counted : ndarray of bool, shape (H, W)
-        Which pixels count.
+        True for the pixels to count.
     """
     counts = cv2.calcHist([hue], [0], counted.astype(np.uint8), [360 // WEDGE], [0.0, 360.0])
     return np.asarray(counts, dtype=np.float32).ravel()
@@ -78,7 +78,7 @@ def circle_picture(
     pixel: float | None = None,
     added: Iterable[float] = (),
 ) -> Pixels:
-    """Paint which hues there are, and intervals of them, on their circle, (HEIGHT, WIDTH, 3).
+    """Paint the frequencies of hues and intervals of hues on a circle, (HEIGHT, WIDTH, 3).
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _hue_colour(hue: float) -> tuple[int, int, int]:
 
 
 def _places(hues: npt.ArrayLike, radii: npt.ArrayLike) -> npt.NDArray[np.int32]:
-    """Points (..., 2) of the circle's picture; hues go round against the clock, from the right."""
+    """Return points (..., 2) of the circle's picture; hues increase counterclockwise, and 0 is on the right."""
     angles = np.radians(np.asarray(hues, dtype=float))
     points = np.stack((np.cos(angles), -np.sin(angles)), axis=-1) * np.asarray(radii, dtype=float)[..., None]
     return np.round(points + CENTRE).astype(np.int32)
@@ -136,32 +136,30 @@ def _place(hue: float, radius: float) -> tuple[int, int]:
 
 
 @cache
+@course_style()
 def _histogram_paper() -> Pixels:
-    """What lies below each histogram: its axis."""
-    with course_style():
-        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
-        figure.set_layout_engine("none")
-        ax = figure.add_axes(
-            (LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT)
-        )
-        ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
-        ax.set_xlabel("lightness", fontsize=12)
-        ax.tick_params(labelsize=11)
-        ax.spines["left"].set_visible(False)
-        return _painted(figure)
+    """Return the background of each histogram, which is its axis."""
+    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure.set_layout_engine("none")
+    ax = figure.add_axes((LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT))
+    ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
+    ax.set_xlabel("lightness", fontsize=12)
+    ax.tick_params(labelsize=11)
+    ax.spines["left"].set_visible(False)
+    return _painted(figure)
 
 
 @cache
+@course_style()
 def _circle_paper() -> Pixels:
-    """What lies below each circle: the pure colours and their degrees."""
-    with course_style():
-        figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
-        figure.set_layout_engine("none")
-        for degrees in range(0, 360, 60):
-            u, v = _place(degrees, OUTER + 34.0)
-            side = {0: "left", 180: "right"}.get(degrees, "center")
-            figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=11.5, ha=side, va="center")
-        paper = _painted(figure)
+    """Return the background of each circle: the pure colours and their angles."""
+    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure.set_layout_engine("none")
+    for degrees in range(0, 360, 60):
+        u, v = _place(degrees, OUTER + 34.0)
+        side = {0: "left", 180: "right"}.get(degrees, "center")
+        figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=11.5, ha=side, va="center")
+    paper = _painted(figure)
     for degrees in range(0, 360, 2):
         line = [_places([degrees, degrees + 2], INNER - 7.0)]
         cv2.polylines(paper, line, False, _hue_colour(degrees + 1.0), 10)

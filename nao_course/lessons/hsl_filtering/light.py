@@ -1,4 +1,4 @@
-"""Light in lesson 01: a picture in another light, its lightnesses, and how far the threshold for white follows."""
+"""Pictures in another light, their lightnesses, and the limits of the threshold for white in lesson 01."""
 
 from __future__ import annotations
 
@@ -18,14 +18,11 @@ from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]
 
-SPANS = {
-    "β": (0.0, 0.55),
-    "mean": (0.62, 1.0),
-    "threshold": (0.0, 1.0),
-}  # of the height: β and mean may be one
+# Lower and upper end of each mark as fractions of the height, because β and the mean may be equal
+SPANS = {"β": (0.0, 0.55), "mean": (0.62, 1.0), "threshold": (0.0, 1.0)}
 
 BINS = 64  # of the lightnesses 0 to 255
-MARKS = {  # colour and dashes of what stands in a histogram of lightness
+MARKS = {  # colour and line style of each mark in a histogram of lightness
     "β": ("#a14566", (0, (1.2, 1.2))),
     "mean": ("#0b5fa5", (0, (5, 2))),
     "threshold": ("#c84b00", "-"),
@@ -33,19 +30,19 @@ MARKS = {  # colour and dashes of what stands in a histogram of lightness
 
 
 def in_light(picture: npt.ArrayLike, factor: float) -> Pixels:
-    """Return a picture as it would be in another light: each channel times a factor, and 255 at most.
+    """Return a picture in another light: each channel times a factor, clipped at 255.
 
     Parameters
     ----------
     picture : array_like of uint8, shape (H, W, 3)
         RGB.
     factor : float
-        Of the light, at least 0.
+        Factor of the light, at least 0.
 
     Raises
     ------
     ValueError
-        For a factor below 0.
+        If the factor is below 0.
 
     Examples
     --------
@@ -59,7 +56,7 @@ def in_light(picture: npt.ArrayLike, factor: float) -> Pixels:
 
 
 def lightness_counts(lightness: npt.ArrayLike, labels: npt.ArrayLike) -> npt.NDArray[np.intp]:
-    """Count pixels by label and lightness, (4, BINS).
+    """Count pixels by label and lightness, shape (4, BINS).
 
     Parameters
     ----------
@@ -73,6 +70,7 @@ def lightness_counts(lightness: npt.ArrayLike, labels: npt.ArrayLike) -> npt.NDA
     return np.bincount(flat, minlength=len(LABELS) * BINS).reshape(len(LABELS), BINS)
 
 
+@course_style()
 def draw_lightness(
     lightness: npt.ArrayLike,
     labels: npt.ArrayLike,
@@ -82,23 +80,23 @@ def draw_lightness(
     threshold: float,
     title: str = "Lightness of the pixels",
 ) -> Drawing:
-    """Draw how many pixels have which lightness, by what they are, and where the threshold for white lies.
+    """Draw a histogram of lightness for each true label, with the threshold for white.
 
     Parameters
     ----------
     lightness : array_like, shape (H, W)
         0 to 255.
     labels : array_like of int, shape (H, W)
-        What each pixel is.
+        True labels of the pixels.
     beta, mean, threshold : float
-        Of equation 1.4, lightnesses.
+        The three lightnesses of equation 1.4.
     title : str
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        The figure; its text gives the three lightnesses and what is above the threshold.
+        The figure; its text gives the three lightnesses and the fraction of each label above the threshold.
     """
     values, kinds = np.asarray(lightness, dtype=float), np.asarray(labels)
     if values.shape != kinds.shape or values.ndim != 2:
@@ -107,32 +105,31 @@ def draw_lightness(
         )
     counts = lightness_counts(values, kinds)
     left = np.arange(BINS) * (256 / BINS)
-    with course_style():
-        figure = Figure(figsize=(8.4, 3.7))
-        ax = figure.add_subplot()
-        below = np.zeros(BINS)
-        for label in (1, 0, 2, 3):
-            ax.bar(left, counts[label], 256 / BINS, bottom=below, align="edge", color=LABEL_COLOURS[label])
-            below = below + counts[label]
-        ax.step([*left, 256], [*below, below[-1]], where="post", color="#333333", lw=0.8)
-        top = 1.22 * float(np.sort(below)[-2])  # the brightest bin may be far higher: it is cut off
-        for (name, (colour, dashes)), at in zip(MARKS.items(), (beta, mean, threshold), strict=True):
-            low, high = SPANS[name]
-            ax.axvline(at, low, high, color=colour, ls=dashes, lw=2)
-            place, side = (-3, "right") if name == "β" else (3, "left")
-            said = f"{name} {at:.0f}"
-            ax.text(
-                at + place,
-                high * top,
-                said,
-                color=colour,
-                va="top",
-                ha=side,
-                path_effects=HALO,
-                fontweight="bold",
-            )
-        ax.set(xlim=(0, 256), ylim=(0, top), xlabel="lightness (0 to 255)", ylabel="pixels", title=title)
-        legend_below(figure, label_keys(LABELS))
+    figure = Figure(figsize=(8.4, 3.7))
+    ax = figure.add_subplot()
+    below = np.zeros(BINS)
+    for label in (1, 0, 2, 3):
+        ax.bar(left, counts[label], 256 / BINS, bottom=below, align="edge", color=LABEL_COLOURS[label])
+        below = below + counts[label]
+    ax.step([*left, 256], [*below, below[-1]], where="post", color="#333333", lw=0.8)
+    top = 1.22 * float(np.sort(below)[-2])  # the highest bin is cut off because it may be far higher
+    for (name, (colour, dashes)), at in zip(MARKS.items(), (beta, mean, threshold), strict=True):
+        low, high = SPANS[name]
+        ax.axvline(at, low, high, color=colour, ls=dashes, lw=2)
+        place, side = (-3, "right") if name == "β" else (3, "left")
+        said = f"{name} {at:.0f}"
+        ax.text(
+            at + place,
+            high * top,
+            said,
+            color=colour,
+            va="top",
+            ha=side,
+            path_effects=HALO,
+            fontweight="bold",
+        )
+    ax.set(xlim=(0, 256), ylim=(0, top), xlabel="lightness (0 to 255)", ylabel="pixels", title=title)
+    legend_below(figure, label_keys(LABELS))
     above = ", ".join(
         f"{(values[kinds == label] > threshold).mean():.0%} of {name}"
         for label, name in enumerate(LABELS)
@@ -142,6 +139,7 @@ def draw_lightness(
     return Drawing(figure, words)
 
 
+@course_style()
 def draw_light_limits(
     factors: npt.ArrayLike,
     recall: npt.ArrayLike,
@@ -151,23 +149,23 @@ def draw_light_limits(
     dark: float | None = None,
     bright: float | None = None,
 ) -> Drawing:
-    """Draw which part of the lines is found and which part of the carpet is called white, over a factor of the light.
+    """Draw the fractions of lines found and of carpet labelled white over a factor of the light.
 
     Parameters
     ----------
     factors : array_like, shape (N,)
-        Of the light, growing.
+        Factors of the light, in ascending order.
     recall, false_white : array_like, shape (N,)
-        Parts of the lines and of the carpet that are called white, 0 to 1.
+        Fractions of the lines and of the carpet that are labelled white, 0 to 1.
     other_recall : array_like, shape (N,), optional
-        The lines that are found with the picture's own maximum.
+        Fraction of the lines that is found with the largest lightness of the picture as maximum.
     dark, bright : float, optional
-        Where a formula puts the limits.
+        Limits of the factor by equation 1.5.
 
     Returns
     -------
     Drawing
-        The figure; its text says between which factors the rule holds.
+        The figure; its text gives the factors at which the fractions reach 25 % and 50 %.
     """
     f, found, false = (np.asarray(each, dtype=float) for each in (factors, recall, false_white))
     if f.ndim != 1 or found.shape != f.shape or false.shape != f.shape or (np.diff(f) <= 0).any():
@@ -176,30 +174,36 @@ def draw_light_limits(
             f"got {f.shape}, {found.shape}, {false.shape}"
         )
     white, green = "#1a1a1a", LABEL_COLOURS[1]
-    with course_style():
-        figure = Figure(figsize=(8.4, 4.0))
-        ax = figure.add_subplot()
-        ax.plot(f, found, color=white, marker="o", ms=3.5, lw=1.8)
-        ax.plot(f, false, color=green, marker="s", ms=3.5, lw=1.8)
-        keys: list[Any] = [
-            Line2D([], [], color=white, marker="o", label="lines that are found"),
-            Line2D([], [], color=green, marker="s", label="carpet that is called white"),
-        ]
-        if other_recall is not None:
-            ax.plot(f, np.asarray(other_recall, dtype=float), color="#8a8f98", lw=1.5, ls=(0, (4, 2)))
-            keys.append(
-                Line2D([], [], color="#8a8f98", ls=(0, (4, 2)), label="lines, the picture's own maximum")
+    figure = Figure(figsize=(8.4, 4.0))
+    ax = figure.add_subplot()
+    ax.plot(f, found, color=white, marker="o", ms=3.5, lw=1.8)
+    ax.plot(f, false, color=green, marker="s", ms=3.5, lw=1.8)
+    keys: list[Any] = [
+        Line2D([], [], color=white, marker="o", label="lines that are found (recall)"),
+        Line2D([], [], color=green, marker="s", label="carpet labelled white"),
+    ]
+    if other_recall is not None:
+        ax.plot(f, np.asarray(other_recall, dtype=float), color="#8a8f98", lw=1.5, ls=(0, (4, 2)))
+        keys.append(
+            Line2D(
+                [],
+                [],
+                color="#8a8f98",
+                ls=(0, (4, 2)),
+                label="lines, with the picture's largest lightness as maximum",
             )
-        _mark_limits(ax, dark, bright)
-        if dark is not None or bright is not None:
-            keys.append(Line2D([], [], color="#c84b00", ls=":", lw=2, label="limits by the formula"))
-        ax.set(
-            xlabel="factor of the light", ylabel="part of the pixels", ylim=(-0.03, 1.06), xlim=(f[0], f[-1])
         )
-        ax.set_title("How far the threshold follows the light")
-        ax.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
-        ax.grid(color="#e3e5e8")
-        legend_below(figure, keys, columns=2)
+    _mark_limits(ax, dark, bright)
+    if dark is not None or bright is not None:
+        keys.append(Line2D([], [], color="#c84b00", ls=":", lw=2, label="limits by equation 1.5"))
+    ax.set(
+        xlabel="factor of the light", ylabel="fraction of the pixels", ylim=(-0.03, 1.2), xlim=(f[0], f[-1])
+    )
+    ax.set_title("In which light the threshold works")
+    ax.set_yticks(np.linspace(0, 1, 6))
+    ax.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
+    ax.grid(color="#e3e5e8")
+    legend_below(figure, keys, columns=2)
     return Drawing(figure, _say_limits(f, found, false, dark, bright))
 
 
@@ -207,20 +211,20 @@ def _mark_limits(ax: Axes, dark: float | None, bright: float | None) -> None:
     for at, side in ((dark, "right"), (bright, "left")):
         if at is not None:
             ax.axvline(at, color="#c84b00", ls=":", lw=2)
-            ax.annotate(f" {at:.2f} ", (at, 1.02), ha=side, va="center", color="#c84b00", path_effects=HALO)
+            ax.annotate(f" {at:.2f} ", (at, 1.12), ha=side, va="center", color="#c84b00", path_effects=HALO)
 
 
 def _say_limits(f: Any, found: Any, false: Any, dark: float | None, bright: float | None) -> str:
-    words = "Over a factor of the light: lines that are found, and carpet that is called white. "
+    words = "Over a factor of the light: lines that are found, and carpet that is labelled white. "
     words += first_words("half of the lines are found from", f, found)
     for part in (0.25, 0.5):
-        words += first_words(f"{part:.0%} of the carpet are called white from", f, false, part)
+        words += first_words(f"{part:.0%} of the carpet is labelled white from", f, false, part)
     said = [f"{at:.2f}" for at in (dark, bright) if at is not None]
-    return words + (f"The formula says {' and '.join(said)}." if said else "")
+    return words + (f"The limits by equation 1.5 are {' and '.join(said)}." if said else "")
 
 
 def crossing(factors: npt.ArrayLike, parts: npt.ArrayLike, level: float = 0.5) -> float:
-    """Return the factor at which a part first reaches a level, in a straight line between two; NaN if it never does.
+    """Return the factor at which a fraction first reaches a level, by linear interpolation; NaN if it never does.
 
     Examples
     --------
@@ -239,6 +243,6 @@ def crossing(factors: npt.ArrayLike, parts: npt.ArrayLike, level: float = 0.5) -
 
 
 def first_words(what: str, factors: npt.ArrayLike, parts: npt.ArrayLike, level: float = 0.5) -> str:
-    """Say from which factor on a part reaches a level; nothing if it does not."""
+    """Return a sentence with the factor at which a fraction reaches a level, or an empty string if it never does."""
     at = crossing(factors, parts, level)
     return "" if np.isnan(at) else f"{what[0].upper()}{what[1:]} {at:.2f} on. "

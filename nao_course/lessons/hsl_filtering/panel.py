@@ -1,4 +1,4 @@
-"""The filter panel: the student's colour filter in any light, its limits on sliders or by clicks, and its scores."""
+"""The filter panel: the student's colour filter in any light, with sliders, calibration by clicks, and scores."""
 
 from __future__ import annotations
 
@@ -35,7 +35,11 @@ Label = Callable[[Pixels, Limits, Limits, float, float], Any]
 Threshold = Callable[[float, float], float]
 Calibrate = Callable[[Any, Any, float], Limits]
 
-FILTER, THRESHOLD, CALIBRATE = "your filter", "white_threshold", "calibrate_hue"  # the student's, in messages
+FILTER, THRESHOLD, CALIBRATE = (
+    "your filter",
+    "white_threshold",
+    "calibrate_hue",
+)  # names of the student's functions in messages
 TRUTH = "True labels"
 SHOWN = {"Labels": "", TRUTH: "", **{f"Errors in {colour}": colour for colour in COLOURS}}
 EPSILON = {"green": 10.0, "yellow": 0.0}  # degrees, as the paper widens limits
@@ -59,42 +63,41 @@ _CSS = """
 
 
 class FilterPanel(FunctionPanel):
-    """A picture in any light, the labels your colour filter gives it, its lightnesses and its hues.
+    """Show a picture in any light with the labels of a colour filter and with its lightnesses and hues.
 
-    Sliders set the light and the filter's limits. A pixel of the picture can be added to a colour's example; your
-    calibration then says where its limits lie. The panel itself cannot filter: it asks your functions, each time
-    with a copy of the picture.
+    Sliders set the light and the filter's limits. A pixel of the picture can be added to a colour's example; then your
+    calibration function computes new limits. The panel calls your functions with copies of the picture.
 
     Parameters
     ----------
     picture : array_like of uint8, shape (H, W, 3), or mapping of str to these
-        What to label; several scenes with their names can be chosen from.
+        The scene to label, or several scenes by their names.
     truth : PictureTruth or array_like of int, shape (H, W), or mapping of str to these
         The true labels; one array serves for all scenes.
     label : callable
         ``label(picture, green, yellow, beta, min_saturation)`` returns labels (H, W): 0 other, 1 green, 2 yellow,
-        3 white. The names of your functions in it are looked up at each call, so a mended one is used at once.
+        3 white. It is called again for each change, so a corrected function is used at once.
     green, yellow : (float, float)
-        Limits of the hue at the start, degrees; the panel goes on with whole ones.
+        Limits of the hue at the start, in degrees; the panel rounds them.
     beta : float
-        At the start, 0 to 255.
+        Lower bound of the threshold at the start, 0 to 255.
     min_saturation : float
-        At the start, 0 to 1.
+        Minimum saturation at the start, 0 to 1.
     threshold : callable, optional
-        ``threshold(mean, beta)``, the lightness above which a pixel is white; without it there is no such mark.
+        ``threshold(mean, beta)``, the lightness above which a pixel is white. Without it the threshold is not shown.
     calibrate : callable, optional
         ``calibrate(hue, saturation, epsilon)`` returns limits (low, high) of hues (N,).
     examples : mapping of str to index, optional
-        Which pixels of the first scene are the examples of "green" and "yellow": a mask or slices.
+        Pixels of the first scene that are the examples of "green" and "yellow": a mask or slices.
     unfinished : str
-        What to say while a function raises NotImplementedError.
+        Message for functions that raise NotImplementedError.
     time_limit : float
-        Seconds for one picture; a function that takes longer is stopped, and the panel says so.
+        Seconds for one picture. A function that takes longer is stopped, and the panel shows a message.
 
     Raises
     ------
     ValueError
-        If pictures and labels do not fit together, or a limit is out of its range.
+        If pictures and labels have different shapes, or a limit is out of its range.
 
     Examples
     --------
@@ -104,7 +107,7 @@ class FilterPanel(FunctionPanel):
     >>> panel = FilterPanel(bright, np.full((2, 2), 3), label, green=(105, 150), yellow=(45, 60))
     >>> panel.set(light=0.4)
     >>> print(panel.summary())
-    green 105° to 150°, yellow 45° to 60°, beta 120, least saturation 0.16, light 0.40
+    green 105° to 150°, yellow 45° to 60°, beta 120, minimum saturation 0.16, light 0.40
     Mean lightness 100. The pixel (1, 1) has lightness 100 and is grey: it has no hue.
     green: precision -, recall -
     yellow: precision -, recall -
@@ -126,10 +129,10 @@ class FilterPanel(FunctionPanel):
         threshold: Threshold | None = None,
         calibrate: Calibrate | None = None,
         examples: Mapping[str, Any] | None = None,
-        unfinished: str = "Finish exercises 1.1 to 1.5 to move this panel.",
+        unfinished: str = "Finish exercises 1.1 to 1.5 to use this panel.",
         time_limit: float = TIME_LIMIT,
     ) -> None:
-        """Label the first scene and build the widgets."""
+        """Create the widgets and label the first scene."""
         if not callable(label):
             raise ValueError(f"label must be a function that labels a picture, got {type(label).__name__}")
         self._scenes = _paired(picture, truth)
@@ -137,16 +140,14 @@ class FilterPanel(FunctionPanel):
         self._seconds = 0.0
         self._examples = _examples(examples or {}, next(iter(self._scenes.values()))[0])
         self._added: list[tuple[str, float, float]] = []  # colour, hue and saturation of each pixel
-        scenes = [
-            Choice("scene", "Scene", list(self._scenes), tooltip="Which picture is labelled", stays=True)
-        ]
+        scenes = [Choice("scene", "Scene", list(self._scenes), tooltip="The picture to label", stays=True)]
         given = {FILTER: label, THRESHOLD: threshold, CALIBRATE: calibrate}
         super().__init__(
             "Filter panel",
             self._label_scene,
             [
                 *(scenes if len(self._scenes) > 1 else ()),
-                Choice("shown", "Show", list(SHOWN), tooltip="What the second picture shows"),
+                Choice("shown", "Show", list(SHOWN), tooltip="Contents of the second picture"),
                 self._pixel_control(),
                 *(self._adders() if calibrate else ()),
                 *FilterSettings(green, yellow, beta, min_saturation).sliders(),
@@ -168,7 +169,7 @@ class FilterPanel(FunctionPanel):
                 f"to_{colour}",
                 f"Add to {colour}",
                 key=colour[0],
-                tooltip=f"Put this pixel into {colour}'s example and calibrate",
+                tooltip=f"Add this pixel to {colour}'s example and calibrate again",
             )
             for colour in self._examples
         ]
@@ -176,26 +177,26 @@ class FilterPanel(FunctionPanel):
     # --- from code ---
 
     def set(self, **settings: Any) -> None:
-        """Set some of green, yellow, beta, min_saturation, light, pixel, shown and scene, at once.
+        """Set some of green, yellow, beta, min_saturation, light, pixel, shown and scene together.
 
         Raises
         ------
         ValueError
             If a value is out of its range.
         TypeError
-            For a setting that there is not.
+            If there is no setting of that name.
         """
         others = {name: settings.pop(name) for name in ("pixel", "shown", "scene") if name in settings}
         changed = FilterSettings(**{**vars(self.settings), **settings})
         super().set(**changed.by_slider(), **others)
 
     def add(self, colour: str) -> None:
-        """Put the chosen pixel into a colour's example, calibrate anew, and set the limits to what comes of it.
+        """Add the selected pixel to a colour's example, calibrate again, and use the new limits.
 
         Parameters
         ----------
         colour : "green" or "yellow"
-            One that has an example.
+            Colour with an example.
 
         Raises
         ------
@@ -203,7 +204,7 @@ class FilterPanel(FunctionPanel):
             If there is no such example.
         """
         if colour not in self._examples or CALIBRATE not in self._student:
-            raise ValueError(f"there is no example of {colour!r} to add to, but of {list(self._examples)}")
+            raise ValueError(f"colour must be one of {list(self._examples)}, got {colour!r}")
         hue, saturation, _ = self.chosen_pixel
         self._added.append((colour, hue, saturation))
         with self._one_at_a_time:
@@ -224,13 +225,13 @@ class FilterPanel(FunctionPanel):
         self._newest.ask()
 
     def reset(self) -> None:
-        """Set all controls back to where they began, and the examples, too."""
+        """Reset all controls and the examples to their initial values."""
         self._added.clear()
         super().reset()
 
     @property
     def chosen_pixel(self) -> tuple[float, float, float]:
-        """Hue in degrees, saturation and lightness of the chosen pixel, in the light that there is."""
+        """Return hue in degrees, saturation and lightness of the selected pixel in the current light."""
         u, v = self.values.pixel
         picture = self._scene[0]
         row, column = min(v, picture.shape[0] - 1), min(u, picture.shape[1] - 1)
@@ -240,57 +241,55 @@ class FilterPanel(FunctionPanel):
 
     @property
     def settings(self) -> FilterSettings:
-        """Where the sliders stand."""
+        """Return the current settings."""
         return FilterSettings.of_sliders(self.values)
 
     @property
     def labels(self) -> Pixels | None:
-        """What your function gave for the present settings, (H, W); None where it failed."""
+        """Return the labels (H, W) for the current settings, or None if your function failed."""
         return None if self._known is None else self._known[1]
 
     @property
     def scores(self) -> dict[str, PrecisionRecall]:
-        """Precision and recall of green, yellow and white; empty where your function failed."""
+        """Return precision and recall of green, yellow and white, or an empty dict if your function failed."""
         labels, truth = self.labels, self._scene[1]
         if labels is None:
             return {}
         return {name: PrecisionRecall.of(labels == i, truth == i) for i, name in enumerate(COLOURS, start=1)}
 
     def say_values(self) -> str:
-        """Say where the sliders stand."""
+        """Return the current settings in words."""
         return str(self.settings)
 
     def summary(self) -> str:
-        """Return the settings and the scores, a line each, or why there are none."""
+        """Return the settings and the scores, one per line, or the reason why there are none."""
         scene = f"scene: {self.values.scene}\n" if len(self._scenes) > 1 else ""
         return scene + super().summary()
 
+    @course_style()
     def drawing(self) -> Drawing:
-        """Return what the panel shows as a figure, for where no widget can live."""
+        """Return a static figure of the panel, for pages without widgets."""
         scores = self.scores
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
-        with course_style():
-            figure = Figure(figsize=(6.4, 5.9))
-            for ax, (title, pixels) in zip(
-                figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False
-            ):
-                plot_picture(pixels, ax, ticks=False)
-                ax.set_title(title, fontsize=11)
-                if title == SCENE:
-                    ax.plot(*self.values.pixel, "o", ms=9, mew=2, mfc="none", mec="#c84b00")
-            legend_below(figure, label_keys(texts), columns=1)
+        figure = Figure(figsize=(6.4, 5.9))
+        for ax, (title, pixels) in zip(figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False):
+            plot_picture(pixels, ax, ticks=False)
+            ax.set_title(title, fontsize=11)
+            if title == SCENE:
+                ax.plot(*self.values.pixel, "o", ms=9, mew=2, mfc="none", mec="#c84b00")
+        legend_below(figure, label_keys(texts), columns=1)
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def say_pace(self, seconds: float) -> str:
-        """Say where the sliders stand, how long the latest picture took, and why the panel lags if it does."""
-        self._seconds = seconds or self._seconds  # nothing is asked where only "Show" has changed
+        """Return the settings and the time for the latest picture in words, with a hint if it is slow."""
+        self._seconds = seconds or self._seconds  # the function is not called if only "Show" has changed
         facts = f"{self.say_values()}. Your code labels a picture in {1000 * self._seconds:.0f} ms."
         if self._seconds > SLOW:
-            facts += " The panel follows slowly. If it stays so: is there a loop over pixels?"
+            facts += " This is slow. Does your code loop over pixels?"
         return facts
 
     def __repr__(self) -> str:
-        """Say what the panel shows."""
+        """Return the summary in one string."""
         return f"FilterPanel: {self.summary()}"
 
     # --- the student's functions ---
@@ -307,7 +306,7 @@ class FilterPanel(FunctionPanel):
             super()._pressed(action)
 
     def _calibrated(self, colour: str) -> Limits:
-        """Ask for the limits of an example with all that was added to it."""
+        """Compute the limits of an example with all pixels that were added to it."""
         hue, saturation = self._examples[colour]
         added = np.array([each[1:] for each in self._added if each[0] == colour]).reshape(-1, 2)
         limits = self._student[CALIBRATE](
@@ -317,7 +316,7 @@ class FilterPanel(FunctionPanel):
         return low, high
 
     def _label_scene(self, values: Values, student: StudentCode) -> Iterator[Any]:
-        """Show the scene and its hues, then the threshold and the labels; ask anew only where a limit has changed."""
+        """Show the scene, its hues, the threshold and the labels; label again only if a parameter has changed."""
         known, self._known = self._known, None
         settings, (picture, truth) = self.settings, self._scene
         shown = in_light(picture, settings.light)
@@ -326,8 +325,11 @@ class FilterPanel(FunctionPanel):
         colour, title = SHOWN[values.shown], f"Your {values.shown[0].lower()}{values.shown[1:]}"
         title = TRUTH if values.shown == TRUTH else title
         marks = {"β": settings.beta, "mean": mean}
-        yield {SCENE: shown, title: _unlabelled(truth.shape)}  # what follows may fail: then this is shown
-        yield {LIGHTNESS: shown, HUE: self._circle(hue, saturation)}  # the histogram follows in any case
+        yield {SCENE: shown, title: _unlabelled(truth.shape)}  # shown if the code below fails
+        yield {
+            LIGHTNESS: shown,
+            HUE: self._circle(hue, saturation),
+        }  # the histogram replaces the first one below
         yield legend(colour)
         yield Legend({name: look[0] for name, look in MARKS.items()})
         yield {"Your labels": ScoreTable({})}
@@ -336,7 +338,7 @@ class FilterPanel(FunctionPanel):
             if THRESHOLD in student:
                 marks["threshold"] = float(student[THRESHOLD](mean, settings.beta))
                 words = f"Threshold {marks['threshold']:.0f}. {words}"
-        finally:  # it is shown without a threshold where that failed
+        finally:  # if the threshold failed, the histogram is shown without it
             yield {LIGHTNESS: histogram_picture(counts, marks)}
         yield words
         if known is not None and _only_looks_differ(known[0], values):
@@ -349,7 +351,7 @@ class FilterPanel(FunctionPanel):
         yield {"Your labels": ScoreTable(self.scores)}
 
     def _circle(self, hue: npt.NDArray[Any], saturation: npt.NDArray[Any]) -> Pixels:
-        """The hues that are saturated enough, the limits, and the chosen pixel."""
+        """Draw the hues that are saturated enough, the limits, and the selected pixel."""
         settings, chosen = self.settings, self.chosen_pixel
         counts = hue_counts(hue, (saturation >= settings.min_saturation) & (saturation > 0))
         arcs = {LABEL_COLOURS[1]: settings.green, LABEL_COLOURS[2]: settings.yellow}
@@ -364,7 +366,7 @@ class FilterPanel(FunctionPanel):
         return f"The pixel ({u}, {v}) has hue {hue:.0f}°, saturation {saturation:.2f} and lightness {lightness:.0f}."
 
     def _coloured(self, colour: str) -> Pixels:
-        """The labels, or the errors in one colour, as a picture; all of class 0 where there are none."""
+        """Return a picture of the labels or of the errors in one colour; all of class 0 if there are no labels."""
         labels, truth = self.labels, self._scene[1]
         if labels is None:
             return _unlabelled(truth.shape)
@@ -376,38 +378,38 @@ class FilterPanel(FunctionPanel):
 
 @cache
 def _unlabelled(shape: tuple[int, int]) -> Pixels:
-    """A picture all of class 0."""
+    """Return a picture in which every pixel has class 0."""
     return painted(np.zeros(shape, dtype=np.uint8))
 
 
 def _only_looks_differ(before: Values, now: Values) -> bool:
-    """Whether what is shown, or the chosen pixel, has changed, and nothing that the filter is asked with."""
+    """Return True if only the display or the selected pixel has changed, but no argument of the filter."""
     looks = ("shown", "pixel")
     same = all(before[name] == value for name, value in now.items() if name not in looks)
     return same and any(before[name] != now[name] for name in looks)
 
 
 def _hsl(picture: Pixels) -> tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]:
-    """Hue in degrees, saturation and lightness, (H, W) each: the panel's own, by OpenCV."""
+    """Return hue in degrees, saturation and lightness, each (H, W), computed with OpenCV."""
     hue, lightness, saturation = cv2.split(cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2HLS))
     return hue, saturation, 255 * lightness
 
 
 def _examples(chosen: Mapping[str, Any], picture: Pixels) -> dict[str, tuple[Any, Any]]:
-    """Hue and saturation, (N,) each, of the pixels of each colour's example."""
+    """Return hue and saturation, each (N,), of the pixels of each colour's example."""
     if unknown := sorted(chosen.keys() - EPSILON.keys()):
-        raise ValueError(f"examples must be of {list(EPSILON)}, got {unknown}")
+        raise ValueError(f"examples must have the keys {list(EPSILON)}, got {unknown}")
     hue, saturation, _ = _hsl(picture)
     return {name: (hue[index].ravel(), saturation[index].ravel()) for name, index in chosen.items()}
 
 
 def _checked(given: Any, shape: tuple[int, ...]) -> Pixels:
-    """Labels as they must be, or a ValueError."""
+    """Return the answer as labels, or raise ValueError."""
     labels = np.asarray(given)
     if labels.shape != shape:
         raise ValueError(f"the labels must have shape {shape}, one for each pixel; got {labels.shape}")
     if labels.dtype.kind not in "iu":
-        raise ValueError(f"the labels must be whole numbers (uint8), got {labels.dtype}")
+        raise ValueError(f"the labels must be integers (uint8), got {labels.dtype}")
     if labels.min() < 0 or labels.max() >= len(LABELS):
         wrong = sorted(set(np.unique(labels).tolist()) - set(range(len(LABELS))))
         raise ValueError(f"the labels must be 0 other, 1 green, 2 yellow or 3 white; got {wrong[:5]}")
@@ -415,10 +417,10 @@ def _checked(given: Any, shape: tuple[int, ...]) -> Pixels:
 
 
 def _paired(pictures: Any, truths: Any) -> dict[str, tuple[Pixels, Pixels]]:
-    """Scenes by name, each with its true labels."""
+    """Return the scenes by their names, each with its true labels."""
     named = dict(pictures) if isinstance(pictures, Mapping) else {"scene": pictures}
     if not named:
-        raise ValueError("picture must hold at least one scene, got none")
+        raise ValueError("picture must contain at least one scene, got none")
     if isinstance(truths, Mapping) and set(truths) != set(named):
         raise ValueError(f"the scenes {list(named)} need true labels of the same names, got {list(truths)}")
     scenes = {}

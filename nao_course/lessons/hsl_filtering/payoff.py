@@ -1,4 +1,4 @@
-"""The payoff of lesson 01: one place of the field in three lights, labelled by the student's six functions."""
+"""The first and the last figure of lesson 01: one scene in three lights, and the labels of its pixels."""
 
 from __future__ import annotations
 
@@ -21,20 +21,46 @@ from nao_course.sim import LABELS, Field, SimulatedNao, Truth
 Pixels = npt.NDArray[np.uint8]
 Exercises = Mapping[str, Callable[..., Any]]
 
-LIGHTS = {"0.7 of the light": 0.7, "the light of the calibration": 1.0, "1.1 of the light": 1.1}
-YELLOW, WHITE = LABELS.index("yellow"), LABELS.index("white")
+LIGHTS = {"0.7 of the light": 0.7, "full light": 1.0, "1.1 of the light": 1.1}
+GREEN, YELLOW, WHITE = (LABELS.index(name) for name in ("green", "yellow", "white"))
+
+
+def draw_rgb_limits() -> Drawing:
+    """Draw the goal in two lights, and the labels of a filter with fixed limits of red, green and blue.
+
+    The limits are the 2 % and 98 % quantiles of each channel for carpet, goal and lines in the brighter picture.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text gives the part of the lines that is found in each light.
+    """
+    picture, truth = payoff_scene()
+    limits = {
+        label: np.quantile(picture[truth == label], (0.02, 0.98), axis=0) for label in (GREEN, YELLOW, WHITE)
+    }
+    lit = {name: in_light(picture, factor) for name, factor in LIGHTS.items() if factor <= 1}
+    return _figure(lit, [_between(each, limits) for each in lit.values()], truth == WHITE)
+
+
+def _between(picture: Pixels, limits: Mapping[int, npt.NDArray[Any]]) -> Pixels:
+    """Return the labels (H, W) of the pixels whose channels all lie between the limits of a label, 0 elsewhere."""
+    labels = np.zeros(picture.shape[:2], dtype=np.uint8)
+    for label, (low, high) in limits.items():
+        labels[((picture >= low) & (picture <= high)).all(axis=2)] = label
+    return labels
 
 
 def draw_payoff(**functions: Callable[..., Any]) -> Drawing:
-    """Draw the goal in three lights, and the labels that the lesson's six functions give its pixels.
+    """Draw the goal in three lights, and the labels that the student's six functions give its pixels.
 
-    They are calibrated once, in the light of the second picture, on the grass before the robot and on the goal.
+    The hues are calibrated once, in the second picture, with the grass in front of the robot and with the goal.
 
     Parameters
     ----------
     **functions : callable
-        rgb_to_hsl, average_lightness, white_threshold, calibrate_hue and color_labels by their names; hue_mask, which
-        the last one calls.
+        rgb_to_hsl, average_lightness, white_threshold, calibrate_hue and color_labels by their names, and hue_mask,
+        which color_labels calls.
 
     Returns
     -------
@@ -43,13 +69,13 @@ def draw_payoff(**functions: Callable[..., Any]) -> Drawing:
     """
     picture, truth = payoff_scene()
     green, yellow = _calibrated(picture, truth, functions)
-    lit = [in_light(picture, factor) for factor in LIGHTS.values()]
-    labelled = [_labelled(each, green, yellow, functions) for each in lit]
+    lit = {name: in_light(picture, factor) for name, factor in LIGHTS.items()}
+    labelled = [_labelled(each, green, yellow, functions) for each in lit.values()]
     return _figure(lit, labelled, truth == WHITE)
 
 
 def payoff_scene() -> tuple[Pixels, Pixels]:
-    """Return a picture (H, W, 3) of the goal from near by, and its true labels (H, W); the same at every call."""
+    """Return a picture (H, W, 3) of the goal and its true labels (H, W), which are the same at every call."""
     nao = SimulatedNao(Field(2012), Pose(1.1, 0.9, -0.42), rng=7)
     pixels, truth = nao.take_picture("bottom").pixels, Truth(nao).picture
     assert truth is not None  # a picture was taken
@@ -57,7 +83,7 @@ def payoff_scene() -> tuple[Pixels, Pixels]:
 
 
 def _calibrated(picture: Pixels, truth: Pixels, own: Exercises) -> tuple[Any, Any]:
-    """Limits of green, from the picture's lower middle, and of yellow, from the middle of posts and bar."""
+    """Return limits of green, from the grass in front of the robot, and of yellow, from posts and bar without edges."""
     hue, saturation, _ = own["rgb_to_hsl"](picture.copy())
     grass = np.s_[200:, 100:220]
     goal = cv2.erode((truth == YELLOW).astype(np.uint8), np.ones((5, 5))) > 0
@@ -70,20 +96,23 @@ def _labelled(picture: Pixels, green: Any, yellow: Any, own: Exercises) -> Pixel
     return np.asarray(own["color_labels"](picture.copy(), green, yellow, own["white_threshold"](mean)))
 
 
-def _figure(pictures: Sequence[Pixels], labelled: Sequence[Pixels], lines: npt.NDArray[np.bool_]) -> Drawing:
-    with course_style():
-        figure = Figure(figsize=(7.6, 4.4))
-        rows = figure.subplots(2, len(LIGHTS))
-        for (above, below), name, picture, labels in zip(rows.T, LIGHTS, pictures, labelled, strict=True):
-            plot_picture(picture, above, ticks=False)
-            above.set_title(name, fontsize=11)
-            plot_picture(painted(labels), below, ticks=False)
-        legend_below(figure, label_keys(LABELS))
+@course_style()
+def _figure(
+    pictures: Mapping[str, Pixels], labelled: Sequence[Pixels], lines: npt.NDArray[np.bool_]
+) -> Drawing:
+    figure = Figure(figsize=(2.3 * len(pictures), 4.0))
+    rows = figure.subplots(2, len(pictures))
+    for (above, below), (name, picture), labels in zip(rows.T, pictures.items(), labelled, strict=True):
+        plot_picture(picture, above, ticks=False)
+        above.set_title(name, fontsize=11)
+        plot_picture(painted(labels), below, ticks=False)
+    legend_below(figure, label_keys(LABELS))
     found = ", ".join(
-        f"{name} {(labels[lines] == WHITE).mean():.0%}" for name, labels in zip(LIGHTS, labelled, strict=True)
+        f"{name} {(labels[lines] == WHITE).mean():.0%}"
+        for name, labels in zip(pictures, labelled, strict=True)
     )
     words = (
-        "Pictures of the goal in three lights, and below each its labels: green carpet, yellow goal, white lines, "
-        f"and the rest. Of the lines' pixels are found: {found}."
+        f"Pictures of the goal in {len(pictures)} lights, and below each its labels: green carpet, yellow goal, "
+        f"white lines, and the rest. Fraction of the lines' pixels that are found: {found}."
     )
     return Drawing(figure, words, photo=True)

@@ -1,4 +1,4 @@
-"""Where the filter panel's sliders stand, and what each of them is."""
+"""Settings of the filter panel and its sliders."""
 
 from __future__ import annotations
 
@@ -12,37 +12,42 @@ from nao_course.widgets import Slider
 
 Limits = tuple[float, float]
 
-HUE_MOST = 359.0  # degrees; the next one is 0
+HUE_MOST = 359.0  # degrees; the next whole hue is 0
 _HUES = ((0.0, HUE_MOST, 1.0), {"unit": "°", "look": "nao-hue"})
 LIGHTS = (0.3, 1.6)  # factors of the light
 _SLIDERS: Any = (  # name, label, (limits and step, options), tooltip
     ("light", "Light", ((*LIGHTS, 0.01), {}), "Factor of the light that falls on the scene"),
-    ("green_low", "Green from", _HUES, "Smallest hue called green, in degrees"),
-    ("green_high", "Green to", _HUES, "Largest hue called green; below the smallest: through 0"),
-    ("yellow_low", "Yellow from", _HUES, "Smallest hue called yellow, in degrees"),
-    ("yellow_high", "Yellow to", _HUES, "Largest hue called yellow; below the smallest: through 0"),
-    ("beta", "White: β", ((0.0, 255.0, 1.0), {}), "Lower bound of the threshold for white, equation 1.4"),
+    ("green_low", "Green from", _HUES, "Smallest hue labelled green, in degrees"),
     (
-        "min_saturation",
-        "Least saturation",
-        ((0.0, 1.0, 0.01), {}),
-        "Green and yellow are at least this saturated",
+        "green_high",
+        "Green to",
+        _HUES,
+        "Largest hue labelled green. If it is below the smallest, the interval goes through 0",
     ),
+    ("yellow_low", "Yellow from", _HUES, "Smallest hue labelled yellow, in degrees"),
+    (
+        "yellow_high",
+        "Yellow to",
+        _HUES,
+        "Largest hue labelled yellow. If it is below the smallest, the interval goes through 0",
+    ),
+    ("beta", "White: β", ((0.0, 255.0, 1.0), {}), "Lower bound of the threshold for white, equation 1.4"),
+    ("min_saturation", "Min. saturation", ((0.0, 1.0, 0.01), {}), "Smallest saturation of green and yellow"),
 )
 
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """Where the sliders stand: rounded to their steps, as a browser would do it.
+    """Values of the sliders, rounded to their steps as in a browser.
 
     Parameters
     ----------
     green, yellow : (float, float)
-        Limits of the hue in whole degrees; the first is larger where the interval goes through 0.
+        Limits of the hue in whole degrees; the first is larger if the interval goes through 0.
     beta : float
-        Of equation 1.4, a whole lightness, 0 to 255.
+        Lower bound of the threshold in equation 1.4, a whole number from 0 to 255.
     min_saturation : float
-        Of green and yellow, 0 to 1 in hundredths.
+        Minimum saturation of green and yellow, 0 to 1 in hundredths.
     light : float
         Factor of the light, 0.3 to 1.6 in hundredths.
     """
@@ -54,7 +59,7 @@ class FilterSettings:
     light: float = 1.0
 
     def __post_init__(self) -> None:
-        """Refuse what no slider can show."""
+        """Raise ValueError for values that no slider can show."""
         for name in ("green", "yellow"):
             limits = np.asarray(getattr(self, name), dtype=float)
             if limits.shape != (2,) or not ((limits >= 0) & (limits < 360)).all():
@@ -70,20 +75,20 @@ class FilterSettings:
             object.__setattr__(self, name, round(float(getattr(self, name)), digits))
 
     def __str__(self) -> str:
-        """Say them in words."""
+        """Return the values in words."""
         hues = ", ".join(f"{name} {low:.0f}° to {high:.0f}°" for name, (low, high) in self._hues())
-        return f"{hues}, beta {self.beta:.0f}, least saturation {self.min_saturation:.2f}, light {self.light:.2f}"
+        return f"{hues}, beta {self.beta:.0f}, minimum saturation {self.min_saturation:.2f}, light {self.light:.2f}"
 
     @classmethod
     def of_sliders(cls, values: Mapping[str, float]) -> FilterSettings:
-        """The settings of sliders, by the names of `by_slider`."""
+        """Return the settings for slider values with the names of `by_slider`."""
         green, yellow = (
             (values[f"{colour}_low"], values[f"{colour}_high"]) for colour in ("green", "yellow")
         )
         return cls(green, yellow, values["beta"], values["min_saturation"], values["light"])
 
     def by_slider(self) -> dict[str, float]:
-        """What each slider shows."""
+        """Return the value of each slider by its name."""
         ends = {
             f"{colour}_{end}": hue
             for colour, hues in self._hues()
@@ -92,7 +97,7 @@ class FilterSettings:
         return {**ends, "beta": self.beta, "min_saturation": self.min_saturation, "light": self.light}
 
     def sliders(self) -> list[Slider]:
-        """The sliders, these settings their start."""
+        """Return the sliders, which start at these settings."""
         start = self.by_slider()
         return [
             Slider(name, label, low, high, step, start[name], tooltip=tooltip, **looks)

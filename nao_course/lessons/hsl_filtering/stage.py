@@ -1,4 +1,4 @@
-"""What lesson 01 adds to the student's robot: their own labels of every pixel, live."""
+"""The stage of lesson 01: live labels of every pixel on the student's robot."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from nao_course.geometry import Pose
 from nao_course.plotting import painted
 from nao_course.sim import LABELS, SimulatedNao, Truth
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
-_PLACE = Pose(0.6, 0.5, -0.25)  # of the lesson's scene: carpet at the feet, the goal in view
-_SEED = 41  # of the lesson's scene
-_CARPET = np.s_[200:, 100:220]  # rows, columns of it that the lesson calibrates green with
+_PLACE = Pose(0.6, 0.5, -0.25)  # pose in the lesson's scene, with carpet and goal in view
+_SEED = 41  # seed of the lesson's scene
+_CARPET = np.s_[200:, 100:220]  # rows and columns with which the lesson calibrates green
 _EPSILON = 10.0  # degrees by which the lesson widens green
-_SAMPLE = 1000  # pixels whose mean lightness stands for the picture's
+_SAMPLE = 1000  # pixels in the sample for the mean lightness
 
 
-def _label_pixels(student: StudentCode, nao: SimulatedNao) -> Look:
-    """Calibrate green and yellow on the lesson's scene, as the robot would before a game; then label each picture."""
+def _label_pixels(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+    """Label each picture with limits that are calibrated once on the lesson's scene."""
     green, yellow = _calibrate(student, nao)
 
-    def look(sight: Sight) -> Overlay:
-        picture = sight.picture.pixels
+    def look(frame: Frame) -> Overlay:
+        picture = frame.picture.pixels
         lightness = student.rgb_to_hsl(picture)[2]
         mean = student.average_lightness(lightness, _SAMPLE, np.random.default_rng(0))
         labels = student.color_labels(picture, green, yellow, student.white_threshold(mean))
@@ -37,7 +37,7 @@ def _label_pixels(student: StudentCode, nao: SimulatedNao) -> Look:
 
 
 def _calibrate(student: StudentCode, nao: SimulatedNao) -> tuple[Any, Any]:
-    """Limits of green and yellow, as the student's `calibrate_hue` finds them in examples of carpet and goal."""
+    """Return limits of green and yellow from the student's `calibrate_hue` and examples of carpet and goal."""
     there = SimulatedNao(nao.field, _PLACE, rng=_SEED, reality=nao.reality)
     hue, saturation, _ = student.rgb_to_hsl(there.take_picture("bottom").pixels)
     truth = Truth(there).picture
@@ -49,7 +49,7 @@ def _calibrate(student: StudentCode, nao: SimulatedNao) -> tuple[Any, Any]:
 
 
 def _middle(mask: Any) -> npt.NDArray[np.bool_]:
-    """A mask (H, W) without its edge, where colours mix."""
+    """Return a mask (H, W) without its edges, where a pixel mixes two colours."""
     return np.asarray(cv2.erode(np.asarray(mask, dtype=np.uint8), np.ones((5, 5))) > 0)
 
 

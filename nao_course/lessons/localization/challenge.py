@@ -1,4 +1,4 @@
-"""The challenge of lesson 06: three looks that make the robot surest, and honestly so."""
+"""The challenge of lesson 06: three measurements, and the most precise consistent estimate from them."""
 
 from __future__ import annotations
 
@@ -13,27 +13,28 @@ from matplotlib.axes import Axes
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
 from nao_course.challenges.beliefs import DEEPEST, as_belief, score_belief
 from nao_course.challenges.worst_cases import draw_worst
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
-from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS, look_at
+from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS
 from nao_course.plotting import Drawing, plot_ellipse, plot_field, plot_landmarks, plot_pose
 from nao_course.plotting.legends import source_key
 from nao_course.plotting.style import GREY
 from nao_course.sim import SensorNoise
+from nao_course.slam import range_and_bearing
 
 ROBOTS = 40
-LOOKS = 3
+BUDGET = 3  # measurements for each robot
 
 
 @register
 @dataclass(frozen=True, eq=False)
-class Looks:
-    """A robot's head: ``looks.at(number)`` measures a landmark, three times at most.
+class LandmarkSensor:
+    """Measure landmarks by their number, three times at most: ``sensor.measure(number)``.
 
     Parameters
     ----------
     _measurements : ndarray, shape (L, N, 2)
-        (bearing, range) of each of N landmarks, for the first look, the second and the third: rad, m.
+        (bearing, range) of each of N landmarks for the first, second and third measurement: rad, m.
     _covariances : ndarray, shape (L, N, 2, 2)
         Of their noise: rad^2, m^2.
     """
@@ -42,16 +43,16 @@ class Looks:
     _covariances: FloatArray
 
     def __post_init__(self) -> None:
-        """Begin with no look taken; that is no field, for what is given to an entry must stay as it was."""
+        """Count measurements outside the fields, because the arguments of an entry must not change."""
         object.__setattr__(self, "_taken", [])
 
-    def at(self, number: Any) -> tuple[FloatArray, FloatArray]:
-        """Look at landmark `number`: its measurement (2,) and R (2, 2).
+    def measure(self, number: Any) -> tuple[FloatArray, FloatArray]:
+        """Return a measurement (2,) of landmark `number` and its R (2, 2).
 
         Raises
         ------
         ValueError
-            If there is no such landmark, or all looks are taken.
+            If there is no such landmark, or no measurement is left.
         """
         many = self._measurements.shape[1]
         if (
@@ -59,37 +60,37 @@ class Looks:
             or not isinstance(number, int | float | np.number)
             or number not in range(many)
         ):
-            raise ValueError(f"a landmark's number is 0 to {many - 1}, a row of landmarks, got {number!r}")
+            raise ValueError(f"a landmark's number is a row of landmarks, 0 to {many - 1}, got {number!r}")
         taken: list[int] = self.__dict__["_taken"]
-        look = len(taken)
-        if look >= len(self._measurements):
-            raise ValueError(f"all {len(self._measurements)} looks are taken")
+        used = len(taken)
+        if used >= len(self._measurements):
+            raise ValueError(f"all {len(self._measurements)} measurements are used")
         taken.append(int(number))
-        return self._measurements[look, int(number)].copy(), self._covariances[look, int(number)].copy()
+        return self._measurements[used, int(number)].copy(), self._covariances[used, int(number)].copy()
 
 
 @dataclass(frozen=True, eq=False)
 class LostRobot:
-    """A robot that is not where it believes to be.
+    """Hold a robot whose estimate is wrong.
 
     Parameters
     ----------
     pose, covariance : ndarray, shape (3,) and (3, 3)
-        What it believes, and honestly: m, rad, field frame.
+        The estimate; it is consistent. m, rad, field frame.
     truth : ndarray, shape (3,)
-        Where it is.
-    looks : Looks
-        What it would measure.
+        The true pose.
+    sensor : LandmarkSensor
+        Its measurements.
     """
 
     pose: FloatArray
     covariance: FloatArray
     truth: FloatArray
-    looks: Looks
+    sensor: LandmarkSensor
 
 
 def make_robot(seed: int) -> LostRobot:
-    """Put a robot down somewhere, with a belief from which its truth is drawn."""
+    """Return a robot whose true pose is drawn from its estimate's distribution."""
     rng = np.random.default_rng([66, seed])
     pose = np.array([rng.uniform(0.4, 2.4), rng.uniform(-1.6, 1.6), rng.uniform(-np.pi, np.pi)])
     long, short = np.sort(rng.uniform(0.08, 0.5, 2))[::-1]
@@ -99,35 +100,32 @@ def make_robot(seed: int) -> LostRobot:
     covariance[2, 2] = np.radians(rng.uniform(3, 20)) ** 2
     truth = rng.multivariate_normal(pose, covariance)
     truth[2] = wrap_angle(truth[2])
-    seen = [
-        [look_at(truth, number, SensorNoise(), rng) for number in range(len(LANDMARKS))] for _ in range(LOOKS)
-    ]
-    looks = Looks(
-        np.array([[sight.measurement for sight in row] for row in seen]),
-        np.array([[sight.covariance for sight in row] for row in seen]),
-    )
-    return LostRobot(pose, covariance, truth, looks)
+    noise = SensorNoise()
+    exact = np.tile(range_and_bearing(truth, LANDMARKS), (BUDGET, 1, 1))
+    measured = noise.disturbed(exact, rng.standard_normal(exact.shape))
+    sensor = LandmarkSensor(measured, np.array([noise.covariances(each) for each in measured]))
+    return LostRobot(pose, covariance, truth, sensor)
 
 
 def judge(answer: Any, robot: LostRobot) -> CaseScore:
-    """Score a belief: by how many bits its density at the true pose is above that of the belief at first."""
+    """Score an estimate by how many bits its density at the true pose exceeds the first estimate's."""
     pose, covariance = as_belief(answer)
     before = robot.pose, robot.covariance
     return score_belief(pose, covariance, robot.truth, before, (robot, pose, covariance))
 
 
 def draw_worst_robots(run: Run) -> Drawing:
-    """Draw the robots with the fewest bits: before, after, and where they are."""
+    """Draw the robots with the fewest bits: estimates before and after, and the true pose."""
     keys = [
-        source_key("truth", "where it is"),
-        source_key("odometry", "believed before, 95 %"),
-        source_key("ekf", "believed after, 95 %"),
+        source_key("truth", "true pose"),
+        source_key("odometry", "estimate before, 95 %"),
+        source_key("ekf", "estimate after, 95 %"),
     ]
     return draw_worst(run, _plot_robot, keys, digits=1)
 
 
 def _plot_robot(ax: Axes, kept: Any) -> None:
-    """A true pose, and the beliefs before and after."""
+    """Plot a true pose and the estimates before and after."""
     robot, pose, covariance = kept
     plot_field(FIELD, ax)
     plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
@@ -140,17 +138,16 @@ def _plot_robot(ax: Axes, kept: Any) -> None:
 
 CHALLENGE = Challenge(
     lesson="06_localization",
-    title="Challenge 06: three looks",
-    task=f"{ROBOTS} robots do not know well where they are. Write a function of pose, covariance, "
-    "landmarks (10, 2) and looks. It may call "
-    "looks.at(number) three times, which returns a measurement and its R, and returns the pose and "
-    "covariance that it believes then.",
-    scoring="bits gained: how much denser your belief is at the true pose than the belief at first, as a "
-    "logarithm to the base 2, the mean "
-    "over all robots. Who is surer scores more, but only if the truth is where the belief says.",
+    title="Challenge 06: three measurements",
+    task=f"{ROBOTS} robots are uncertain about their pose. Write a function of pose, covariance, landmarks "
+    f"(10, 2) and sensor that returns a better pose and its covariance. It may call sensor.measure(number) "
+    f"{BUDGET} times; each call returns a measurement of that landmark and its R.",
+    scoring="bits gained: the logarithm to the base 2 of how much denser your estimate's distribution is at the "
+    "true pose than the first estimate's, averaged over all robots. A smaller covariance scores more, "
+    "but only if the true pose lies where it says.",
     seeds=range(ROBOTS),
     make=make_robot,
-    given=lambda robot: (robot.pose, robot.covariance, LANDMARKS, robot.looks),
+    given=lambda robot: (robot.pose, robot.covariance, LANDMARKS, robot.sensor),
     judge=judge,
     figure=draw_worst_robots,
     columns=(Column("off", " cm", 1), Column("stated", " cm", 1), Column("NEES", "", 1)),

@@ -1,45 +1,37 @@
-"""The diagnosis lab of lesson 06: the student's own filter with one thing wrong in it, and its instruments."""
+"""The diagnosis lab of lesson 06: the student's filter with one fault in it, and its readings."""
 
 from __future__ import annotations
 
-import types
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from nao_course.geometry import FloatArray
-from nao_course.lessons.localization.drives import (
-    LANDMARKS,
-    Drive,
-    Sight,
-    Trace,
-    follow,
-    lap,
-)
+from nao_course.geometry import FloatArray, pose_errors, wrap_angle
+from nao_course.lessons.localization.drives import LANDMARKS, Trace, follow, lap
+from nao_course.sim.drives import Drive
 from nao_course.slam import range_and_bearing
 
 LAB_SEEDS = range(200, 220)  # drives of each patient
+_SHIFT = 1e-3  # rad
 Localize = Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False)
 class Bug:
-    """One thing that is wrong with a filter.
+    """Describe one fault of a filter and apply it.
 
     Parameters
     ----------
     name : str
-        What it is.
+        Of the fault.
     shows : str
-        What its instruments show, for a student who has named it.
+        What the plots show, for a student who has named it.
     in_update : callable
-        ``in_update(localize)`` returns the `localize` that is ill.
-    in_sight : callable
-        ``in_sight(sight)`` returns what is measured instead.
-    in_parts : mapping of str to callable
-        Functions that the student's `localize` finds in place of its own.
+        ``in_update(localize)`` returns the faulty `localize`.
+    in_measurements : callable
+        ``in_measurements(measurements)`` returns the faulty measurements, (n, 2).
     noise : float
         Factor of the control's covariance.
     """
@@ -47,45 +39,17 @@ class Bug:
     name: str
     shows: str
     in_update: Callable[[Localize], Localize] = lambda localize: localize
-    in_sight: Callable[[Sight], Sight] = lambda sight: sight
-    in_parts: Mapping[str, Callable[..., Any]] | None = None
+    in_measurements: Callable[[FloatArray], FloatArray] = lambda measurements: measurements
     noise: float = 1.0
 
 
-def with_parts(localize: Localize, parts: Mapping[str, Callable[..., Any]]) -> Localize:
-    """Return a copy of a notebook's function that finds other functions under some names; the own one stays.
-
-    Raises
-    ------
-    NotImplementedError
-        If it is still blank.
-    ValueError
-        If it does not use one of these names.
-    """
-    code = getattr(localize, "__code__", None)
-    if "NotImplementedError" in getattr(code, "co_names", ()):
-        raise NotImplementedError
-    if not isinstance(localize, types.FunctionType) or code is None or not set(parts) <= set(code.co_names):
-        raise ValueError(
-            f"your localize does not call {' and '.join(f'{name}()' for name in parts)}, so no other one can be put in "
-            "its place: exercise 6.7 asks for that"
-        )
-    return types.FunctionType(
-        code,
-        {**localize.__globals__, **parts},
-        localize.__name__,
-        localize.__defaults__,
-        localize.__closure__,
-    )
-
-
-# --- what can be wrong ---
+# --- faults; each needs a correct `localize` only, however it is written ---
 
 
 def _mirrored(localize: Localize) -> Localize:
-    """As if the innovation had the other sign: what is measured lies on the other side of what is expected."""
+    """Give the innovation the other sign by mirroring the measurement at the expected one."""
 
-    def ill(
+    def faulty(
         pose: FloatArray,
         covariance: FloatArray,
         measured: FloatArray,
@@ -95,11 +59,11 @@ def _mirrored(localize: Localize) -> Localize:
         expected = range_and_bearing(pose, landmark)
         return localize(pose, covariance, 2 * expected - measured, landmark, noise)
 
-    return ill
+    return faulty
 
 
 def _with_noise(change: Callable[[FloatArray], FloatArray]) -> Callable[[Localize], Localize]:
-    """Another R."""
+    """Return a fault that changes R."""
 
     def in_update(localize: Localize) -> Localize:
         return lambda pose, covariance, measured, landmark, noise: localize(
@@ -109,100 +73,113 @@ def _with_noise(change: Callable[[FloatArray], FloatArray]) -> Callable[[Localiz
     return in_update
 
 
-def _stale(localize: Localize) -> Localize:
-    """The covariance stays what it was."""
+def _not_updating_p(localize: Localize) -> Localize:
+    """Return the old covariance."""
     return lambda pose, covariance, *rest: (localize(pose, covariance, *rest)[0], covariance)
 
 
 def _twice(localize: Localize) -> Localize:
-    """Each measurement is taken in twice."""
+    """Update twice with each measurement."""
     return lambda pose, covariance, *rest: localize(*localize(pose, covariance, *rest), *rest)
 
 
-def _not_wrapped(pose: FloatArray, landmark: FloatArray) -> FloatArray:
-    direction, distance = range_and_bearing((pose[0], pose[1], 0.0), landmark)
-    return np.array([direction - pose[2], distance])
+def _not_wrapping(localize: Localize) -> Localize:
+    """Add the full turns that wrapping removes; the new pose is linear in the innovation."""
+
+    def faulty(
+        pose: FloatArray,
+        covariance: FloatArray,
+        measured: FloatArray,
+        landmark: FloatArray,
+        noise: FloatArray,
+    ) -> Any:
+        new, new_covariance = localize(pose, covariance, measured, landmark, noise)
+        direction, _ = range_and_bearing((pose[0], pose[1], 0.0), landmark)
+        turns = round((measured[0] - (direction - pose[2])) / (2 * np.pi))
+        if turns:
+            shifted, _ = localize(pose, covariance, measured + (_SHIFT, 0.0), landmark, noise)
+            new = np.asarray(new) + pose_errors(shifted, new) / _SHIFT * 2 * np.pi * turns
+            new[2] = wrap_angle(new[2])
+        return new, new_covariance
+
+    return faulty
 
 
-def _of_another(pose: FloatArray, landmark: FloatArray) -> FloatArray:
-    """Slopes of (bearing, range) by the pose at the next landmark of the list."""
-    number = int(np.abs(LANDMARKS - landmark).sum(axis=1).argmin())
-    away = LANDMARKS[(number + 1) % len(LANDMARKS)] - np.asarray(pose)[:2]
-    ahead = away / np.hypot(*away)
-    across = np.array([ahead[1], -ahead[0]]) / np.hypot(*away)
-    return np.vstack([np.append(across, -1.0), np.append(-ahead, 0.0)])
+def _with_jacobian_of_another(localize: Localize) -> Localize:
+    """Linearise at the next landmark of the list; the innovation stays the same."""
+
+    def faulty(
+        pose: FloatArray,
+        covariance: FloatArray,
+        measured: FloatArray,
+        landmark: FloatArray,
+        noise: FloatArray,
+    ) -> Any:
+        number = int(np.abs(LANDMARKS - landmark).sum(axis=1).argmin())
+        other = LANDMARKS[(number + 1) % len(LANDMARKS)]
+        moved = range_and_bearing(pose, other) - range_and_bearing(pose, landmark)
+        return localize(pose, covariance, measured + moved, other, noise)
+
+    return faulty
 
 
-def _in_degrees(sight: Sight) -> Sight:
-    return replace(sight, measurement=sight.measurement * (np.degrees(1.0), 1.0))
-
-
-def _too_far(sight: Sight) -> Sight:
-    return replace(sight, measurement=sight.measurement * (1.0, 1.15))
-
-
-HEALTHY = Bug(
-    "nothing: it is healthy",
-    "Residuals around zero, NIS and NEES in their bands.",
-)
+HEALTHY = Bug("no fault", "Residuals are centred on zero, and NIS and NEES are in their bands.")
 BUGS = (
     Bug(
         "the innovation's sign",
-        "Every correction goes the wrong way: residuals grow from look to look, and both NIS and NEES "
-        "leave the paper within a few steps, while the ellipse stays small.",
+        "Every correction goes the wrong way, so the residuals grow with each measurement, and NIS and NEES "
+        "leave the plot within a few steps, while the ellipse stays small.",
         in_update=_mirrored,
     ),
     Bug(
         "the bearing is not wrapped",
-        "All is well until the heading passes 180 degrees. Then one innovation is off by a full turn, "
+        "The filter works until the heading passes 180 degrees. Then one innovation is off by a full turn, "
         "and the estimate jumps.",
-        in_parts={
-            "expected_measurement": _not_wrapped,
-            "innovation": lambda expected, measured: np.asarray(measured) - np.asarray(expected),
-        },
+        in_update=_not_wrapping,
     ),
     Bug(
         "R holds standard deviations",
-        "0.026 rad and 0.1 m stand where their squares belong: the filter hardly believes what it sees. "
-        "NIS and NEES both lie far below their bands.",
+        "R contains 0.026 rad and 0.1 m instead of their squares, so the filter hardly uses its "
+        "measurements. NIS and NEES are both far below their bands.",
         in_update=_with_noise(np.sqrt),
     ),
     Bug(
-        "Q is forgotten",
-        "The ellipse only ever shrinks, so later measurements count for ever less. NIS and NEES begin at 1 "
-        "and climb from the second step on.",
+        "Q is missing",
+        "The ellipse only shrinks, so later measurements get less and less weight. NIS and NEES start at 1 "
+        "and grow from the second step on.",
         noise=1e-9,
     ),
     Bug(
         "H belongs to another landmark",
-        "Corrections point to wrong places: residuals are several times too large, NIS and NEES too, "
-        "from the first look on; yet the filter does not run away for good.",
-        in_parts={"measurement_jacobian_pose": _of_another},
+        "Corrections point in wrong directions, so residuals, NIS and NEES are several times too large from "
+        "the first measurement on; but the filter does not diverge.",
+        in_update=_with_jacobian_of_another,
     ),
     Bug(
         "bearings in degrees",
-        "The bearing's residuals are spread over the whole circle, from the first look on.",
-        in_sight=_in_degrees,
+        "The residuals of the bearing are spread over the whole circle from the first measurement on.",
+        in_measurements=lambda measurements: measurements * (np.degrees(1.0), 1.0),
     ),
     Bug(
         "P is not updated",
-        "The ellipse only ever grows: NIS and NEES fall from step to step.",
-        in_update=_stale,
+        "The ellipse only grows, so NIS and NEES fall from step to step.",
+        in_update=_not_updating_p,
     ),
     Bug(
-        "R is left out of S",
-        "Each measurement is believed as if it were exact: the ellipse is far too small. NIS is only a "
-        "little high, because R is most of S; NEES is enormous.",
+        "R is missing in S",
+        "The filter treats each measurement as exact, so its ellipse is far too small. NIS is less than "
+        "twice its healthy value, because the readings use the correct S, which is mostly R; but NEES is enormous.",
         in_update=_with_noise(lambda noise: noise * 1e-6),
     ),
     Bug(
         "ranges 15 % too long",
-        "Residuals of the range are not around zero. That is the sign of a bias: no covariance can mend it.",
-        in_sight=_too_far,
+        "The residuals of the range are not centred on zero. The measurement has a bias, and no covariance "
+        "can describe a bias.",
+        in_measurements=lambda measurements: measurements * (1.0, 1.15),
     ),
     Bug(
         "each measurement is used twice",
-        "Residuals and NIS look healthy. Only NEES, about twice what it should be, shows that the "
+        "Residuals and NIS look healthy. Only NEES, which is nearly twice its healthy value, shows that the "
         "ellipse is too small.",
         in_update=_twice,
     ),
@@ -212,50 +189,59 @@ BUGS = (
 def patient(
     bug: Bug, functions: Mapping[str, Callable[..., Any]], drives: int = len(LAB_SEEDS)
 ) -> list[Trace]:
-    """Let a filter with a bug drive.
+    """Run a filter with a bug along the lab's drives.
 
     Parameters
     ----------
     bug : Bug
-        What is wrong.
+        The fault.
     functions : mapping of str to callable
-        The student's localize, predict_pose and predict_covariance.
+        The student's `localize`, `predict_pose` and `predict_covariance`.
     drives : int
-        How many of the lab's drives.
+        Number of drives.
 
     Returns
     -------
     list of Trace
-        One for each of the lab's drives; the instruments show what the filter measures, with the true R.
+        One for each drive; innovations and S are computed with the correct R.
     """
     localize = functions["localize"]
-    ill = bug.in_update(localize if bug.in_parts is None else with_parts(localize, bug.in_parts))
+    faulty = bug.in_update(localize)
     traces = []
     for seed in LAB_SEEDS[:drives]:
         drive, error = lap(seed)
-        seen = tuple(tuple(map(bug.in_sight, sights)) for sights in drive.sights)
-        changed = Drive(drive.truth, drive.controls, drive.control_covariances * bug.noise, seen)
+        steps = (
+            replace(
+                step,
+                control_covariance=step.control_covariance * bug.noise,
+                measurements=bug.in_measurements(step.measurements),
+            )
+            for step in drive.steps
+        )
+        changed = Drive(LANDMARKS, tuple(steps))
         with np.errstate(all="ignore"):
             traces.append(
-                follow(changed, ill, functions["predict_pose"], functions["predict_covariance"], error=error)
+                follow(
+                    changed, faulty, functions["predict_pose"], functions["predict_covariance"], error=error
+                )
             )
     return traces
 
 
 @dataclass(frozen=True)
 class Readings:
-    """What the instruments show of a patient, over all its drives.
+    """Summarise the traces of a patient over all its drives.
 
     Parameters
     ----------
     bearing, range : float
-        Median innovation in standard deviations, as S has them: 0 is healthy.
+        Median innovation in standard deviations of S; 0 is healthy.
     nis_early, nis_late : float
-        Median NIS of the first and the last third of the drive, over the median it should have: 1 is healthy.
+        Median NIS of the first and the last third of the drive, divided by its healthy value.
     nis_peak : float
-        The same of the one step where it is largest.
+        Median NIS of the step with the largest one, divided by its healthy value.
     nees_early, nees_late : float
-        As of NIS.
+        Median NEES of the first and the last third, divided by its healthy value.
     """
 
     bearing: float
@@ -267,15 +253,18 @@ class Readings:
     nees_late: float
 
 
-MEDIAN_NIS, MEDIAN_NEES = 1.386, 2.366  # of chi-square with two and with three degrees of freedom
+MEDIAN_NIS, MEDIAN_NEES = 1.386, 2.366  # of chi-square with two and three degrees of freedom
 
 
 def read(traces: list[Trace]) -> Readings:
-    """Read the instruments."""
+    """Return the readings of a patient's traces."""
     steps = np.concatenate([trace.steps for trace in traces])
     nis = np.concatenate([trace.nis for trace in traces])
     scaled = np.concatenate(
-        [trace.innovations / np.sqrt(np.diagonal(trace.spreads, axis1=1, axis2=2)) for trace in traces]
+        [
+            trace.innovations / np.sqrt(np.diagonal(trace.innovation_covariances, axis1=1, axis2=2))
+            for trace in traces
+        ]
     )
     nees = np.array([trace.nees for trace in traces])
     third = nees.shape[1] // 3

@@ -1,4 +1,4 @@
-"""What lesson 00, Meet the NAO, alone uses."""
+"""Figures, measurements and challenge of lesson 00, Meet the NAO."""
 
 from nao_course.lessons.meet_the_nao.drift import commanded, draw_drift, draw_growth, measure_drift
 from nao_course.lessons.meet_the_nao.figures import (
@@ -25,5 +25,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the names that tab completion shows."""
     return __all__

@@ -1,4 +1,4 @@
-"""The challenge of lesson 00: a slalom that twenty robots drive blind, by odometry alone."""
+"""The challenge of lesson 00: a slalom that twenty robots drive by odometry alone."""
 
 from __future__ import annotations
 
@@ -17,47 +17,47 @@ from nao_course.sim import repeat_drive
 from nao_course.slam import Motion
 
 ROBOTS = 20
-OTHERS = 10  # more robots for each of these, to see what luck did
+OTHERS = 10  # additional robots for each of these, which show whether a plan was lucky
 MOST_COMMANDS = 200
 
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot that slips in its own way: the seed of its errors."""
+    """A robot with its own odometry errors, given by their seed."""
 
     seed: int
 
     def drive(self, plan: Sequence[Motion]) -> FloatArray:
-        """Where it really goes, from (0, 0, 0): its poses (M + 1, 3)."""
+        """Return its true poses from (0, 0, 0), shape (M + 1, 3)."""
         path: FloatArray = repeat_drive(list(plan), 1, np.random.default_rng(self.seed))[0]
         return path
 
     def others(self, plan: Sequence[Motion]) -> FloatArray:
-        """Where robots go that slip in other ways: (N, M + 1, 3)."""
+        """Return the true poses of robots with other errors, shape (N, M + 1, 3)."""
         return repeat_drive(list(plan), OTHERS, np.random.default_rng([self.seed, 1]))
 
 
 def as_plan(answer: Any) -> list[Motion]:
-    """Return an answer as commands.
+    """Return a student's answer as a list of commands.
 
     Raises
     ------
     TypeError, ValueError
-        If it is something else; the message is for the student.
+        If the answer is not a list of at most 200 motions. The message is for the student.
     """
     if answer is None:
-        raise TypeError("Your plan is None: a plan is a list of Motion(distance, turn).")
+        raise TypeError("Your plan is None. A plan is a list of Motion(distance, turn).")
     if isinstance(answer, Motion) or not isinstance(answer, list | tuple):
         raise TypeError(f"A plan is a list of Motion(distance, turn), got {type(answer).__name__}.")
     for number, each in enumerate(answer, start=1):
         if type(each) is not Motion:
             raise TypeError(
-                f"Command {number} of your plan is no Motion(distance, turn), but {type(each).__name__}."
+                f"Command {number} of your plan is of type {type(each).__name__}. It must be a Motion(distance, turn)."
             )
         if abs(each.turn) > 2 * np.pi:
             raise ValueError(
-                f"Command {number} of your plan turns by {each.turn:g} radians, more than a full turn: say "
-                f"np.radians({each.turn:g}) where degrees are meant."
+                f"Command {number} of your plan turns by {each.turn:g} radians, which is more than a full turn. If you "
+                f"mean degrees, write np.radians({each.turn:g})."
             )
     if len(answer) > MOST_COMMANDS:
         raise ValueError(f"A plan has at most {MOST_COMMANDS} commands, got {len(answer)}.")
@@ -65,21 +65,21 @@ def as_plan(answer: Any) -> list[Motion]:
 
 
 def judge(answer: Any, robot: Robot) -> CaseScore:
-    """Let a robot drive a plan: how many gates it passes, in any order and from either side."""
+    """Drive a plan with one robot and count the gates that it passes, in any order and from either side."""
     plan = as_plan(answer)
-    path, told = robot.drive(plan), as_told(plan)
+    path, planned = robot.drive(plan), without_errors(plan)
     through = passed(path[:, :2])
     columns = {
-        "planned": float(passed(told[:, :2]).sum()),
-        "way": float(sum(abs(motion.distance) for motion in plan)),
-        "off at the end": float(np.hypot(*(path[-1, :2] - told[-1, :2]))),
+        "planned": float(passed(planned[:, :2]).sum()),
+        "distance": float(sum(abs(motion.distance) for motion in plan)),
+        "off at the end": float(np.hypot(*(path[-1, :2] - planned[-1, :2]))),
         "with 200 other robots": float(np.mean([passed(each[:, :2]).sum() for each in robot.others(plan)])),
     }
-    return CaseScore(float(through.sum()), columns, (path, told, through))
+    return CaseScore(float(through.sum()), columns, (path, planned, through))
 
 
-def as_told(plan: Sequence[Motion]) -> FloatArray:
-    """Where a plan leads without any error: poses (M + 1, 3), as the robot's odometry has it."""
+def without_errors(plan: Sequence[Motion]) -> FloatArray:
+    """Return the poses that a plan leads to without errors, shape (M + 1, 3)."""
     pose, poses = np.zeros(3), [np.zeros(3)]
     for motion in plan:
         x, y, theta = pose
@@ -93,17 +93,18 @@ def as_told(plan: Sequence[Motion]) -> FloatArray:
 CHALLENGE = Challenge(
     lesson="00_meet_the_nao",
     title="Challenge 00: the blind slalom",
-    task="Write one list of Motion(distance, turn), from the middle of the halfway line, that leads "
-    f"{ROBOTS} robots through as many of {len(GATES)} gates as possible. They cannot see, and each of them slips in "
-    "its own way.",
-    scoring="gates passed, the mean over all robots. Each gate counts once, in any order and from either side.",
+    task="Write one list of Motion(distance, turn), from the midpoint of the halfway line, that leads "
+    f"{ROBOTS} robots through as many of {len(GATES)} gates as possible. The robots do not "
+    "use their cameras, and each of them makes its own errors.",
+    scoring="the number of gates passed, averaged over all robots. Each gate counts once, in any order and from "
+    "either side.",
     seeds=tuple(Robot(seed) for seed in range(1, ROBOTS + 1)),
     make=lambda robot: robot,
     judge=judge,
     figure=draw_slalom,
     columns=(
         Column("planned", digits=0),
-        Column("way", " m", 1),
+        Column("distance", " m", 1),
         Column("off at the end", " m"),
         Column("with 200 other robots"),
     ),

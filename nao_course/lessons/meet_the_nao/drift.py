@@ -1,4 +1,4 @@
-"""Odometry's drift in lesson 00: measured over many robots, drawn for some, and as it grows with the way."""
+"""Odometry drift in lesson 00: measurements with many robots, and figures of paths and of drift over distance."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from nao_course.slam import Motion
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
 
-_LOOKS = (("#6f4aa0", "v"), ("#1f7a6b", "X"))  # colour and marker; not those of a source of poses
+_LINE_STYLES = (("#6f4aa0", "v"), ("#1f7a6b", "X"))  # colour and marker, different from all sources of poses
 _ROBOTS = 2000  # enough for a median that is the same to a few per cent at every seed
 
 
 def measure_drift(commands: Sequence[Motion], seed: int, noise: OdometryNoise | None = None) -> FloatArray:
-    """Measure how far robots are from where their commands lead.
+    """Measure the distances between robots and the poses that their commands lead to.
 
     Parameters
     ----------
     commands : sequence of Motion
         M commands, the same for all robots.
     seed : int
-        Of their errors.
+        Seed of the robots' errors.
     noise : OdometryNoise, optional
-        Size of their errors.
+        Standard deviations of the errors; the default is `OdometryNoise()`.
 
     Returns
     -------
     ndarray, shape (2000, M + 1)
-        Metres, for each robot at the start and after each command.
+        Distances in metres, for each robot at the start and after each command.
     """
     paths = repeat_drive(list(commands), _ROBOTS, np.random.default_rng(seed), noise)
     meant = commanded(commands)
@@ -51,48 +51,47 @@ def measure_drift(commands: Sequence[Motion], seed: int, noise: OdometryNoise | 
 
 
 def commanded(commands: Sequence[Motion]) -> FloatArray:
-    """Return where commands lead without any error: (x, y, theta) at the start and after each, shape (M + 1, 3)."""
+    """Return the poses that commands lead to without errors, at the start and after each, shape (M + 1, 3)."""
     return repeat_drive(list(commands), 1, np.random.default_rng(0), OdometryNoise(0, 0, 0, 0))[0]
 
 
+@course_style()
 def draw_growth(drives: Mapping[str, Sequence[Motion]], seed: int, title: str | None = None) -> Drawing:
-    """Draw how drift grows with the way, for some drives.
+    """Draw how drift grows with the distance, for one or two drives.
 
     Parameters
     ----------
     drives : mapping of str to sequence of Motion
-        Commands of one or two drives, by what each is called.
+        Commands of one or two drives, by the names in the legend.
     seed : int
-        Of the robots' errors, the same for all drives.
+        Seed of the robots' errors, the same for all drives.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        For each drive the median of 2000 robots, and a band that nine in ten lie below.
+        For each drive the median of 2000 robots, and a band with 90 % of them.
     """
-    words = [f"{title or 'Drift over the way'}."]
-    with course_style():
-        figure = Figure(figsize=(7.4, 4.4))
-        ax = figure.add_subplot()
-        for (name, commands), (colour, marker) in zip(drives.items(), _LOOKS, strict=False):
-            way = np.concatenate([[0.0], np.cumsum([abs(each.distance) for each in commands])])
-            middle, most = np.quantile(measure_drift(commands, seed), [0.5, 0.9], axis=0)
-            ax.plot(
-                way, middle, color=colour, marker=marker, lw=2, ms=5, label=name
-            )
-            ax.fill_between(way, 0, most, color=colour, alpha=0.13, lw=0)
-            words.append(
-                f"{name}: median {middle[-1]:.2f} m after {way[-1]:.0f} m, nine in ten below {most[-1]:.2f} m."
-            )
-        ax.set(xlabel="commanded way (m)", ylabel="distance from where the commands lead (m)", xlim=0, ylim=0)
-        ax.grid(color="#e3e5e8")
-        ax.legend(title="median; nine in ten are in the band", loc="upper left")
-        ax.set_title(title or "")
+    words = [f"{title or 'Drift over the distance'}."]
+    figure = Figure(figsize=(7.4, 4.4))
+    ax = figure.add_subplot()
+    for (name, commands), (colour, marker) in zip(drives.items(), _LINE_STYLES, strict=False):
+        way = np.concatenate([[0.0], np.cumsum([abs(each.distance) for each in commands])])
+        median, most = np.quantile(measure_drift(commands, seed), [0.5, 0.9], axis=0)
+        ax.plot(way, median, color=colour, marker=marker, lw=2, ms=5, label=name)
+        ax.fill_between(way, 0, most, color=colour, alpha=0.13, lw=0)
+        words.append(
+            f"{name}: median {median[-1]:.2f} m after {way[-1]:.0f} m, 90 % of the robots below {most[-1]:.2f} m."
+        )
+    ax.set(xlabel="commanded distance (m)", ylabel="drift (m)", xlim=0, ylim=0)
+    ax.grid(color="#e3e5e8")
+    ax.legend(title="median, and band with 90 % of the robots", loc="upper left")
+    ax.set_title(title or "")
     return Drawing(figure, " ".join(words))
 
 
+@course_style()
 def draw_drift(
     paths: npt.ArrayLike,
     field: Field | None = None,
@@ -101,30 +100,30 @@ def draw_drift(
     commanded: PathLike | None = None,
     title: str | None = None,
 ) -> Drawing:
-    """Draw robots that got the same commands, and where they went.
+    """Draw the paths of robots that got the same commands.
 
     Parameters
     ----------
     paths : array_like, shape (N, M + 1, 3)
-        Each robot's poses, such as `nao_course.sim.repeat_drive` gives.
+        Poses of each robot, as returned by `nao_course.sim.repeat_drive`.
     field : Field, optional
-        Drawn below them.
+        Field that is drawn below the paths.
     start : Pose, optional
-        Where the paths' origin is in the world.
+        Pose of the paths' origin in the field frame.
     commanded : Pose, sequence of Pose, or array_like of shape (M + 1, 2) or (M + 1, 3), optional
-        Where the commands lead without any error, from the same origin: each robot's odometry.
+        Poses that the commands lead to without errors, from the same origin. This is each robot's odometry.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        The figure; its text gives the spread at the end.
+        The figure; its text gives the standard deviations of the last positions.
 
     Raises
     ------
     ValueError
-        For another shape.
+        If `paths` has another shape.
     """
     array = np.asarray(paths, dtype=float)
     if array.ndim != 3 or array.shape[2] != 3 or not array.shape[0] or not array.shape[1]:
@@ -133,41 +132,46 @@ def draw_drift(
         )
     origin = start or Pose()
     robots, ends = len(array), origin.to_parent(array[:, -1, :2])
-    believed = None if commanded is None else as_path(commanded, "commanded")
+    planned = None if commanded is None else as_path(commanded, "commanded")
     truth = STYLES["truth"]
     keys: list[Artist] = [
         Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=5, label="true paths, ends")
     ]
-    with course_style():
-        figure = Figure(figsize=(6.4, 6.9) if field is None or field.half else (9.2, 6.6))
-        ax = figure.add_subplot()
-        everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
-        metric_axes(ax, everywhere, margin=0.4)
-        if field is None:
-            ax.grid(color="#e3e5e8")
-        if field is not None:
-            plot_field(field, ax)
-        for path in array:
-            ax.plot(*origin.to_parent(path[:, :2]).T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
-        ax.plot(*ends.T, truth.marker, color=truth.colour, ms=5, mec="white", mew=0.7, zorder=5)
-        if robots >= 3:
-            outline = ellipse_outlines(ends.mean(axis=0), np.cov(ends.T)[None])
-            ax.add_collection(filled_outlines(outline, truth.colour))
-            keys.append(Patch(facecolor="#d4d4d4", edgecolor=truth.colour, label="95 % of the ends"))
-        if believed is not None and len(believed):
-            placed = np.column_stack([origin.to_parent(believed[:, :2]), believed[:, 2] + origin.theta])
-            plot_path(placed, ax, "odometry")
-            keys.append(source_key("odometry", "what each believes"))
-        ax.plot(origin.x, origin.y, "*", color=YELLOW, mec="black", ms=13, zorder=7)
-        keys.append(Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"))
-        legend_below(figure, keys, columns=2 if field is None or field.half else 4)
-        ax.set_title(title or "")
+    figure = Figure(figsize=(6.4, 6.9) if field is None or field.half else (9.2, 6.6))
+    ax = figure.add_subplot()
+    everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
+    metric_axes(ax, everywhere, margin=0.4)
+    if field is None:
+        ax.grid(color="#e3e5e8")
+    if field is not None:
+        plot_field(field, ax)
+    for path in array:
+        ax.plot(*origin.to_parent(path[:, :2]).T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
+    ax.plot(*ends.T, truth.marker, color=truth.colour, ms=5, mec="white", mew=0.7, zorder=5)
+    if robots >= 3:
+        outline = ellipse_outlines(ends.mean(axis=0), np.cov(ends.T)[None])
+        ax.add_collection(filled_outlines(outline, truth.colour))
+        keys.append(Patch(facecolor="#d4d4d4", edgecolor=truth.colour, label="95 % of the ends"))
+    if planned is not None and len(planned):
+        placed = np.column_stack([origin.to_parent(planned[:, :2]), planned[:, 2] + origin.theta])
+        plot_path(placed, ax, "odometry")
+        keys.append(source_key("odometry", "odometry of each robot"))
+    ax.plot(origin.x, origin.y, "*", color=YELLOW, mec="black", ms=13, zorder=7)
+    keys.append(Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"))
+    legend_below(figure, keys, columns=2 if field is None or field.half else 4)
+    ax.set_title(title or "")
+    words = _say_ends(ends, title or "Drift", array.shape[1] - 1)
+    if planned is not None and len(planned):
+        words += f" The odometry of each robot ends at {say_place(placed[-1])}."
+    return Drawing(figure, words)
+
+
+def _say_ends(ends: FloatArray, title: str, commands: int) -> str:
+    """Describe the mean and the standard deviations of the robots' last positions in words."""
+    robots = len(ends)
     spread = ends.std(axis=0, ddof=1) if robots > 1 else np.zeros(2)
-    words = (
-        f"{title or 'Drift'}: {say_count(robots, 'robot')}, the same {say_count(array.shape[1] - 1, 'command')} each. "
+    return (
+        f"{title}: {say_count(robots, 'robot')}, the same {say_count(commands, 'command')} each. "
         f"They end around ({ends[:, 0].mean():.2f}, {ends[:, 1].mean():.2f}) m, with standard deviations "
         f"{spread[0]:.2f} m in x and {spread[1]:.2f} m in y."
     )
-    if believed is not None and len(believed):
-        words += f" Each believes it is at {say_place(placed[-1])}."
-    return Drawing(figure, words)

@@ -1,8 +1,8 @@
-"""Figures of lesson 00: frames and angles, what both cameras see, and how finely."""
+"""Figures of lesson 00: frames and angles, the views of both cameras, and their resolution on the ground."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,12 +19,9 @@ from nao_course.plotting.pictures import plot_picture
 from nao_course.plotting.style import CARPET, HALO, STYLES, course_style
 from nao_course.sim import NAO_V4, CameraView, Field, Landmark, SimulatedNao
 
-if TYPE_CHECKING:
-    pass
-
 
 def _inside(view: CameraView, x: FloatArray, y: FloatArray) -> FloatArray:
-    """How many pixels inside the picture points of the ground fall; negative outside it."""
+    """Return the distance in pixels of ground points from the picture's border, negative outside of the picture."""
     pixels = view.project(np.column_stack([x.ravel(), y.ravel()]))
     width, height = view.size
     sides = [pixels[:, 0] + 0.5, width - 0.5 - pixels[:, 0], pixels[:, 1] + 0.5, height - 0.5 - pixels[:, 1]]
@@ -38,9 +35,9 @@ _CAMERA_COLOURS = {"top": "#0b5fa5", "bottom": "#c84b00"}
 def plot_footprint(
     view: CameraView, ax: Axes, colour: str = STYLES["ekf"].colour, reach: float = 6.0
 ) -> None:
-    """Draw the part of the ground a camera sees, up to `reach` metres.
+    """Draw the part of the ground that a camera sees, up to `reach` metres away.
 
-    The axis is in the robot's frame, seen from above: ahead is up, so its x axis holds y and points left.
+    The figure shows the robot frame from above. Straight ahead is up, so the horizontal axis is y and points left.
     """
     x, y = np.meshgrid(np.linspace(-1.0, reach, 281), np.linspace(-reach, reach, 321))
     values = np.minimum(_inside(view, x, y), (reach - np.hypot(x, y)) * 100)
@@ -49,17 +46,18 @@ def plot_footprint(
         ax.contour(y, x, values, levels=[0], colors=[colour], linewidths=1.6, zorder=3)
 
 
+@course_style()
 def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: str | None = None) -> Drawing:
-    """Draw what both cameras see, and which part of the ground that is.
+    """Draw the pictures of both cameras and the part of the ground that each of them sees.
 
     Parameters
     ----------
     nao : SimulatedNao
-        It takes a picture with each camera, so its random numbers go on.
+        Robot that takes a picture with each camera, which uses its random numbers.
     size : (int, int)
-        Of the pictures, pixels.
+        Width and height of the pictures, in pixels.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
@@ -68,38 +66,37 @@ def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: s
     """
     pictures = {camera: nao.take_picture(camera, size) for camera in ("top", "bottom")}
     reach = 4.0
-    with course_style():
-        figure = Figure(figsize=(9.8, 6.2))
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.32))
-        for row, (camera, picture) in enumerate(pictures.items()):
-            ax = figure.add_subplot(grid[row, 0])
-            plot_picture(picture, ax, ticks=False)
-            ax.set_title(f"{camera} camera", fontsize=11, color=_CAMERA_COLOURS[camera])
-            for spine in ax.spines.values():
-                spine.set(visible=True, color=_CAMERA_COLOURS[camera], linewidth=2.5)
-        ax = figure.add_subplot(grid[:, 1])
-        for radius in range(1, int(reach) + 1):
-            ax.add_patch(Circle((0, 0), radius, fill=False, color="#d5d8dc", lw=0.9, zorder=1))
-        for camera, picture in pictures.items():
-            plot_footprint(picture.view, ax, _CAMERA_COLOURS[camera], reach)
-        ax.plot(0, 0, "o", color="#1a1a1a", ms=9, zorder=5)
-        ax.plot([0, 0], [0, 0.3], color="#1a1a1a", lw=2.4, zorder=5)
-        ax.annotate("robot", (0, 0), (8, -12), textcoords="offset points")
-        ax.set(
-            aspect="equal",
-            xlim=(2.6, -2.6),
-            ylim=(-0.6, reach + 0.1),
-            xlabel="y (m), left is positive",
-            ylabel="x ahead (m)",
-        )
-        ax.set_title("the ground they see, robot frame", fontsize=11)
-        keys = [
-            Patch(facecolor=colour, alpha=0.5, label=f"{camera} camera")
-            for camera, colour in _CAMERA_COLOURS.items()
-        ]
-        legend_below(figure, keys)
-        if title:
-            figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
+    figure = Figure(figsize=(9.8, 6.2))
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.32))
+    for row, (camera, picture) in enumerate(pictures.items()):
+        ax = figure.add_subplot(grid[row, 0])
+        plot_picture(picture, ax, ticks=False)
+        ax.set_title(f"{camera} camera", fontsize=11, color=_CAMERA_COLOURS[camera])
+        for spine in ax.spines.values():
+            spine.set(visible=True, color=_CAMERA_COLOURS[camera], linewidth=2.5)
+    ax = figure.add_subplot(grid[:, 1])
+    for radius in range(1, int(reach) + 1):
+        ax.add_patch(Circle((0, 0), radius, fill=False, color="#d5d8dc", lw=0.9, zorder=1))
+    for camera, picture in pictures.items():
+        plot_footprint(picture.view, ax, _CAMERA_COLOURS[camera], reach)
+    ax.plot(0, 0, "o", color="#1a1a1a", ms=9, zorder=5)
+    ax.plot([0, 0], [0, 0.3], color="#1a1a1a", lw=2.4, zorder=5)
+    ax.annotate("robot", (0, 0), (8, -12), textcoords="offset points")
+    ax.set(
+        aspect="equal",
+        xlim=(2.6, -2.6),
+        ylim=(-0.6, reach + 0.1),
+        xlabel="y (m), left is positive",
+        ylabel="x ahead (m)",
+    )
+    ax.set_title(f"the ground they see, up to {reach:.0f} m", fontsize=11)
+    keys = [
+        Patch(facecolor=colour, alpha=0.5, label=f"{camera} camera")
+        for camera, colour in _CAMERA_COLOURS.items()
+    ]
+    legend_below(figure, keys)
+    if title:
+        figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
     yaw, pitch = nao.head
     words = [
         f"Both cameras with the head at yaw {say_angle(yaw)}, pitch {say_angle(pitch)} (positive is down)."
@@ -115,47 +112,49 @@ def _say_footprint(camera: str, view: CameraView) -> str:
     if not len(seen):
         return f"The {camera} camera sees no ground."
     far = "the horizon" if seen[-1] > 19.9 else f"{seen[-1]:.1f} m"
-    return f"The {camera} camera sees the ground from {seen[0]:.1f} m to {far} before it."
+    return f"The {camera} camera sees the ground from {seen[0]:.1f} m to {far} ahead."
 
 
+@course_style()
 def draw_ground_steps(view: CameraView, title: str | None = None) -> Drawing:
-    """Draw how many pixels a step of 10 cm on the ground is, by its distance straight ahead.
+    """Draw the number of pixels that 10 cm on the ground cover, over the distance straight ahead.
 
     Parameters
     ----------
     view : CameraView
-        Of a camera that looks ahead; only what it sees is drawn.
+        View of a camera with yaw 0. The curve is drawn where the camera sees the ground.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        A curve over the distance.
+        The figure; its text gives the numbers for 1, 2 and 3 m.
     """
     ahead = np.arange(0.3, 4.01, 0.05)
     near, far = (view.project(np.column_stack([ahead + more, 0 * ahead])) for more in (0.0, 0.1))
     steps = near[:, 1] - far[:, 1]
     seen = view.contains(near) & view.contains(far)
-    with course_style():
-        figure = Figure(figsize=(7.4, 3.6))
-        ax = figure.add_subplot()
-        ax.plot(ahead[seen], steps[seen], color=_CAMERA_COLOURS["bottom"], lw=2)
-        for distance in (1.0, 2.0, 3.0):
-            height = float(np.interp(distance, ahead, steps))
-            ax.plot(distance, height, "o", color=_CAMERA_COLOURS["bottom"], ms=7, mec="white")
-            ax.annotate(f"{height:.1f}", (distance, height), (6, 6), textcoords="offset points")
-        ax.set(xlabel="distance straight ahead (m)", ylabel="pixels for 10 cm", ylim=0)
-        ax.grid(color="#e3e5e8")
-        ax.set_title(title or "")
+    figure = Figure(figsize=(7.4, 3.6))
+    ax = figure.add_subplot()
+    ax.plot(ahead[seen], steps[seen], color=_CAMERA_COLOURS["bottom"], lw=2)
+    for distance in (1.0, 2.0, 3.0):
+        height = float(np.interp(distance, ahead, steps))
+        ax.plot(distance, height, "o", color=_CAMERA_COLOURS["bottom"], ms=7, mec="white")
+        ax.annotate(f"{height:.1f}", (distance, height), (6, 6), textcoords="offset points")
+    ax.set(xlabel="distance straight ahead (m)", ylabel="pixels for 10 cm", ylim=0)
+    ax.grid(color="#e3e5e8")
+    ax.set_title(title or "")
     at = ", ".join(f"{np.interp(each, ahead, steps):.1f} at {each:.0f} m" for each in (1, 2, 3))
-    return Drawing(figure, f"{title or 'Ground and pixels'}. 10 cm on the ground are so many pixels: {at}.")
+    return Drawing(
+        figure, f"{title or 'Ground and pixels'}. 10 cm on the ground cover this number of pixels: {at}."
+    )
 
 
 def _arrow(
     ax: Axes, start: npt.ArrayLike, end: npt.ArrayLike, colour: str, width: float = 2.2, line: Any = "-"
 ) -> None:
-    """An arrow between two points of the axis."""
+    """Draw an arrow between two points of the axis."""
     ax.add_patch(
         FancyArrowPatch(
             tuple(np.asarray(start, dtype=float)),
@@ -175,7 +174,7 @@ def _arrow(
 def _angle(
     ax: Axes, at: npt.ArrayLike, first: float, last: float, radius: float, colour: str, label: str
 ) -> None:
-    """An arc from one direction to another (rad, in the axis's frame), with its name beside the middle."""
+    """Draw an arc from one direction to another (rad, in the frame of the axis), with its name beside its midpoint."""
     x, y = np.asarray(at, dtype=float)
     low, high = np.degrees(sorted((first, last)))
     ax.add_patch(Arc((x, y), 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, lw=2, zorder=5))
@@ -191,37 +190,37 @@ def _name(ax: Axes, at: npt.ArrayLike, label: str, colour: str, **options: Any) 
     ax.text(x, y, label, color=colour, zorder=8, path_effects=HALO, **({"va": "center"} | options))
 
 
-_FIELD_FRAME, _ROBOT_FRAME, _SIGHT = "#1a1a1a", "#0b5fa5", "#a14566"
+_FIELD_FRAME, _ROBOT_FRAME, _MEASURED = "#1a1a1a", "#0b5fa5", "#a14566"
 
 
+@course_style()
 def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing:
     """Draw the course's frames and angles: field, robot, bearing and range, head yaw and pitch.
 
     Parameters
     ----------
     field : Field, optional
-        Of which rule year; one half of it is drawn. By default the first seed's.
+        Field, of which one half is drawn. The default is the field of 2012.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        A figure for the first lesson.
+        The figure; its text explains the frames and angles.
     """
     field = Field(2012 if field is None else field.year)
-    with course_style():
-        figure = Figure(figsize=(10.2, 6.4))
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.18, 1.0))
-        landmark = _frames_on_field(figure.add_subplot(grid[:, 0]), field)
-        _head_from_above(figure.add_subplot(grid[0, 1]))
-        _head_from_the_side(figure.add_subplot(grid[1, 1]))
-        if title:
-            figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
+    figure = Figure(figsize=(10.2, 6.4))
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.18, 1.0))
+    landmark = _frames_on_field(figure.add_subplot(grid[:, 0]), field)
+    _head_from_above(figure.add_subplot(grid[0, 1]))
+    _head_from_the_side(figure.add_subplot(grid[1, 1]))
+    if title:
+        figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
     words = (
         f"The frames of the course on {say_field(field)}, seen from above. The field frame's x axis points to "
-        "the goal, its y axis to the left; the robot's x axis points ahead and its y axis to its left, turned by "
-        f"the heading theta against the field's. A {landmark} is measured by its range, the distance over the "
+        "the goal, its y axis to the left; the robot's x axis points ahead and its y axis to its left, rotated by "
+        f"the heading theta relative to the field frame. A {landmark} is measured by its range, the distance over the "
         "ground, and its bearing, the angle from straight ahead, positive to the left. The head's yaw is "
         "positive to the left, its pitch positive downwards from the horizon."
     )
@@ -229,7 +228,7 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
 
 
 def _frames_on_field(ax: Axes, field: Field) -> str:
-    """Field frame, robot frame, and one measurement; returns what is measured."""
+    """Draw field frame, robot frame and one measurement, and return the measurement in words."""
     d = field.dimensions
     plot_field(field, ax)
     ax.set_title("on the field, from above", fontsize=11)
@@ -253,8 +252,8 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
         ls=(0, (4, 3)),
         zorder=4,
     )
-    ax.plot([robot.x, target.x], [robot.y, target.y], color=_SIGHT, lw=1.8, ls=(0, (1.5, 1.5)), zorder=4)
-    ax.plot(target.x, target.y, "s", color="none", mec=_SIGHT, ms=13, mew=2.2, zorder=6)
+    ax.plot([robot.x, target.x], [robot.y, target.y], color=_MEASURED, lw=1.8, ls=(0, (1.5, 1.5)), zorder=4)
+    ax.plot(target.x, target.y, "s", color="none", mec=_MEASURED, ms=13, mew=2.2, zorder=6)
     for end, label in ((ahead, "x"), (left, "y")):
         _arrow(ax, (robot.x, robot.y), end, _ROBOT_FRAME)
         outwards = end + 0.14 * unit * (end - (robot.x, robot.y)) / np.hypot(*(end - (robot.x, robot.y)))
@@ -263,11 +262,11 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
     _name(ax, (robot.x, robot.y - 0.2), "robot frame", _ROBOT_FRAME, ha="center", va="top")
     _angle(ax, (robot.x, robot.y), 0.0, robot.theta, 1.4 * unit, _FIELD_FRAME, r" heading $\theta$")
     _angle(
-        ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 1.2 * unit, _SIGHT, r" bearing $\beta$"
+        ax, (robot.x, robot.y), robot.theta, robot.theta + bearing, 1.2 * unit, _MEASURED, r" bearing $\beta$"
     )
     middle = robot.to_parent(0.62 * local)[0]
-    _name(ax, middle + (-0.1, 0.05), "range $r$", _SIGHT, ha="right")
-    _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _SIGHT, ha="center")
+    _name(ax, middle + (-0.1, 0.05), "range $r$", _MEASURED, ha="right")
+    _name(ax, (target.x - 0.12, target.y + 0.24), "landmark", _MEASURED, ha="center")
     return f"corner at bearing {say_angle(bearing)} and range {distance:.1f} m"
 
 
@@ -278,22 +277,24 @@ def _bare(ax: Axes, title: str, x: tuple[float, float], y: tuple[float, float]) 
 
 
 def _head_from_above(ax: Axes) -> None:
-    """The head's yaw, ahead being to the right."""
-    _bare(ax, "head yaw, from above", (-0.45, 2.0), (-0.5, 0.95))
+    """Draw the yaw of the head from above, with straight ahead to the right."""
+    _bare(ax, "head yaw, from above", (-0.45, 2.0), (-0.5, 1.15))
     yaw, half = np.radians(32), NAO_V4.hfov / 2
-    ax.add_patch(Wedge((0, 0), 1.12, *np.degrees([yaw - half, yaw + half]), color=_SIGHT, alpha=0.14, lw=0))
+    ax.add_patch(
+        Wedge((0, 0), 1.12, *np.degrees([yaw - half, yaw + half]), color=_MEASURED, alpha=0.14, lw=0)
+    )
     ax.add_patch(Ellipse((0, 0), 0.24, 0.62, color="#c9ced6", zorder=2))
     ax.add_patch(Circle((0, 0), 0.14, color="#8b94a3", zorder=3))
     _arrow(ax, (0, 0), (1.2, 0), _ROBOT_FRAME)
     _name(ax, (1.25, 0), "x: straight ahead", _ROBOT_FRAME)
     direction = np.array([np.cos(yaw), np.sin(yaw)])
-    _arrow(ax, (0, 0), 1.2 * direction, _SIGHT)
-    _name(ax, 1.26 * direction, "camera", _SIGHT)
-    _angle(ax, (0, 0), 0.0, yaw, 0.62, _SIGHT, "  yaw: positive left")
+    _arrow(ax, (0, 0), 1.2 * direction, _MEASURED)
+    _name(ax, 1.26 * direction, "camera", _MEASURED)
+    _angle(ax, (0, 0), 0.0, yaw, 0.62, _MEASURED, "  yaw: positive left")
 
 
 def _head_from_the_side(ax: Axes) -> None:
-    """The camera's pitch, ahead being to the right; heights to scale."""
+    """Draw the pitch of the camera from the side, with straight ahead to the right and heights to scale."""
     height, pitch = NAO_V4.view("top").height, np.radians(20)
     _bare(ax, "pitch, from the side", (-0.35, 1.65), (-0.16, 0.78))
     ax.fill_between([-0.3, 1.6], -0.05, 0, color=CARPET, lw=0)
@@ -308,12 +309,12 @@ def _head_from_the_side(ax: Axes) -> None:
     ax.plot([eye[0], 1.3], [height, height], color=_FIELD_FRAME, lw=1, ls=(0, (4, 3)))
     _name(ax, (1.3, height + 0.05), "horizon", _FIELD_FRAME, ha="right")
     reach = height / np.tan(pitch)
-    ax.plot([eye[0], eye[0] + reach], [height, 0], color=_SIGHT, lw=1.2, ls=(0, (1.5, 1.5)))
+    ax.plot([eye[0], eye[0] + reach], [height, 0], color=_MEASURED, lw=1.2, ls=(0, (1.5, 1.5)))
     axis = np.array([np.cos(pitch), -np.sin(pitch)])
-    _arrow(ax, eye, eye + 0.85 * axis, _SIGHT)
-    _name(ax, eye + 0.86 * axis + (0.02, 0.06), "camera", _SIGHT, ha="left")
-    _angle(ax, eye, 0.0, -pitch, 0.45, _SIGHT, " pitch: positive down")
+    _arrow(ax, eye, eye + 0.85 * axis, _MEASURED)
+    _name(ax, eye + 0.86 * axis + (0.02, 0.06), "camera", _MEASURED, ha="left")
+    _angle(ax, eye, 0.0, -pitch, 0.45, _MEASURED, " pitch: positive down")
     _arrow(ax, (-0.2, 0.0), (-0.2, height), _ROBOT_FRAME, 1.4)
     ax.plot([-0.22, eye[0]], [height, height], color=_ROBOT_FRAME, lw=0.8)
     _name(ax, (-0.23, height / 2), f"height\n{height:.2f} m", _ROBOT_FRAME, ha="right")
-    _name(ax, (eye[0] + reach, -0.1), "where the axis meets the ground", _SIGHT, ha="center")
+    _name(ax, (eye[0] + reach, -0.1), "where the axis meets the ground", _MEASURED, ha="center")

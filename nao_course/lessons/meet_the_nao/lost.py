@@ -1,4 +1,4 @@
-"""The figure that the course begins and ends with: a robot that does not know where it is, and looks around."""
+"""A robot that does not know its pose finds it from three pictures: the first and last figure of lesson 00."""
 
 from __future__ import annotations
 
@@ -23,77 +23,77 @@ from nao_course.slam import Measurement, Motion
 
 START = Pose(2.2, 1.1, float(np.radians(150)))
 SEED = 3
-POSSIBLE = 500_000  # poses at first, anywhere on the field
-DRAWN = 500  # of them in one map
+POSSIBLE = 500_000  # poses at the start, anywhere on the field
+DRAWN = 500  # poses that are drawn in one map
 WALK = 1.0  # m before each turn
-_LENS = (0.07, 0.12, 0.5, 0.42)  # left, low, width, height, in parts of the last map
-_TITLES = ("Lost", "One look", "A walk, a turn, a look", "Found")
+_LENS = (0.07, 0.12, 0.5, 0.42)  # left, bottom, width, height, as fractions of the last map
+_TITLES = ("Lost", "One picture", "After a walk and a turn", "Found")
 
 
 @dataclass(frozen=True)
 class Search:
-    """A drive with looks on the way, and the poses that explain all that was seen.
+    """A drive with observations, and the poses that agree with all of them.
 
     Parameters
     ----------
     poses : tuple of Pose
-        Where the robot truly was at each look.
+        True poses of the robot at each observation.
     odometry : tuple of Pose
-        Where it would believe to be, had somebody told it where it started.
-    looks : tuple of tuple of Measurement
-        What it saw there.
+        Poses by odometry from the true start.
+    observations : tuple of tuple of Measurement
+        Measurements at each pose.
     possible : tuple of ndarray, shape (N, 3)
-        Poses that are possible before the first look, and after each one.
+        Possible poses before the first observation and after each one.
     """
 
     poses: tuple[Pose, ...]
     odometry: tuple[Pose, ...]
-    looks: tuple[tuple[Measurement, ...], ...]
+    observations: tuple[tuple[Measurement, ...], ...]
     possible: tuple[FloatArray, ...]
 
 
 def search(field: Field, turn: float, rng: np.random.Generator, start: Pose = START) -> Search:
-    """Let a robot look, walk and turn twice, and keep the poses that agree with what it saw.
+    """Simulate a robot that observes, walks and turns twice, and return the poses that agree with its observations.
 
-    Each possible robot starts anywhere, gets the same commands and has its own errors. It drops out at the first look
-    that it cannot explain.
+    Each possible robot starts anywhere, gets the same commands and makes its own errors. It is removed at the first
+    observation that does not agree with its pose.
 
     Parameters
     ----------
     field : Field
         The map, which is known here.
     turn : float
-        Radians that the robot turns after each walk.
+        Angle by which the robot turns after each walk, in rad.
     rng : numpy.random.Generator
-        Of the robot, and of all possible ones.
+        Generator for the errors of the robot and of all possible robots.
     start : Pose
-        Where the robot truly is at first.
+        True pose of the robot at the start.
 
     Returns
     -------
     Search
-        With three looks.
+        Result with three observations.
     """
     nao = SimulatedNao(field, start, rng)
     truth = Truth(nao)
-    looks, poses, odometry = [nao.sense("bottom")], [truth.pose], [start]
+    observations, poses, odometry = [nao.sense("bottom")], [truth.pose], [start]
     commands = [Motion(WALK, turn)] * 2
     for command in commands:
         nao.walk(command.distance)
         nao.turn(command.turn)
-        looks.append(nao.sense("bottom"))
+        observations.append(nao.sense("bottom"))
         poses.append(truth.pose)
         odometry.append(start @ nao.odometry)
     paths = _anywhere(field, repeat_drive(commands, POSSIBLE, rng, nao.odometry_noise), rng)
     possible = [paths[:, 0]]
-    for number, seen in enumerate(looks):
+    for number, seen in enumerate(observations):
         paths = paths[explains(paths[:, number], seen, field, nao.sensor_noise)]
         possible.append(paths[:, number])
-    return Search(tuple(poses), tuple(odometry), tuple(looks), tuple(possible))
+    return Search(tuple(poses), tuple(odometry), tuple(observations), tuple(possible))
 
 
 def _anywhere(field: Field, paths: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Let paths (N, M, 3), which begin at the origin, begin anywhere inside the lines."""
+    """Move paths (N, M, 3) from the origin to random poses inside the field lines."""
     (left, right), (low, high) = field.x_range, field.y_range
     x, y, heading = rng.uniform([left, low, -np.pi], [right, high, np.pi], (len(paths), 3)).T
     c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
@@ -110,25 +110,25 @@ def _anywhere(field: Field, paths: FloatArray, rng: np.random.Generator) -> Floa
 def explains(
     poses: npt.ArrayLike, seen: Sequence[Measurement], field: Field, noise: SensorNoise, sigmas: float = 3.0
 ) -> npt.NDArray[np.bool_]:
-    """Return which poses have, for each measurement, a landmark of its kind where it says.
+    """Return which poses agree with a landmark of the same kind for each measurement.
 
     Parameters
     ----------
     poses : array_like, shape (N, 3)
         In the field frame.
     seen : sequence of Measurement
-        Nothing says which landmark each one is.
+        Measurements without landmark identities.
     field : Field
-        With its landmarks.
+        Field with the landmarks.
     noise : SensorNoise
-        Of bearing and range.
+        Noise of bearing and range.
     sigmas : float
-        Standard deviations by which both may be off.
+        Number of standard deviations by which both may differ.
 
     Returns
     -------
     ndarray of bool, shape (N,)
-        All True where nothing was seen.
+        All True if there are no measurements.
     """
     array = np.asarray(poses, dtype=float)
     fits = np.ones(len(array), dtype=bool)
@@ -143,49 +143,48 @@ def explains(
     return fits
 
 
+@course_style()
 def draw_lost_and_found(to_radians: Callable[[float], float]) -> Drawing:
-    """Draw how a robot that may be anywhere finds out where it is, from three looks.
+    """Draw how a robot that may be anywhere finds its pose from three observations.
 
     Parameters
     ----------
     to_radians : callable
-        Turns degrees into radians; the robot turns by its 90 degrees.
+        Converts degrees to radians; the robot turns by its result for 90 degrees.
 
     Returns
     -------
     Drawing
-        Four maps, seeded: before the first look, and after each one.
+        Four maps: before the first observation and after each one. The seed is fixed.
     """
     field = Field(2012, half=True)
     found = search(field, float(to_radians(90.0)), np.random.default_rng(SEED))
-    with course_style():
-        figure = Figure(figsize=(10.8, 4.3))
-        axes = figure.subplots(1, len(found.possible), sharey=True)
-        for number, (ax, title) in enumerate(zip(axes, _TITLES, strict=True)):
-            _draw_stage(ax, field, found, number)
-            ax.set_title(title)
-            ax.set_ylabel("y (m)" if number == 0 else "")
-        plot_path(found.odometry, axes[-1], "odometry")
-        _draw_close(axes[-1], found)
-        keys = [
-            Line2D([], [], color=STYLES["ekf"].colour, lw=2, label="where it could be"),
-            source_key("truth", "where it is"),
-            source_key("odometry", "where its commands alone would put it"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(10.8, 4.3))
+    axes = figure.subplots(1, len(found.possible), sharey=True)
+    for number, (ax, title) in enumerate(zip(axes, _TITLES, strict=True)):
+        _draw_stage(ax, field, found, number)
+        ax.set_title(title)
+        ax.set_ylabel("y (m)" if number == 0 else "")
+    plot_path(found.odometry, axes[-1], "odometry")
+    _draw_close(axes[-1], found)
+    keys = [
+        Line2D([], [], color=STYLES["ekf"].colour, lw=2, label="possible poses"),
+        source_key("truth", "true pose"),
+        source_key("odometry", "odometry from the true start"),
+    ]
+    legend_below(figure, keys)
     return Drawing(figure, _in_words(found))
 
 
 def _draw_stage(ax: Axes, field: Field, found: Search, number: int) -> None:
-    """One map: possible poses, the robot, and what it saw last."""
+    """Draw one map with the possible poses, the robot and its last measurements."""
     plot_field(field, ax)
-    marks = [mark for mark in field.landmarks if mark.kind != "cross"]
-    plot_landmarks([(mark.x, mark.y) for mark in marks], [mark.kind for mark in marks], ax, GREY, size=5)
+    plot_landmarks(field.detectable_positions, field.detectable_kinds, ax, GREY, size=5)
     _plot_possible(found.possible[number], ax)
-    looked = max(number - 1, 0)
+    last = max(number - 1, 0)
     if number:
-        plot_measurements(found.looks[looked], found.poses[looked], ax, "truth")
-        plot_path(found.poses[: looked + 1], ax)
+        plot_measurements(found.observations[last], found.poses[last], ax, "truth")
+        plot_path(found.poses[: last + 1], ax)
     else:
         plot_pose(found.poses[0], ax)
     ax.text(
@@ -194,7 +193,7 @@ def _draw_stage(ax: Axes, field: Field, found: Search, number: int) -> None:
 
 
 def _plot_possible(poses: FloatArray, ax: Axes, length: float = 0.14, order: float = 3.0) -> None:
-    """Draw poses (N, 3) as dots with a stroke where each is heading; of very many, some."""
+    """Draw poses (N, 3) as dots with a stroke along each heading; draw only a sample of very many."""
     shown = poses[:: max(1, len(poses) // DRAWN)]
     tips = shown[:, :2] + length * np.column_stack([np.cos(shown[:, 2]), np.sin(shown[:, 2])])
     colour = STYLES["ekf"].colour
@@ -205,7 +204,7 @@ def _plot_possible(poses: FloatArray, ax: Axes, length: float = 0.14, order: flo
 
 
 def _draw_close(ax: Axes, found: Search) -> None:
-    """A lens over the robot at the end: one would not see on the map that anything is left."""
+    """Draw an enlarged inset at the robot's last pose, because the remaining poses are tiny on the map."""
     x, y = found.poses[-1].as_array()[:2]
     lens = ax.inset_axes(_LENS, xlim=(x - 0.2, x + 0.2), ylim=(y - 0.2, y + 0.2), facecolor="white")
     lens.set(xticks=(), yticks=(), aspect="equal")
@@ -216,24 +215,22 @@ def _draw_close(ax: Axes, found: Search) -> None:
 
 
 def _left(found: Search, number: int) -> str:
-    """How many poses are left."""
+    """Return the number of remaining poses in words."""
     return f"{len(found.possible[number]):,} poses"
 
 
 def _in_words(found: Search) -> str:
-    """What the figure shows, for who cannot see it."""
+    """Describe the figure in words for screen readers."""
     words = [
         f"A robot is lost on half a football field: {_left(found, 0)} that it could have cover the field."
     ]
-    for number, seen in enumerate(found.looks, start=1):
+    for number, seen in enumerate(found.observations, start=1):
         words.append(
-            f"Look {number} shows {say_count(len(seen), 'landmark')}: {_left(found, number)} are left."
+            f"Observation {number} has {say_count(len(seen), 'landmark')}: {_left(found, number)} remain."
         )
     last = found.possible[-1]
     if len(last):
         off = np.hypot(*(last[:, :2].mean(axis=0) - found.poses[-1].as_array()[:2]))
         alone = np.hypot(*(found.odometry[-1].as_array() - found.poses[-1].as_array())[:2])
-        words.append(
-            f"They are {off:.2f} m off in the mean; commands alone, from a known start, {alone:.2f} m."
-        )
+        words.append(f"Their mean is {off:.2f} m off; odometry from the true start is {alone:.2f} m off.")
     return " ".join(words)

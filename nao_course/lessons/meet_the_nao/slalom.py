@@ -1,4 +1,4 @@
-"""The gates of lesson 00's slalom, and which of them a path leads through."""
+"""The gates of the slalom in lesson 00, and a function that returns which of them a path passes."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Gate:
     Parameters
     ----------
     x, y : float
-        Its middle, in the field frame, metres.
+        Centre of the gate in the field frame, in metres.
     heading_deg : float
-        Of a robot that goes straight through, degrees.
+        Heading of a robot that walks straight through, in degrees.
     """
 
     x: float
@@ -30,7 +30,7 @@ class Gate:
 
     @property
     def poles(self) -> FloatArray:
-        """The right and the left pole: (2, 2), metres."""
+        """Return the right and the left pole, shape (2, 2), in metres."""
         heading = np.radians(self.heading_deg)
         across = WIDTH / 2 * np.array([-np.sin(heading), np.cos(heading)])
         return np.array([(self.x, self.y) - across, (self.x, self.y) + across])
@@ -49,17 +49,17 @@ GATES = (
 
 
 def passed(path: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Say which gates a path leads through.
+    """Return which gates a path passes.
 
     Parameters
     ----------
     path : array_like, shape (M + 1, 2)
-        Where the robot's middle was at the start and after each command, metres; it walks straight between.
+        Positions of the robot at the start and after each command, in metres. It walks straight between them.
 
     Returns
     -------
     ndarray of bool, shape (G,)
-        For each gate whether a step crosses the line between its poles.
+        True for each gate whose line between the poles is crossed by a step.
     """
     points = np.asarray(path, dtype=float)
     start, step = points[:-1], np.diff(points, axis=0)
@@ -69,7 +69,7 @@ def passed(path: npt.ArrayLike) -> npt.NDArray[np.bool_]:
 def _crosses(
     start: FloatArray, step: FloatArray, right: FloatArray, left: FloatArray
 ) -> npt.NDArray[np.bool_]:
-    """Which steps (M, 2) from their starts (M, 2) cross the line from one pole to the other."""
+    """Return which steps (M, 2) from their starts (M, 2) cross the line between the poles."""
     gate, to_start = left - right, start - right
     side, side_after = _cross(gate, to_start), _cross(gate, to_start + step)
     end = _cross(step, right - start), _cross(step, left - start)

@@ -1,4 +1,4 @@
-"""Twenty robots in the slalom of lesson 00: where each of them went, and how many came through which gate."""
+"""Figure of the slalom in lesson 00: the paths of the robots, and how many robots passed each gate."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ from nao_course.sim import Field
 POLE = "#b3261e"
 
 
+@course_style()
 def draw_slalom(run: Run) -> Drawing:
-    """Draw the robots' true paths through the gates, and at each gate how many passed it.
+    """Draw the robots' true paths through the gates, and the number of robots that passed each gate.
 
     Parameters
     ----------
     run : Run
-        All robots of the challenge.
+        Run of the challenge with all robots.
 
     Returns
     -------
@@ -35,31 +36,28 @@ def draw_slalom(run: Run) -> Drawing:
     """
     kept = [each.kept for each in run.results if each.kept]
     through = np.array([each[2] for each in kept]).reshape(-1, len(GATES))
-    with course_style():
-        figure = Figure(figsize=(9.2, 7.0))
-        side: Axes
-        ax, side = figure.subplots(1, 2, width_ratios=[3.2, 1.0])
-        plot_field(Field(2012, half=True), ax)
-        for path, _, _ in kept:
-            ax.plot(*path[:, :2].T, color=STYLES["truth"].colour, lw=0.9, alpha=0.35, zorder=4)
-            ax.plot(*path[-1, :2], "o", color=STYLES["truth"].colour, ms=4, mec="white", mew=0.5, zorder=5)
-        if kept:
-            plot_path(kept[0][1], ax, "odometry")
-        _plot_gates(ax)
-        ax.plot(0, 0, "*", color=YELLOW, mec="black", ms=13, zorder=7)
-        ax.set_title(f"{run.score:.2f} of {len(GATES)} gates, mean of {len(run.results)} robots")
-        _plot_counts(side, through, len(run.results))
-        legend_below(figure, _keys(), columns=4)
+    figure = Figure(figsize=(9.2, 7.0))
+    side: Axes
+    ax, side = figure.subplots(1, 2, width_ratios=[3.2, 1.0])
+    plot_field(Field(2012, half=True), ax)
+    for path, _, _ in kept:
+        ax.plot(*path[:, :2].T, color=STYLES["truth"].colour, lw=0.9, alpha=0.35, zorder=4)
+        ax.plot(*path[-1, :2], "o", color=STYLES["truth"].colour, ms=4, mec="white", mew=0.5, zorder=5)
+    if kept:
+        plot_path(kept[0][1], ax, "odometry")
+    _plot_gates(ax)
+    ax.plot(0, 0, "*", color=YELLOW, mec="black", ms=13, zorder=7)
+    ax.set_title(f"{run.score:.2f} of {len(GATES)} gates, mean of {len(run.results)} robots")
+    _plot_counts(side, through, len(run.results))
+    legend_below(figure, _keys(), columns=4)
     counts = ", ".join(f"gate {number}: {count}" for number, count in enumerate(through.sum(axis=0), start=1))
     robots = len(run.results)
-    words = (
-        f"{robots} robots drive one plan blind; they pass {run.score:.2f} of {len(GATES)} gates on average."
-    )
-    return Drawing(figure, f"{words} Robots that came through {counts}.")
+    words = f"{robots} robots drive one plan and pass {run.score:.2f} of {len(GATES)} gates on average."
+    return Drawing(figure, f"{words} Robots that passed: {counts}.")
 
 
 def _plot_gates(ax: Axes) -> None:
-    """The poles of each gate, and its number beside it."""
+    """Draw the poles of each gate and its number."""
     for number, gate in enumerate(GATES, start=1):
         poles: FloatArray = gate.poles
         ax.plot(*poles.T, color=POLE, lw=1.2, ls=":", zorder=5)
@@ -80,7 +78,7 @@ def _plot_gates(ax: Axes) -> None:
 
 
 def _plot_counts(ax: Axes, through: FloatArray, robots: int) -> None:
-    """A bar for each gate: the part of the robots that came through."""
+    """Draw a bar for each gate: the number of robots that passed it."""
     numbers = np.arange(1, len(GATES) + 1)
     counts = through.sum(axis=0) if len(through) else np.zeros(len(GATES))
     ax.barh(numbers, counts, color=STYLES["truth"].colour, height=0.6)
@@ -94,7 +92,7 @@ def _keys() -> list[Line2D]:
     truth = STYLES["truth"]
     return [
         Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=4, label="true paths, ends"),
-        source_key("odometry", "the plan, what each believes"),
+        source_key("odometry", "the plan, without errors"),
         Line2D([], [], color=POLE, marker="o", ls=":", lw=1.2, label="gate"),
         Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"),
     ]
@@ -106,13 +104,13 @@ def robots_through(gate: int, report: EntryReport) -> int:
     Parameters
     ----------
     gate : int
-        Its number, from 1.
+        Number of the gate, from 1.
     report : EntryReport
-        From `challenge("00").enter(...)`; robots without a usable plan passed none.
+        Report of `challenge("00").enter(...)`. Robots without a usable plan passed no gate.
 
     Returns
     -------
     int
-        How many.
+        Number of robots.
     """
     return sum(bool(each.kept[2][gate - 1]) for each in report.run.results if each.kept)

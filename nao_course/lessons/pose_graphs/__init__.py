@@ -11,13 +11,9 @@ from nao_course.lessons.pose_graphs.figures import (
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, arrivals, draw_arrivals, half_of_them
 from nao_course.lessons.pose_graphs.information import draw_information_frames
-from nao_course.lessons.pose_graphs.matrices import (
-    count_of_free_moves,
-    draw_free_moves,
-    draw_patterns,
-)
+from nao_course.lessons.pose_graphs.matrices import count_of_free_moves, draw_free_moves
 from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, draw_solver_costs
-from nao_course.lessons.pose_graphs.panel import RelaxPanel
+from nao_course.lessons.pose_graphs.panels import EdgePanel, RelaxPanel
 from nao_course.lessons.pose_graphs.robust import draw_false_closures, robust_gauss_newton
 from nao_course.lessons.pose_graphs.sheet import landmark_sheet
 from nao_course.lessons.pose_graphs.uncertainty import draw_uncertainty
@@ -34,6 +30,7 @@ from nao_course.lessons.pose_graphs.worlds import (
 
 __all__ = [
     "HEADINGS",
+    "EdgePanel",
     "RelaxPanel",
     "World",
     "arrivals",
@@ -46,7 +43,6 @@ __all__ = [
     "draw_false_closures",
     "draw_free_moves",
     "draw_information_frames",
-    "draw_patterns",
     "draw_real_building",
     "draw_relaxing",
     "draw_solver_costs",
@@ -67,5 +63,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names for tab completion, without the modules they come from."""
     return __all__

@@ -28,20 +28,10 @@ from nao_course.lessons.pose_graphs.worlds import (
 GRAPHS = 20
 POSES = 240
 TRUE_CLOSURES = 24
-FALSE_GROUPS = (
-    5,
-    4,
-    3,
-    2,
-    1,
-    1,
-    1,
-    1,
-    1,
-    1,
-)  # twenty false closures: runs of poses that match another corridor's
-ROUGH = 4.0  # the odometry's deviations, times those of the lesson's building
-FITS = 25.0  # e' Omega e up to which a closure is believed
+# Twenty false closures: runs of poses that are matched with poses in another corridor.
+FALSE_GROUPS = (5, 4, 3, 2, 1, 1, 1, 1, 1, 1)
+ROUGH = 4.0  # factor of the odometry's standard deviations in the lesson's building
+FITS = 25.0  # e' Omega e up to which a closure counts as accepted
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +65,7 @@ def make_graph(seed: int) -> Aliased:
     measurements = np.concatenate([steps, graph.measurements[kept], z])
     closing = np.diag(1 / np.square(CLOSURE_SIGMA))
     information = np.concatenate(
-        [
-            graph.information[follows] / ROUGH**2,
-            np.broadcast_to(closing, (len(kept) + len(pairs), 3, 3)),
-        ]
+        [graph.information[follows] / ROUGH**2, np.broadcast_to(closing, (len(kept) + len(pairs), 3, 3))]
     )
     false = np.arange(len(edges)) >= len(follows) + len(kept)
     order = np.concatenate(
@@ -97,7 +84,7 @@ def _rough_steps(graph: Graph, follows: Any, truth: FloatArray, rng: np.random.G
 
 
 def _false_closures(truth: FloatArray, rng: np.random.Generator) -> tuple[Any, FloatArray]:
-    """Runs of poses that are taken for a run along another corridor: pairs (late, early), and what is "measured"."""
+    """Return pairs (late, early) of poses in runs along different corridors, and their false measurements."""
     pairs: list[tuple[int, int]] = []
     measured: list[FloatArray] = []
     for count in FALSE_GROUPS:
@@ -117,17 +104,17 @@ def _false_closures(truth: FloatArray, rng: np.random.Generator) -> tuple[Any, F
 
 
 def closure_squares(world: World, states: Any) -> FloatArray:
-    """Weighted squares of all edges, (E,)."""
-    return world.graph.squared_errors(states, _missed, lambda *ends: np.zeros((0, 2)))
+    """Return the weighted squared errors of all edges, (E,)."""
+    return world.graph.squared_errors(states, _residual, lambda *ends: np.zeros((0, 2)))
 
 
-def _missed(first: FloatArray, second: FloatArray, z: FloatArray) -> FloatArray:
-    """How far poses are from where z puts them, in the frame there."""
+def _residual(first: FloatArray, second: FloatArray, z: FloatArray) -> FloatArray:
+    """Return poses in the frames of the poses that z predicts."""
     return between(moved(first, z), second)
 
 
 def judge(answer: Any, case: Aliased) -> CaseScore:
-    """Score states by their distance from the truth, and say what they believe."""
+    """Score states by their distance from the truth, and count the closures that they accept."""
     world = case.world
     if answer is None:
         raise TypeError("Your answer is None: return the states.")
@@ -137,18 +124,18 @@ def judge(answer: Any, case: Aliased) -> CaseScore:
     if states.shape != (world.graph.size,):
         raise ValueError(f"Your states must have the shape ({world.graph.size},), got {states.shape}.")
     if not np.isfinite(states).all():
-        raise ValueError("Your states hold NaN or infinity.")
-    states = _begun_at_the_truth(world, states)
+        raise ValueError("Your states contain NaN or infinity.")
+    states = _moved_to_the_truth(world, states)
     squares, closing = closure_squares(world, states), world.closures()
-    believed = squares < FITS
+    accepted = squares < FITS
     columns = {
-        "false believed": 100.0 * float(believed[case.false].mean()),
-        "true given up": 100.0 * float(1 - believed[closing & ~case.false].mean()),
+        "false accepted": 100.0 * float(accepted[case.false].mean()),
+        "true rejected": 100.0 * float(1 - accepted[closing & ~case.false].mean()),
     }
-    return CaseScore(position_error(world, states), columns, (world, states, case.false, believed))
+    return CaseScore(position_error(world, states), columns, (world, states, case.false, accepted))
 
 
-def _begun_at_the_truth(world: World, states: FloatArray) -> FloatArray:
+def _moved_to_the_truth(world: World, states: FloatArray) -> FloatArray:
     """Move the whole answer so that its first pose is the true one."""
     poses, true = states.reshape(-1, 3), world.truth[:3]
     turn = true[2] - poses[0, 2]
@@ -161,7 +148,7 @@ CHALLENGE = Challenge(
     lesson="09_pose_graphs",
     title="Challenge 09: twenty false loop closures",
     task=f"In each of {GRAPHS} drives through a building twenty closures are false, and about as many are true. "
-    "Write a function of (graph, states), states being the odometry's; return the states that you believe, flat.",
+    "Write a function of (graph, states), states being the odometry's; return the states that you estimate, flat.",
     scoring="the root mean square distance of all poses from the truth, in metres; the mean over all drives; smaller "
     "is better.",
     seeds=range(1, GRAPHS + 1),
@@ -169,7 +156,7 @@ CHALLENGE = Challenge(
     given=lambda case: (case.world.graph, case.world.odometry),
     judge=judge,
     figure=draw_entries,
-    columns=(Column("false believed", " %", 0), Column("true given up", " %", 0)),
+    columns=(Column("false accepted", " %", 0), Column("true rejected", " %", 0)),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
     nothing=20.0,
     higher_is_better=False,

@@ -1,4 +1,4 @@
-"""Maps of pose graphs, and figures of how they relax and of what a false closure does to them."""
+"""Maps of pose graphs, and figures of how they relax and how a false closure bends them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from nao_course.lessons.pose_graphs.worlds import (
 )
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import FOUND, GREY
+from nao_course.plotting.style import FOUND, GREY, style_of
 
 Function = Callable[..., Any]
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
@@ -50,8 +50,8 @@ def plot_graph(
     false: int = 0,
     truth: bool = True,
 ) -> None:
-    """Draw poses in a source's style, closures, landmarks, and the truth in grey; `false` last edges stand out."""
-    graph, style = world.graph, STYLES[source]
+    """Draw poses, closures, landmarks and the true path; the last `false` edges are false and stand out."""
+    graph, style = world.graph, style_of(source)
     poses, marks = graph.split(states)
     if truth:
         true, true_marks = graph.split(world.truth)
@@ -74,23 +74,24 @@ def plot_graph(
 
 
 def map_keys(
-    world: World, *, false: bool = False, sources: Sequence[str] = ("odometry", "graph")
+    world: World, *, false: bool = False, sources: Sequence[str] = ("odometry", "graph"), truth: bool = True
 ) -> list[Any]:
-    """Legend keys of such maps."""
+    """Return the legend keys of a map."""
     names = {"odometry": "odometry", "graph": "poses by the graph"}
-    keys: list[Any] = [*(source_key(each, names[each]) for each in sources), _TRUTH]
+    keys: list[Any] = [source_key(each, names[each]) for each in sources]
+    keys += [_TRUTH] if truth else []
     keys += [_CLOSURES] if world.closures().any() else []
     keys += [Line2D([], [], color=FOUND, lw=2.2, label="false closure")] if false else []
     return keys + (_LANDMARKS if world.graph.landmarks else [])
 
 
 def say_chi2(value: float) -> str:
-    """Chi2 with as many digits as one can read: "129,796" or "407.1"."""
+    """Format chi2 with few digits: "129,796" or "407.1"."""
     return f"{value:,.0f}" if value >= 1000 else f"{value:.1f}" if value >= 10 else f"{value:.2g}"
 
 
 def relaxed(world: World, gauss_newton: GaussNewton, iterations: int, states: Any = None) -> list[FloatArray]:
-    """States before the first step and after each of them, from the odometry or from other `states`."""
+    """Return the states before the first step and after each step, starting from odometry or from `states`."""
     every = [world.odometry if states is None else np.asarray(states, dtype=float)]
     for _ in range(iterations):
         found, _ = gauss_newton(world.graph, every[-1].copy(), 1)
@@ -98,19 +99,20 @@ def relaxed(world: World, gauss_newton: GaussNewton, iterations: int, states: An
     return every
 
 
+@course_style()
 def draw_relaxing(
     gauss_newton: GaussNewton, seed: int = 5, iterations: Sequence[int] = (0, 1, 2, 4)
 ) -> Drawing:
-    """Draw how a drive through a building relaxes, step by step, by the student's function.
+    """Draw how a drive through a building relaxes, step by step, with the student's function.
 
     Parameters
     ----------
     gauss_newton : callable
         Exercise 9.6.
     seed : int
-        Of `building`.
+        Seed of `building`.
     iterations : sequence of int
-        Moments to show.
+        Numbers of steps to show.
 
     Returns
     -------
@@ -120,18 +122,17 @@ def draw_relaxing(
     every = relaxed(world, gauss_newton, max(iterations))
     chi2 = gauss_newton(world.graph, world.odometry.copy(), max(iterations))[1]
     said = []
-    with course_style():
-        figure = Figure(figsize=(13.0, 4.45))
-        axes = figure.subplots(1, len(iterations))
-        for ax, step in zip(axes, iterations, strict=True):
-            source = "graph" if step else "odometry"
-            plot_graph(world, every[step], ax, source=source)
-            title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
-            off = position_error(world, every[step])
-            ax.set_title(f"{title}\nχ² = {say_chi2(chi2[step])}, off by {off:.2f} m", fontsize=11)
-            said.append(f"{title}, chi2 {say_chi2(chi2[step])} and off by {off:.2f} m")
-        same_limits(axes)
-        legend_below(figure, map_keys(world), columns=5)
+    figure = Figure(figsize=(13.0, 4.45))
+    axes = figure.subplots(1, len(iterations))
+    for ax, step in zip(axes, iterations, strict=True):
+        source = "graph" if step else "odometry"
+        plot_graph(world, every[step], ax, source=source)
+        title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+        off = position_error(world, every[step])
+        ax.set_title(f"{title}\nχ² = {say_chi2(chi2[step])}, off by {off:.2f} m", fontsize=11)
+        said.append(f"{title}, chi2 {say_chi2(chi2[step])} and off by {off:.2f} m")
+    same_limits(axes)
+    legend_below(figure, map_keys(world), columns=5)
     return Drawing(
         figure,
         f"A drive through a building's corridors, {world.graph.poses} poses, at {len(iterations)} moments: "
@@ -140,18 +141,18 @@ def draw_relaxing(
 
 
 def false_world(seed: int = 5, count: int = 1) -> World:
-    """The building with false closures."""
+    """Return the building with false closures."""
     return with_false_closures(building(seed), count, seed=2)
 
 
 def draw_false_closure(
     gauss_newton: GaussNewton, reweight: Function | None = None, width: float = 3.0
 ) -> Drawing:
-    """Draw the building without a false closure, with one, and with edges weighted anew at each step."""
+    """Draw the building without a false closure, with one, and with edges that are reweighted at each step."""
     clean, world = false_world(count=0), false_world()
     panels = [
         ("all closures true", clean, relaxed(clean, gauss_newton, 8)[-1], 0),
-        ("one more, and false", world, relaxed(world, gauss_newton, 8)[-1], 1),
+        ("one false closure added", world, relaxed(world, gauss_newton, 8)[-1], 1),
     ]
     if reweight is not None:
         panels.append(
@@ -165,23 +166,23 @@ def draw_false_closure(
     return _side_by_side(panels, "A drive through a building")
 
 
+@course_style()
 def _side_by_side(panels: Sequence[tuple[str, World, FloatArray, int]], what: str) -> Drawing:
     said = []
-    with course_style():
-        figure = Figure(figsize=(4.6 * len(panels), 4.5))
-        axes = figure.subplots(1, len(panels), squeeze=False)[0]
-        for ax, (title, world, states, false) in zip(axes, panels, strict=True):
-            plot_graph(world, states, ax, false=false)
-            off = position_error(world, states)
-            ax.set_title(f"{title}: off by {off:.2f} m", fontsize=11)
-            said.append(f"{title}, off by {off:.2f} m")
-        same_limits(axes)
-        legend_below(figure, map_keys(panels[0][1], false=True, sources=("graph",)), columns=5)
+    figure = Figure(figsize=(4.6 * len(panels), 4.5))
+    axes = figure.subplots(1, len(panels), squeeze=False)[0]
+    for ax, (title, world, states, false) in zip(axes, panels, strict=True):
+        plot_graph(world, states, ax, false=false)
+        off = position_error(world, states)
+        ax.set_title(f"{title}: off by {off:.2f} m", fontsize=11)
+        said.append(f"{title}, off by {off:.2f} m")
+    same_limits(axes)
+    legend_below(figure, map_keys(panels[0][1], false=True, sources=("graph",)), columns=5)
     return Drawing(figure, f"{what}, {len(panels)} times: {'; '.join(said)}.")
 
 
 def same_scale(axes: Sequence[Axes]) -> None:
-    """Give maps side by side one scale, each about its own middle."""
+    """Give maps side by side the same scale, each around its own centre."""
     half = [max(np.ptp(limits(ax)) for ax in axes) / 2 for limits in (Axes.get_xlim, Axes.get_ylim)]
     for ax in axes:
         x, y = (float(np.mean(each)) for each in (ax.get_xlim(), ax.get_ylim()))
@@ -189,7 +190,7 @@ def same_scale(axes: Sequence[Axes]) -> None:
 
 
 def same_limits(axes: Sequence[Axes]) -> None:
-    """Give maps side by side one part of the plane, and the left one the only words along y."""
+    """Give maps side by side the same limits, and only the left one a label along y."""
     xs, ys = (np.array([limits(ax) for ax in axes]) for limits in (Axes.get_xlim, Axes.get_ylim))
     for number, ax in enumerate(axes):
         ax.set(xlim=(xs[:, 0].min(), xs[:, 1].max()), ylim=(ys[:, 0].min(), ys[:, 1].max()))
@@ -203,12 +204,13 @@ def same_limits(axes: Sequence[Axes]) -> None:
 def chi2_along(
     world: World, step: FloatArray, residuals: tuple[Function, Function], parts: FloatArray
 ) -> FloatArray:
-    """chi2 on the way from the odometry along a step, at parts of it."""
+    """Return chi2 at some parts of a step from the odometry."""
     return np.array(
         [world.graph.squared_errors(world.odometry + part * step, *residuals).sum() for part in parts]
     )
 
 
+@course_style()
 def draw_step(
     linearize: Function,
     gauss_newton: GaussNewton,
@@ -216,66 +218,65 @@ def draw_step(
     landmark_residual: Function,
     drifts: Sequence[float] = (30.0, 90.0),
 ) -> Drawing:
-    """Draw chi2 along the first step round a loop: what the linear system promises, and what is.
+    """Draw chi2 along the first step around a loop: predicted by the linear system, and true.
 
     Parameters
     ----------
     linearize, gauss_newton, pose_residual, landmark_residual : callable
         The student's.
     drifts : sequence of float
-        Of the odometry's heading on the whole loop, degrees.
+        Drift of the odometry's heading on the whole loop, degrees.
 
     Returns
     -------
     Drawing
     """
     parts, said = np.linspace(0.0, 1.25, 51), []
-    with course_style():
-        figure = Figure(figsize=(12.0, 4.4))
-        *curves, map_ax = figure.subplots(1, len(drifts) + 1, width_ratios=(*(1.0 for _ in drifts), 1.25))
-        for ax, drift in zip(curves, drifts, strict=True):
-            world = drifting_loop(np.radians(drift))
-            step = np.asarray(gauss_newton(world.graph, world.odometry.copy(), 1)[0]) - world.odometry
-            H, b = linearize(world.graph, world.odometry)
-            true = chi2_along(world, step, (pose_residual, landmark_residual), parts)
-            promised = true[0] + 2 * parts * (b @ step) + parts**2 * (step @ (H @ step))
-            ax.plot(parts, promised / true[0], "--", color=GREY, lw=1.8, label="promised by H and b")
-            ax.plot(parts, true / true[0], color=STYLES["graph"].colour, lw=2.2, label="what is")
-            ax.axvline(1.0, color=GREY, lw=0.8)
-            best = int(np.argmin(true))
-            ax.plot(parts[best], true[best] / true[0], "o", color=STYLES["graph"].colour, mec="white", ms=9)
-            ax.annotate(
-                f"lowest at {parts[best]:.2f}",
-                (parts[best], true[best] / true[0]),
-                xytext=(0, 44),
-                textcoords="offset points",
-                ha="center",
-            )
-            ax.set(xlabel="part of the step", ylim=(0, 2.9), xlim=(0, 1.25))
-            ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
-            ends = true[40] / true[0], promised[40] / true[0]
-            said.append(
-                f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
-                f"{ends[1]:.3f} was promised, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
-            )
-        curves[0].set_ylabel("χ² / χ² at the start")
-        curves[0].legend(loc="upper left")
-        world = drifting_loop(np.radians(drifts[-1]))
-        every = relaxed(world, gauss_newton, 3)
-        _plot_steps(world, every, map_ax)
+    figure = Figure(figsize=(12.0, 4.4))
+    *curves, map_ax = figure.subplots(1, len(drifts) + 1, width_ratios=(*(1.0 for _ in drifts), 1.25))
+    for ax, drift in zip(curves, drifts, strict=True):
+        world = drifting_loop(np.radians(drift))
+        step = np.asarray(gauss_newton(world.graph, world.odometry.copy(), 1)[0]) - world.odometry
+        H, b = linearize(world.graph, world.odometry)
+        true = chi2_along(world, step, (pose_residual, landmark_residual), parts)
+        promised = true[0] + 2 * parts * (b @ step) + parts**2 * (step @ (H @ step))
+        ax.plot(parts, promised / true[0], "--", color=GREY, lw=1.8, label="predicted by H and b")
+        ax.plot(parts, true / true[0], color=STYLES["graph"].colour, lw=2.2, label="true")
+        ax.axvline(1.0, color=GREY, lw=0.8)
+        best = int(np.argmin(true))
+        ax.plot(parts[best], true[best] / true[0], "o", color=STYLES["graph"].colour, mec="white", ms=9)
+        ax.annotate(
+            f"lowest at {parts[best]:.2f}",
+            (parts[best], true[best] / true[0]),
+            xytext=(0, 44),
+            textcoords="offset points",
+            ha="center",
+        )
+        ax.set(xlabel="part of the step", ylim=(0, 2.9), xlim=(0, 1.25))
+        ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
+        ends = true[40] / true[0], promised[40] / true[0]
+        said.append(
+            f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
+            f"{ends[1]:.3f} was predicted, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
+        )
+    curves[0].set_ylabel("χ² / χ² at the start")
+    curves[0].legend(loc="upper left")
+    world = drifting_loop(np.radians(drifts[-1]))
+    every = relaxed(world, gauss_newton, 3)
+    _plot_steps(world, every, map_ax)
     return Drawing(
         figure, f"Chi2 along the first Gauss-Newton step round a closed square: {'; '.join(said)}."
     )
 
 
 def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
-    looks = [
+    colours = [
         ("odometry", STYLES["odometry"].colour),
         ("after 1 step", "#e0b0be"),
         ("after 2", "#c8718b"),
         ("after 3", STYLES["graph"].colour),
     ]
-    for (label, colour), states in zip(looks, every, strict=True):
+    for (label, colour), states in zip(colours, every, strict=True):
         ax.plot(*world.graph.split(states)[0][:, :2].T, color=colour, lw=1.8, label=label)
     ax.plot(
         *world.graph.split(world.truth)[0][:, :2].T,
@@ -286,19 +287,19 @@ def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
     )
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_title("the loop on the way", fontsize=11)
+    ax.set_title("the loop, step by step", fontsize=11)
     ax.legend(loc="best")
 
 
 def first_step_ratio(gauss_newton: GaussNewton, drift: float) -> float:
-    """By what the first step multiplies chi2, where the heading has drifted (degrees) round a loop."""
+    """Return the factor by which the first step changes chi2 for a drift of the heading around a loop (degrees)."""
     world = drifting_loop(np.radians(drift))
     chi2 = gauss_newton(world.graph, world.odometry.copy(), 1)[1]
     return float(chi2[1] / chi2[0])
 
 
 def drift_that_climbs(gauss_newton: GaussNewton) -> float:
-    """The drift (degrees) from which on the first step makes chi2 larger: by bisection."""
+    """Return the drift (degrees) from which on the first step increases chi2, by bisection."""
     low, high = 10.0, 120.0
     for _ in range(9):
         middle = (low + high) / 2
@@ -306,16 +307,16 @@ def drift_that_climbs(gauss_newton: GaussNewton) -> float:
     return (low + high) / 2
 
 
-# --- a real building: the Intel Research Lab in Seattle, read where the recordings are ---
+# --- a real building: the Intel Research Lab in Seattle, from the recordings ---
 
 
 def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
-    """The graph of 943 poses in the Intel Research Lab, and the states that its odometry alone gives.
+    """Return the graph of 943 poses in the Intel Research Lab, and its states by odometry alone.
 
     Parameters
     ----------
     file : path, optional
-        The graph in g2o's format; without it, the one among the recordings.
+        The graph in g2o's format; by default the file in the recordings.
 
     Returns
     -------
@@ -327,7 +328,7 @@ def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
     FileNotFoundError
         If there are no recordings; the message says what to do.
     ValueError
-        If the file is not there, or holds no graph.
+        If the file is missing or contains no graph.
     """
     graph, states = read_g2o(file or data_folder() / INTEL)
     follows = np.flatnonzero(graph.edges[:, 1] == graph.edges[:, 0] + 1)
@@ -336,24 +337,24 @@ def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
     return graph, chained(states[:3], graph.measurements[first]).ravel()
 
 
+@course_style()
 def draw_real_building(
     gauss_newton: GaussNewton, file: Path | str | None = None, steps: tuple[int, ...] = (0, 1, 3)
 ) -> Drawing | str:
-    """Draw how the graph of a real building relaxes from its odometry; where it is not there, say so."""
+    """Draw how the graph of a real building relaxes from its odometry, or say that the recordings are missing."""
     try:
         graph, states = intel_graph(file)
     except (FileNotFoundError, ValueError) as error:
         return f"The picture above was made by the solution. {error}"
     said = []
-    with course_style():
-        figure = Figure(figsize=(12.0, 4.3))
-        for ax, step in zip(figure.subplots(1, len(steps)), steps, strict=True):
-            found, chi2 = gauss_newton(graph, states.copy(), step)
-            title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
-            _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
-            ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
-            said.append(f"{title} {say_chi2(float(chi2[-1]))}")
-        legend_below(figure, [source_key("odometry"), source_key("graph", "poses by the graph"), _CLOSURES])
+    figure = Figure(figsize=(12.0, 4.3))
+    for ax, step in zip(figure.subplots(1, len(steps)), steps, strict=True):
+        found, chi2 = gauss_newton(graph, states.copy(), step)
+        title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+        _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
+        ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
+        said.append(f"{title} {say_chi2(float(chi2[-1]))}")
+    legend_below(figure, [source_key("odometry"), source_key("graph", "poses by the graph"), _CLOSURES])
     return Drawing(
         figure,
         f"The graph of the Intel Research Lab, {graph.poses} poses, on its way from odometry; chi2: {', '.join(said)}.",
@@ -365,6 +366,6 @@ def _plot_poses(graph: Graph, states: FloatArray, ax: Axes, source: str) -> None
     closing = graph.edges[:, 1] != graph.edges[:, 0] + 1
     ends = poses[graph.edges[closing]][:, :, :2]
     ax.add_collection(LineCollection(list(ends), colors=CLOSURE, linewidths=0.9, alpha=0.8))
-    ax.plot(*poses[:, :2].T, "-", color=STYLES[source].colour, lw=0.8, marker=".", ms=1.8)
+    ax.plot(*poses[:, :2].T, "-", color=style_of(source).colour, lw=0.8, marker=".", ms=1.8)
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")

@@ -1,4 +1,4 @@
-"""From how bad a guess Gauss-Newton finds home: positions and headings disturbed, and how often it arrives."""
+"""How often Gauss-Newton finds the optimum from initial estimates with random errors of positions or headings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def arrivals(
     headings: Sequence[float] = HEADINGS,
     tries: int = TRIES,
 ) -> Mapping[str, FloatArray]:
-    """In what part of the tries Gauss-Newton ends at the optimum, from guesses disturbed at random.
+    """Return the part of the tries in which Gauss-Newton finds the optimum, from initial estimates with random errors.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def arrivals(
     headings : sequence of float
         Standard deviations of each pose's heading, degrees; positions are the true ones.
     tries : int
-        Guesses for each.
+        Initial estimates for each.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def arrivals(
 
 
 def half_of_them(headings: Sequence[float], parts: FloatArray) -> float:
-    """The heading error (degrees) at which half of the tries fail, between the measured ones; NaN: nowhere."""
+    """Return the heading error (degrees) at which half of the tries fail, by interpolation; NaN if there is none."""
     below = np.flatnonzero(np.asarray(parts) < 0.5)
     if not len(below) or below[0] == 0:
         return float("nan")
@@ -69,25 +69,25 @@ def half_of_them(headings: Sequence[float], parts: FloatArray) -> float:
     return float(headings[k - 1] + (high - 0.5) / (high - low) * (headings[k] - headings[k - 1]))
 
 
+@course_style()
 def draw_arrivals(found: Mapping[str, FloatArray]) -> Drawing:
-    """Draw how often Gauss-Newton arrives, over the errors of positions and of headings."""
+    """Draw how often Gauss-Newton finds the optimum, by the errors of positions and of headings."""
     graph = STYLES["graph"]
     half = half_of_them(HEADINGS, found["headings"])
-    with course_style():
-        figure = Figure(figsize=(10.0, 3.8))
-        left, right = figure.subplots(1, 2, sharey=True)
-        for ax, xs, key, label in (
-            (left, POSITIONS, "positions", "error of each position (m)"),
-            (right, HEADINGS, "headings", "error of each heading (degrees)"),
-        ):
-            ax.plot(xs, 100 * found[key], color=graph.colour, marker=graph.marker, lw=2, ms=7, mec="white")
-            ax.set(xlabel=f"{label}, standard deviation", ylim=(-4, 104))
-            ax.grid(alpha=0.3)
-        left.set(xscale="log", ylabel="arrives at the optimum (%)", title="positions disturbed")
-        right.set(title="headings disturbed")
-        if np.isfinite(half):
-            right.axvline(half, color=STYLES["truth"].colour, lw=1, ls=":")
-            right.annotate(f"half at {half:.0f}°", (half, 50), xytext=(6, 6), textcoords="offset points")
+    figure = Figure(figsize=(10.0, 3.8))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for ax, xs, key, label in (
+        (left, POSITIONS, "positions", "error of each position (m)"),
+        (right, HEADINGS, "headings", "error of each heading (degrees)"),
+    ):
+        ax.plot(xs, 100 * found[key], color=graph.colour, marker=graph.marker, lw=2, ms=7, mec="white")
+        ax.set(xlabel=f"{label}, standard deviation", ylim=(-4, 104))
+        ax.grid(alpha=0.3)
+    left.set(xscale="log", ylabel="finds the optimum (%)", title="random errors of the positions")
+    right.set(title="random errors of the headings")
+    if np.isfinite(half):
+        right.axvline(half, color=STYLES["truth"].colour, lw=1, ls=":")
+        right.annotate(f"half at {half:.0f}°", (half, 50), xytext=(6, 6), textcoords="offset points")
     said = [
         f"{100 * part:.0f} % at {each:g} degrees"
         for each, part in zip(HEADINGS, found["headings"], strict=True)
@@ -95,6 +95,7 @@ def draw_arrivals(found: Mapping[str, FloatArray]) -> Drawing:
     away = ", ".join(f"{100 * part:.0f}" for part in found["positions"])
     return Drawing(
         figure,
-        f"How often Gauss-Newton arrives. With positions off by {POSITIONS[0]:g} to {POSITIONS[-1]:g} m: {away} %. "
+        "How often Gauss-Newton finds the optimum. "
+        f"With positions off by {POSITIONS[0]:g} to {POSITIONS[-1]:g} m: {away} %. "
         f"With headings off: {', '.join(said)}.",
     )

@@ -1,4 +1,4 @@
-"""In which frame the information of an edge is: residuals at the truth, in standard deviations, say it."""
+"""The frame of an edge's information, found from residuals at the truth in standard deviations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FRAMES = ("the frame in which z ends", "the first pose's frame")
 
 
 def missed_steps(pose_residual: Residual, seeds: Sequence[int] = SEEDS) -> tuple[FloatArray, FloatArray]:
-    """Return the residuals of all odometry steps of some buildings at the truth, and what was measured.
+    """Return the residuals of all odometry steps of some buildings at the truth, and the measurements.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def missed_steps(pose_residual: Residual, seeds: Sequence[int] = SEEDS) -> tuple
 
 
 def scaled(residuals: FloatArray, measured: FloatArray, frame: str) -> FloatArray:
-    """Residuals' x and y (S, 2) in standard deviations, the odometry's along and across being taken in a frame."""
+    """Return the x and y of residuals (S, 2) in standard deviations along and across, in one of the frames."""
     away = residuals[:, :2]
     if frame == FRAMES[1]:
         c, s = np.cos(measured[:, 2]), np.sin(measured[:, 2])
@@ -55,8 +55,9 @@ def scaled(residuals: FloatArray, measured: FloatArray, frame: str) -> FloatArra
     return away / ODOMETRY_SIGMA[:2]
 
 
+@course_style()
 def draw_information_frames(pose_residual: Residual) -> Drawing:
-    """Draw how far steps are missed across, straight ones and those round corners, for two frames of the information.
+    """Draw the residuals across straight steps and across corners, for two frames of the information.
 
     Parameters
     ----------
@@ -71,31 +72,33 @@ def draw_information_frames(pose_residual: Residual) -> Drawing:
     residuals, measured = missed_steps(pose_residual)
     corners = np.abs(np.sin(measured[:, 2])) > 0.5
     said = []
-    with course_style():
-        figure = Figure(figsize=(10.4, 3.9))
-        axes = figure.subplots(1, 2, sharex=True, sharey=True)
-        for ax, frame in zip(axes, FRAMES, strict=True):
-            found = scaled(residuals, measured, frame)
-            spread = [np.sqrt(np.mean(found[chosen] ** 2, axis=0)) for chosen in (~corners, corners)]
-            _plot_spread(found[~corners, 1], found[corners, 1], ax)
-            ax.set_title(f"σ along and across in {frame}\nat corners {spread[1][1]:.2f} σ", fontsize=11)
-            said.append(
-                f"in {frame}, straight steps are missed by {spread[0][0]:.2f} and {spread[0][1]:.2f} of the standard "
-                f"deviations along and across, corners by {spread[1][0]:.2f} and {spread[1][1]:.2f}"
-            )
-        axes[0].set_ylabel("part of the steps, per σ")
-        legend_below(figure, axes[0].get_legend_handles_labels()[0], columns=3)
+    figure = Figure(figsize=(10.4, 3.9))
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, frame in zip(axes, FRAMES, strict=True):
+        found = scaled(residuals, measured, frame)
+        spread = [np.sqrt(np.mean(found[chosen] ** 2, axis=0)) for chosen in (~corners, corners)]
+        _plot_spread(found[~corners, 1], found[corners, 1], ax)
+        ax.set_title(f"σ along and across in {frame}\nat corners {spread[1][1]:.2f} σ", fontsize=11)
+        said.append(
+            f"in {frame}, the residuals of straight steps are {spread[0][0]:.2f} and {spread[0][1]:.2f} standard "
+            f"deviations along and across, of corners {spread[1][0]:.2f} and {spread[1][1]:.2f}"
+        )
+    axes[0].set_ylabel("part of the steps per σ")
+    legend_below(figure, axes[0].get_legend_handles_labels()[0], columns=3)
     return Drawing(
-        figure, f"{len(residuals):,} steps at the truth. With the odometry's deviations {'; '.join(said)}."
+        figure,
+        f"{len(residuals):,} steps at the truth. With the odometry's standard deviations {'; '.join(said)}.",
     )
 
 
 def _plot_spread(straight: FloatArray, corners: FloatArray, ax: Axes) -> None:
-    """Histograms of what is missed across, and the bell curve of standard deviation 1."""
+    """Plot histograms of the residuals across, and the density of a normal distribution."""
     bins = np.linspace(-5, 5, 41).tolist()
     at = np.linspace(-5, 5, 201)
     ax.hist(straight, bins, density=True, color=GREY, alpha=0.45, label="straight steps")
-    ax.hist(corners, bins, density=True, histtype="step", color=FOUND, lw=2.0, label="steps round a corner")
+    ax.hist(corners, bins, density=True, histtype="step", color=FOUND, lw=2.0, label="steps around a corner")
     bell = np.exp(-(at**2) / 2) / np.sqrt(2 * np.pi)
-    ax.plot(at, bell, color=STYLES["truth"].colour, lw=1.4, ls="--", label="as Ω says: standard deviation 1")
-    ax.set(xlabel="missed across the way (in σ)", xlim=(-5, 5))
+    ax.plot(
+        at, bell, color=STYLES["truth"].colour, lw=1.4, ls="--", label="predicted by Ω: standard deviation 1"
+    )
+    ax.set(xlabel="residual across the way (in σ)", xlim=(-5, 5))

@@ -1,4 +1,4 @@
-"""What false loop closures do to a map, and what a kernel that weighs edges down does against them."""
+"""How false loop closures bend a map, and how a kernel that reduces the weight of bad edges helps."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ Reweight = Callable[[Graph, FloatArray, float], Graph]
 
 COUNTS = (0, 1, 2, 5, 10, 20)
 SEEDS = (1, 2, 3, 4, 5)
-WIDTH = 3.0  # standard deviations: an error beyond it counts less and less
+WIDTH = 3.0  # standard deviations: a larger error counts less and less
 PLAIN_ITERATIONS, ROBUST_ITERATIONS = 8, 15
-CLOSURE = "#2a8a82"  # edges to poses that were recognised
+CLOSURE = "#2a8a82"  # edges to recognised poses
 FAR = 3.0  # m between two poses that no true closure connects
 TRUE_COLOUR, FALSE_COLOUR = CLOSURE, FOUND
 
@@ -39,7 +39,7 @@ def robust_gauss_newton(
     width: float = WIDTH,
     iterations: int = ROBUST_ITERATIONS,
 ) -> FloatArray:
-    """Weigh each edge by its error, take one step of Gauss-Newton, and do both again.
+    """Compute a weight for each edge from its error and take one step of Gauss-Newton, again and again.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ def robust_gauss_newton(
     graph : Graph
         Some of its edges may be false.
     states : ndarray, shape (graph.size,)
-        Where to begin: a kernel finds the map that is near to it, so odometry is better than a bent map.
+        Initial estimate. A kernel finds a map near it, so odometry is better than a bent map.
     width : float
-        Of the kernel, in standard deviations.
+        Width of the kernel, in standard deviations.
     iterations : int
-        How often.
+        Number of steps.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def robust_gauss_newton(
 
 
 def edge_weights(reweight: Reweight, graph: Graph, states: FloatArray, width: float = WIDTH) -> FloatArray:
-    """How much of each edge's information is left at these states: (E,), from 0 to 1."""
+    """Return the weight of each edge at these states: (E,), from 0 to 1."""
     left: FloatArray = reweight(graph, states, width).information[:, 0, 0] / graph.information[:, 0, 0]
     return left
 
@@ -78,8 +78,8 @@ class FalseClosures:
     counts : tuple of int
         C numbers of false closures.
     odometry, plain, robust, late : ndarray, shape (C, S)
-        Root mean square error of the poses (m) of S buildings: of odometry, with all edges trusted, with the kernel,
-        and with the kernel begun late, on the map that trusts all edges.
+        Root mean square error of the poses (m) of S buildings: by odometry, with equal weights, with the kernel, and
+        with the kernel started late, on the map with equal weights.
     """
 
     counts: tuple[int, ...]
@@ -96,16 +96,16 @@ def errors_by_false_closures(
     seeds: Sequence[int] = SEEDS,
     poses: int = 300,
 ) -> FalseClosures:
-    """Map buildings with more and more false closures, with the kernel and without.
+    """Map buildings with more and more false closures, with and without the kernel.
 
     Parameters
     ----------
     gauss_newton, reweight : callable
         The student's.
     counts, seeds : sequence of int
-        Numbers of false closures, and the buildings.
+        Numbers of false closures, and seeds of the buildings.
     poses : int
-        Of each drive; a metre each.
+        Poses of each drive, one every metre.
 
     Returns
     -------
@@ -117,17 +117,18 @@ def errors_by_false_closures(
     return FalseClosures(tuple(counts), *np.moveaxis(errors, 2, 0))
 
 
+@course_style()
 def draw_false_closures(
     gauss_newton: GaussNewton, reweight: Reweight, found: FalseClosures | None = None
 ) -> Drawing:
-    """Draw a map with twenty false closures, without the kernel and with it, and the error by their number.
+    """Draw a map with twenty false closures, without and with the kernel, and the error by their number.
 
     Parameters
     ----------
     gauss_newton, reweight : callable
         The student's.
     found : FalseClosures, optional
-        What `errors_by_false_closures` gave; without it, it is called.
+        Result of `errors_by_false_closures`, which is called by default.
 
     Returns
     -------
@@ -138,19 +139,18 @@ def draw_false_closures(
     world = _world(SEEDS[0], COUNTS[-1], 300)
     plain, _ = gauss_newton(world.graph, world.odometry, PLAIN_ITERATIONS)
     robust = robust_gauss_newton(gauss_newton, reweight, world.graph, world.odometry)
-    with course_style():
-        figure = Figure(figsize=(12.0, 4.3))
-        first, second, third = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.25))
-        _plot_map(world, plain, np.ones(len(world.graph.edges)), first)
-        first.set_title(f"all edges trusted: {position_error(world, plain):.1f} m off", fontsize=11)
-        _plot_map(world, robust, edge_weights(reweight, world.graph, robust), second)
-        second.set_title(f"with the kernel: {position_error(world, robust):.1f} m off", fontsize=11)
-        _plot_errors(found, third)
-        legend_below(figure, [*third.get_legend_handles_labels()[0], *_map_keys()])
+    figure = Figure(figsize=(12.0, 4.3))
+    first, second, third = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.25))
+    _plot_map(world, plain, np.ones(len(world.graph.edges)), first)
+    first.set_title(f"equal weights: {position_error(world, plain):.1f} m off", fontsize=11)
+    _plot_map(world, robust, edge_weights(reweight, world.graph, robust), second)
+    second.set_title(f"with the kernel: {position_error(world, robust):.1f} m off", fontsize=11)
+    _plot_errors(found, third)
+    legend_below(figure, [*third.get_legend_handles_labels()[0], *_map_keys()])
     return Drawing(
         figure,
-        f"A building with {COUNTS[-1]} false loop closures: {position_error(world, plain):.1f} m off with all edges "
-        f"trusted, {position_error(world, robust):.1f} m with the kernel. {_say(found)}",
+        f"A building with {COUNTS[-1]} false loop closures: {position_error(world, plain):.1f} m off with equal "
+        f"weights, {position_error(world, robust):.1f} m with the kernel. {_say(found)}",
     )
 
 
@@ -159,7 +159,7 @@ def _world(seed: int, count: int, poses: int) -> World:
 
 
 def _errors(gauss_newton: GaussNewton, reweight: Reweight, world: World) -> list[float]:
-    """Errors (m) of odometry, of plain Gauss-Newton, with the kernel, and with the kernel begun late."""
+    """Return the errors (m) of odometry, of plain Gauss-Newton, with the kernel, and with the kernel started late."""
     plain, _ = gauss_newton(world.graph, world.odometry, PLAIN_ITERATIONS)
     robust, late = (
         robust_gauss_newton(gauss_newton, reweight, world.graph, begin) for begin in (world.odometry, plain)
@@ -168,7 +168,7 @@ def _errors(gauss_newton: GaussNewton, reweight: Reweight, world: World) -> list
 
 
 def _plot_map(world: World, states: FloatArray, weights: FloatArray, ax: Axes) -> None:
-    """The poses, the truth below them, and the closures, the thinner the less they weigh."""
+    """Plot the poses, the true path below them, and the closures that have some weight."""
     graph = world.graph
     truth, poses = (graph.split(each)[0] for each in (world.truth, states))
     ax.plot(*truth[:, :2].T, color=STYLES["truth"].colour, lw=1.2, alpha=0.45)
@@ -183,23 +183,23 @@ def _plot_map(world: World, states: FloatArray, weights: FloatArray, ax: Axes) -
 
 
 def _map_keys() -> list[Line2D]:
-    looks = {"true path": (STYLES["truth"].colour, 1.2, 0.45), "true closure": (TRUE_COLOUR, 1.3, 1.0)}
-    looks["false closure that counts"] = (FALSE_COLOUR, 1.3, 1.0)
+    styles = {"true path": (STYLES["truth"].colour, 1.2, 0.45), "true closure": (TRUE_COLOUR, 1.3, 1.0)}
+    styles["false closure with weight"] = (FALSE_COLOUR, 1.3, 1.0)
     return [
         Line2D([], [], color=colour, lw=width, alpha=alpha, label=name)
-        for name, (colour, width, alpha) in looks.items()
+        for name, (colour, width, alpha) in styles.items()
     ]
 
 
 def _plot_errors(found: FalseClosures, ax: Axes) -> None:
-    """Medians, and what lies between the best building and the worst."""
+    """Plot medians, and bands from the best building to the worst."""
     at = np.arange(len(found.counts))
     odometry, graph = STYLES["odometry"], STYLES["graph"]
     rows = {
         "odometry alone": (odometry.colour, odometry.marker, "-", found.odometry),
-        "all edges trusted": ("#7d8b1e", "v", "-", found.plain),
+        "equal weights": ("#7d8b1e", "v", "-", found.plain),
         "with the kernel": (graph.colour, graph.marker, "-", found.robust),
-        "kernel, begun on the bent map": ("#5b4a9c", "s", "--", found.late),
+        "kernel, started on the bent map": ("#5b4a9c", "s", "--", found.late),
     }
     for name, (colour, marker, line, errors) in rows.items():
         ax.fill_between(at, errors.min(axis=1), errors.max(axis=1), color=colour, alpha=0.13, lw=0)
@@ -214,7 +214,7 @@ def _plot_errors(found: FalseClosures, ax: Axes) -> None:
 
 
 def _say(found: FalseClosures) -> str:
-    """The figure's medians in words."""
+    """Return the medians of the figure in words."""
     rows = zip(found.counts, np.median(found.plain, axis=1), np.median(found.robust, axis=1), strict=True)
     said = "; ".join(f"{count}: {plain:.1f} and {robust:.1f} m" for count, plain, robust in rows)
     return f"Median error by the number of false closures, without and with the kernel: {said}."

@@ -1,4 +1,4 @@
-"""The sheet for a landmark's slopes; its symbols stay in here, so that no x or theta of a notebook is one of them."""
+"""The sheet for a landmark's derivatives. Its symbols stay in this module, so a notebook's x or theta is never one."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from nao_course.widgets.derivation import DerivationSheet, derivation
 
 
 def landmark_sheet() -> DerivationSheet:
-    """Return a sheet for four slopes of equation 9.1: of both rows by the pose's x and by its heading.
+    """Return a sheet for four derivatives of equation 9.1: of both rows by the pose's x and by its heading.
 
     Returns
     -------
     DerivationSheet
-        It reads dx and dy, or Δx and Δy, as l_x - x and l_y - y.
+        It reads dx and dy, or Δx and Δy, as l_x - x and l_y - y, and c and s as cos(theta) and sin(theta).
     """
     from sympy import Matrix, cos, sin, symbols  # SymPy takes long to import
 
@@ -24,5 +24,5 @@ def landmark_sheet() -> DerivationSheet:
         seen,
         by=[x, theta],
         rows=("ahead", "left"),
-        short=dict(zip(("dx", "dy"), away, strict=True)),
+        short={"dx": away[0], "dy": away[1], "c": cos(theta), "s": sin(theta)},
     )

@@ -1,4 +1,4 @@
-"""Drives whose truth is known: through a building's corridors, round one loop, and over the half field."""
+"""Drives with a known truth: through a building's corridors, around a loop, and over the half field."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.sim import Field
 
-ODOMETRY_SIGMA = (0.05, 0.03, np.radians(1.0))  # m along and across the metre that was driven, rad
-CLOSURE_SIGMA = (0.05, 0.05, np.radians(1.0))  # of a pose that is recognised
-SIGHT_SIGMA = 0.05  # m, of a landmark
+ODOMETRY_SIGMA = (0.05, 0.03, np.radians(1.0))  # m along and across each driven metre, rad
+CLOSURE_SIGMA = (0.05, 0.05, np.radians(1.0))  # of a recognised pose
+LANDMARK_SIGMA = 0.05  # m, of a measured landmark
 CORRIDOR = 6  # m between two junctions
 NEAR = 1.5  # m within which an old pose is recognised
-APART = 20  # poses at least between a pose and the old one that it is matched with
+APART = 20  # poses at least between a pose and the old pose that it is matched with
 
 _HEADINGS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A graph, the states that are true, and those that odometry alone gives.
+    """A graph, its true states, and its states by odometry alone.
 
     Parameters
     ----------
     graph : Graph
-        What was measured.
+        The measurements.
     truth, odometry : ndarray, shape (3 P + 2 L,)
         States: x, y, theta of each pose, then x, y of each landmark; m, rad. The first pose is the same in both.
     """
@@ -39,20 +39,20 @@ class World:
     odometry: FloatArray
 
     def closures(self) -> npt.NDArray[np.bool_]:
-        """Which edges lead from a pose to one that does not follow it: (E,)."""
+        """Return whether each edge connects two poses that do not follow each other: (E,)."""
         first, second = self.graph.edges.T
         return (self.graph.kinds[second] == POSE) & (second != first + 1)
 
 
 def between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Poses (E, 3) in the frames of others (E, 3): (E, 3)."""
+    """Return poses (E, 3) in the frames of other poses (E, 3)."""
     c, s = np.cos(first[:, 2]), np.sin(first[:, 2])
     dx, dy = (second - first)[:, :2].T
     return np.stack([c * dx + s * dy, -s * dx + c * dy, wrap_angle(second[:, 2] - first[:, 2])], axis=1)
 
 
 def moved(poses: FloatArray, motions: FloatArray) -> FloatArray:
-    """Poses (E, 3) after motions (E, 3) in their own frames: (E, 3); the inverse of `between`."""
+    """Return poses (E, 3) after motions (E, 3) in their own frames; the inverse of `between`."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     turned = np.einsum("ijk,kj->ki", np.array([[c, -s], [s, c]]), motions[:, :2])
     return np.column_stack([poses[:, :2] + turned, wrap_angle(poses[:, 2] + motions[:, 2])])
@@ -68,16 +68,16 @@ def chained(start: FloatArray, steps: FloatArray) -> FloatArray:
 
 
 def building(seed: int = 1, poses: int = 400, noise: float = 1.0, size: tuple[int, int] = (5, 4)) -> World:
-    """Drive through a building's corridors, a pose a metre, and recognise places that were passed before.
+    """Drive through a building's corridors, with a pose every metre, and recognise places that were passed before.
 
     Parameters
     ----------
     seed : int
-        Of the way and of the noise.
+        Seed of the path and of the noise.
     poses : int
-        How many.
+        Number of poses.
     noise : float
-        Factor on all standard deviations; 0 measures the truth.
+        Factor of all standard deviations; 0 gives exact measurements.
     size : (int, int)
         Junctions along x and y, six metres apart.
 
@@ -92,7 +92,7 @@ def building(seed: int = 1, poses: int = 400, noise: float = 1.0, size: tuple[in
 
 
 def loop(seed: int = 1, side: int = 6, noise: float = 1.0, closed: bool = True) -> World:
-    """Drive once round a square, a pose a metre, and recognise the first pose at the end."""
+    """Drive once around a square, with a pose every metre, and recognise the first pose at the end."""
     rng = np.random.default_rng([seed, 91])
     corners = np.repeat(np.arange(4), side)
     places = np.concatenate([[[0, 0]], np.cumsum(_HEADINGS[corners], axis=0)])
@@ -101,20 +101,28 @@ def loop(seed: int = 1, side: int = 6, noise: float = 1.0, closed: bool = True) 
     return _measured(truth, [(len(truth) - 1, 0)] if closed else [], np.empty((0, 2)), [], noise, rng)
 
 
+def small_world() -> World:
+    """Drive once round a square of 2 m and measure two landmarks from some of the nine poses."""
+    exact = loop(1, 2, noise=0.0)
+    truth, marks = exact.graph.split(exact.truth)[0], np.array([[1.0, 0.7], [1.3, 1.4]])
+    seen = [(1, 0), (4, 1), (6, 0), (6, 1)]
+    return _measured(truth, [(len(truth) - 1, 0)], marks, seen, 1.0, np.random.default_rng(94))
+
+
 def drifting_loop(drift: float, side: int = 10) -> World:
-    """Drive once round a square with odometry that drifts evenly, and no other error.
+    """Drive once around a square with odometry that drifts evenly and has no other error.
 
     Parameters
     ----------
     drift : float
-        By how much the odometry's heading is off at the end, rad.
+        Error of the odometry's heading at the end, rad.
     side : int
-        Metres, and poses, a side.
+        Length of a side: metres and poses.
 
     Returns
     -------
     World
-        Its last edge closes the loop, exactly.
+        Its last edge closes the loop exactly.
     """
     exact = loop(1, side, noise=0.0)
     steps = exact.graph.poses - 1
@@ -125,14 +133,14 @@ def drifting_loop(drift: float, side: int = 10) -> World:
 
 
 def field_drive(seed: int = 1, stops: int = 25, noise: float = 1.0) -> World:
-    """Drive a circle over the half field, and see at each stop what lies ahead, at most 2.5 m away.
+    """Drive a circle over the half field and measure landmarks ahead, at most 2.5 m away.
 
     Parameters
     ----------
     seed : int
-        Of the noise.
+        Seed of the noise.
     stops : int
-        Poses; the last stands where the first stood.
+        Number of poses; the last one is at the position of the first one.
     noise : float
         As in `building`.
 
@@ -141,17 +149,17 @@ def field_drive(seed: int = 1, stops: int = 25, noise: float = 1.0) -> World:
     World
     """
     rng = np.random.default_rng([seed, 92])
-    marks = np.array([(each.x, each.y) for each in Field(2012, half=True).landmarks if each.kind != "cross"])
+    marks = Field(2012, half=True).detectable_positions
     angles = np.linspace(-np.pi / 2, 1.5 * np.pi, stops)
     places = [1.5, 0.0] + 0.9 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     truth = np.column_stack([places, wrap_angle(angles + np.pi / 2)])
-    sights = [
+    observed = [
         (pose, number)
         for pose, at in enumerate(truth)
         for number, mark in enumerate(marks)
         if _in_view(at, mark)
     ]
-    return _measured(truth, [], marks, sights, noise, rng)
+    return _measured(truth, [], marks, observed, noise, rng)
 
 
 def _in_view(pose: FloatArray, mark: FloatArray) -> bool:
@@ -160,16 +168,16 @@ def _in_view(pose: FloatArray, mark: FloatArray) -> bool:
 
 
 def with_false_closures(world: World, count: int, seed: int = 0) -> World:
-    """Add closures between places that only look alike: same corridor, another one in truth.
+    """Add closures between places that only look alike.
 
     Parameters
     ----------
     world : World
         With poses.
     count : int
-        How many false ones.
+        Number of false closures.
     seed : int
-        Of which poses are taken for each other.
+        Seed of the pairs of poses.
 
     Returns
     -------
@@ -197,7 +205,7 @@ def with_false_closures(world: World, count: int, seed: int = 0) -> World:
 
 
 def disturbed(world: World, position: float, heading: float, rng: np.random.Generator) -> FloatArray:
-    """The truth with each pose but the first, and each landmark, moved at random (m) and each pose turned (rad)."""
+    """Return the truth with random errors in each position (m) and heading (rad), except for the first pose."""
     poses, marks = (each.copy() for each in world.graph.split(world.truth))
     poses[1:, :2] += position * rng.standard_normal((len(poses) - 1, 2))
     poses[1:, 2] += heading * rng.standard_normal(len(poses) - 1)
@@ -206,17 +214,17 @@ def disturbed(world: World, position: float, heading: float, rng: np.random.Gene
 
 
 def position_error(world: World, states: npt.ArrayLike) -> float:
-    """Root mean square distance (m) of all poses from the truth; the first pose is the truth's."""
+    """Return the root mean square distance (m) of all poses from the truth, with the true first pose."""
     poses, truth = world.graph.split(states)[0], world.graph.split(world.truth)[0]
     with np.errstate(over="ignore", invalid="ignore"):
         return float(np.sqrt(np.mean(np.sum((poses - truth)[:, :2] ** 2, axis=1))))
 
 
-# --- how they are made ---
+# --- making the worlds ---
 
 
 def _walk(rng: np.random.Generator, poses: int, size: tuple[int, int]) -> FloatArray:
-    """A random way along the corridors that turns back nowhere: (poses, 3)."""
+    """Return a random path along the corridors that never turns back: (poses, 3)."""
     junction, heading = np.array([0, 0]), 0
     places, headings = [np.array([0.0, 0.0])], [0.0]
     while len(places) < poses:
@@ -235,7 +243,7 @@ def _walk(rng: np.random.Generator, poses: int, size: tuple[int, int]) -> FloatA
 
 
 def _recognised(truth: FloatArray, rng: np.random.Generator, part: float = 0.5) -> list[tuple[int, int]]:
-    """Pairs (late, early): some poses recognise one that they passed much earlier."""
+    """Return pairs (late, early) of poses, in which the late one recognises a place that was passed much earlier."""
     pairs = []
     for late in range(APART, len(truth)):
         away = np.hypot(*(truth[: late - APART + 1] - truth[late])[:, :2].T)
@@ -249,18 +257,18 @@ def _measured(
     truth: FloatArray,
     closures: Sequence[tuple[int, int]],
     marks: FloatArray,
-    sights: Sequence[tuple[int, int]],
+    observed: Sequence[tuple[int, int]],
     noise: float,
     rng: np.random.Generator,
 ) -> World:
-    """Measure steps, closures (pairs of poses) and sights (pose, landmark), with noise.
+    """Measure steps, closures (pairs of poses) and landmarks (pose, landmark), with noise.
 
-    Noise moves the end of z in the frame at that end, in which the residual and its information are: what it does
-    along and across is along and across the way even where the robot turns before it drives.
+    The noise moves the end of z in the frame at that end, because the residual and its information refer to this frame.
+    So it is along and across the path even if the robot turns before it drives.
     """
     steps = np.column_stack([np.arange(len(truth) - 1), np.arange(1, len(truth))])
     old = np.array(closures, dtype=int).reshape(-1, 2)
-    seen = np.array(sights, dtype=int).reshape(-1, 2)
+    seen = np.array(observed, dtype=int).reshape(-1, 2)
     z = [between(truth[pairs[:, 0]], truth[pairs[:, 1]]) for pairs in (steps, old)]
     sigmas = [np.tile(ODOMETRY_SIGMA, (len(steps), 1)), np.tile(CLOSURE_SIGMA, (len(old), 1))]
     information = [np.eye(3) / each[:, None, :] ** 2 for each in sigmas]
@@ -270,9 +278,9 @@ def _measured(
     ]
     headed = np.column_stack([marks, np.zeros(len(marks))])
     sight = between(truth[seen[:, 0]], headed[seen[:, 1]])
-    sight[:, :2] += noise * SIGHT_SIGMA * rng.standard_normal((len(sight), 2))
+    sight[:, :2] += noise * LANDMARK_SIGMA * rng.standard_normal((len(sight), 2))
     sight[:, 2] = 0.0
-    flat = np.diag([1.0, 1.0, 0.0]) / SIGHT_SIGMA**2
+    flat = np.diag([1.0, 1.0, 0.0]) / LANDMARK_SIGMA**2
     graph = Graph(
         np.concatenate([steps, old, seen + [0, len(truth)]]),
         np.concatenate([*z, sight]),
@@ -280,14 +288,16 @@ def _measured(
         np.repeat([POSE, LANDMARK], [len(truth), len(marks)]),
     )
     path = chained(truth[0], z[0])
-    guess = _first_sights(path, seen, sight, len(marks))
+    guess = _first_measured(path, seen, sight, len(marks))
     return World(
         graph, np.concatenate([truth.ravel(), marks.ravel()]), np.concatenate([path.ravel(), guess.ravel()])
     )
 
 
-def _first_sights(path: FloatArray, seen: npt.NDArray[np.int64], sight: FloatArray, count: int) -> FloatArray:
-    """Put each landmark where it was seen first, from a path: (count, 2)."""
+def _first_measured(
+    path: FloatArray, seen: npt.NDArray[np.int64], sight: FloatArray, count: int
+) -> FloatArray:
+    """Return each landmark at the position of its first measurement from a path: (count, 2)."""
     places = np.zeros((count, 2))
     for (pose, number), z in zip(seen[::-1], sight[::-1], strict=True):
         x, y, theta = path[pose]

@@ -1,4 +1,4 @@
-"""Nearest neighbour and joint compatibility on single looks, and what a filter makes of a whole drive."""
+"""Nearest neighbour and joint compatibility on single pictures, and the result of a filter on a whole drive."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from nao_course.geometry import wrap_angle
-from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.geometry import pose_errors
 from nao_course.lessons.slam_on_the_field.worlds import (
     KINDS,
+    AssociationProblem,
     DrawnDrive,
-    Riddle,
-    riddle,
+    association_problem,
 )
 from nao_course.metrics import squared_distances
-from nao_course.plotting import Drawing, course_style
+from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.slam import Estimate, run_slam
 
@@ -31,13 +32,13 @@ GOOD, BAD = "#1a7f37", "#b3261e"
 Associate = Callable[..., Any]
 
 
-def riddles(runs: int = RUNS) -> list[Riddle]:
-    """The looks on which associations are compared."""
-    return [riddle(seed, POSITION_SIGMA, HEADING_SIGMA) for seed in range(runs)]
+def association_problems(runs: int = RUNS) -> list[AssociationProblem]:
+    """Return the pictures on which associations are compared."""
+    return [association_problem(seed, POSITION_SIGMA, HEADING_SIGMA) for seed in range(runs)]
 
 
-def shares(associate: Associate, looks: list[Riddle]) -> list[tuple[int, int]]:
-    """For each look how many associations are right, and of how many.
+def shares(associate: Associate, pictures: list[AssociationProblem]) -> list[tuple[int, int]]:
+    """Count for each picture the right associations, and all of them.
 
     Raises
     ------
@@ -45,7 +46,7 @@ def shares(associate: Associate, looks: list[Riddle]) -> list[tuple[int, int]]:
         If there is not one number for each measurement.
     """
     found = []
-    for each in looks:
+    for each in pictures:
         given = (
             each.state.copy(),
             each.covariance.copy(),
@@ -63,47 +64,47 @@ def shares(associate: Associate, looks: list[Riddle]) -> list[tuple[int, int]]:
 
 
 def right_share(associate: Associate) -> float:
-    """How many of all associations are right in the lesson's thirty runs, in percent."""
-    right, all_of_them = np.sum(shares(associate, riddles()), axis=0)
+    """Return the percentage of right associations in the lesson's thirty pictures."""
+    right, all_of_them = np.sum(shares(associate, association_problems()), axis=0)
     return round(100 * float(right / all_of_them), 1)
 
 
+@course_style()
 def draw_matching(associate: Associate, associate_jointly: Associate) -> Drawing:
-    """Draw how many associations are right in each of thirty runs, by both methods."""
-    looks = riddles()
+    """Draw the number of wrong associations in each of thirty pictures, by both methods."""
+    pictures = association_problems()
     by = {
-        "nearest neighbour": shares(associate, looks),
-        "joint compatibility": shares(associate_jointly, looks),
+        "nearest neighbour": shares(associate, pictures),
+        "joint compatibility": shares(associate_jointly, pictures),
     }
     wrong = {name: np.array([all_of - right for right, all_of in found]) for name, found in by.items()}
     count = sum(all_of for _, all_of in by["nearest neighbour"])
-    with course_style():
-        figure = Figure(figsize=(8.6, 3.0))
-        ax = figure.add_subplot()
-        for number, (name, colour) in enumerate(zip(wrong, (BAD, GOOD), strict=True)):
-            x = np.arange(1, RUNS + 1) + 0.4 * number - 0.2
-            share = 100 - 100 * wrong[name].sum() / count
-            ax.bar(x, wrong[name], 0.38, color=colour, label=f"{name}: {share:.1f} % right", zorder=3)
-        ax.set(xlabel="run", ylabel="wrong of a look", xlim=(0.4, RUNS + 0.6), ylim=(0, None))
-        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-        legend_below(figure, ax.get_legend_handles_labels()[0])
+    figure = Figure(figsize=(8.6, 3.0))
+    ax = figure.add_subplot()
+    for number, (name, colour) in enumerate(zip(wrong, (BAD, GOOD), strict=True)):
+        x = np.arange(1, RUNS + 1) + 0.4 * number - 0.2
+        share = 100 - 100 * wrong[name].sum() / count
+        ax.bar(x, wrong[name], 0.38, color=colour, label=f"{name}: {share:.1f} % right", zorder=3)
+    ax.set(xlabel="picture", ylabel="wrong matches", xlim=(0.4, RUNS + 0.6), ylim=(0, None))
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_below(figure, ax.get_legend_handles_labels()[0])
     said = "; ".join(f"{name} {100 - 100 * each.sum() / count:.1f} %" for name, each in wrong.items())
     return Drawing(
         figure,
-        f"Wrong associations in each of {RUNS} looks with {count} measurements in all, the position in doubt by "
-        f"{100 * POSITION_SIGMA:.0f} cm along each axis and the heading by {np.degrees(HEADING_SIGMA):.0f} degrees. "
+        f"Wrong associations in each of {RUNS} pictures with {count} measurements in all. The standard deviation is "
+        f"{100 * POSITION_SIGMA:.0f} cm along each axis and {np.degrees(HEADING_SIGMA):.0f} degrees of heading. "
         f"Right: {said}.",
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a filter made of a drive.
+    """The result of a filter on a drive.
 
     Parameters
     ----------
     drive : DrawnDrive
-        Which.
+        The drive.
     estimate : Estimate
         At its end.
     path : ndarray, shape (S, 3)
@@ -126,11 +127,26 @@ def follow(
 ) -> Outcome:
     """Run a student's class over a drive."""
     chosen = {} if match is None else {"association": match}
-    slam = slam_class(drive.start, FieldOdometry(), gate, **chosen)
+    slam = slam_class(drive.start, OdometryNoisePerMove(), gate, **chosen)
     estimates = run_slam(slam, drive.log)
     path = np.array([each.pose.as_array() for each in estimates])
-    error = path[-1] - drive.poses[-1]
-    error[2] = wrap_angle(error[2])
-    spread = estimates[-1].covariance + 1e-12 * np.eye(3)
-    nees = float(squared_distances(error[None], spread[None])[0])
+    error = pose_errors(path[-1], drive.poses[-1])
+    covariance = estimates[-1].covariance + 1e-12 * np.eye(3)
+    nees = float(squared_distances(error[None], covariance[None])[0])
     return Outcome(drive, estimates[-1], path, float(np.hypot(*error[:2])), nees)
+
+
+def plot_median(
+    ax: Axes,
+    median: float,
+    y: float,
+    text: str,
+    above: float,
+    *,
+    below: float = 0.0,
+    ticks: float = 18.0,
+    size: float = 9.0,
+) -> None:
+    """Mark the median of a row of values at height `y`, and write a text `above` (points) it."""
+    ax.plot([median], [y - below], "|", ms=ticks, mew=2.5, color=STYLES["truth"].colour)
+    ax.annotate(text, (median, y), (0, above), textcoords="offset points", ha="center", fontsize=size)

@@ -1,4 +1,4 @@
-"""The challenge of lesson 11: know where you are after a drive on which nobody names a landmark, and how surely."""
+"""The challenge of lesson 11: estimate the final pose and covariance of drives without known associations."""
 
 from __future__ import annotations
 
@@ -7,38 +7,31 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
-from nao_course.challenges.beliefs import DEEPEST, draw_worst_ends, odometry_covariance, say_bits, score_end
+from nao_course.challenges.beliefs import DEEPEST, draw_worst_ends, odometry_belief, say_bits, score_end
+from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
 from nao_course.lessons.slam_on_the_field.worlds import FIELD, KINDS, LANDMARKS, DrawnDrive, Log, drawn_drive
-from nao_course.plotting import (
-    plot_ellipse,
-    plot_field,
-    plot_landmarks,
-    plot_path,
-    plot_pose,
-)
+from nao_course.plotting import plot_ellipse, plot_field, plot_landmarks, plot_path, plot_pose
 from nao_course.plotting.style import GREY
 
 DRIVES, MOVES = 12, 12
-FALSE_RATE = 0.1  # corners a picture that are none
+FALSE_RATE = 0.1  # false corners in a picture, on average
 FIRST_SEED = 11_000
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A drive, and what odometry alone believes at its end.
+    """A drive, and odometry's estimate of its final pose.
 
     Parameters
     ----------
     drive : DrawnDrive
         With its log.
     odometry, odometry_covariance : ndarray, shapes (3,) and (3, 3)
-        In the field's frame.
+        Pose and covariance in the field's frame.
     """
 
     drive: DrawnDrive
@@ -47,29 +40,25 @@ class Case:
 
     @property
     def given(self) -> tuple[Pose, Log]:
-        """What an entry gets."""
+        """Arguments of an entry."""
         return self.drive.start, list(self.drive.log)
 
 
 def make_case(seed: int) -> Case:
-    """Drive; the same seed gives the same."""
+    """Return the drive of a seed."""
     drive = drawn_drive(FIRST_SEED + seed, MOVES, false_rate=FALSE_RATE)
     motions = [motion for motion, _ in drive.log if motion is not None]
-    told = [drive.start]
-    for motion in motions:
-        told.append(told[-1] @ motion.as_pose())
-    noise = np.array([FieldOdometry().covariance(motion) for motion in motions])
-    path = np.array([each.as_array() for each in told])
-    return Case(drive, path[-1], odometry_covariance(path, noise))
+    noise = [OdometryNoisePerMove().covariance(motion) for motion in motions]
+    return Case(drive, *odometry_belief(drive.start, motions, noise))
 
 
 def judge(answer: Any, case: Case) -> CaseScore:
-    """Score a belief at the end: by how many bits it is denser at the true pose than odometry's."""
+    """Score a final estimate: by how many bits its density at the true pose exceeds odometry's."""
     return score_end(answer, case.drive.poses[-1], (case.odometry, case.odometry_covariance), case.drive)
 
 
 def _plot_drive(ax: Axes, kept: Any) -> None:
-    """A true path and a belief at its end."""
+    """Plot a true path and the estimate at its end."""
     drive, pose, covariance = kept
     plot_field(FIELD, ax)
     plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
@@ -81,11 +70,11 @@ def _plot_drive(ax: Axes, kept: Any) -> None:
 CHALLENGE = Challenge(
     lesson="11_slam_on_the_field",
     title="Challenge 11: twelve drives without names",
-    task=f"{DRIVES} robots drive {MOVES} moves over the half field from a known start and take three looks "
-    "at each stop. Nothing says which landmark is which, and every tenth picture shows a corner that is none. "
+    task=f"{DRIVES} robots drive {MOVES} moves over the half field from a known start and take three pictures "
+    "at each stop. The measurements have no names, and every tenth picture contains a corner that does not exist. "
     "Write a function of "
-    "start (a Pose) and log, a list of (motion or None, observation). It returns pose and covariance at the end, in "
-    "the field's frame; a whole state with its covariance will do.",
+    "start (a Pose) and log, a list of (motion or None, observation). It returns the final pose and its covariance in "
+    "the field's frame; a whole state with its covariance is accepted, too.",
     scoring=say_bits(DRIVES),
     seeds=range(DRIVES),
     make=make_case,

@@ -1,4 +1,4 @@
-"""How `measure` is called: on pictures of the field that are taken where it runs, for they are too large to be sent."""
+"""Driver and property for the checks of lesson 11; `measure` gets pictures that are rendered in its own process."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises import register_driver
+from nao_course.exercises import register, register_driver
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Field, Picture, Reality, render
 
-HEAD_PITCH = float(np.radians(-31.0 + 6.4))  # where a real NAO's head really was (docs/real_data.md)
+HEAD_PITCH = float(np.radians(-31.0 + 6.4))  # of a real NAO's head (docs/real_data.md)
 
 
 def taken_from(pose: Pose, yaw: float, brightness: float = 1.0, seed: int = 0) -> Picture:
-    """Take a picture of a clean half field with a body that stands upright.
+    """Render a picture of a clean half field, taken by an upright robot.
 
     Parameters
     ----------
@@ -24,9 +24,9 @@ def taken_from(pose: Pose, yaw: float, brightness: float = 1.0, seed: int = 0) -
     yaw : float
         Of its head, rad.
     brightness : float
-        What all pixels are multiplied by.
+        Factor for all pixel values.
     seed : int
-        Of the room and the sensor's noise.
+        For the room and the sensor's noise.
 
     Returns
     -------
@@ -40,19 +40,28 @@ def taken_from(pose: Pose, yaw: float, brightness: float = 1.0, seed: int = 0) -
 
 @register_driver
 def on_taken_picture(function: Callable[..., Any], *place: Any) -> Any:
-    """Call ``function(picture, view)`` on the picture that `taken_from` takes.
+    """Call ``function(picture, view)`` on a picture from `taken_from`.
 
     Parameters
     ----------
     function : callable
-        The student's; of a uint8 array (H, W, 3) and a CameraView.
+        The student's function of a uint8 array (H, W, 3) and a CameraView.
     *place : object
-        What `taken_from` is called with.
+        Arguments of `taken_from`.
 
     Returns
     -------
     object
-        What it returned.
+        The function's answer.
     """
     picture = taken_from(*place)
     return function(picture.pixels, picture.view)
+
+
+@register
+def whole_numbers(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
+    """Reject floats as numbers of landmarks, because later cells use them as indices."""
+    numbers = np.asarray(answer)
+    if numbers.size and numbers.dtype.kind not in "iu":
+        return "your numbers are right, but they are floats; indices must be integers, for example from np.full(m, -1)"
+    return ""

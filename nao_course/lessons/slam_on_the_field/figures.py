@@ -1,4 +1,4 @@
-"""Figures of lesson 11: what is seen in three looks, what one tilt does to a picture, and whole drives."""
+"""Figures of lesson 11: measurements in three pictures, the effect of one tilt on a picture, and whole drives."""
 
 from __future__ import annotations
 
@@ -8,19 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.drives import OdometryNoisePerMove, drive_over_field
+from nao_course.field_slam.lines import read_lines
+from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, picture_covariance, tilted
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.slam_on_the_field.drivers import taken_from
-from nao_course.lessons.slam_on_the_field.system.compass import lean_from_lines
-from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry, drive_over_field
-from nao_course.lessons.slam_on_the_field.system.lines import read_lines
-from nao_course.lessons.slam_on_the_field.system.observation import (
-    POST_SIGMA,
-    Observation,
-    leaning,
-    observation,
-    picture_covariance,
-)
 from nao_course.lessons.slam_on_the_field.worlds import FIELD
 from nao_course.plotting import (
     Drawing,
@@ -42,108 +37,115 @@ PLACE = Pose(1.45, -0.55, -0.45)
 YAWS = (0.75, 0.0, -0.75)  # rad
 TILTED = (Measurement(0.25, 2.0), Measurement(-0.2, 3.0))
 PAYOFF_SEED, PAYOFF_MOVES = 97, 20
-TOLD_BY = {"odometry": "by odometry", "ekf": "your filter", "graph": "your graph"}
+TITLES = {"odometry": "odometry", "ekf": "your filter", "graph": "your graph"}
 
 
-def draw_sights(measure: Callable[..., Any]) -> Drawing:
-    """Draw three looks from one place, and what a student's `measure` makes of them on the map."""
+@course_style()
+def draw_measurements(measure: Callable[..., Any]) -> Drawing:
+    """Draw three pictures from one place, and a student's measurements of them on the map."""
     pictures = [taken_from(PLACE, yaw) for yaw in YAWS]
     found = [_seen(measure, each.pixels, each.view) for each in pictures]
-    with course_style():
-        figure = Figure(figsize=(9.6, 5.6))
-        grid = figure.add_gridspec(3, 2, width_ratios=(1, 2.2))
-        for row, (picture, seen) in enumerate(zip(pictures, found, strict=True)):
-            ax = figure.add_subplot(grid[row, 0])
-            plot_picture(picture, ax, ticks=False)
-            ax.set_title(f"{say_count(len(seen), 'measurement')}", fontsize=10)
-        ax = figure.add_subplot(grid[:, 1])
-        plot_field(FIELD, ax)
-        for seen in found:
-            plot_measurements(seen, PLACE, ax)
-        plot_pose(PLACE, ax)
-        legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "measured")])
-    told = ", ".join(f"{each.kind} at {each.range:.2f} m" for seen in found for each in seen)
+    figure = Figure(figsize=(9.6, 5.6))
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 2.2))
+    for row, (picture, seen) in enumerate(zip(pictures, found, strict=True)):
+        ax = figure.add_subplot(grid[row, 0])
+        plot_picture(picture, ax, ticks=False)
+        ax.set_title(f"{say_count(len(seen), 'measurement')}", fontsize=10)
+    ax = figure.add_subplot(grid[:, 1])
+    plot_field(FIELD, ax)
+    for seen in found:
+        plot_measurements(seen, PLACE, ax)
+    plot_pose(PLACE, ax)
+    legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "measured")])
+    listed = ", ".join(f"{each.kind} at {each.range:.2f} m" for seen in found for each in seen)
     return Drawing(
         figure,
         "Three pictures from one place, to the left, ahead and to the right, and their measurements on the map: "
-        f"{told or 'none'}.",
+        f"{listed or 'none'}.",
         photo=True,
     )
 
 
+@course_style()
 def draw_one_tilt() -> Drawing:
-    """Draw two corners of one picture as they are measured under 300 tilts, and what R says of them."""
+    """Draw two corners as they are measured in 300 pictures with different tilts, and their ellipses from R."""
     rng = np.random.default_rng(11)
     R = picture_covariance(TILTED)
     mean = np.ravel([(each.bearing, each.range) for each in TILTED])
     draws = rng.multivariate_normal(mean, R, 300)
     correlation = R[1, 3] / np.sqrt(R[1, 1] * R[3, 3])
-    with course_style():
-        figure = Figure(figsize=(9.6, 3.8))
-        ax, both = figure.subplots(1, 2, width_ratios=(1.5, 1))
-        places = measured_points(TILTED, Pose())
-        for n, (each, colour) in enumerate(zip(TILTED, ("#0b5fa5", "#a14566"), strict=True)):
-            bearing, away = draws[:, 2 * n : 2 * n + 2].T
-            ax.plot(away * np.cos(bearing), away * np.sin(bearing), ".", color=colour, ms=2, alpha=0.6)
-            c, s, r = np.cos(each.bearing), np.sin(each.bearing), each.range
-            J = np.array([[-r * s, c], [r * c, s]])
-            plot_ellipse(places[n], J @ R[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] @ J.T, ax, "ekf")
-        plot_pose(Pose(), ax)
-        ax.set(aspect="equal", xlabel="ahead (m)", ylabel="left (m)", xlim=(-0.2, 4.2), ylim=(-1.2, 1.2))
-        ax.set_title("two corners, each measured in 300 pictures", fontsize=11)
-        for place, name in zip(places, ("near", "far"), strict=True):
-            ax.annotate(name, place, (0, 16), textcoords="offset points", ha="center", fontsize=10)
-        both.plot(draws[:, 1], draws[:, 3], ".", color="#444", ms=3, alpha=0.6)
-        both.set(xlabel="range of the near corner (m)", ylabel="range of the far corner (m)")
-        both.set_title(f"a dot a picture: correlation {correlation:.2f}", fontsize=11)
+    figure = Figure(figsize=(9.6, 3.8))
+    ax, both = figure.subplots(1, 2, width_ratios=(1.5, 1))
+    places, keys = measured_points(TILTED, Pose()), list[Line2D]()
+    for n, (each, colour) in enumerate(zip(TILTED, ("#2a7f4f", "#8a5a00"), strict=True)):
+        bearing, away = draws[:, 2 * n : 2 * n + 2].T
+        ax.plot(away * np.cos(bearing), away * np.sin(bearing), ".", color=colour, ms=2, alpha=0.6)
+        keys.append(
+            Line2D([], [], ls="", marker="o", ms=4, color=colour, label=f"corner at {each.range:g} m")
+        )
+        c, s, r = np.cos(each.bearing), np.sin(each.bearing), each.range
+        J = np.array([[-r * s, c], [r * c, s]])
+        plot_ellipse(places[n], J @ R[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] @ J.T, ax, "ekf")
+    plot_pose(Pose(), ax)
+    ax.set(aspect="equal", xlabel="ahead (m)", ylabel="left (m)", xlim=(-0.2, 4.2), ylim=(-1.2, 1.2))
+    ax.set_title("two corners, each measured in 300 pictures", fontsize=11)
+    both.plot(draws[:, 1], draws[:, 3], ".", color="#444", ms=3, alpha=0.6)
+    keys += [
+        source_key("ekf", "95 % by R"),
+        source_key("truth", "robot"),
+        Line2D([], [], ls="", marker="o", ms=4, color="#444", label="one picture (right)"),
+    ]
+    legend_below(figure, keys, columns=5)
+    both.set(xlabel="measured range of the nearer corner (m)", ylabel="of the farther corner (m)")
+    both.set_title(f"each picture: correlation {correlation:.2f}", fontsize=11)
     sigmas = np.sqrt(R[[1, 3], [1, 3]])
     return Drawing(
         figure,
-        f"Two corners of one picture, at 2 and 3 m, measured 300 times while the body leans by 1.3 degrees. "
-        f"Their ranges scatter by "
-        f"{sigmas[0]:.2f} and {sigmas[1]:.2f} m, and nearly always together: their correlation is {correlation:.2f}.",
+        "Two corners at 2 and 3 m, measured in 300 pictures; the pitch has a standard deviation of 1.3 degrees. "
+        f"Their ranges have standard deviations of "
+        f"{sigmas[0]:.2f} and {sigmas[1]:.2f} m, and they are wrong together: their correlation is {correlation:.2f}.",
     )
 
 
+@course_style()
 def draw_drives(
     measure: Callable[..., Any],
     EkfSlam: Callable[..., Any],  # noqa: N803 - the students' names
     GraphSlam: Callable[..., Any],  # noqa: N803
 ) -> Drawing:
-    """Drive over the field and draw it as odometry, a student's filter and a student's graph tell it, by their eyes."""
-    log, true = _looks(measure)
+    """Draw one drive as estimated by odometry and by a student's filter and graph, from the student's measurements."""
+    log, true = _measured_drive(measure)
     start = Pose.from_array(true[0])
     algorithms = {
         "odometry": DeadReckoning(start),
-        "ekf": EkfSlam(start, FieldOdometry()),
-        "graph": GraphSlam(start, FieldOdometry()),
+        "ekf": EkfSlam(start, OdometryNoisePerMove()),
+        "graph": GraphSlam(start, OdometryNoisePerMove()),
     }
     estimates = {source: run_slam(algorithm, log) for source, algorithm in algorithms.items()}
     off = {
         source: 100 * float(np.hypot(*(found[-1].pose.as_array() - true[-1])[:2]))
         for source, found in estimates.items()
     }
-    with course_style():
-        figure = Figure(figsize=(9.9, 4.9))
-        for number, (source, name) in enumerate(TOLD_BY.items(), start=1):
-            ax = figure.add_subplot(1, 3, number)
-            plot_field(FIELD, ax)
-            plot_path(true, ax)
-            path = np.array([each.pose.as_array() for each in estimates[source]])
-            plot_path(path if source == "odometry" else path[:, :2], ax, source, robot=source == "odometry")
-            if source != "odometry":
-                plot_estimate(estimates[source][-1], ax, source)
-            ax.set_title(f"{name}: off by {off[source]:.0f} cm", fontsize=11)
-            if number > 1:
-                ax.set_ylabel("")
-        keys = [
-            source_key("truth", "true path"),
-            source_key("odometry"),
-            source_key("ekf", "EKF, 95 %"),
-            source_key("graph", "graph, 95 %"),
-        ]
-        legend_below(figure, keys)
-    said = ", ".join(f"{name} {off[source]:.0f} cm" for source, name in TOLD_BY.items())
+    figure = Figure(figsize=(9.9, 4.9))
+    for number, (source, name) in enumerate(TITLES.items(), start=1):
+        ax = figure.add_subplot(1, 3, number)
+        plot_field(FIELD, ax)
+        plot_path(true, ax)
+        path = np.array([each.pose.as_array() for each in estimates[source]])
+        plot_path(path if source == "odometry" else path[:, :2], ax, source, robot=source == "odometry")
+        if source != "odometry":
+            plot_estimate(estimates[source][-1], ax, source)
+        ax.set_title(f"{name}: off by {off[source]:.0f} cm", fontsize=11)
+        if number > 1:
+            ax.set_ylabel("")
+    keys = [
+        source_key("truth", "true path"),
+        source_key("odometry"),
+        source_key("ekf", "EKF, 95 %"),
+        source_key("graph", "graph, 95 %"),
+    ]
+    legend_below(figure, keys)
+    said = ", ".join(f"{name} {off[source]:.0f} cm" for source, name in TITLES.items())
     maps = [len(estimates[source][-1].kinds) for source in ("ekf", "graph")]
     return Drawing(
         figure,
@@ -152,16 +154,18 @@ def draw_drives(
     )
 
 
-def _looks(measure: Callable[..., Any]) -> tuple[list[tuple[Motion | None, Observation]], FloatArray]:
-    """What a student's `measure` makes of a drive's pictures, with the commands, and the true poses (S, 3).
+def _measured_drive(
+    measure: Callable[..., Any],
+) -> tuple[list[tuple[Motion | None, Observation]], FloatArray]:
+    """Return a drive's log with a student's measurements, and the true poses (S, 3).
 
-    The field's lines tell how the body leans, and with it what the picture's view is, and a heading.
+    The body's tilt, and with it each picture's view, comes from the field's lines, and so does a heading.
     """
     log, true = [], []
     for shot in drive_over_field(PAYOFF_SEED, moves=PAYOFF_MOVES):
         pixels, view = shot.picture.pixels, shot.picture.view
-        lean = lean_from_lines(read_lines(pixels, view), view)
-        found = _seen(measure, pixels, leaning(view, lean.pitch, lean.roll))
+        lean = tilt_from_lines(read_lines(pixels, view), view)
+        found = _seen(measure, pixels, tilted(view, lean.pitch, lean.roll))
         seen = observation(
             found,
             lean.covariance[:2, :2],
@@ -175,7 +179,7 @@ def _looks(measure: Callable[..., Any]) -> tuple[list[tuple[Motion | None, Obser
 
 
 def _seen(measure: Callable[..., Any], pixels: npt.NDArray[np.uint8], view: CameraView) -> list[Measurement]:
-    """What a student's `measure` sees in a picture; refused in words where that is something else."""
+    """Return a student's measurements of a picture, or raise TypeError if they are something else."""
     found = measure(pixels.copy(), view)
     if not isinstance(found, list | tuple) or any(not isinstance(each, Measurement) for each in found):
         raise TypeError("measure must return a list of Measurement")

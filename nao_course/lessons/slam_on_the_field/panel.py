@@ -1,4 +1,4 @@
-"""The panel of lesson 11: one look from a place that is in doubt, and which landmark each measurement is taken for."""
+"""Panels of lesson 11: a picture from an uncertain pose, and the landmark that each measurement is matched with."""
 
 from __future__ import annotations
 
@@ -6,23 +6,39 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course.field_slam.association import associate_jointly
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.slam_on_the_field.associating import BAD, GOOD
-from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.worlds import FIELD, KINDS, LANDMARKS, Riddle, riddle
+from nao_course.lessons.slam_on_the_field.associating import (
+    BAD,
+    GATE,
+    GOOD,
+    HEADING_SIGMA,
+    POSITION_SIGMA,
+    RUNS,
+)
+from nao_course.lessons.slam_on_the_field.worlds import (
+    FIELD,
+    KINDS,
+    LANDMARKS,
+    AssociationProblem,
+    association_problem,
+)
 from nao_course.plotting import LANDMARK_MARKERS, Drawing, course_style, plot_ellipse, plot_field, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.slam import measured_points
 from nao_course.widgets import FunctionPanel, Slider, Toggle
 
 LANDMARK_SIGMA = 0.04  # m
+NOT_SHOWN = -2  # in place of a landmark's number: a pair that has not been added yet
+WRONG_PICTURE = 14  # nearest neighbour goes wrong at its third pair, joint compatibility does not
 
 
 class AssociationPanel(FunctionPanel):
-    """A look from a place in doubt: lines lead from each measurement to the landmark that it is taken for.
+    """One picture from an uncertain pose: lines lead from each measurement to the landmark that was chosen for it.
 
     Parameters
     ----------
@@ -32,16 +48,16 @@ class AssociationPanel(FunctionPanel):
     """
 
     def __init__(self, associate: Callable[..., Any]) -> None:
-        """Begin with a heading in doubt by 8 degrees."""
+        """Begin with a heading whose standard deviation is 8 degrees."""
         super().__init__(
             "Which landmark is it?",
             _shown,
             [
-                Slider("look", "Look", 0, 29, 1, 4, tooltip="Another place, another error"),
-                Slider("heading", "Heading doubt", 0.5, 20, 0.5, 8, unit="°", tooltip="Standard deviation"),
+                Slider("picture", "Picture", 0, RUNS - 1, 1, 4, tooltip="Another place, other errors"),
+                Slider("heading", "Heading: σ", 0.5, 20, 0.5, 8, unit="°", tooltip="Standard deviation"),
                 Slider(
                     "position",
-                    "Position doubt",
+                    "Position: σ",
                     0.01,
                     0.5,
                     0.01,
@@ -53,63 +69,130 @@ class AssociationPanel(FunctionPanel):
                 Toggle("together", "Judge them together"),
             ],
             student={"associate": associate},
-            unfinished="Finish exercises 11.3 and 11.4 to see which landmarks are taken.",
+            unfinished="Finish exercises 11.3 and 11.4 to see which landmarks are chosen.",
         )
 
 
-def _shown(values: Any, student: Any) -> Iterator[Any]:
-    """Draw the look, then what is made of it."""
-    each = riddle(int(values.look), values.position, float(np.radians(values.heading)), LANDMARK_SIGMA)
-    yield {"The map, and one look": draw_riddle(each, None)}
-    given = (
-        each.state,
-        each.covariance,
-        list(KINDS),
-        each.observation,
-        each.observation.covariance,
-        values.gate,
-    )
-    indices = np.asarray(associate_jointly(*given) if values.together else student.associate(*given))
+class ReplayPanel(FunctionPanel):
+    """Nearest neighbour and joint compatibility on one picture, one pair at a time.
+
+    Parameters
+    ----------
+    associate, joint_distance : callable
+        The student's.
+    """
+
+    def __init__(self, associate: Callable[..., Any], joint_distance: Callable[..., Any]) -> None:
+        """Begin where nearest neighbour makes its first mistake."""
+        super().__init__(
+            "One picture, pair by pair",
+            _replayed,
+            [
+                Slider("step", "Pairs", 1, 8, 1, 3, tooltip="How many pairs have been added"),
+                Slider(
+                    "picture", "Picture", 0, RUNS - 1, 1, WRONG_PICTURE, tooltip="Another place, other errors"
+                ),
+            ],
+            student={"associate": associate, "joint_distance": joint_distance},
+            unfinished="Finish exercises 11.3 and 11.4 to see the replay.",
+        )
+
+
+def _given(each: AssociationProblem, gate: float) -> tuple[Any, ...]:
+    """Return the arguments of an association."""
+    return (each.state, each.covariance, list(KINDS), each.observation, each.observation.covariance, gate)
+
+
+def _chosen(associate: Callable[..., Any], each: AssociationProblem, gate: float) -> npt.NDArray[np.int64]:
+    """Associate, and refuse an answer of another length in words."""
+    indices = np.asarray(associate(*_given(each, gate)))
     if indices.shape != (len(each.origins),):
         raise ValueError(f"{len(each.origins)} measurements need as many numbers, got shape {indices.shape}")
-    yield {"The map, and one look": draw_riddle(each, indices.astype(int))}
-    how = "Together" if values.together else "Each alone"
+    return indices.astype(int)
+
+
+def _shown(values: Any, student: Any) -> Iterator[Any]:
+    """Draw the picture's measurements, then their matches."""
+    each = association_problem(
+        int(values.picture), values.position, float(np.radians(values.heading)), LANDMARK_SIGMA
+    )
+    yield {"The map, and one picture's measurements": draw_problem(each, None)}
+    indices = _chosen(associate_jointly if values.together else student.associate, each, values.gate)
+    yield {"The map, and one picture's measurements": draw_problem(each, indices)}
+    how = "Judged together" if values.together else "Judged one by one"
     new = int(np.count_nonzero(indices < 0))
-    yield f"{how}: {each.right(indices)} of {len(each.origins)} right, {new} taken for new."
+    yield f"{how}: {each.right(indices)} of {len(each.origins)} right, {new} without a landmark."
 
 
-def draw_riddle(each: Riddle, indices: Any) -> Drawing:
-    """Draw map, believed pose, and a line from each measurement to its landmark; green where it is right."""
-    believed = Pose.from_array(each.state[:3])
-    ends = measured_points(each.observation, believed)
+def _replayed(values: Any, student: Any) -> Iterator[Any]:
+    """Draw the first pairs of both methods, and say how far they are apart, alone and together."""
+    each = association_problem(int(values.picture), POSITION_SIGMA, HEADING_SIGMA)
+    drawings, said = {}, []
+    for name, method in (
+        ("Nearest neighbour", student.associate),
+        ("Joint compatibility", associate_jointly),
+    ):
+        indices = _chosen(method, each, GATE)
+        alone = {
+            i: _distance(student.joint_distance, each, indices, [i]) for i in np.flatnonzero(indices >= 0)
+        }
+        order = sorted(alone, key=lambda i: alone[i])[: int(values.step)]
+        drawings[name] = draw_problem(
+            each, np.where(np.isin(np.arange(len(indices)), order), indices, NOT_SHOWN)
+        )
+        if not order:
+            said.append(f"{name}: no pair.")
+            continue
+        together, right = _distance(student.joint_distance, each, indices, order), each.origins[order[-1]]
+        said.append(
+            f"{name}: pair {len(order)} is {'right' if indices[order[-1]] == right else 'WRONG'}, "
+            f"{alone[order[-1]]:.1f} σ alone; {len(order)} together: {together:.1f} σ."
+        )
+    yield drawings
+    yield " ".join(said)
+
+
+def _distance(
+    joint_distance: Callable[..., Any], each: AssociationProblem, indices: Any, pairs: list[Any]
+) -> float:
+    """Return the joint distance of some of the pairs, by the student's function."""
+    kept = [int(index) if i in pairs else -1 for i, index in enumerate(indices)]
+    seen = each.observation
+    return float(joint_distance(each.state, each.covariance, kept, seen, seen.covariance))
+
+
+@course_style()
+def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
+    """Draw map, estimated pose, and a line from each measurement to its landmark; green where it is right."""
+    estimated = Pose.from_array(each.state[:3])
+    ends = measured_points(each.observation, estimated)
     marks: FloatArray = np.reshape(each.state[3:], (-1, 2))
-    with course_style():
-        figure = Figure(figsize=(6.2, 5.6))
-        ax = figure.add_subplot()
-        plot_field(FIELD, ax)
-        for place, kind in zip(marks, KINDS, strict=True):
-            plot_ellipse(place, LANDMARK_SIGMA**2 * np.eye(2), ax, "ekf")
-            ax.plot(*place, LANDMARK_MARKERS[kind], color="none", mec="#0b5fa5", ms=8, mew=1.4, zorder=5)
-        for n, end in enumerate(ends):
-            kind = each.observation[n].kind
-            ax.plot([believed.x, end[0]], [believed.y, end[1]], color="#444", lw=0.7, alpha=0.5, zorder=3)
-            ax.plot(*end, LANDMARK_MARKERS[kind], color="#222", ms=7, zorder=5.5)
-            if indices is not None and 0 <= indices[n] < len(marks):
-                colour = GOOD if indices[n] == each.origins[n] else BAD
-                ax.plot(*np.column_stack([end, marks[indices[n]]]), color=colour, lw=3, zorder=4.5)
-            elif indices is not None:
-                ax.annotate("new", end, (4, 4), textcoords="offset points", color=BAD, fontsize=9, zorder=6)
-        plot_pose(each.pose, ax)
-        plot_pose(believed, ax, "ekf")
-        plot_ellipse((believed.x, believed.y), each.covariance[:2, :2], ax, "ekf")
-        keys = [source_key("truth", "true pose"), source_key("ekf", "believed, 95 %")]
-        keys += [
-            Line2D([], [], color=colour, lw=3, label=name)
-            for name, colour in (("right", GOOD), ("wrong", BAD))
-        ]
-        legend_below(figure, keys)
-    off = np.hypot(believed.x - each.pose.x, believed.y - each.pose.y)
-    said = f"{len(each.origins)} measurements from a believed pose that is off by {off:.2f} m"
+    figure = Figure(figsize=(6.2, 5.6))
+    ax = figure.add_subplot()
+    plot_field(FIELD, ax)
+    for place, kind in zip(marks, KINDS, strict=True):
+        plot_ellipse(place, LANDMARK_SIGMA**2 * np.eye(2), ax, "ekf")
+        ax.plot(*place, LANDMARK_MARKERS[kind], color="none", mec="#0b5fa5", ms=8, mew=1.4, zorder=5)
+    for n, end in enumerate(ends):
+        kind = each.observation[n].kind
+        ax.plot([estimated.x, end[0]], [estimated.y, end[1]], color="#444", lw=0.7, alpha=0.5, zorder=3)
+        ax.plot(*end, LANDMARK_MARKERS[kind], color="#222", ms=7, zorder=5.5)
+        if indices is not None and 0 <= indices[n] < len(marks):
+            colour = GOOD if indices[n] == each.origins[n] else BAD
+            ax.plot(*np.column_stack([end, marks[indices[n]]]), color=colour, lw=3, zorder=4.5)
+        elif indices is not None and indices[n] != NOT_SHOWN:
+            ax.annotate("none", end, (4, 4), textcoords="offset points", color=BAD, fontsize=9, zorder=6)
+    plot_pose(each.pose, ax)
+    plot_pose(estimated, ax, "ekf")
+    plot_ellipse((estimated.x, estimated.y), each.covariance[:2, :2], ax, "ekf")
+    keys = [source_key("truth", "true pose"), source_key("ekf", "estimate, 95 %")]
+    keys += [
+        Line2D([], [], color=colour, lw=3, label=name)
+        for name, colour in (("right match", GOOD), ("wrong match", BAD))
+    ]
+    legend_below(figure, keys)
+    off = np.hypot(estimated.x - each.pose.x, estimated.y - each.pose.y)
+    said = f"{len(each.origins)} measurements from an estimated pose that is off by {off:.2f} m"
     if indices is not None:
-        said += f"; {each.right(indices)} of them are taken for the right landmark"
+        said += f"; {each.right(indices)} of them are matched with the right landmark"
     return Drawing(figure, f"The half field with {len(LANDMARKS)} landmarks on the map: {said}.")

@@ -1,37 +1,36 @@
-"""What lesson 11 adds to the student's robot: their own SLAM by their own eyes, and a board of error and honesty."""
+"""The stage of lesson 11 for the student's robot: their SLAM on their measurements, with a board of error and NEES."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import pairwise
 
 import numpy as np
 
 from nao_course.exercises.earlier import EarlierNotUsable
-from nao_course.geometry import wrap_angle
-from nao_course.lessons.slam_on_the_field.system.observation import POST_SIGMA, Observation, observation
+from nao_course.field_slam.observation import POST_SIGMA, Observation, observation
+from nao_course.geometry import pose_errors
 from nao_course.metrics import squared_distances
 from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
-from nao_course.slam import Estimate, Measurement, Motion, measured_points
+from nao_course.slam import Estimate, Measurement, measured_points
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.pipeline import Look, Overlay, Sight, Stage
+from nao_course.widgets.control_panel.named_landmarks import new_motions
+from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 
-def _follow(student: StudentCode, nao: SimulatedNao) -> Look:
-    """Begin where the robot stands, which it knows; follow the commands, and take each picture in once."""
+def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+    """Start at the robot's known pose, follow the commands, and update with each picture once."""
     truth = Truth(nao)
     slam = student.EkfSlam(truth.odometry_start, nao.odometry_noise)
     done, board = 0, Board()
 
-    def look(sight: Sight) -> Overlay:
+    def look(frame: Frame) -> Overlay:
         nonlocal done
-        path = nao.odometry_path
-        for before, after in pairwise(path[done:]):
-            step = before.inverse() @ after
-            slam.move(Motion(step.x, step.theta))
-        done = len(path) - 1
-        seen, whose = _seen(student, nao, sight)
+        motions = new_motions(nao, done)
+        for motion in motions:
+            slam.move(motion)
+        done += len(motions)
+        seen, whose = _seen(student, nao, frame)
         slam.observe(seen)
         estimate = slam.estimate()
         if not isinstance(estimate, Estimate):
@@ -47,21 +46,21 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> Look:
     return look
 
 
-def _seen(student: StudentCode, nao: SimulatedNao, sight: Sight) -> tuple[Observation, str]:
-    """What a picture shows, and who measured it: the student's function, else the simulator."""
-    picture, by = sight.picture, "sense()"
+def _seen(student: StudentCode, nao: SimulatedNao, frame: Frame) -> tuple[Observation, str]:
+    """Return a picture's measurements, and who made them: the student's function, or else the simulator."""
+    picture, by = frame.picture, "sense()"
     if "measure" in student:
         try:
             seen = _checked(student.measure(picture.pixels, picture.view))
             return observation(seen, post_sigma=POST_SIGMA), "your measure"
-        except EarlierNotUsable as lacking:  # measure is written, but what it calls is not
+        except EarlierNotUsable as lacking:  # `measure` is written, but a function that it calls is not
             student.running = ""
             by += f", for {str(lacking).rstrip('.')}"
     return _sensed(nao, picture.camera), by
 
 
 def _sensed(nao: SimulatedNao, camera: str) -> Observation:
-    """What the simulator measures, with its own noise: no tilt moves its bearings and ranges together."""
+    """Return the simulator's measurements with its own noise, in which no tilt is shared."""
     seen = nao.sense(camera)
     R = np.zeros((len(seen), 2, len(seen), 2))
     for i, each in enumerate(seen):
@@ -70,7 +69,7 @@ def _sensed(nao: SimulatedNao, camera: str) -> Observation:
 
 
 def _checked(found: object) -> list[Measurement]:
-    """What `measure` returned, if it is what it must be."""
+    """Return the measurements, or raise TypeError if they are something else."""
     if not isinstance(found, Iterable) or isinstance(found, Measurement):
         raise TypeError(f"measure must return a list of Measurement, got {type(found).__name__}")
     seen = list(found)
@@ -80,22 +79,21 @@ def _checked(found: object) -> list[Measurement]:
 
 
 class Board:
-    """Error and honesty of all estimates so far."""
+    """Error and NEES of all estimates so far."""
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Start without estimates."""
         self._nees: list[float] = []
 
     def after(self, estimate: Estimate, truth: Truth) -> str:
-        """Say how far an estimate is off, how far it says, and whether that has been honest so far."""
-        error = estimate.pose.as_array() - truth.pose.as_array()
-        error[2] = wrap_angle(error[2])
-        spread = estimate.covariance + np.diag([1e-6, 1e-6, 1e-6])  # the first pose has no doubt at all
-        self._nees.append(float(squared_distances(error[None], spread[None])[0]))
+        """Return an estimate's error, its stated standard deviation and its NEES as a line of text."""
+        error = pose_errors(estimate.pose.as_array(), truth.pose.as_array())
+        covariance = estimate.covariance + np.diag([1e-6, 1e-6, 1e-6])  # the first pose is known exactly
+        self._nees.append(float(squared_distances(error[None], covariance[None])[0]))
         stated = float(np.sqrt(max(np.trace(estimate.covariance[:2, :2]), 0.0)))
         return (
             f"off {100 * np.hypot(*error[:2]):.0f} cm, states {100 * stated:.0f} cm, "
-            f"NEES {self._nees[-1]:.1f}, median {np.median(self._nees):.1f} (honest: 2.4)"
+            f"NEES {self._nees[-1]:.1f}, median {np.median(self._nees):.1f} (consistent: 2.4)"
         )
 
 

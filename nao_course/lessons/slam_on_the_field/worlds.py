@@ -1,4 +1,4 @@
-"""Drives and single looks without pictures, to try association on: what is seen and how it errs is drawn at random."""
+"""Drives and single pictures without rendering, to try association on: measurements and errors are random."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.lessons.slam_on_the_field.system.compass import wrap_quarter
-from nao_course.lessons.slam_on_the_field.system.drives import YAWS, Driver, FieldOdometry, start_of
-from nao_course.lessons.slam_on_the_field.system.observation import (
+from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.drives import YAWS, Driver, OdometryNoisePerMove, start_of
+from nao_course.field_slam.observation import (
     CAMERA_HEIGHT,
     FOCAL,
     PIXEL_SIGMA,
@@ -19,13 +18,12 @@ from nao_course.lessons.slam_on_the_field.system.observation import (
     Observation,
     observation,
 )
+from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.sim import Field
 from nao_course.slam import LandmarkKind, Measurement, Motion, range_and_bearing
 
 FIELD = Field(2012)
-_MARKS = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
-LANDMARKS: FloatArray = np.array([(mark.x, mark.y) for mark in _MARKS])
-KINDS: tuple[LandmarkKind, ...] = tuple("post" if mark.kind == "post" else "corner" for mark in _MARKS)
+LANDMARKS, KINDS = FIELD.detectable_positions, FIELD.detectable_kinds
 NEAREST, REACH = 0.5, 4.0  # m
 HALF_VIEW = float(np.radians(30.0))  # of the camera, to either side
 
@@ -34,18 +32,18 @@ Log = list[tuple[Motion | None, Observation]]
 
 @dataclass(frozen=True, eq=False)
 class DrawnDrive:
-    """A drive over the half field whose measurements are drawn, in the field's frame.
+    """A drive over the half field with randomly drawn measurements, in the field's frame.
 
     Parameters
     ----------
     start : Pose
-        Where it begins; the robot knows it.
+        Known start of the robot.
     log : list of (Motion or None, Observation)
-        What the robot knows of each step.
+        Motion and measurements of each step.
     poses : ndarray, shape (S, 3)
         True pose at each step.
     origins : tuple of tuple of int
-        For each step, which landmark of `LANDMARKS` each measurement is of; -1 for one of nothing.
+        For each step, the number in `LANDMARKS` of each measurement's landmark; -1 for a false corner.
     """
 
     start: Pose
@@ -63,27 +61,27 @@ def drawn_drive(
     tilt: tuple[float, float] = TILT_SIGMAS,
     circle_rate: float = 0.0,
 ) -> DrawnDrive:
-    """Drive over the half field; the same seed gives the same drive.
+    """Draw a drive over the half field; the same seed gives the same drive.
 
     Parameters
     ----------
     seed : int
-        Of the way and all errors.
+        For the path and all errors.
     moves : int
-        How many; there is one more stop.
+        Number of moves; there is one more stop.
     yaws : sequence of float
-        Where the head looks at each stop, rad.
+        Yaw of the head for each picture of a stop, rad.
     false_rate : float
-        How many corners a picture shows, on average, that are none.
+        Mean number of false corners in a picture.
     compass_sigma : float
-        How well the lines of each second picture tell the heading, rad; infinite: they do not.
+        Standard deviation of the heading that every second picture measures, rad; infinite for none.
     tilt : (float, float)
-        How the body leans in a picture beyond what is known, standard deviations of pitch and roll, rad.
+        Standard deviations of the unknown pitch and roll of a picture, rad.
     circle_rate : float
-        Which part of the compass's directions is none of the field's, but 15 to 40 degrees off.
+        Fraction of the compass's directions that are wrong by 15 to 40 degrees.
     """
     rng, driver = np.random.default_rng([seed, 111]), Driver(np.random.default_rng([seed, 112]))
-    odometry, pose = FieldOdometry(), start_of(seed)
+    odometry, pose = OdometryNoisePerMove(), start_of(seed)
     log: Log = []
     poses, origins = [], []
     for stop in range(moves + 1):
@@ -92,7 +90,7 @@ def drawn_drive(
             off = rng.standard_normal(3) * np.sqrt(np.diag(odometry.covariance(motion)))
             pose = pose @ Pose(motion.distance + off[0], off[1], motion.turn + off[2])
         for yaw in yaws:
-            observation, of = draw_look(pose, yaw, rng, false_rate, tilt=tilt)
+            observation, of = draw_observation(pose, yaw, rng, false_rate, tilt=tilt)
             if np.isfinite(compass_sigma) and len(log) % 2:
                 wrong = compass_sigma * rng.standard_normal()
                 if circle_rate and rng.random() < circle_rate:
@@ -106,7 +104,7 @@ def drawn_drive(
     return DrawnDrive(start_of(seed), log, np.array(poses), tuple(origins))
 
 
-def draw_look(
+def draw_observation(
     pose: Pose,
     yaw: float,
     rng: np.random.Generator,
@@ -114,7 +112,7 @@ def draw_look(
     half_view: float = HALF_VIEW,
     tilt: tuple[float, float] = TILT_SIGMAS,
 ) -> tuple[Observation, tuple[int, ...]]:
-    """Draw what is measured in one picture: the body leans, and each landmark is found to a pixel.
+    """Draw the measurements of one picture with a random body tilt and one pixel of error for each landmark.
 
     Parameters
     ----------
@@ -123,11 +121,11 @@ def draw_look(
     yaw : float
         Of the head, rad.
     rng : numpy.random.Generator
-        Of all errors.
+        For all errors.
     false_rate : float
         As in `drawn_drive`.
     half_view : float
-        How far to either side the camera sees, rad.
+        Half of the camera's horizontal field of view, rad.
     tilt : (float, float)
         As in `drawn_drive`.
 
@@ -148,8 +146,8 @@ def draw_look(
         [exact[numbers], rng.uniform((yaw - half_view, 1.0), (yaw + half_view, 3.0), (extra, 2))]
     )
     pitch, roll = rng.normal(0.0, tilt)
-    lean = (pitch * np.cos(values[:, 0]) - roll * np.sin(values[:, 0])) / CAMERA_HEIGHT
-    values[:, 1] = 1 / np.maximum(1 / values[:, 1] - lean, 0.1)
+    tilted = (pitch * np.cos(values[:, 0]) - roll * np.sin(values[:, 0])) / CAMERA_HEIGHT
+    values[:, 1] = 1 / np.maximum(1 / values[:, 1] - tilted, 0.1)
     steep = (CAMERA_HEIGHT**2 + values[:, 1] ** 2) / CAMERA_HEIGHT
     values += (
         PIXEL_SIGMA
@@ -167,19 +165,19 @@ def draw_look(
 
 
 @dataclass(frozen=True, eq=False)
-class Riddle:
-    """A belief and one look, of which nobody says which landmark is which.
+class AssociationProblem:
+    """An estimate and one picture's measurements, whose landmarks have to be chosen.
 
     Parameters
     ----------
     state, covariance : ndarray, shapes (3 + 2k,) and (3 + 2k, 3 + 2k)
         Pose, then all landmarks of the half field.
     observation : Observation
-        What is seen.
+        Measurements of the picture.
     origins : tuple of int
-        The true answers.
+        The true landmark of each measurement.
     pose : Pose
-        The true one.
+        True pose.
     """
 
     state: FloatArray
@@ -189,30 +187,32 @@ class Riddle:
     pose: Pose
 
     def right(self, indices: npt.ArrayLike) -> int:
-        """How many of some answers are right."""
+        """Return how many of some answers are right."""
         return int(np.count_nonzero(np.asarray(indices) == np.array(self.origins)))
 
 
-def riddle(seed: int, position_sigma: float, heading_sigma: float, landmark_sigma: float = 0.04) -> Riddle:
-    """Put the robot somewhere, let it believe to be somewhere else, and look to one side.
+def association_problem(
+    seed: int, position_sigma: float, heading_sigma: float, landmark_sigma: float = 0.04
+) -> AssociationProblem:
+    """Draw a true pose, an uncertain estimate of it, and the measurements of one picture.
 
     Parameters
     ----------
     seed : int
-        The same gives the same.
+        For the pose and all errors.
     position_sigma, heading_sigma : float
-        Standard deviations of the belief, along each axis in m and in rad.
+        Standard deviations of the estimate, along each axis in m and in rad.
     landmark_sigma : float
-        Of each landmark on its map, m.
+        Standard deviation of each landmark on the map, m.
     """
     rng = np.random.default_rng([seed, 113])
     while True:
         x, y = rng.uniform((0.2, -1.6), (2.4, 1.6))
         pose = Pose(x, y, rng.uniform(-np.pi, np.pi))
-        observation, origins = draw_look(pose, 0.0, rng, half_view=2 * HALF_VIEW)
+        observation, origins = draw_observation(pose, 0.0, rng, half_view=2 * HALF_VIEW)
         if len(origins) >= 3:
             break
     sigmas = np.r_[position_sigma, position_sigma, heading_sigma, np.full(2 * len(LANDMARKS), landmark_sigma)]
     state = np.concatenate([pose.as_array(), LANDMARKS.ravel()]) + sigmas * rng.standard_normal(len(sigmas))
     state[2] = wrap_angle(state[2])
-    return Riddle(state, np.diag(sigmas**2), observation, origins, pose)
+    return AssociationProblem(state, np.diag(sigmas**2), observation, origins, pose)

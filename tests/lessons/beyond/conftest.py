@@ -1,4 +1,4 @@
-"""The lesson's own solution, which its tests run, and noise that is none."""
+"""The lesson's solution, the filter of lesson 07, and a generator without noise."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def own():
 
 @pytest.fixture(scope="session")
 def ekf():
-    """Lesson 07's predict, update_landmarks and add_landmark."""
+    """Return lesson 07's predict, update_landmarks and add_landmark."""
     seven = load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
     return tuple(seven[name] for name in ("predict", "update_landmarks", "add_landmark"))
 

@@ -60,9 +60,8 @@ def test_a_particles_landmark_is_corrected_as_one_kalman_filter_of_two_numbers(o
         mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
         z = range_and_bearing(pose, mean) + rng.normal(0, 0.1, 2)
         nu = innovation(z, pose, mean)
-        step = (
-            1e-6  # slopes of the innovation by the landmark, by differences: minus those of what is expected
-        )
+        # The numerical Jacobian of the innovation is minus the Jacobian of the expected measurement.
+        step = 1e-6
         H = -np.column_stack(
             [
                 (innovation(z, pose, mean + e) - innovation(z, pose, mean - e)) / (2 * step)
@@ -117,8 +116,8 @@ def test_both_cameras_scatter_as_a_pixels_angle_and_the_baseline_say(own):
     angle = PIXEL_SIGMA / bottom.focal[1] * np.cos(OFF_AXIS) ** 2
     both = distance**2 / np.linalg.norm(top.position - bottom.position) * np.sqrt(2) * angle
     assert np.isclose(expected_sigmas(distance, size[0])[1], both)
-    looks = measure_again(own["intersect_rays"], pixel_to_ground, distance, size, looks=200)
-    assert looks.sigmas[1] == pytest.approx(both, rel=0.15)
+    distances = measure_again(own["intersect_rays"], pixel_to_ground, distance, size, count=200)
+    assert distances.sigmas[1] == pytest.approx(both, rel=0.15)
 
 
 @pytest.mark.asserts("eq-12-7")

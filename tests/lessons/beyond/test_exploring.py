@@ -19,7 +19,7 @@ from nao_course.lessons.beyond.exploring import (
     cell_of,
     explore,
     lawn_mower,
-    look,
+    mark_visible,
     nearest_frontier,
     passable,
     room_of_boxes,
@@ -33,17 +33,17 @@ def test_each_cells_centre_lies_in_it():
         assert cell_of(centres[row, column]) == (row, column)
 
 
-def test_a_look_tells_no_lies_and_sees_no_cell_behind_a_box():
+def test_the_visible_area_is_marked_correctly_and_ends_at_a_box():
     for seed in range(3):
         taken = room_of_boxes(seed)
         grid = np.full(SHAPE, UNKNOWN)
-        look(grid, taken, np.array(START), np.linspace(-3, 3, 7))
+        mark_visible(grid, taken, np.array(START), np.linspace(-3, 3, 7))
         assert not taken[grid == FREE].any() and taken[grid == OCCUPIED].all()
         assert (grid != UNKNOWN).sum() > 50
     wall = np.zeros(SHAPE, dtype=bool)
     wall[:, cell_of(np.array(START))[1] + 5] = True
     grid = np.full(SHAPE, UNKNOWN)
-    look(grid, wall, np.array(START), 0.0)
+    mark_visible(grid, wall, np.array(START), 0.0)
     assert (grid[:, cell_of(np.array(START))[1] + 6 :] == UNKNOWN).all()
 
 
@@ -111,6 +111,34 @@ def test_frontiers_end_only_where_all_that_can_be_reached_is_known(own):
     assert last.goal is None and last.part > 0.95
 
 
+def lawn_mowers_goals(reachable, moves):
+    """Goals of a lawn mower for whom some cells (rows, columns) can be reached, whether or not it gets to them."""
+    choose, here, goals = lawn_mower(), cell_of(np.array(START)), []
+    while (goal := choose(np.zeros(SHAPE, dtype=int), np.where(reachable, 1, -1), here)) is not None:
+        goals.append(goal)
+        here = goal if moves else here
+    return goals
+
+
+def test_a_lawn_mower_goes_to_the_ends_of_its_lanes_in_turn():
+    goals = lawn_mowers_goals(np.ones(SHAPE, dtype=bool), moves=True)
+    rows, columns = np.transpose(goals)
+    assert len(goals) == 8 and (np.diff(columns) >= 0).all()
+    assert (rows == np.tile([rows.min(), rows.max(), rows.max(), rows.min()], 2)).all()
+    assert rows.min() < 5 and rows.max() >= SHAPE[0] - 5
+
+
+def test_a_lawn_mower_goes_as_near_to_an_end_as_it_can():
+    near = np.zeros(SHAPE, dtype=bool)
+    near[10:20] = True
+    assert {row for row, _ in lawn_mowers_goals(near, moves=True)} == {10, 19}
+
+
+def test_a_lawn_mower_gives_an_end_up_after_fifteen_moves_without_arriving():
+    goals = lawn_mowers_goals(np.ones(SHAPE, dtype=bool), moves=False)
+    assert [goals.count(each) for each in dict.fromkeys(goals)] == [15] * 8
+
+
 @pytest.mark.parametrize("answer", [np.zeros((2, 2)), np.zeros((3, 2), bool), [[2, 0], [0, 0]], None, "x"])
 def test_what_is_no_mask_of_the_grid_is_refused(answer):
     with pytest.raises(ValueError, match=r"boolean mask \(2, 2\)"):
@@ -122,11 +150,14 @@ def test_a_mask_may_be_lists_or_zeros_and_ones():
     assert as_mask(np.eye(2, dtype=int), (2, 2)).dtype == bool
 
 
-@pytest.mark.parametrize("answer", [np.zeros((2, 2)), np.zeros((3, 2), int), np.full((2, 2), np.nan), None])
+@pytest.mark.parametrize(
+    "answer", [np.full((2, 2), 0.5), np.zeros((3, 2), int), np.full((2, 2), np.nan), None]
+)
 def test_what_are_no_steps_is_refused(answer):
     with pytest.raises(ValueError, match=r"whole numbers \(2, 2\)"):
         as_steps(answer, (2, 2))
 
 
-def test_steps_may_be_lists():
+def test_steps_may_be_lists_or_floats_without_a_fraction():
+    assert as_steps(np.array([[0.0, -1.0], [1.0, 2.0]]), (2, 2)).dtype.kind == "i"
     assert as_steps([[0, -1], [1, 2]], (2, 2)).sum() == 2

@@ -1,4 +1,4 @@
-"""The panels of lesson 12: what two cameras measure, and a room that is explored."""
+"""The panels of lesson 12: the distances of two cameras, and the exploration of a room."""
 
 import pytest
 
@@ -30,10 +30,10 @@ def test_more_pixels_help_both_cameras_and_not_one(own, pixel_to_ground):
     assert sigmas(panel)[1] == pytest.approx(both / 4, rel=0.15)
 
 
-def test_without_lean_one_camera_is_the_better_way(own, pixel_to_ground):
+def test_without_tilt_one_camera_is_better(own, pixel_to_ground):
     panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
     _, both = sigmas(panel)
-    panel.set(lean=0.0)
+    panel.set(tilt=0.0)
     still, still_both = sigmas(panel)
     assert still < 0.02 and still_both == pytest.approx(both, rel=0.2)
 

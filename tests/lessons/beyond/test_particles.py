@@ -7,7 +7,6 @@ from nao_course.lessons.beyond.figures import LAP, START, lap
 from nao_course.lessons.beyond.particles import (
     Belief,
     FastSlam,
-    NamedEkf,
     chosen,
     effective,
     find_itself,
@@ -17,7 +16,8 @@ from nao_course.lessons.beyond.particles import (
     systematic,
     weigh_unnamed,
 )
-from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, ODOMETRY, drive, noise_of
+from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, SENSOR, drive
+from nao_course.sim.drives import NamedEkf
 from nao_course.slam import range_and_bearing
 
 WEIGHTS = np.array([0.5, 0.1, 0.4])
@@ -50,28 +50,30 @@ def test_any_comb_will_do_in_any_order():
     assert judged(from_above) == ""
 
 
-def test_what_is_no_comb_is_told_by_a_particle_and_its_count():
-    assert "where a comb keeps it" in judged(lambda weights, rng: rng.choice(3, 3, p=weights))
+def test_a_wrong_draw_is_described_by_a_particle_and_its_count():
+    assert "but systematic resampling keeps it" in judged(lambda weights, rng: rng.choice(3, 3, p=weights))
     weights = np.array([0.25, 0.1, 0.3, 0.35])
     stratified = judged(comb(lambda n, rng: (np.arange(n) + rng.random(n)) / n), weights)
     assert stratified.startswith("particle 2 of 4, of weight 0.3, was kept")
-    assert stratified.endswith("times, where a comb keeps it 1 or 2 times")
+    assert stratified.endswith("times, but systematic resampling keeps it 1 or 2 times")
     assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + 0.5) / n))
     assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + rng.random() / 2) / n))
 
 
-def test_a_particle_that_is_kept_too_often_is_told_though_none_is_kept_too_seldom():
+def test_a_particle_that_is_kept_too_often_is_noticed_though_no_particle_is_kept_too_rarely():
     def two_at_once(weights, rng):
         left = 4 * weights - np.floor(4 * weights)
         return [0, 1, *[rng.choice(4, p=left / 2)] * 2]
 
     told = judged(two_at_once, np.array([0.4, 0.4, 0.1, 0.1]))
-    assert "times, where a comb keeps it" in told and ("3 times, where" in told or "2 times, where" in told)
+    assert "times, but systematic resampling keeps it" in told and (
+        "3 times, but" in told or "2 times, but" in told
+    )
 
 
-def test_a_generator_of_ones_own_is_told():
+def test_a_generator_of_the_students_own_is_noticed():
     other = np.random.default_rng(1)
-    assert "the same rng gave two different answers" in judged(
+    assert "two generators with the same seed gave different answers" in judged(
         comb(lambda n, rng: (np.arange(n) + other.random()) / n)
     )
 
@@ -81,6 +83,7 @@ def test_a_generator_of_ones_own_is_told():
     [
         ([0, 1], "3 whole numbers"),
         ([0.0, 1.0, 2.0], "whole numbers"),
+        (None, "returned None"),
         ([1, 2, 3], "from 0 to 2"),
         ([-1, 0, 1], "from 0 to 2"),
         ("012", "3 whole numbers"),
@@ -95,7 +98,7 @@ def test_what_are_no_numbers_of_particles_is_refused(answer, words):
     assert words in judged(lambda weights, rng: answer)
 
 
-def test_too_few_draws_are_told():
+def test_too_few_draws_are_noticed():
     assert systematic((WEIGHTS, SEEDS), {}, [[0, 1, 2]]) == "there are 1 answers to 205 calls"
 
 
@@ -119,7 +122,9 @@ def test_a_landmark_without_a_name_weighs_as_the_mean_of_its_kind(own):
     seen = range_and_bearing(particles[0], LANDMARKS[KINDS.index("post")])
     logs = weigh_unnamed(own["weigh"], particles, "post", seen)
     places = LANDMARKS[[kind == "post" for kind in KINDS]]
-    each = [np.exp(own["weigh"](particles, place, seen, noise_of(seen))) for place in places]
+    each = [
+        np.exp(own["weigh"](particles, place, seen, SENSOR.covariances(seen[None])[0])) for place in places
+    ]
     assert np.allclose(np.exp(logs), np.mean(each, axis=0) + 1e-3)
 
 
@@ -145,9 +150,9 @@ def test_without_noise_the_filter_on_named_landmarks_is_exact(ekf, still):
     slam = NamedEkf(START, *ekf)
     for step in drive(START, lambda: LAP, 12, still):
         if step.motion is not None:
-            slam.move(np.array([step.motion.distance, step.motion.turn]), ODOMETRY.covariance(step.motion))
-        slam.observe(step.numbers.tolist(), step.measurements)
-        assert np.allclose(slam.belief().error(step.pose), 0, atol=1e-9)
+            slam.move(step.control, step.control_covariance)
+        slam.observe(step.numbers, step.measurements, step.covariances)
+        assert np.allclose(Belief(slam.state[:3], slam.covariance[:3, :3]).error(step.pose), 0, atol=1e-9)
     assert np.allclose(slam.state[3:].reshape(-1, 2), LANDMARKS[slam.known], atol=1e-9)
     assert np.linalg.eigvalsh(slam.covariance).min() > -1e-12
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import decode, encode
+from nao_course.field_slam.drives import room_ahead
 from nao_course.geometry import Pose
 from nao_course.lessons.beyond.planning import (
     GOAL_LINE,
@@ -17,7 +18,7 @@ from nao_course.lessons.beyond.planning import (
     options,
     straight_on,
 )
-from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, noise_of, room_ahead
+from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, SENSOR
 from nao_course.slam import Motion, range_and_bearing
 
 STATE = np.concatenate([(1.2, -0.3, 0.4), LANDMARKS.ravel()])
@@ -31,7 +32,7 @@ def test_an_option_says_what_will_be_seen_where_it_leads_if_nothing_errs():
         assert option.indices == np.flatnonzero(AHEAD.sees(after, LANDMARKS)).tolist()
         expected = range_and_bearing(after, LANDMARKS[option.indices])
         assert np.allclose(option.measurements, expected.ravel())
-        assert np.allclose(option.measurement_covariance, [noise_of(each) for each in expected])
+        assert np.allclose(option.measurement_covariance, SENSOR.covariances(expected))
         assert np.allclose(option.control_covariance, ODOMETRY.covariance(Motion(distance, turn)))
 
 
@@ -81,9 +82,9 @@ def test_an_option_of_other_shapes_is_refused(name, value):
 def test_a_journey_is_the_same_from_its_seed_and_its_map_holds_what_was_seen(ekf):
     one, again = (journey(at_random(3), ekf, 3, 6) for _ in range(2))
     assert np.array_equal(one.truth, again.truth) and np.array_equal(one.covariance, again.covariance)
-    assert len(one.truth) == len(one.believed) == len(one.doubts) == 7
+    assert len(one.truth) == len(one.estimated) == len(one.sigmas) == 7
     assert len(one.state) == 3 + 2 * len(one.known) and one.map_error < 0.5
-    assert one.off == pytest.approx(np.hypot(*(one.truth[-1] - one.believed[-1])[:2]))
+    assert one.error == pytest.approx(np.hypot(*(one.truth[-1] - one.estimated[-1])[:2]))
     assert not np.array_equal(one.truth, journey(at_random(4), ekf, 4, 6).truth)
 
 
@@ -97,7 +98,7 @@ def test_a_journey_begins_with_the_goal_ahead_or_behind(ekf):
 
 @pytest.mark.parametrize("answer", [None, 1.0, True, -1, 99, "0", [0]])
 def test_what_is_no_number_of_an_option_is_refused_with_a_sentence(ekf, answer):
-    with pytest.raises(ValueError, match="one of the moves that are offered"):
+    with pytest.raises(ValueError, match="choose_move must return an index from 0 to"):
         journey(lambda state, covariance, offered: answer, ekf, 0, 1)
 
 
@@ -118,8 +119,8 @@ def test_plans_that_know_nothing_turn_as_they_say():
 
 
 def test_the_lessons_choice_ends_surer_than_chance(own, ekf):
-    chosen = [journey(own["choose_move"], ekf, seed).doubts[-1] for seed in range(3)]
-    chance = [journey(at_random(seed), ekf, seed).doubts[-1] for seed in range(3)]
+    chosen = [journey(own["choose_move"], ekf, seed).sigmas[-1] for seed in range(3)]
+    chance = [journey(at_random(seed), ekf, seed).sigmas[-1] for seed in range(3)]
     assert np.median(chosen) < 0.75 * np.median(chance)
 
 

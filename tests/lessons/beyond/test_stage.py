@@ -1,14 +1,14 @@
-"""What lesson 12 adds to the robot: where it would go next, so that it explores by itself."""
+"""The stage of lesson 12: the choice of the next move when the robot explores by itself."""
 
 import numpy as np
 import pytest
 
+from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import Pose
 from nao_course.lessons.beyond.exploring import FREE, cell_centres
-from nao_course.lessons.beyond.particles import NamedEkf
-from nao_course.lessons.beyond.stage import DOUBT, PICTURES, STAGE, Explorer
-from nao_course.lessons.beyond.worlds import INSIDE
+from nao_course.lessons.beyond.stage import MOST_SIGMA, PICTURES, STAGE, Explorer
 from nao_course.sim import OdometryNoise, SensorNoise, SimulatedNao, Truth
+from nao_course.sim.drives import NamedEkf
 from nao_course.student.stages import PLANNED
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.attempts import StudentCode
@@ -34,7 +34,7 @@ class Drive:
         self.look()
 
     def look(self):
-        self.seen = self.pipeline.look(self.nao.take_picture())
+        self.seen = self.pipeline.process(self.nao.take_picture())
 
     def go(self):
         motion = self.seen.motion
@@ -64,7 +64,7 @@ def test_it_sees_all_of_where_it_may_drive_and_then_stands_still(functions):
     nao = robot()
     panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))
     panel.explore(80)
-    assert "100% seen" in panel.summary() and "all is seen" in panel.summary()
+    assert "100% seen" in panel.summary() and "everything is seen" in panel.summary()
     before = nao.odometry
     panel.explore(3)
     assert nao.odometry == before
@@ -72,41 +72,43 @@ def test_it_sees_all_of_where_it_may_drive_and_then_stands_still(functions):
 
 def test_the_map_of_a_robot_that_maps_by_its_pictures_stays_that_map(functions):
     def mapped(student, nao):
-        return lambda sight: Overlay(result="a map of lesson 11")
+        return lambda frame: Overlay(result="a map of lesson 11")
 
     nao = robot()
     eleven = Stage(PICTURES, "11_slam_on_the_field", (), mapped)
-    seen = Pipeline([eleven, STAGE], functions, nao, time_limit=60.0).look(nao.take_picture())
+    seen = Pipeline([eleven, STAGE], functions, nao, time_limit=60.0).process(nao.take_picture())
     assert seen.estimate is None and seen.motion is not None
     assert "the map shows the estimate of lesson 11" in " ".join(seen.lines())
-    alone = Pipeline([STAGE], functions, nao, time_limit=60.0).look(nao.take_picture())
+    alone = Pipeline([STAGE], functions, nao, time_limit=60.0).process(nao.take_picture())
     assert "lesson 11" not in " ".join(alone.lines())  # then it is this lesson's own
     assert PLANNED["11"] == PICTURES
 
 
-def test_in_doubt_the_students_choice_drives_and_else_the_nearest_frontier(functions, ekf):
+def test_choose_move_drives_when_the_pose_is_uncertain_and_otherwise_the_nearest_frontier(functions, ekf):
     slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
     explorer = Explorer(StudentCode(functions))
     explorer.see(slam.state, 0.0, 0.0)
     explorer.next(slam)
     assert explorer.why == "to the nearest frontier"
-    slam.covariance = np.eye(3) * DOUBT**2
+    slam.covariance = np.eye(3) * MOST_SIGMA**2
     move = explorer.next(slam)
-    assert explorer.why == "to be surer" and move.distance == pytest.approx(0.3)
-    slam.covariance = np.eye(3) * (DOUBT / 3) ** 2
+    assert explorer.why == "to localise better" and move.distance == pytest.approx(0.3)
+    slam.covariance = np.eye(3) * (MOST_SIGMA / 3) ** 2
     explorer.next(slam)
     assert explorer.why == "to the nearest frontier"
 
 
-def test_a_robot_that_looks_back_in_vain_goes_on_after_a_while(functions, ekf):
+def test_a_return_without_success_ends_after_a_while(functions, ekf):
     slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
-    slam.covariance = np.eye(3) * DOUBT**2
+    slam.covariance = np.eye(3) * MOST_SIGMA**2
     explorer, reasons = Explorer(StudentCode(functions)), []
     for _ in range(9):
         explorer.see(slam.state, 0.0, 0.3)
         explorer.next(slam)
         reasons.append(explorer.why)
-    assert reasons == 3 * ["to be surer"] + 3 * ["to the nearest frontier"] + 3 * ["to be surer"]
+    assert reasons == 3 * ["to localise better"] + 3 * ["to the nearest frontier"] + 3 * [
+        "to localise better"
+    ]
 
 
 def test_what_it_sees_lies_before_the_head_and_within_its_reach(functions):
@@ -149,6 +151,6 @@ def test_what_fails_is_said_and_no_command_is_taken_in_twice(functions):
 def test_nonsense_is_said_in_words(functions, name):
     nao = robot()
     pipeline = Pipeline([STAGE], functions | {name: lambda *given: None}, nao, time_limit=60.0)
-    pipeline.look(nao.take_picture())
+    pipeline.process(nao.take_picture())
     nao.walk(0.1)
-    assert name in pipeline.look(nao.take_picture()).complaints[0]
+    assert name in pipeline.process(nao.take_picture()).complaints[0]

@@ -1,4 +1,4 @@
-"""Two cameras of a robot whose body leans."""
+"""Two cameras of a robot whose body tilts."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,8 @@ import pytest
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond.two_cameras import (
     DISTANCES,
-    LEAN,
-    Looks,
+    TILT,
+    Distances,
     expected_sigmas,
     measure_again,
     pitch_for,
@@ -20,7 +20,7 @@ SIZE = (640, 480)
 
 
 @pytest.fixture(scope="module")
-def ways(own):
+def functions(own):
     return own["intersect_rays"], load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
 
 
@@ -34,31 +34,35 @@ def test_a_pixels_ray_leads_back_to_the_point_that_it_shows(rng):
 
 
 @pytest.mark.parametrize("distance", DISTANCES)
-def test_without_lean_and_with_many_pixels_both_ways_say_the_truth(ways, distance, monkeypatch):
+def test_without_tilt_and_with_many_pixels_both_methods_return_the_true_distance(
+    functions, distance, monkeypatch
+):
     monkeypatch.setattr("nao_course.lessons.beyond.two_cameras.PIXEL_SIGMA", 0.0)
-    looks = measure_again(*ways, distance, SIZE, lean=(0.0, 0.0), looks=2)
-    assert looks.seen == 1
-    assert np.allclose(looks.one, distance, rtol=1e-3) and np.allclose(looks.both, distance, rtol=5e-3)
+    distances = measure_again(*functions, distance, SIZE, tilt=(0.0, 0.0), count=2)
+    assert distances.seen == 1
+    assert np.allclose(distances.one, distance, rtol=1e-3) and np.allclose(
+        distances.both, distance, rtol=5e-3
+    )
 
 
-def test_lean_moves_one_cameras_distance_and_not_where_two_rays_meet(ways, monkeypatch):
+def test_tilt_changes_the_distance_of_one_camera_but_not_of_two(functions, monkeypatch):
     monkeypatch.setattr("nao_course.lessons.beyond.two_cameras.PIXEL_SIGMA", 0.0)
-    looks = measure_again(*ways, 2.0, SIZE, looks=60)
-    one, both = looks.sigmas
+    distances = measure_again(*functions, 2.0, SIZE, count=60)
+    one, both = distances.sigmas
     assert one == pytest.approx(expected_sigmas(2.0, 640)[0], rel=0.35) and both < one / 20
 
 
-def test_finer_pictures_help_two_cameras_and_not_one(ways):
-    coarse, fine = (measure_again(*ways, 2.0, (w, w * 3 // 4), looks=100).sigmas for w in (320, 1280))
+def test_finer_pictures_help_two_cameras_and_not_one(functions):
+    coarse, fine = (measure_again(*functions, 2.0, (w, w * 3 // 4), count=100).sigmas for w in (320, 1280))
     assert fine[0] == pytest.approx(coarse[0], rel=0.2)
     assert fine[1] == pytest.approx(coarse[1] / 4, rel=0.35)
 
 
 @pytest.mark.parametrize(("pitched", "bottom_sees"), [(0.2, False), (-0.2, True)])
-def test_a_point_that_one_camera_alone_sees_is_not_measured_by_both(ways, pitched, bottom_sees):
-    looks = measure_again(*ways, 2.0, SIZE, pitch=pitch_for(2.0) + pitched, looks=5)
-    assert looks.seen == 0 and np.isnan(looks.sigmas[1])
-    assert np.isnan(looks.one).all() != bottom_sees
+def test_a_point_that_one_camera_alone_sees_is_not_measured_by_both(functions, pitched, bottom_sees):
+    distances = measure_again(*functions, 2.0, SIZE, pitch=pitch_for(2.0) + pitched, count=5)
+    assert distances.seen == 0 and np.isnan(distances.sigmas[1])
+    assert np.isnan(distances.one).all() != bottom_sees
 
 
 def test_the_head_is_pitched_within_its_limits():
@@ -70,11 +74,15 @@ def test_the_head_is_pitched_within_its_limits():
 def test_scatter_is_the_standard_deviation_of_a_gaussian_and_no_outlier_moves_it(rng):
     errors = rng.normal(0, 0.1, 4000)
     errors[:20] = np.inf
-    looks = Looks(2 + errors, np.full(4000, np.nan), 2.0)
-    assert looks.sigmas[0] == pytest.approx(0.1, rel=0.05) and np.isnan(looks.sigmas[1]) and looks.seen == 0
+    distances = Distances(2 + errors, np.full(4000, np.nan), 2.0)
+    assert (
+        distances.sigmas[0] == pytest.approx(0.1, rel=0.05)
+        and np.isnan(distances.sigmas[1])
+        and distances.seen == 0
+    )
 
 
 def test_the_formulas_grow_with_the_square_of_the_distance():
     near, far = expected_sigmas(2.0, 640), expected_sigmas(4.0, 640)
     assert np.allclose(np.divide(far, near), 4, rtol=0.03)
-    assert near[0] == pytest.approx(4 / NAO_V4.view("bottom", 0.0, pitch_for(2.0)).height * LEAN[0])
+    assert near[0] == pytest.approx(4 / NAO_V4.view("bottom", 0.0, pitch_for(2.0)).height * TILT[0])

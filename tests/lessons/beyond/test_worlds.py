@@ -1,20 +1,10 @@
-"""Drives of lesson 12 on which somebody names the landmarks."""
+"""Drives of lesson 12 with known data association."""
 
 import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.lessons.beyond.worlds import (
-    AHEAD,
-    AROUND,
-    INSIDE,
-    LANDMARKS,
-    NEAREST,
-    ODOMETRY,
-    drive,
-    moved,
-    room_ahead,
-)
+from nao_course.lessons.beyond.worlds import AHEAD, AROUND, LANDMARKS, NEAREST, ODOMETRY, drive, moved
 from nao_course.slam import Motion, range_and_bearing
 
 SAMPLES = 4000
@@ -63,12 +53,3 @@ def test_nothing_nearer_than_40_cm_is_seen():
     place = LANDMARKS[0]
     for away, seen in ((NEAREST - 0.05, False), (NEAREST + 0.05, True)):
         assert AHEAD.sees(np.array([place[0] - away, place[1], 0.0]), LANDMARKS)[0] == seen
-
-
-def test_room_ends_at_the_edge():
-    assert room_ahead(np.array([1.0, 0.0, 0.0]), 0.3) == 0.3
-    assert room_ahead(np.array([INSIDE[1][0] - 0.1, 0.0, 0.0]), 0.3) == pytest.approx(0.1)
-    assert room_ahead(np.array([1.0, INSIDE[0][1], -np.pi / 2]), 0.3) == pytest.approx(0)
-    assert room_ahead(np.array([1.0, INSIDE[1][1] + 0.2, np.pi / 2]), 0.3) == 0  # beyond the edge, outwards
-    slanted = room_ahead(np.array([1.0, INSIDE[1][1] - 0.1, np.pi / 6]), 0.3)
-    assert slanted == pytest.approx(0.2)

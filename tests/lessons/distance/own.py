@@ -12,5 +12,5 @@ def own():
 
 
 def geometry():
-    """The two functions that most figures ask for."""
+    """Return the two functions that most figures need."""
     return {name: own()[name] for name in ("pixel_to_ground", "ground_to_measurement")}

@@ -6,14 +6,14 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from nao_course.lessons.distance.looks import ahead, leaning_measurements, points_covariance, usual_view
+from nao_course.lessons.distance.looks import ahead, points_covariance, tilted_measurements, usual_view
 from nao_course.lessons.distance.noise_figures import three_landmarks
 from nao_course.sim import CameraView
 from tests.lessons.distance.own import geometry, own
 
 
 def tilts_of(sigma, number):
-    """Quantiles of a normal distribution: sampling without its noise."""
+    """Return quantiles of a normal distribution, which are samples without sampling noise."""
     inverse = NormalDist().inv_cdf
     return sigma * np.array([inverse((i + 0.5) / number) for i in range(number)])
 
@@ -68,11 +68,11 @@ def test_at_and_above_the_horizon_there_is_no_ground():
 
 
 @pytest.mark.asserts("eq-4-4", "eq-4-5")
-def test_the_sigma_of_a_range_is_the_slope_of_height_over_tangent():
+def test_the_sigma_of_a_range_is_the_derivative_of_height_over_tangent():
     for away, height in ((0.0, 0.5), (0.7, 0.48), (2.0, 0.48), (5.0, 0.55)):
         down = np.arctan2(height, away)
-        slope = height * (1 / np.tan(down - 1e-6) - 1 / np.tan(down + 1e-6)) / 2e-6
-        assert own()["range_sigma"](away, height, 0.01) == pytest.approx(0.01 * slope, abs=1e-9)
+        derivative = height * (1 / np.tan(down - 1e-6) - 1 / np.tan(down + 1e-6)) / 2e-6
+        assert own()["range_sigma"](away, height, 0.01) == pytest.approx(0.01 * derivative, abs=1e-9)
 
 
 @pytest.mark.parametrize(("away", "metres"), [(2.0, 0.15), (3.0, 0.34), (5.0, 0.92)])
@@ -83,7 +83,7 @@ def test_one_degree_of_tilt_is_worth_what_was_known(away, metres):
 def test_sampled_ranges_have_that_sigma_near_by_and_a_long_tail_far_away():
     view = replace(usual_view(), offset=(0.0, 0.0))
     away = np.array([1.0, 2.0, 4.0])
-    ranges = leaning_measurements(
+    ranges = tilted_measurements(
         **geometry(), view=view, points=ahead(away, view), tilts=tilts_of(np.radians(1), 801)
     )
     ranges = ranges[..., 1]
@@ -107,7 +107,7 @@ def test_a_cameras_and_a_torsos_tilt_add_up_in_the_range_too():
     rng = np.random.default_rng(1)
     one, other = np.radians(0.3) * rng.standard_normal(1500), np.radians(0.4) * rng.standard_normal(1500)
     sampled = [
-        leaning_measurements(**geometry(), view=view, points=ahead([3.0], view), tilts=tilts)[:, 0, 1].std()
+        tilted_measurements(**geometry(), view=view, points=ahead([3.0], view), tilts=tilts)[:, 0, 1].std()
         for tilts in (one, other, one + other)
     ]
     assert sampled[2] == pytest.approx(np.hypot(*sampled[:2]), rel=0.06)
@@ -121,9 +121,8 @@ def test_each_entry_of_a_pictures_covariance_is_within_ten_percent_of_sampling()
     tilts, copies = tilts_of(sigma, 301), 60
     errors = np.random.default_rng(3).standard_normal((copies, 6))
     both = np.concatenate([errors, -errors])
-    white = (
-        0.7 * both @ np.linalg.inv(np.linalg.cholesky(both.T @ both / len(both))).T
-    )  # as if there were many more
+    # As if there were many more
+    white = 0.7 * both @ np.linalg.inv(np.linalg.cholesky(both.T @ both / len(both))).T
     many = []
     for tilt in tilts:
         pixels = replace(view, pitch=view.pitch + tilt).project(places) + white.reshape(-1, 3, 2)
@@ -156,7 +155,7 @@ def test_the_offset_of_a_pitch_is_found_through_lens_yaw_and_roll(rng):
 
 
 def test_averages_help_as_the_question_says():
-    """At 3 m: 7 cm a pixel, 0.7 degrees of tilt; larger pictures, or the mean of three."""
+    """Compare larger pictures with a mean of three pictures, at 3 m with 7 cm per pixel and 0.7 degrees of tilt."""
     tilt = own()["range_sigma"](3.0, 0.48, np.radians(0.7))
     assert 100 * tilt == pytest.approx(23, abs=0.5)
     assert 100 * np.hypot(tilt, 0.07) == pytest.approx(25, abs=0.51)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.lessons.distance.looks import ahead, leaning_measurements, look_around, usual_view
+from nao_course.lessons.distance.looks import ahead, look_around, tilted_measurements, usual_view
 from nao_course.sim import TorsoTilt
 from tests.lessons.distance.own import geometry, own
 
@@ -18,7 +18,7 @@ def test_exact_marks_of_an_upright_robot_are_the_landmarks():
         assert len(points) >= 3 and points == pytest.approx(look.landmarks, abs=1e-6)
 
 
-def test_a_camera_that_looks_lower_than_believed_puts_every_landmark_too_far():
+def test_a_camera_that_points_lower_than_assumed_puts_every_landmark_too_far():
     (look,) = look_around(POSE, [0.0], tilt=UPRIGHT, pixel_sigma=0.0)
     tilted = own()["pixel_to_ground"](look.marks, look.with_tilt(np.radians(1)).view)
     upright = own()["pixel_to_ground"](look.marks, look.view)
@@ -36,10 +36,10 @@ def test_only_near_marks_are_left():
     assert np.linalg.norm(near.landmarks - (POSE.x, POSE.y), axis=1).max() < 2.2
 
 
-def test_measurements_without_a_lean_are_the_points_themselves():
+def test_measurements_without_a_tilt_are_the_points_themselves():
     view = usual_view()
     points = ahead([1.0, 2.0], view)
-    polar = leaning_measurements(**geometry(), view=view, points=points, tilts=[0.0, 0.01])
+    polar = tilted_measurements(**geometry(), view=view, points=points, tilts=[0.0, 0.01])
     assert polar.shape == (2, 2, 2)
     assert polar[0] == pytest.approx(
         np.column_stack([[0, 0], np.array([1.0, 2.0]) + view.offset[0]]), abs=1e-9

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.distance.looks import points_covariance
-from nao_course.lessons.distance.panel import COLOUR, POSE, TiltPanel, upright_look
+from nao_course.lessons.distance.panel import COLOUR, POSE, TiltPanel, upright_picture
 from tests.lessons.distance.own import own
 
 
@@ -72,23 +72,23 @@ def test_a_pixels_side_is_said_in_words():
     assert "straight ahead" in shown.summary()
 
 
-def test_the_believed_horizon_is_dotted_into_the_picture_and_moves_with_the_tilt():
+def test_the_assumed_horizon_is_dotted_into_the_picture_and_moves_with_the_tilt():
     def dotted_row(shown):
-        changed = (shown.shown.pictures["The picture"] != upright_look().pixels).any(axis=2)
+        changed = (shown.shown.pictures["The picture"] != upright_picture().pixels).any(axis=2)
         changed[75:] = False  # the marks
         return float(np.flatnonzero(changed[:, 100:220].any(axis=1)).mean())
 
     shown = panel()
     shown.set(tilt=0.0)
-    middle, view = dotted_row(shown), upright_look().view
+    middle, view = dotted_row(shown), upright_picture().view
     assert middle == pytest.approx(view.centre[1] - view.focal[1] * np.tan(view.pitch), abs=3)
     shown.set(tilt=2.0)
     assert dotted_row(shown) == pytest.approx(middle + np.radians(2) * view.focal[1], abs=3)
 
 
 def distances_in_sigmas(tilt):
-    """How far, in deviations, the true landmarks are from the panel's ellipses with a sigma of 1 degree."""
-    look = upright_look().with_tilt(np.radians(tilt))
+    """Return how many standard deviations the true landmarks are from the panel's points, with a sigma of 1 degree."""
+    look = upright_picture().with_tilt(np.radians(tilt))
     ground = own()["pixel_to_ground"](look.marks, look.view)
     full = own()["measurement_covariance"](look.marks, look.view, 0.7, np.radians(1.0))
     covariances = points_covariance(own()["ground_to_measurement"](ground), full)

@@ -40,7 +40,7 @@ def exif(focal=None, orientation=None):
 
 
 def true_pixels():
-    """Where the four corners and both posts are in the photo of 320 x 240."""
+    """Return the pixels of the four corners and both posts in the photo of 320 x 240."""
     view, pose = usual_phone()
     return view.at_size(SIZE).project(CORNERS, pose)
 
@@ -57,7 +57,7 @@ def test_a_phones_file_is_read_with_its_focal_length_and_upright():
     assert np.abs(turned.pixels.astype(int) - photo.pixels).mean() < 2
 
 
-def test_a_wide_or_tall_picture_lies_in_the_middle_and_its_field_of_view_with_it():
+def test_a_wide_or_tall_picture_is_centred_and_its_field_of_view_with_it():
     wide = read_photo(as_file(np.full((360, 640, 3), 200, np.uint8)))
     tall = read_photo(as_file(np.full((640, 480, 3), 200, np.uint8)))
     assert (wide.pixels[:, 160].max(axis=1) > 150).sum() == 180 and wide.part == (1.0, 0.75)
@@ -86,7 +86,7 @@ def test_grey_alpha_palette_and_sixteen_bits_become_rgb(image):
 
 
 def png_of(width, height):
-    """The header of a PNG that says it is this large."""
+    """Return the header of a PNG with this size."""
     good = as_file(np.zeros((1, 1, 3), np.uint8), "png")
     import struct
     import zlib
@@ -98,14 +98,14 @@ def png_of(width, height):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "no picture"),
-        (b"hello, this is a text", "no picture"),
-        (b"%PDF-1.4 " + b"x" * 100, "no picture"),
+        (b"", "cannot be read as a picture"),
+        (b"hello, this is a text", "cannot be read as a picture"),
+        (b"%PDF-1.4 " + b"x" * 100, "cannot be read as a picture"),
         (b"\x00\x00\x00\x18ftypheic" + b"\x00" * 100, "HEIC"),
         (b"\x00\x00\x00\x18ftypmif1" + b"\x00" * 100, "HEIC"),
         (b"\xff" * 40_000_001, "at most 40"),
         (as_file(np.zeros((50, 50, 3), np.uint8)), "at least 100"),
-        (png_of(40_000, 40_000), "million|no picture"),
+        (png_of(40_000, 40_000), "million|cannot be read as a picture"),
         (
             as_file(np.random.default_rng(0).integers(0, 255, (300, 400, 3)).astype(np.uint8))[:3000],
             "damaged",
@@ -190,9 +190,9 @@ def offs(panel):
 def test_from_an_upload_to_landmarks_on_the_map():
     panel = lab()
     panel.upload(as_file(usual_photo(), exif=exif(focal=27)))
-    assert "The camera says 27 mm. Click the corner A" in panel.summary()
+    assert "The file gives a focal length of 27 mm. Click the corner A" in panel.summary()
     click_all(panel)
-    assert "By the four letters the phone was 32." in panel.summary() or "was 33." in panel.summary()
+    assert "From the four letters, the phone was 32." in panel.summary() or "was 33." in panel.summary()
     assert len(offs(panel)) == 4 and max(offs(panel)) < 0.8
     assert "The map" in panel.shown.drawings
 
@@ -216,7 +216,7 @@ def test_a_letter_can_be_set_again_and_reset_forgets_all():
     for letter, (u, v) in (("b", true_pixels()[1]), ("c", true_pixels()[2])):
         panel.set(pixel=(round(u), round(v)))
         panel.set(**{letter: 2})
-    assert "By the four letters the phone was" in panel.summary()
+    assert "From the four letters, the phone was" in panel.summary()
     panel.reset()
     assert "Click the corner A" in panel.summary()
 
@@ -225,18 +225,18 @@ def test_a_bad_upload_keeps_the_photo_and_says_why():
     panel = lab()
     before = panel.shown.pictures["The photo"].copy()
     panel.upload(b"no picture at all")
-    assert "This file is no picture" in panel.summary()
+    assert "This file cannot be read as a picture" in panel.summary()
     assert (panel.shown.pictures["The photo"] == before).all()
 
 
 def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
     panel = lab()
     panel.upload(as_file(usual_photo(), exif=exif(focal=120)))
-    assert panel.values.focal == 120 and "says 120 mm" in panel.summary()
+    assert panel.values.focal == 120 and "focal length of 120 mm" in panel.summary()
     panel.reset()
     assert panel.values.focal == 120
     panel.upload(as_file(usual_photo()))
-    assert panel.values.focal == 27 and "does not tell its focal length" in panel.summary()
+    assert panel.values.focal == 27 and "does not contain its focal length" in panel.summary()
 
 
 def test_each_letter_is_named_by_its_place_and_letters_turned_round_are_suspected():
@@ -246,7 +246,7 @@ def test_each_letter_is_named_by_its_place_and_letters_turned_round_are_suspecte
     assert "turned" not in panel.summary()
     panel.reset()
     click_all(panel, true_pixels()[[2, 3, 0, 1]])
-    assert "if not, the letters are turned" in panel.summary()
+    assert "the letters are at the wrong corners" in panel.summary()
 
 
 def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
@@ -255,7 +255,7 @@ def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
     panel = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=file)
     assert panel.values.focal == 35
     missing = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=tmp_path / "none.jpg")
-    assert "There is no file" in missing.summary() and "stand-in" in missing.summary()
+    assert "There is no file" in missing.summary() and "simulated photo" in missing.summary()
 
 
 def test_no_landmark_and_one_above_the_horizon_are_said():
@@ -264,7 +264,7 @@ def test_no_landmark_and_one_above_the_horizon_are_said():
     sky = np.vstack([true_pixels(), [[160.0, 5.0]]])
     panel = lab(find=lambda pixels: sky)
     panel.set(pitch=20.0)
-    assert "NaN, at or above the horizon" in panel.summary()
+    assert "at or above the horizon: their points are NaN" in panel.summary()
 
 
 def test_what_is_not_written_is_named_and_the_photo_is_shown():

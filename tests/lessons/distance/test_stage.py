@@ -14,13 +14,13 @@ POSE = Pose(0.6, 0.5, -0.25)
 
 
 def finding(name, pixels):
-    return Stage(name, "02_goalposts", (), lambda student, nao: lambda sight: Overlay(pixels, pixels=pixels))
+    return Stage(name, "02_goalposts", (), lambda student, nao: lambda frame: Overlay(pixels, pixels=pixels))
 
 
 def looked(stages, functions=None):
     nao = SimulatedNao(pose=POSE, rng=41, tilt=TorsoTilt(0.0, 0.0))
     picture = nao.take_picture("bottom")
-    seen = Pipeline([*stages, STAGE], functions or own(), nao, time_limit=60.0).look(picture)
+    seen = Pipeline([*stages, STAGE], functions or own(), nao, time_limit=60.0).process(picture)
     return Truth(nao), seen
 
 

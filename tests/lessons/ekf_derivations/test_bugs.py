@@ -10,7 +10,6 @@ from nao_course.lessons.ekf_derivations.bugs import (
     BUGS,
     Predictions,
     draw_bug_hunt,
-    worst_heading,
     wrong_by,
 )
 
@@ -28,31 +27,22 @@ def test_each_bug_is_the_formula_of_its_name(solution, predictions, rng):
     formulas = {
         "FᵀPF": F.T @ covariance @ F + G @ noise @ G.T,
         "GᵀQG": F @ covariance @ F.T + G.T @ noise @ G,
-        "noise not turned": F @ covariance @ F.T + noise,
+        "noise not rotated": F @ covariance @ F.T + noise,
     }
     assert formulas.keys() == BUGS.keys()
     for bug, wanted in formulas.items():
         assert np.allclose(predictions.wrong(bug, covariance, theta, BUG_DRIVE, noise), wanted)
 
 
-def test_the_worst_heading_is_found_and_not_known(solution):
-    functions = solution["motion_jacobians"], solution["predict_covariance"]
-    assert worst_heading(*functions) == 45
-
-    def slower(pose, control):
-        return solution["motion_jacobians"]((*pose[:2], 0.75 * pose[2]), control)
-
-    def predicted(covariance, pose, control, noise):
-        F, G = slower(pose, control)
-        return F @ covariance @ F.T + G @ noise @ G.T
-
-    assert worst_heading(slower, predicted) == 60
+def test_a_transposed_jacobian_is_most_wrong_at_45_degrees(predictions):
+    headings = np.arange(0, 91)
+    assert headings[np.argmax(predictions.off("GᵀQG", np.radians(headings)))] == 45
 
 
 def test_bugs_hide_and_show_at_the_headings_that_the_lesson_names(predictions):
     headings = np.radians([0, 45, 90, 135, 180])
     swapped, unturned, wrong = (
-        predictions.off(bug, headings) for bug in ("GᵀQG", "noise not turned", "FᵀPF")
+        predictions.off(bug, headings) for bug in ("GᵀQG", "noise not rotated", "FᵀPF")
     )
     assert np.allclose(swapped[[0, 2, 4]], 0, atol=1e-6) and swapped[1] == pytest.approx(3.5, abs=0.05)
     assert np.allclose(unturned[[0, 4]], 0, atol=1e-6) and unturned[2] == pytest.approx(3.5, abs=0.05)

@@ -77,10 +77,10 @@ def test_all_calls_can_be_used_up():
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ((2, 0, *AT), "row 0 or 1"),
-        ((0, 5, *AT), "column 0 to 4"),
+        ((2, 0, *AT), "rows are 0 and 1"),
+        ((0, 5, *AT), "columns 0 to 4"),
         ((0, 0, AT[1], AT[1]), r"shapes \(2,\)"),
-        ((0, 0, (1, 2, 0.5), (1, 2)), "where the robot stands"),
+        ((0, 0, (1, 2, 0.5), (1, 2)), "at the robot's own position"),
     ],
 )
 def test_what_is_no_question_is_said_and_costs_nothing(given, said):
@@ -91,7 +91,8 @@ def test_what_is_no_question_is_said_and_costs_nothing(given, said):
 
 
 @pytest.mark.parametrize(
-    ("answer", "said"), [(None, "returns None"), (3, "got int"), ("no such", "no name of MISTAKES")]
+    ("answer", "said"),
+    [(None, "returns None"), (3, "returns int"), ("no such", "not one of the names in MISTAKES")],
 )
 def test_what_is_no_name_is_said(answer, said):
     with pytest.raises((TypeError, ValueError), match=said):

@@ -10,7 +10,7 @@ from nao_course.lessons.ekf_derivations.limits import (
     across_too_large,
     draw_limits,
     heading_clouds,
-    limit_at,
+    limit_of_mean,
     measure_limits,
     short_mean,
 )
@@ -29,11 +29,12 @@ def test_mean_and_standard_deviation_are_off_by_their_formulas(measured):
 
 
 def test_the_numbers_of_the_lesson_are_those_that_are_measured(solution, measured):
-    assert limit_at(measured[TITLES[0]], 5) == pytest.approx(np.degrees(np.sqrt(-2 * np.log(0.95))), abs=0.1)
+    assert limit_of_mean(solution["predict_pose"], 5) == 18.35
+    assert np.degrees(np.sqrt(-2 * np.log(0.95))) == pytest.approx(18.35, abs=0.005)
     inside = dict(zip(np.degrees(SIGMAS).round(), measured[TITLES[2]][:, 1], strict=True))
     assert (round(inside[10]), round(inside[15])) == (89, 79)
     functions = solution["predict_pose"], solution["predict_covariance"]
-    thick = heading_clouds(*functions, np.radians(15), place_sigma=0.1)
+    thick = heading_clouds(*functions, np.radians(15), position_sigma=0.1)
     assert np.mean([each.inside() for each in thick]) == pytest.approx(0.92, abs=0.01)
 
 
@@ -44,6 +45,7 @@ def test_the_figure_has_a_curve_for_mean_covariance_and_shape(measured):
 
 
 def test_a_robot_that_cannot_turn_has_no_limits(monkeypatch):
+    assert limit_of_mean(lambda pose, control: pose + [1.0, 0.0, 0.0], 5) == np.inf
     monkeypatch.setattr(limits, "RUNS", 2)
     found = measure_limits(lambda pose, control: pose + [1.0, 0.0, 0.0], lambda covariance, *rest: covariance)
     assert np.allclose(found[TITLES[0]][:, 1], 0, atol=0.5) and (found[TITLES[2]][:, 1] > 90).all()

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.ekf_derivations.report import (
+    derivative_at_one,
     draw_two_landmarks,
     half_turns,
-    left_of_the_range,
     report_costs,
-    slope_at_one,
+    share_outside,
     swapped_coordinates,
     two_landmarks,
 )
 
 
 def test_the_slope_at_the_pages_value_makes_y_uncertain_where_it_is_not(solution):
-    right, page = slope_at_one(solution["motion_jacobians"])
+    right, page = derivative_at_one(solution["motion_jacobians"])
     assert right == pytest.approx(0, abs=1e-12) and page == pytest.approx(np.radians(5))
 
 
@@ -30,7 +30,7 @@ def test_swapped_coordinates_are_off_as_their_formula_says(solution, rng):
 
 def test_noise_behind_the_wrap_leaves_the_range_and_noise_inside_does_not(solution, rng):
     look = solution["expected_measurement"]
-    assert 0.08 < left_of_the_range(look, rng) < 0.16
+    assert 0.08 < share_outside(look, rng) < 0.16
 
 
 def test_the_pages_arctan_is_wrong_on_half_of_the_field(solution, rng):

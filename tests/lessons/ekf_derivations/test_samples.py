@@ -5,17 +5,17 @@ import pytest
 
 from nao_course.lessons.ekf_derivations.samples import (
     Cloud,
-    carried,
     draw,
     landmark_cloud,
     measurement_cloud,
     motion_cloud,
+    propagated,
 )
 
 POSE = (1.0, 2.0, 2.4)
 SMALL = np.diag([0.02, 0.01, 0.005]) ** 2
 CONTROL_NOISE = np.diag([0.05, 0.01, 0.02]) ** 2
-LOOK_NOISE = np.diag([0.01, 0.02]) ** 2
+MEASUREMENT_NOISE = np.diag([0.01, 0.02]) ** 2
 
 
 def agrees(cloud):
@@ -38,7 +38,7 @@ def test_where_all_is_nearly_straight_the_right_solution_predicts_its_samples(so
         s["predict_pose"], s["predict_covariance"], POSE, SMALL, (1.5, 0.3), CONTROL_NOISE, rng, 3000
     )
     place = landmark_cloud(
-        s["landmark_position"], s["landmark_jacobians"], SMALL, (0.7, 2.0), LOOK_NOISE, rng, 3000
+        s["landmark_position"], s["landmark_jacobians"], SMALL, (0.7, 2.0), MEASUREMENT_NOISE, rng, 3000
     )
     look = measurement_cloud(
         s["expected_measurement"], s["measurement_jacobian_pose"], SMALL, (-2.0, 0.01), rng, 3000
@@ -69,10 +69,12 @@ def test_a_wrong_sign_in_a_jacobian_shows_in_the_ellipse(solution, rng):
     right = solution["landmark_jacobians"]
     place = solution["landmark_position"]
     assert (
-        landmark_cloud(place, right, large, (0.8, 2.0), LOOK_NOISE, np.random.default_rng(1)).inside() > 0.85
+        landmark_cloud(place, right, large, (0.8, 2.0), MEASUREMENT_NOISE, np.random.default_rng(1)).inside()
+        > 0.85
     )
     assert (
-        landmark_cloud(place, wrong, large, (0.8, 2.0), LOOK_NOISE, np.random.default_rng(1)).inside() < 0.7
+        landmark_cloud(place, wrong, large, (0.8, 2.0), MEASUREMENT_NOISE, np.random.default_rng(1)).inside()
+        < 0.7
     )
 
 
@@ -95,5 +97,5 @@ def test_a_cloud_counts_what_is_inside_its_ellipse():
 
 def test_a_covariance_is_carried_by_both_sides(rng):
     slopes, root = rng.normal(size=(2, 3)), rng.normal(size=(3, 3))
-    assert np.allclose(carried(slopes, root @ root.T), slopes @ root @ root.T @ slopes.T)
-    assert np.allclose(carried(slopes, np.zeros((3, 3))), 0, atol=1e-15)
+    assert np.allclose(propagated(slopes, root @ root.T), slopes @ root @ root.T @ slopes.T)
+    assert np.allclose(propagated(slopes, np.zeros((3, 3))), 0, atol=1e-15)

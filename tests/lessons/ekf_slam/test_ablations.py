@@ -20,7 +20,7 @@ def ablations(functions):
 
 def test_there_are_the_reports_ten_in_its_order_after_the_sigmas_as_they_are(ablations):
     assert [each.title for each in ablations] == [
-        *("as they are", "σx × 10", "σx / 10", "σy × 10", "σy / 10", "σα × 10", "σα / 10"),
+        *("unchanged", "σx × 10", "σx / 10", "σy × 10", "σy / 10", "σα × 10", "σα / 10"),
         *("σβ × 10", "σβ / 10", "σr × 10", "σr / 10"),
     ]
 
@@ -61,7 +61,7 @@ def test_table_and_figure_say_the_same(ablations):
     assert table.rows[0][1] == f"{100 * ablations[0].position:.3g}"
     drawing = draw_ablations(ablations)
     assert [ax.get_title(loc="left") for ax in drawing.figure.axes if ax.axison] == [
-        *("as they are", "σx × 10", "σy × 10", "σα × 10", "σβ × 10", "σr × 10"),
+        *("unchanged", "σx × 10", "σy × 10", "σα × 10", "σβ × 10", "σr × 10"),
         *("σx / 10", "σy / 10", "σα / 10", "σβ / 10", "σr / 10"),
     ]
     assert f"σx × 10: {ablations[1].position / ablations[0].position:.2g} and" in drawing.alt

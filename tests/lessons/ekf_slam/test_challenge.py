@@ -5,16 +5,11 @@ import pytest
 
 from benchmarks.challenges.ekf_slam import EKF_ENTRIES, odometry
 from nao_course.challenges import CaseResult, Run
-from nao_course.lessons.ekf_slam.challenge import (
-    CHALLENGE,
-    DEEPEST,
-    judge,
-    make_drive,
-)
+from nao_course.lessons.ekf_slam.challenge import CHALLENGE, DEEPEST, judge, make_drive
 from nao_course.metrics import log_density
 
 
-def test_odometry_alone_gains_nothing_and_believes_what_the_challenge_says():
+def test_odometry_alone_gains_nothing_and_has_the_nees_that_the_challenge_says():
     drive = make_drive(5)
     pose, covariance = odometry(drive.log)
     assert np.abs(covariance - drive.odometry_covariance).max() < 1e-9
@@ -56,7 +51,7 @@ def test_the_recorded_rows_say_what_the_lesson_says():
 
 
 @pytest.mark.slow
-def test_more_doubt_makes_the_reference_honest_and_does_not_reach_the_better_entry():
+def test_a_larger_covariance_makes_the_reference_consistent_and_does_not_reach_the_better_entry():
     scored = []
     for seed in CHALLENGE.seeds:
         drive = make_drive(seed)

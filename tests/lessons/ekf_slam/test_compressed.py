@@ -68,11 +68,11 @@ def test_on_any_drive_among_near_landmarks_it_equals_the_full_filter(own, seed, 
     for (state, covariance), small in along(rng, *large_map(rng, k), regions, own, new):
         assert np.allclose(small.local[0][:3], state[:3], atol=1e-9)
         assert np.allclose(small.local[1][:3, :3], covariance[:3, :3], atol=1e-9)
-        whole, spread = small.whole()
+        whole, whole_covariance = small.whole()
         off = whole - state
         off[2] = wrap_angle(off[2])
         assert np.abs(off).max() < 1e-9
-        assert np.abs(spread - covariance).max() < 1e-9
+        assert np.abs(whole_covariance - covariance).max() < 1e-9
 
 
 def test_asking_for_the_whole_map_changes_nothing(functions):

@@ -1,4 +1,6 @@
-"""A filter's honesty over many drives, and what first estimates change in it."""
+"""A filter's consistency over many drives, and how first estimates change it."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,14 +12,13 @@ from nao_course.lessons.ekf_slam.consistency import (
     field_drive,
     follow,
     mean_nees,
-    nees_table,
     with_first_estimates,
     without_pose_map,
 )
 from nao_course.lessons.ekf_slam.consistency import NOMINAL as NOMINAL_SIGMAS
 from nao_course.lessons.ekf_slam.filters import FirstEstimates
-from nao_course.lessons.ekf_slam.homework_log import Sigmas
 from nao_course.metrics import band
+from nao_course.sim.drives import Sigmas
 
 EXACT = Sigmas(0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -30,14 +31,21 @@ def functions(own):
 @pytest.mark.parametrize("variant", [lambda functions: functions, with_first_estimates])
 def test_without_noise_every_pose_is_the_truth(functions, variant):
     drive = field_drive(1, EXACT, laps=1)
-    told = type(drive)(drive.landmarks, drive.path, drive.controls, drive.sights, NOISY)
-    assert np.abs(follow(told, variant(functions)).errors).max() < 1e-9
+    told = [
+        replace(
+            step,
+            control_covariance=NOISY.control_covariance,
+            covariances=NOISY.covariances(step.measurements),
+        )
+        for step in drive.steps
+    ]
+    assert np.abs(follow(replace(drive, steps=tuple(told)), variant(functions)).errors).max() < 1e-9
 
 
 def test_the_same_seed_drives_the_same_and_another_does_not():
     first, again, other = field_drive(3, laps=1), field_drive(3, laps=1), field_drive(4, laps=1)
-    assert np.array_equal(first.path, again.path) and not np.array_equal(first.path, other.path)
-    assert all(len(seen) for seen, _ in first.sights[:3]) and first.landmarks.shape == (10, 2)
+    assert np.array_equal(first.poses, again.poses) and not np.array_equal(first.poses, other.poses)
+    assert all(len(step.numbers) for step in first.steps[1:4]) and first.landmarks.shape == (10, 2)
 
 
 def test_while_all_estimates_are_first_ones_both_filters_are_the_same(functions):
@@ -65,8 +73,9 @@ def known_of_the_maps_turn(functions, laps=1, sigma=0.5):
     Q, R = NOISY.control_covariance, NOISY.measurement_covariance
     state, P = np.zeros(3), np.diag([0.5, 0.5, sigma]) ** 2
     on_map, firsts, predicted = [], [], np.zeros(3)
-    for control, (seen, measured) in zip(drive.controls, drive.sights, strict=True):
-        state, P = predict(state, P, control, Q, len(on_map))
+    for step in drive.steps[1:]:
+        seen, measured = step.numbers, step.measurements
+        state, P = predict(state, P, step.control, Q, len(on_map))
         predicted = state[:3].copy()
         for landmark, values in zip(seen, measured, strict=True):
             if landmark in on_map:
@@ -81,7 +90,7 @@ def known_of_the_maps_turn(functions, laps=1, sigma=0.5):
     return 1 / sigma**2, float(turn @ np.linalg.solve(P, turn))
 
 
-def test_with_first_estimates_no_measurement_tells_how_the_whole_map_is_turned(functions):
+def test_with_first_estimates_measurements_add_no_information_on_the_maps_rotation(functions):
     before, after = known_of_the_maps_turn(with_first_estimates(functions))
     assert after <= before * (1 + 1e-6)
     before, after = known_of_the_maps_turn(functions)
@@ -96,22 +105,21 @@ def test_without_pose_map_only_those_covariances_are_zero(functions):
     assert not grown[:3, 3:].any() and not grown[3:, :3].any() and wanted[3:, :3].any()
 
 
-def test_figure_and_table_say_the_means_and_the_band(functions):
-    found = compare(*functions, runs=2, variants=("as it is", "first estimates"), with_nis=True)
+def test_the_figure_says_the_means_and_the_band(functions):
+    found = compare(*functions, runs=2, variants=("unchanged", "first estimates"), with_nis=True)
     low, high = band(3, 2)
-    table = nees_table(found)
-    assert table.columns[2] == f"band {low:.2f} to {high:.2f}"
-    assert [row[1] for row in table.rows] == [f"{mean_nees(traces):.2f}" for traces in found.values()]
-    assert 0.5 < float(table.rows[0][3]) < 1.5
-    assert f"as it is {mean_nees(found['as it is']):.2f}" in draw_consistency(found).alt
+    assert 0.5 < np.concatenate([trace.nis for trace in found["unchanged"]]).mean() < 1.5
+    said = draw_consistency(found).alt
+    assert all(f"{name} {mean_nees(traces):.2f}" in said for name, traces in found.items())
+    assert f"between {low:.2f} and {high:.2f}" in said
 
 
 @pytest.mark.slow
-def test_over_a_hundred_drives_the_filter_is_honest_on_the_nominal_field(functions):
+def test_over_a_hundred_drives_the_filter_is_consistent_on_the_nominal_field(functions):
     low, high = band(3, 100)
     assert (round(low, 2), round(high, 2)) == (2.54, 3.50)
-    found = compare(*functions, sigmas=NOMINAL_SIGMAS, variants=("as it is", "first estimates"))
-    assert low < mean_nees(found["as it is"]) < high
+    found = compare(*functions, sigmas=NOMINAL_SIGMAS, variants=("unchanged", "first estimates"))
+    assert low < mean_nees(found["unchanged"]) < high
     assert low < mean_nees(found["first estimates"]) < high
 
 
@@ -120,8 +128,8 @@ def test_over_a_hundred_noisy_drives_only_first_estimates_stay_in_the_band_and_n
     low, high = band(3, 100)
     found = compare(*functions, sigmas=NOISY, with_nis=True)
     nees = {name: mean_nees(traces) for name, traces in found.items()}
-    assert nees["as it is"] > 2 * high
+    assert nees["unchanged"] > 2 * high
     assert low < nees["first estimates"] < high
-    assert nees["no covariance of pose and map"] > 20
+    assert nees["no covariance between pose and map"] > 20
     for traces in found.values():
         assert 0.85 < np.concatenate([trace.nis for trace in traces]).mean() < 1.15

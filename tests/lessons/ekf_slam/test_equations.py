@@ -24,7 +24,7 @@ def look(state, indices):
     return range_and_bearing(state[:3], state[3:].reshape(-1, 2)[list(indices)]).ravel()
 
 
-def slopes_of(function, x, h=1e-6):
+def jacobian_of(function, x, h=1e-6):
     """Central differences; a bearing that passes the half turn is wrapped."""
     columns = []
     for step in h * np.eye(len(x)):
@@ -71,8 +71,8 @@ def test_predict_is_the_whole_states_jacobian_on_both_sides(own, rng):
         c, s, d = np.cos(theta), np.sin(theta), control[0] + along
         return np.array([x + d * c - across * s, y + d * s + across * c, theta + control[1] + turned, *rest])
 
-    slopes = slopes_of(moved, np.append(state, np.zeros(3)))
-    F, G = slopes[:, :-3], slopes[:, -3:]
+    jacobian = jacobian_of(moved, np.append(state, np.zeros(3)))
+    F, G = jacobian[:, :-3], jacobian[:, -3:]
     new, covariance = own["predict"](state, P, control, Q, 3)
     assert new == pytest.approx(moved(np.append(state, np.zeros(3))), abs=1e-12)
     assert covariance == pytest.approx(F @ P @ F.T + G @ Q @ G.T, abs=1e-9)
@@ -80,11 +80,11 @@ def test_predict_is_the_whole_states_jacobian_on_both_sides(own, rng):
 
 
 @pytest.mark.asserts("eq-7-4", "eq-7-5")
-def test_no_other_gain_leaves_less_doubt_of_anything(own, rng):
+def test_no_other_gain_gives_a_smaller_variance(own, rng):
     state, P = random_map(rng, 2)
     R = np.diag([0.05, 0.1, 0.05, 0.1]) ** 2
     _, updated = own["update_landmarks"](state, P, [0, 1], measured(rng, state, [0, 1]), R)
-    H = slopes_of(lambda x: look(x, [0, 1]), state)
+    H = jacobian_of(lambda x: look(x, [0, 1]), state)
     K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
 
     def after(gain):
@@ -106,13 +106,13 @@ def test_a_joint_update_is_that_of_the_information_form(own, rng, k, indices):
     state, P = random_map(rng, k)
     R = random_covariance(rng, 2 * len(indices), 0.05)
     z = measured(rng, state, indices)
-    H = slopes_of(lambda x: look(x, indices), state)
+    H = jacobian_of(lambda x: look(x, indices), state)
     assert np.count_nonzero(np.abs(H) > 1e-9) <= 2 * len(indices) * 5  # two blocks in a row, zeros elsewhere
-    surprise = z - look(state, indices)
-    surprise[::2] = wrap_angle(surprise[::2])
+    innovation = z - look(state, indices)
+    innovation[::2] = wrap_angle(innovation[::2])
     weight = np.linalg.inv(R)
     left = np.linalg.inv(np.linalg.inv(P) + H.T @ weight @ H)
-    expected = state + left @ H.T @ weight @ surprise
+    expected = state + left @ H.T @ weight @ innovation
     expected[2] = wrap_angle(expected[2])
     new, covariance = own["update_landmarks"](state, P, indices, z, R)
     assert new == pytest.approx(expected, abs=1e-7)
@@ -120,7 +120,7 @@ def test_a_joint_update_is_that_of_the_information_form(own, rng, k, indices):
 
 
 @pytest.mark.asserts("eq-7-8")
-def test_the_mahalanobis_distance_of_an_honest_map_is_1_25_on_average_and_its_square_2(own, rng):
+def test_the_mahalanobis_distance_of_a_consistent_map_is_1_25_on_average_and_its_square_2(own, rng):
     covariance = np.array([[0.09, 0.05], [0.05, 0.04]])
     errors = rng.multivariate_normal(np.zeros(2), covariance, 20_000)
     plain, weighed = own["evaluate_landmarks"](
@@ -150,7 +150,7 @@ def test_a_new_landmarks_covariances_are_those_of_samples(own, rng):
     assert (np.abs(sampled - covariance) / scale).max() < 0.015
 
 
-def test_a_new_landmark_is_that_of_an_update_from_a_place_nobody_knows(own, rng):
+def test_a_new_landmark_is_that_of_an_update_from_an_unknown_position(own, rng):
     state, P = random_map(rng, 2)
     z, R = np.array([0.5, 2.0]), np.diag([0.03, 0.08]) ** 2
     grown, covariance = own["add_landmark"](state, P, z, R)
@@ -161,7 +161,7 @@ def test_a_new_landmark_is_that_of_an_update_from_a_place_nobody_knows(own, rng)
     assert limit == pytest.approx(covariance, abs=1e-5)
 
 
-def test_a_look_without_any_worth_changes_nothing_after_adding(own, rng):
+def test_a_measurement_without_information_changes_nothing_after_adding(own, rng):
     state, P = random_map(rng, 1)
     grown, covariance = own["add_landmark"](state, P, np.array([0.5, 2.0]), np.diag([0.03, 0.08]) ** 2)
     again, after = own["update_landmarks"](grown, covariance, [1], np.array([0.6, 2.3]), 1e12 * np.eye(2))

@@ -33,7 +33,7 @@ def test_correlations_are_one_on_the_diagonal_and_zero_beside_a_variance_of_zero
     assert correlations(P) == pytest.approx(np.array([[1, 1 / 3, 0], [1 / 3, 1, 0], [0, 0, 0]]))
 
 
-def test_before_the_first_look_no_two_landmarks_are_correlated_and_at_the_end_all_are(film):
+def test_before_the_first_update_no_two_landmarks_are_correlated_and_at_the_end_all_are(film):
     assert between_landmarks(film.at(0)[2]) == between_landmarks(film.at(1)[2]) == 0
     grown = [between_landmarks(film.at(frame)[2]) for frame in (2, 12, 24, 50)]
     assert 0 < grown[0] < grown[1] and grown[-1] > 0.4
@@ -65,18 +65,29 @@ def test_a_picture_by_blit_is_what_a_canvas_that_is_drawn_anew_shows(film):
         assert np.array_equal(one, same) and not np.array_equal(one, other)
 
 
-def test_words_say_step_doubt_and_error(film):
-    assert say_frame(film, 0).startswith("At the start: robot sure to 2.8 cm and 5.7 degrees")
+def test_the_drawn_robot_looks_where_it_is_heading(film):
+    frames = (3, 50)
+    for frame, ax in zip(frames, draw_frames(film, frames).figure.axes[:2], strict=True):
+        x, y, theta = film.at(frame)[1][:3]
+        ends = [np.transpose(line.get_data()) for line in ax.lines]
+        (heading,) = [each for each in ends if len(each) == 2 and np.allclose(each[0], (x, y))]
+        assert np.arctan2(*(heading[1] - heading[0])[::-1]) == pytest.approx(theta, abs=1e-6)
+
+
+def test_words_say_step_standard_deviation_and_error(film):
+    assert say_frame(film, 0).startswith(
+        "At the start: standard deviation of the robot 2.8 cm and 5.7 degrees"
+    )
     assert "after step 3, predicted" in say_frame(film, 5).lower()
     assert "after step 3, updated" in say_frame(film, 6).lower() and say_frame(film, 6).endswith("cm off.")
 
 
 def test_the_payoff_has_a_column_for_each_of_four_frames(film, film_functions):
     assert draw_film(*film_functions).alt == draw_frames(film).alt
-    assert draw_frames(film, (0, 1)).alt.count("robot sure to") == 2
+    assert draw_frames(film, (0, 1)).alt.count("standard deviation of the robot") == 2
 
 
-def test_what_is_no_belief_is_said_by_its_functions_name(film_functions):
+def test_an_error_names_the_function_that_returned_the_wrong_type(film_functions):
     init_landmarks, predict, _ = film_functions
     with pytest.raises(ValueError, match="update must return"):
         record_film(init_landmarks, predict, lambda *given: None)

@@ -1,4 +1,4 @@
-"""The solution's filter along whole drives: exact without noise, a covariance to the end, one update a look."""
+"""The solution's filter along whole drives: exact without noise, and with a valid covariance to the end."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_after_10000_steps_the_covariance_is_symmetric_and_has_no_negative_eigen
 
 @pytest.mark.slow
 def test_a_long_way_past_many_landmarks_keeps_the_covariance_symmetric(own, rng):
-    """Where S is left lopsided by rounding, this ends at a difference of thousands."""
+    """Rounding errors that are not made symmetric grow over a long loop."""
     around, aside = np.linspace(0, 2 * np.pi, 300, endpoint=False), 25 + rng.uniform(-2, 2, 300)
     landmarks = np.column_stack([aside * np.sin(around), 25 - aside * np.cos(around)])
     Q, R = np.diag([0.03, 0.02, 0.012]) ** 2, np.diag([0.026, 0.05]) ** 2
@@ -82,7 +82,7 @@ def test_nothing_that_comes_in_is_changed(own, rng):
         assert np.array_equal(before, after)
 
 
-def test_a_look_at_no_landmark_changes_nothing(own):
+def test_an_update_without_landmarks_changes_nothing(own):
     state, P = np.array([0.1, 0.2, 3.0, 2.0, 1.0]), np.eye(5) * 0.04
     new, after = own["update_landmarks"](state, P, [], np.zeros(0), np.eye(2) * 0.01)
     assert np.array_equal(new[[0, 1, 3, 4]], state[[0, 1, 3, 4]]) and np.array_equal(after, P)

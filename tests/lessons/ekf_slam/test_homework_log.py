@@ -11,10 +11,8 @@ from nao_course.lessons.ekf_slam.homework_log import (
     OWN_LOG,
     OWN_SIGMAS,
     START_COVARIANCE,
-    Sigmas,
     homework_start,
-    innovation_and_spread,
-    landmark_blocks,
+    innovation_and_covariance,
     landmark_errors,
     own_log,
     record_pentagon,
@@ -22,6 +20,7 @@ from nao_course.lessons.ekf_slam.homework_log import (
     textbook_start,
 )
 from nao_course.metrics import band
+from nao_course.sim.drives import Sigmas, landmark_blocks
 from tests.paths import SOLUTIONS
 
 # The report's Table 1, as it is printed.
@@ -44,7 +43,7 @@ def test_the_reports_table_1_comes_out_to_its_printed_digits(run):
     assert [f"{value:.7f}" for value in found.euclidean] == EUCLIDEAN
     assert [f"{value:.4e}" for value in found.printed] == PRINTED
     assert [f"{value:.5f}" for value in found.mahalanobis] == [
-        *("0.05750", "0.07660", "0.05785", "0.07265", "0.03285", "0.10768"),
+        *("0.05750", "0.07660", "0.05785", "0.07265", "0.03285", "0.10768")
     ]
 
 
@@ -58,7 +57,7 @@ def test_the_textbooks_start_is_farther_from_the_truth_on_this_log(log, own):
     run = run_log(log, textbook_start(log, own["add_landmark"]), own["predict"], own["update"])
     found = landmark_errors(run.landmarks, run.landmark_covariances)
     assert [f"{value:.4f}" for value in found.euclidean] == [
-        *("0.0042", "0.0062", "0.0086", "0.0114", "0.0091", "0.0102"),
+        *("0.0042", "0.0062", "0.0086", "0.0114", "0.0091", "0.0102")
     ]
 
 
@@ -103,13 +102,13 @@ def test_all_steps_are_kept_and_left_out_updates_change_nothing(own):
     assert np.array_equal(landmark_blocks(run.covariances[3])[1], run.covariances[3][5:7, 5:7])
 
 
-def test_innovation_and_spread_are_those_of_lesson_05s_jacobians(rng):
+def test_innovation_and_covariance_are_those_of_lesson_05s_jacobians(rng):
     report = load_solution(SOLUTIONS / "05_ekf_derivations.ipynb")
     state = rng.uniform(-2, 2, 9)
     root = rng.normal(size=(9, 9))
     covariance, R = root @ root.T, np.diag([0.01, 0.04])
     seen = rng.uniform(0.5, 2, 4)
-    surprise, spread = innovation_and_spread(state, covariance, [2, 0], seen, R)
+    innovation, S = innovation_and_covariance(state, covariance, [2, 0], seen, R)
     H, expected = np.zeros((4, 9)), np.zeros(4)
     for row, number in ((0, 2), (2, 0)):
         landmark = state[3 + 2 * number : 5 + 2 * number]
@@ -120,8 +119,8 @@ def test_innovation_and_spread_are_those_of_lesson_05s_jacobians(rng):
         )
     wanted = seen - expected
     wanted[::2] = wrap_angle(wanted[::2])
-    assert np.allclose(surprise, wanted)
-    assert np.allclose(spread, H @ covariance @ H.T + np.kron(np.eye(2), R), rtol=1e-6)
+    assert np.allclose(innovation, wanted)
+    assert np.allclose(S, H @ covariance @ H.T + np.kron(np.eye(2), R), rtol=1e-6)
 
 
 def test_what_a_function_returns_wrongly_is_said_with_its_name(own):

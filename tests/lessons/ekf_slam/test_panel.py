@@ -45,9 +45,11 @@ def test_buttons_go_on_and_back_and_stop_at_both_ends(panel):
 def test_what_the_code_took_is_said_of_the_whole_log_and_not_as_if_the_panel_followed_it(panel, monkeypatch):
     monkeypatch.setattr("nao_course.widgets.function_panel.SLOW", -1.0)
     panel._update()
-    assert "follows slowly" not in panel._status.value
+    assert "slows the panel down" not in panel._status.value
     fresh = FilmPanel(*panel._functions.values())
-    assert "ms for the whole log." in fresh._status.value and "follows slowly" not in fresh._status.value
+    assert (
+        "ms for the whole log." in fresh._status.value and "slows the panel down" not in fresh._status.value
+    )
 
 
 def test_an_unfinished_exercise_is_named(film_functions):

@@ -20,11 +20,11 @@ def robot(**more):
 
 def drive(nao, functions, steps=8):
     pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
-    seen = [pipeline.look(nao.take_picture())]
+    seen = [pipeline.process(nao.take_picture())]
     for _ in range(steps):
         nao.walk(0.2)
         nao.turn(0.3)
-        seen.append(pipeline.look(nao.take_picture()))
+        seen.append(pipeline.process(nao.take_picture()))
     return [each.overlays[STAGE.name] for each in seen]
 
 
@@ -37,7 +37,7 @@ def test_the_first_picture_puts_what_it_shows_on_the_map_and_later_ones_add_only
     assert sizes[0] >= 2 and sizes == sorted(sizes) and sizes[0] < sizes[-1] <= 10
 
 
-def test_the_map_lies_in_the_world_and_each_landmark_within_its_doubt(functions):
+def test_the_map_lies_in_the_world_and_each_landmark_within_its_ellipse(functions):
     nao = robot()
     last = drive(nao, functions)[-1].estimate
     true = nao.field.pose.to_parent([(m.x, m.y) for m in nao.field.landmarks if m.kind != "cross"])
@@ -66,15 +66,15 @@ def test_what_fails_is_said_and_the_map_stays_as_it_was(functions):
         return functions["predict"](*given)
 
     pipeline = Pipeline([STAGE], functions | {"predict": predict}, nao, time_limit=60.0)
-    first = pipeline.look(nao.take_picture()).overlays[STAGE.name]
+    first = pipeline.process(nao.take_picture()).overlays[STAGE.name]
     broken["now"] = True
     nao.walk(0.2)
-    pipeline.look(nao.take_picture())
-    (said,) = pipeline.look(nao.take_picture()).complaints
+    pipeline.process(nao.take_picture())
+    (said,) = pipeline.process(nao.take_picture()).complaints
     assert said.startswith(f"Without {STAGE.name}: ZeroDivisionError in predict()")
     broken["now"] = False
-    pipeline.wake()
-    again = pipeline.look(nao.take_picture()).overlays[STAGE.name]
+    pipeline.retry()
+    again = pipeline.process(nao.take_picture()).overlays[STAGE.name]
     assert len(again.estimate.landmarks) >= len(first.estimate.landmarks)
 
 
@@ -82,6 +82,6 @@ def test_what_fails_is_said_and_the_map_stays_as_it_was(functions):
 def test_nonsense_is_said_in_words(functions, name):
     nao = robot()
     pipeline = Pipeline([STAGE], functions | {name: lambda *given: None}, nao)
-    pipeline.look(nao.take_picture())
+    pipeline.process(nao.take_picture())
     nao.walk(0.1)
-    assert name in pipeline.look(nao.take_picture()).complaints[0]
+    assert name in pipeline.process(nao.take_picture()).complaints[0]

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from nao_course.colours import GREEN, YELLOW
 from nao_course.exercises import load_definitions, try_out
 from nao_course.geometry import Pose
 from nao_course.lessons.experiments import budget
-from nao_course.lessons.experiments.budget import in_pixels, pixel_errors, sampled_poses, usual_sight
+from nao_course.lessons.experiments.budget import in_pixels, pixel_errors, sampled_poses, usual_scene
+from nao_course.lessons.experiments.scenes import simulated_scenes
 from tests.lessons.experiments.own import OWN, TEXT
 from tests.paths import SOLUTIONS
 
@@ -14,22 +16,22 @@ FOUR = load_definitions(SOLUTIONS / "04_distance.ipynb")
 
 
 def test_the_sight_shows_landmarks_that_are_in_the_picture():
-    sight = usual_sight()
-    pixels = in_pixels(sight)
-    assert len(pixels) >= 3 and sight.view.contains(pixels).all()
+    scene = usual_scene()
+    pixels = in_pixels(scene)
+    assert len(pixels) >= 3 and scene.view.contains(pixels).all()
 
 
 def test_pixels_come_back_to_the_ground_they_show():
-    sight = usual_sight()
-    there = Pose.from_array(sight.pose).to_local(sight.landmarks)
-    assert np.allclose(budget._ground(in_pixels(sight), sight.view), there, atol=2e-3)
+    scene = usual_scene()
+    there = Pose.from_array(scene.pose).to_local(scene.landmarks)
+    assert np.allclose(budget._ground(in_pixels(scene), scene.view), there, atol=2e-3)
 
 
 def test_without_noise_the_pose_is_the_true_one(monkeypatch):
     monkeypatch.setattr(budget, "SAMPLES", 2)
-    sight = usual_sight()
-    weights = np.eye(2 * len(sight.landmarks))
-    assert np.abs(sampled_poses(sight, 0.0, 0.0, weights)).max() < 2e-3
+    scene = usual_scene()
+    weights = np.eye(2 * len(scene.landmarks))
+    assert np.abs(sampled_poses(scene, 0.0, 0.0, weights)).max() < 2e-3
 
 
 def test_samples_scatter_as_predicted(monkeypatch):
@@ -73,3 +75,44 @@ def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
 def test_the_larger_source_is_that_of_the_error_in_x():
     parts = {"pixels": np.array([1.0, 5.0, 5.0]), "tilt": np.array([2.0, 1.0, 1.0])}
     assert budget.larger_source(budget.Budget(parts, parts)) == "tilt"
+
+
+def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
+    find_corners = load_definitions(SOLUTIONS / "03_hough_corners.ipynb")["find_corners"]
+    one = load_definitions(SOLUTIONS / "01_hsl_filtering.ipynb")
+
+    def find(picture):
+        lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
+        white = one["white_threshold"](lightness.mean(), 120)
+        return find_corners(one["color_labels"](picture, GREEN, YELLOW, white), 5, 40)
+
+    errors = pixel_errors(find, simulated_scenes())
+    u, v = np.sqrt((errors**2).mean(axis=0))
+    assert (
+        f"of {u:.1f} px in u, with a mean of {errors[:, 0].mean():.1f}, and of only {v:.1f} px in v" in TEXT
+    )
+    scene, step = usual_scene(), 0.01
+    pixels = in_pixels(scene)
+
+    def measured(shift):
+        return FOUR["ground_to_measurement"](FOUR["pixel_to_ground"](pixels + shift, scene.view)).ravel()
+
+    by = [(measured(s) - measured(-s)) / (2 * step) for s in (np.array([step, 0]), np.array([0, step]))]
+    blocks = np.kron(np.eye(len(pixels)), np.ones((2, 2)))
+    tilt = FOUR["measurement_covariance"](pixels, scene.view, 0.0, np.radians(1))
+    jacobian = load_definitions(SOLUTIONS / "05_ekf_derivations.ipynb")["measurement_jacobian_pose"]
+    H = np.vstack([jacobian(scene.pose, each) for each in scene.landmarks])
+
+    def pixels_part(sigmas):
+        D = blocks * sum(sigma**2 * np.outer(each, each) for sigma, each in zip(sigmas, by, strict=True))
+        W = np.linalg.inv(D + tilt)
+        K = np.linalg.inv(H.T @ W @ H) @ H.T @ W
+        return np.sqrt(np.diag(K @ D @ K.T)) * [100, 100, np.degrees(1)]
+
+    both = np.sqrt((errors**2).mean())
+    (x, y, heading), (_, y_before, heading_before) = pixels_part((u, v)), pixels_part((both, both))
+    assert (
+        f"is {y:.1f} cm in y instead of {y_before:.1f}, {heading:.1f}° instead of {heading_before:.1f}°"
+        in TEXT
+    )
+    assert f"and {x:.1f} cm in x" in TEXT

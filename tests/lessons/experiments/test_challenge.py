@@ -70,9 +70,9 @@ def test_the_figure_says_which_rooms_are_outside():
 def test_the_text_says_what_the_board_says():
     rows = {row.name: row for row in CHALLENGE.rows}
     own, nothing, better = (rows[name] for name in ("the reference", "nothing", "a better detector"))
-    assert f"scores {own.score:.2f}, and nothing {nothing.score:.2f}" in TEXT
+    assert f"scores {own.score:.2f}; reporting nothing scores {nothing.score:.2f}" in TEXT
     mean, low, high = margin(own.cases, better.cases)
     assert (
-        f"scores {better.score:.2f}, which beats the reference by {mean:.2f} (95 % interval {low:.2f} to {high:.2f})"
-        in TEXT
+        f"scores {better.score:.2f}, which is better than the reference by {mean:.2f} "
+        f"(95 % interval {low:.2f} to {high:.2f})" in TEXT
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import load_definitions
-from nao_course.lessons.experiments.budget import usual_sight
+from nao_course.lessons.experiments.budget import usual_scene
 from tests.lessons.experiments.own import OWN
 from tests.paths import PROJECT
 
@@ -50,12 +50,12 @@ def test_what_is_found_possible_gives_the_printed_mean():
 @pytest.mark.asserts("eq-10-4")
 @pytest.mark.asserts("eq-10-5")
 def test_both_parts_of_the_budget_add_up_to_the_covariance_of_weighted_least_squares():
-    sight = usual_sight()
-    parts = OWN["error_budget"](sight.pose, sight.landmarks, sight.view, 2.0, 0.0175)
+    scene = usual_scene()
+    parts = OWN["error_budget"](scene.pose, scene.landmarks, scene.view, 2.0, 0.0175)
     from nao_course.lessons.experiments.budget import in_pixels
 
-    R = FOUR["measurement_covariance"](in_pixels(sight), sight.view, 2.0, 0.0175)
-    H = np.vstack([FIVE["measurement_jacobian_pose"](sight.pose, each) for each in sight.landmarks])
+    R = FOUR["measurement_covariance"](in_pixels(scene), scene.view, 2.0, 0.0175)
+    H = np.vstack([FIVE["measurement_jacobian_pose"](scene.pose, each) for each in scene.landmarks])
     P = np.linalg.inv(H.T @ np.linalg.inv(R) @ H)
     assert np.allclose(parts[0] + parts[1], P, rtol=1e-6)
     for part in parts:
@@ -63,6 +63,6 @@ def test_both_parts_of_the_budget_add_up_to_the_covariance_of_weighted_least_squ
 
 
 def test_without_a_tilt_all_of_the_budget_comes_from_the_pixels():
-    sight = usual_sight()
-    pixels, tilt = OWN["error_budget"](sight.pose, sight.landmarks, sight.view, 2.0, 0.0)
+    scene = usual_scene()
+    pixels, tilt = OWN["error_budget"](scene.pose, scene.landmarks, scene.view, 2.0, 0.0)
     assert np.allclose(tilt, 0.0) and np.trace(pixels) > 0

@@ -30,14 +30,22 @@ def test_the_references_interval_is_right_and_is_scipys():
         (lambda v, p, rng: "wide", "two numbers"),
         (lambda v, p, rng: (1.0, 2.0, 3.0), r"shape (3,)"),
         (lambda v, p, rng: (np.nan, 2.0), "NaN"),
-        (lambda v, p, rng: mean_interval(v, p), "whatever rng"),
+        (lambda v, p, rng: mean_interval(v, p), "same for every rng"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, p, np.random.default_rng()), "same rng"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, p, rng)[::-1], "above the upper"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, 0.8, rng), "is too high"),
+        (
+            lambda v, p, rng: np.full(2, rng.choice(v, (2000, len(v))).mean()),
+            "both ends of your interval are equal",
+        ),
+        (
+            lambda v, p, rng: np.quantile(rng.choice(v, (len(v), 2000)).mean(axis=1), [0.05, 0.95]),
+            "times too narrow",
+        ),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, 0.99, rng), "is too low"),
         (
             lambda v, p, rng: np.quantile(rng.choice(v, (100, len(v))).mean(axis=1), [0.05, 0.95]),
-            "move too much",
+            "vary too much",
         ),
     ],
 )
@@ -73,7 +81,7 @@ def test_an_answer_that_is_not_drawn_is_recognised_by_its_digits():
 def test_without_replacement_all_generators_give_the_same_but_for_the_last_digit():
     mean = with_generators(lambda v, p, rng: (np.mean(rng.permutation(v)),) * 2, VALUES, 0.9)
     verdict = Interval().compare(RIGHT, mean)
-    assert "whatever rng" in verdict.text
+    assert "same for every rng" in verdict.text
 
 
 def test_the_first_generator_comes_again():

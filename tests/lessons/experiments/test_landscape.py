@@ -76,7 +76,7 @@ def test_beside_the_paper_both_sigmas_are_said():
 
 def test_winners_and_broken_promises_are_said():
     assert "110, 4, 30: 100 %" in landscape.draw_winners(table()).alt
-    assert "Scenes halved 1000 times" in landscape.draw_optimism(table()).alt
+    assert "The scenes were divided into halves 1000 times" in landscape.draw_optimism(table()).alt
     noise = table()
     noise[110, 4, 30] = noise[110, 4, 30] + 3.0
     assert landscape.broken_promise(noise) > 0.3 > landscape.broken_promise(table())

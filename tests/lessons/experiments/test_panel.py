@@ -30,7 +30,7 @@ def test_every_slider_reaches_the_students_functions():
 
 def test_it_says_cost_interval_and_the_pictures_that_cost_most():
     shown = panel()
-    assert "Mean cost 1.50, 95 % from 0.50 to 2.50. Nothing costs 1.00" in shown.summary()
+    assert "Mean cost 1.50, 95 % from 0.50 to 2.50. Reporting nothing costs 1.00" in shown.summary()
     assert {"Picture 4 costs 3.00", "Picture 3 costs 2.00"} <= set(shown.shown.pictures)
 
 

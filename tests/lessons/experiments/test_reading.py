@@ -21,7 +21,7 @@ def measured():
 def test_thirteen_of_the_papers_means_cannot_come_from_thirty_pictures():
     cannot = reading.impossible_means(OWN["possible_hits"])
     assert len(cannot) == 13 == measured()["impossible"] and (130, 4, 30) in cannot
-    assert "Here 14 of 27 do; chance does as well in 3 of 100 tables" in TEXT
+    assert "14 or more of 27 would pass in 3 of 100 random tables" in TEXT
     assert 0.28 < measured()["by chance possible"] < 0.38
     assert round(100 * binom.sf(13, 27, measured()["by chance possible"])) == 3
 
@@ -39,7 +39,7 @@ def test_ten_of_the_papers_means_are_ninetieths_and_chance_hardly_ever_does_that
 def test_the_best_row_has_at_most_25_hits():
     alt = reading.draw_possible(OWN["possible_hits"]).alt
     assert "For 13 there is none" in alt and "For the best setting there are 9 from 1 to 25" in alt
-    assert "at most 25 hits" in TEXT and "With four thirds for a hit 10 means can be" in alt
+    assert "at most 25 hits" in TEXT and "With four thirds for a hit 10 means are possible" in alt
 
 
 def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found():
@@ -96,11 +96,12 @@ def test_what_the_text_says_of_other_pictures_is_what_was_recorded():
         for size in ("160 x 120", "640 x 480")
     )
     assert (
-        f"costs {half[0]:.2f} at half the size with the same pixels and {half[1]:.2f} in proportion" in TEXT
+        f"costs {half[0]:.2f} at half the size with the same values and {half[1]:.2f} with proportional ones"
+        in TEXT
     )
-    assert f"at twice the size {twice[0]:.2f} and {twice[1]:.2f}" in TEXT
-    costs = f"{own[120, 5, 40]:.2f}, and at twice the size {twice[0]:.2f} or {twice[1]:.2f}"
-    assert f"its setting costs you {costs}" in TEXT
+    assert f"At twice the size it costs {twice[0]:.2f} and {twice[1]:.2f}" in TEXT
+    costs = f"{own[120, 5, 40]:.2f} for you, and {twice[0]:.2f} or {twice[1]:.2f} at twice the size"
+    assert f"its setting costs {costs}" in TEXT
 
 
 @pytest.mark.slow
@@ -108,15 +109,21 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
     found = OWN["grid_search"](simulated_scenes(), list(BETAS), list(GAPS), list(LENGTHS))
     best = min(found, key=lambda key: found[key].mean())
     low, high = OWN["bootstrap_interval"](found[best], 0.95, np.random.default_rng(0))
-    assert f"With 120, 7, 50 you are at {found[best].mean():.2f}, from about {low:.1f} to {high:.1f}" in TEXT
-    assert f"costs {found[120, 5, 40].mean():.2f}, the lowest mean" in TEXT
+    assert (
+        f"120, 7, 50 costs {found[best].mean():.2f}, with an interval from about {low:.1f} to {high:.1f}"
+        in TEXT
+    )
+    assert f"costs {found[120, 5, 40].mean():.2f}, the lowest mean cost" in TEXT
     halves = optimism(as_table(found))
-    assert f"promised {halves.promised.mean():.2f} and costs {halves.kept.mean():.2f}" in TEXT
+    assert (
+        f"of {halves.promised.mean():.2f} on the first half and {halves.kept.mean():.2f} on the second"
+        in TEXT
+    )
     assert 0.3 < shares_won(found)[best] < 0.37
     others = {name: reading.recorded_means(name) for name in reading.AGREEING}
     agree = reading.agreement(found, others)
     assert [f"{agree[name][0]:.2f}" for name in reading.AGREEING] == ["0.72", "-0.06", "0.71"]
-    assert f"hardly agree, {agree[reading.HALVES][0]:.2f} in the middle" in TEXT
+    assert f"hardly agree ({agree[reading.HALVES][0]:.2f} in the median)" in TEXT
     costs = np.array([found[key] for key in SETTINGS])
     assert set(np.argsort(costs.mean(axis=0))[-3:] + 1) == {25, 11, 15} and (costs[:, 24] == 4).all()
     assert "Pictures 25, 11 and 15" in TEXT

@@ -42,7 +42,7 @@ def test_a_students_table_is_sorted_by_its_means_and_copied():
     "wrong", [None, {}, [1.0], {(1, 2, 3): 1.0}, {(1, 2, 3): [1.0], (4, 5, 6): [1.0, 2.0]}]
 )
 def test_what_is_no_table_is_said(wrong):
-    with pytest.raises((TypeError, ValueError), match="grid_search|one cost a scene"):
+    with pytest.raises((TypeError, ValueError), match="grid_search|one cost per scene"):
         as_table(wrong)
 
 

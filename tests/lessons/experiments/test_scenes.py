@@ -8,12 +8,7 @@ import pytest
 from nao_course.exercises import try_out
 from nao_course.lessons.experiments import scenes
 from nao_course.lessons.experiments.paper_table import SETTINGS
-from nao_course.lessons.experiments.scenes import (
-    nothing_costs,
-    real_scenes,
-    search_scenes,
-    simulated_scene,
-)
+from nao_course.lessons.experiments.scenes import nothing_costs, real_scenes, search_scenes, simulated_scene
 from nao_course.sim.scenes import standard_scene
 
 PAIRS = [(np.zeros((4, 5, 3), np.uint8), np.zeros((k, 2))) for k in (2, 0, 3)]

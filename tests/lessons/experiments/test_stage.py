@@ -33,7 +33,7 @@ def test_it_looks_with_the_best_setting_and_says_on_how_many_scenes_it_is(monkey
     asked = []
     nao, live = pipeline(monkeypatch, asked)
     picture = nao.take_picture("bottom")
-    texts = [live.look(picture).overlays[stage.STAGE.name].text for _ in range(3 * stage.EVERY + 1)]
+    texts = [live.process(picture).overlays[stage.STAGE.name].text for _ in range(3 * stage.EVERY + 1)]
     assert texts[0] == "1 corner with 130, 7, 50, your best on 1 scene"
     assert texts[-2:] == [texts[0], "1 corner with 130, 7, 50, your best on 2 scenes"]
     assert asked[-2:] == [130, (7, 50)]
@@ -43,10 +43,10 @@ def test_no_picture_but_the_first_waits_for_more_than_one_threshold_on_one_scene
     asked = []
     nao, live = pipeline(monkeypatch, asked)
     picture = nao.take_picture("bottom")
-    live.look(picture)
+    live.process(picture)
     for _ in range(4 * stage.EVERY):
         asked.clear()
-        live.look(picture)
+        live.process(picture)
         assert sum(isinstance(each, list) for each in asked) <= 1
 
 
@@ -54,7 +54,7 @@ def test_after_thirty_scenes_it_has_tried_all(monkeypatch):
     monkeypatch.setattr(stage, "EVERY", 1)
     nao, live = pipeline(monkeypatch, [])
     picture = nao.take_picture("bottom")
-    texts = [live.look(picture).overlays[stage.STAGE.name].text for _ in range(90)]
+    texts = [live.process(picture).overlays[stage.STAGE.name].text for _ in range(90)]
     assert texts[-1].endswith("on 30 scenes") and texts[-1] == texts[-2]
 
 
@@ -64,12 +64,12 @@ def test_a_search_that_failed_once_is_tried_again(monkeypatch):
     right = live._student._functions["grid_search"]
     live._student._functions["grid_search"] = lambda *given: next(answers, right(*given))
     picture = nao.take_picture("bottom")
-    assert live.look(picture).complaints
-    live.wake()
-    assert live.look(picture).overlays[stage.STAGE.name].text.endswith("on 1 scene")
+    assert live.process(picture).complaints
+    live.retry()
+    assert live.process(picture).overlays[stage.STAGE.name].text.endswith("on 1 scene")
 
 
 def test_a_search_that_is_none_is_said(monkeypatch):
     nao, live = pipeline(monkeypatch, [], grid_search=lambda *given: None)
-    (said,) = live.look(nao.take_picture("bottom")).complaints
+    (said,) = live.process(nao.take_picture("bottom")).complaints
     assert said.startswith("Without corners, best setting: ")

@@ -56,7 +56,10 @@ def test_the_true_foot_is_shown_once_feet_are_found():
 def test_more_green_than_pixels_is_named():
     shown = panel()
     shown.set(min_green=20, look_down=10)
-    assert "Of 10 pixels never 20 are green." in shown.summary()
+    assert (
+        "No column can pass, because 20 green pixels are required and only 10 pixels are tested."
+        in shown.summary()
+    )
 
 
 def test_what_is_not_written_is_named_and_the_rest_is_shown():

@@ -20,7 +20,7 @@ OWN = {
 
 def looked(functions, pose=Pose(0.6, 0.5, -0.25)):
     nao = SimulatedNao(pose=pose, rng=41)
-    return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).look(
+    return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).process(
         nao.take_picture("bottom")
     )
 
@@ -42,7 +42,7 @@ def test_posts_are_found_in_labels_with_the_lessons_limits_and_twice_as_many_as_
     for _ in range(16):
         x, y = rng.uniform((0.0, -1.5), (2.2, 1.5))
         nao = SimulatedNao(pose=Pose(x, y, float(np.arctan2(0.7 - y, 3.0 - x))), rng=41)
-        seen = robot.look(nao.take_picture("bottom"))
+        seen = robot.process(nao.take_picture("bottom"))
         feet = Feet.of(Truth(nao).picture, nao.field)
         found.append(match_feet(seen.overlays["goal posts"].pixels, feet))
         narrow.append(match_feet(OWN["find_goalposts"](seen.overlays["labels"].result), feet))

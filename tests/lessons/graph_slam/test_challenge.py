@@ -1,4 +1,4 @@
-"""The challenge of lesson 08: a gain is what the inverse says, and wrong answers get a sentence."""
+"""The challenge of lesson 08: gains agree with the inverse, and wrong answers get a message."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_the_best_choice_scores_one_and_none_scores_nothing():
         (True, "whole"),
     ],
 )
-def test_what_is_no_choice_is_told(answer, said):
+def test_an_answer_that_is_not_a_choice_gets_a_message(answer, said):
     with pytest.raises((TypeError, ValueError), match=said):
         judge(answer, GRAPH)
 
@@ -54,7 +54,7 @@ def test_graphs_differ_are_held_and_can_be_made_again():
     assert (make_graph(3).omega == GRAPH.omega).all() and make_graph(3).candidates == GRAPH.candidates
 
 
-def test_rules_that_look_at_one_thing_only_fail_and_the_figure_says_how_often():
+def test_rules_by_one_quantity_fail_and_the_figure_counts_the_best_choices():
     scores = {name: run(CHALLENGE, entry).score for name, entry in CHOICE_ENTRIES.items()}
     *naive, best = scores.values()
     assert max(naive) < 0.5 and best == pytest.approx(1.0)

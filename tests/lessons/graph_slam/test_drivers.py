@@ -5,12 +5,18 @@ import sys
 
 import numpy as np
 import pytest
+import scipy.sparse
+import scipy.sparse.linalg
 
 from nao_course.exercises import Case, call, judging
 from nao_course.lessons.graph_slam.drivers import (
+    MOST_FILL,
+    SMALL,
     SolvedOrNamed,
+    fills_up,
     numbers_in,
     solution_or_unheld,
+    watched_orders,
 )
 
 
@@ -72,16 +78,16 @@ LOOSE = {"named": [2, 5], "said": ""}
         (
             {"named": [2, 5], "said": ""},
             {"named": [2], "said": "only 2"},
-            "names 1 variable, and nothing holds 2 of them: 'only 2'",
+            "names 1 variable, but nothing holds 2 of them: 'only 2'",
         ),
         (
             {"named": [2, 5], "said": ""},
             {"named": [1, 2], "said": "1, 2"},
-            "names 2 variables, and nothing holds other ones",
+            "names 2 variables, but nothing holds other ones",
         ),
-        (LOOSE, np.ones(6), "has to raise a ValueError"),
+        (LOOSE, np.ones(6), "should raise a ValueError"),
         (np.ones(2), {"named": [], "said": "Singular matrix"}, "raises ValueError: 'Singular matrix'"),
-        (np.ones(2), np.array([1.0, 1.1]), "off"),
+        (np.ones(2), np.array([1.0, 1.1]), "are wrong"),
         (np.ones(2), np.ones(2) + 1e-9, ""),
     ],
 )
@@ -89,6 +95,62 @@ def test_a_verdict_says_whether_an_error_or_an_answer_was_due_and_never_which(ex
     verdict = SolvedOrNamed().compare(expected, got)
     assert bool(verdict) is (said == "") and said in verdict.text
     assert "5" not in verdict.text, "a variable that nobody named stays unsaid"
+
+
+def star(size, centre):
+    """Return a system in which every variable is linked to one."""
+    links = np.full(size, 1.0)
+    matrix = scipy.sparse.lil_array((size, size))
+    matrix[centre], matrix[:, [centre]] = -links, -links[:, None]
+    matrix.setdiag(2.0 * size)
+    return matrix.tocsc()
+
+
+def test_the_entries_of_a_factor_are_counted_up_to_a_limit(rng):
+    assert fills_up(star(SMALL, 0)) and not fills_up(star(SMALL, SMALL - 1))
+    dense = 2 * MOST_FILL + 4
+    assert not fills_up(scipy.sparse.eye_array(dense)) and not fills_up(star(dense, 0)), (
+        "half of it is below the limit"
+    )
+
+
+@pytest.mark.parametrize("solver", ["splu", "spsolve"])
+def test_a_poor_order_is_stopped_at_once_and_a_good_one_is_not(solver):
+    def solve(omega, xi):
+        if solver == "splu":
+            return scipy.sparse.linalg.splu(omega, permc_spec="NATURAL").solve(xi)
+        return scipy.sparse.linalg.spsolve(omega, xi, permc_spec="NATURAL")
+
+    size = SMALL + 10
+    assert solution_or_unheld(solve, star(size, 0), np.ones(size)) == ("poor order", None)
+    kind, x = solution_or_unheld(solve, star(size, size - 1), np.ones(size))
+    assert kind == "returned" and star(size, size - 1) @ x == pytest.approx(np.ones(size))
+    assert solution_or_unheld(solve, star(100, 0), np.ones(100))[0] == "returned", (
+        "a small system may fill up"
+    )
+
+
+def test_a_stopped_order_is_wrong_also_if_the_student_catches_its_error():
+    def catches(omega, xi):
+        try:
+            return scipy.sparse.linalg.splu(omega, permc_spec="NATURAL").solve(xi)
+        except Exception as error:
+            raise ValueError("nothing holds 1") from error
+
+    sent = solution_or_unheld(catches, star(SMALL + 10, 0), np.ones(SMALL + 10))
+    comparison = SolvedOrNamed()
+    got = comparison.gather(Case(()), [sent])
+    for expected in (np.ones(2), LOOSE):
+        verdict = comparison.compare(expected, got)
+        assert not verdict and f"more than {MOST_FILL} times as many entries" in verdict.text
+    assert comparison.alike(got, dict(got)) and not comparison.alike(np.ones(2), got)
+
+
+def test_the_solvers_of_scipy_are_as_before_afterwards():
+    before = scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve
+    with pytest.raises(KeyError), watched_orders():
+        raise KeyError
+    assert (scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve) == before
 
 
 def test_a_check_of_this_lesson_loads_no_panel_and_no_figure():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.graph_slam.drives import MOTION_SIGMA, corridor, field_drive, odometry, odometry_first
-from nao_course.lessons.graph_slam.turning import believed_headings, with_headings
+from nao_course.lessons.graph_slam.map_errors import assumed_headings, with_headings
 
 
 def test_without_noise_every_constraint_is_true():
@@ -43,7 +43,7 @@ def test_commands_first_then_each_landmark_once_then_the_rest():
 
 def test_a_turn_is_in_what_is_measured_and_the_true_heading_takes_it_out_again(rng):
     drive = field_drive(noise=0.0, turn=0.8)
-    headings = believed_headings("true heading", 0.8, len(drive.path), rng)
+    headings = assumed_headings("true heading", 0.8, len(drive.path), rng)
     told = with_headings(drive, headings)
     straight = field_drive(noise=0.0)
     assert any(

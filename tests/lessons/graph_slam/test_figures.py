@@ -9,6 +9,16 @@ import scipy.sparse.linalg
 from nao_course.lessons.graph_slam.costs import draw_costs
 from nao_course.lessons.graph_slam.drives import corridor, field_drive
 from nao_course.lessons.graph_slam.figures import draw_snapshots, draw_valley, draw_weights
+from nao_course.lessons.graph_slam.map_errors import (
+    ANGLES,
+    HEADINGS,
+    POWERS,
+    doubling_turn,
+    draw_powers,
+    draw_turning,
+    expected_error,
+    unlike_drive,
+)
 from nao_course.lessons.graph_slam.matrices import (
     correlations,
     draw_correlations,
@@ -18,9 +28,8 @@ from nao_course.lessons.graph_slam.matrices import (
     fill_in,
     share,
 )
+from nao_course.lessons.graph_slam.residuals import draw_drive
 from nao_course.lessons.graph_slam.systems import assemble
-from nao_course.lessons.graph_slam.turning import ANGLES, HEADINGS, draw_turning, turn_that_doubles
-from nao_course.lessons.graph_slam.weighting import POWERS, draw_powers, expected_error, unlike_drive
 from tests.lessons.graph_slam.test_systems import BUILDERS, link, start
 
 WALK = corridor(18, np.random.default_rng(4))
@@ -32,10 +41,10 @@ def test_fill_in_is_where_the_factor_is_not_zero(rng):
         factor = np.linalg.cholesky(OMEGA[np.ix_(order, order)])
         pattern = fill_in(OMEGA != 0, order)
         assert not (np.abs(factor) > 1e-12)[~pattern].any()
-        assert np.count_nonzero(factor) > 0.99 * pattern.sum(), "but for what is too small for a number"
+        assert np.count_nonzero(factor) > 0.99 * pattern.sum(), "except for entries that underflow"
 
 
-def test_a_star_fills_when_its_middle_goes_first_and_not_when_it_goes_last():
+def test_a_star_fills_in_if_its_centre_is_eliminated_first_and_not_if_it_is_last():
     star = np.eye(6, dtype=bool)
     star[0] = star[:, 0] = True
     assert fill_in(star, range(6)).sum() == 21
@@ -58,9 +67,20 @@ def test_the_snapshots_say_how_the_error_falls():
         "15 constraints, no landmark",
         "map off by 53 cm",
         "off by 16 cm",
-        "everything: 60 constraints, map off by 4",
+        "all constraints: 60 constraints, map off by 4",
     ):
         assert words in said
+
+
+def test_the_map_of_the_students_code_gets_better_with_each_exercise():
+    functions = (start, link, link, np.linalg.solve)
+    said = [draw_drive(*functions[:count]).alt for count in (1, 2, 3, 4)]
+    assert "1 of 15 stops" in said[0] and "15 of 15 stops: path off by 72 cm, no landmark" in said[1]
+    assert all(
+        "path off by 8 cm, map by 4 cm; 60 residuals, the largest 2.1 sigma" in each for each in said[2:]
+    )
+    with pytest.raises(ValueError, match="has no inverse here: check exercises 8.1 to 8.3"):
+        draw_drive(lambda omega, xi, *rest: (omega, xi), link)
 
 
 def test_weights_and_marginal_blocks_are_said_in_numbers():
@@ -69,7 +89,7 @@ def test_weights_and_marginal_blocks_are_said_in_numbers():
     )
     left = np.ones((2, 2))
     assert draw_marginalised(np.eye(4), 2, left).alt.endswith("100 % once poses are removed.")
-    with pytest.raises(ValueError, match=r"shape \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"expected \(2, 2\)"):
         draw_marginalised(np.eye(4), 2, np.eye(3))
 
 
@@ -81,10 +101,10 @@ def test_correlations_are_those_of_the_inverse_with_a_held_start():
     assert f"{100 * share(assemble(drive.constraints, drive.size, BUILDERS, 0)[0]):.0f} % of Omega" in said
 
 
-def test_the_turn_that_doubles_an_error_is_between_its_angles():
+def test_the_doubling_turn_an_error_is_between_its_angles():
     errors = 0.1 + 0.02 * np.degrees(ANGLES)
-    assert turn_that_doubles(errors) == pytest.approx(5.0)
-    assert np.isnan(turn_that_doubles(np.full(len(ANGLES), 0.1)))
+    assert doubling_turn(errors) == pytest.approx(5.0)
+    assert np.isnan(doubling_turn(np.full(len(ANGLES), 0.1)))
     said = draw_turning(dict.fromkeys(HEADINGS, errors)).alt
     assert said.count("0.50 m at 20 degrees") == len(HEADINGS)
 
@@ -115,7 +135,7 @@ def test_one_over_the_variance_is_the_best_weight_in_every_drive():
     for seed in range(12):
         errors = [expected_error(unlike_drive(seed), BUILDERS, power) for power in POWERS]
         assert POWERS[int(np.argmin(errors))] == 2.0
-    assert "Least at 2." in draw_powers((np.array(POWERS) - 2) ** 2 + 0.1).alt
+    assert "The smallest is at p = 2." in draw_powers((np.array(POWERS) - 2) ** 2 + 0.1).alt
 
 
 def test_the_costs_are_the_recorded_ones_and_the_students_own(monkeypatch):

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from nao_course.lessons.graph_slam.drives import field_drive
 from nao_course.lessons.graph_slam.matrices import NEGATIVE, POSITIVE
-from nao_course.lessons.graph_slam.panel import CELL, GraphPanel, paint_matrix
+from nao_course.lessons.graph_slam.panel import NEAR, GraphPanel, clicked
+from nao_course.plotting.matrix_signs import CELL, paint_matrix
 from tests.lessons.graph_slam.test_systems import link, start
 
 
@@ -48,7 +50,29 @@ def test_each_constraint_fills_the_matrix_and_moves_the_map():
     assert "Map off by 4 cm." in shown.summary() and set(shown.shown.pictures) == {"Your Omega", "Your map"}
 
 
-def test_sights_that_are_hardly_trusted_leave_the_path_to_odometry():
+def test_the_edge_nearest_to_a_click_is_selected():
+    ends = np.array([[[0.0, 0.0], [100.0, 0.0]], [[0.0, 50.0], [100.0, 50.0]], [[30.0, 20.0], [30.0, 20.0]]])
+    assert clicked(ends, (60, 4)) == 0 and clicked(ends, (60, 46)) == 1 and clicked(ends, (32, 21)) == 2
+    assert clicked(ends, (100 + int(NEAR) + 1, 0)) is None and clicked(ends[:0], (0, 0)) is None
+    assert clicked(ends * np.nan, (0, 0)) is None, "an edge without estimates cannot be clicked"
+
+
+def test_a_clicked_edge_shows_the_block_that_it_adds_to_omega():
+    shown = panel()
+    shown.set(count=60)
+    newest = shown.shown.pictures["Your Omega"].copy()
+    assert "You selected" not in shown.summary() and "L5" in str(next(iter(shown.shown.tables.values())))
+    middle = GraphPanel(start, link, link, np.linalg.solve)._map.pixels(field_drive().path[3:5]).mean(axis=0)
+    shown.set(edge=tuple(int(each) for each in middle))
+    assert "You selected a motion: x4 - x3 = (0.42, 0.43) m." in shown.summary()
+    (table,) = shown.shown.tables.values()
+    assert table.rows == (("x3", "44.4", "-44.4", "-18.6"), ("x4", "-44.4", "44.4", "18.6"))
+    painted = shown.shown.pictures["Your Omega"]
+    changed = np.argwhere((painted != newest).any(axis=2)) // CELL
+    assert {(3, 3), (3, 4), (4, 3), (4, 4)} <= {tuple(cell) for cell in changed.tolist()}
+
+
+def test_measurements_with_a_large_variance_leave_the_path_to_odometry():
     shown = panel()
     shown.set(count=60, variance="x 10000")
     far = shown.summary()
@@ -56,7 +80,7 @@ def test_sights_that_are_hardly_trusted_leave_the_path_to_odometry():
     assert "Map off by 4 cm." not in far and "Map off by 4 cm." in shown.summary()
 
 
-def test_what_solve_says_of_a_map_without_a_start_is_said():
+def test_the_error_of_solve_without_a_start_is_shown():
     def refuse(omega, xi):
         raise ValueError("nothing holds 0, 1")
 
@@ -77,19 +101,18 @@ def test_what_solve_says_of_a_map_without_a_start_is_said():
         ("words", "str"),
     ],
 )
-def test_an_answer_that_is_no_solution_is_called_so_and_not_laid_into_the_mouth_of_solve(answer, came):
+def test_an_answer_that_is_not_a_solution_is_reported_and_not_quoted_as_an_error_of_solve(answer, came):
     shown = panel(solve=lambda omega, xi: answer(xi) if callable(answer) else answer)
     assert f"There is no map. Your solve must return 11 numbers, and returned {came}" in shown.summary()
     assert "solve says" not in shown.summary() and "No landmark" not in shown.summary()
 
 
-def test_an_omega_that_is_not_a_number_is_named():
+def test_an_omega_with_nan_is_reported():
     def spoilt(omega, xi, *given):
         return omega * np.nan, xi
 
     assert (
-        "entries that are no numbers: check exercises 8.1 to 8.3"
-        in panel(add_relative_motion=spoilt).summary()
+        "contains NaN or infinity: check exercises 8.1 to 8.3" in panel(add_relative_motion=spoilt).summary()
     )
 
 

@@ -15,11 +15,11 @@ from nao_course.lessons.graph_slam.systems import Builders, assemble, map_error,
 from tests.paths import SOLUTIONS
 
 OWN = load_definitions(SOLUTIONS / "08_graph_slam.ipynb")
-START, MOTION, SIGHT = (
+START, MOTION, MEASUREMENT = (
     OWN[name] for name in ("add_initial_position", "add_relative_motion", "add_relative_measurement")
 )
 SOLVE, MARGINALIZE, SOLVE_SPARSE = (OWN[name] for name in ("solve", "marginalize", "solve_sparse"))
-BUILDERS = Builders(START, MOTION, SIGHT)
+BUILDERS = Builders(START, MOTION, MEASUREMENT)
 
 
 def nothing(size):
@@ -27,7 +27,7 @@ def nothing(size):
 
 
 def squares(links, x, start):
-    """Equation 8.1, written out."""
+    """Return the sum of equation 8.1."""
     return (x[0] - start) ** 2 + sum((x[j] - x[i] - z) ** 2 / epsilon for i, j, z, epsilon in links)
 
 
@@ -65,8 +65,8 @@ def test_the_additions_are_half_the_derivatives_of_the_sum_of_squares(rng):
     omega, xi = filled(links, 5, start)
     for x in rng.normal(0, 3, (10, 5)):
         steps = 1e-5 * np.eye(5)
-        slopes = [(squares(links, x + h, start) - squares(links, x - h, start)) / 2e-5 for h in steps]
-        assert omega @ x - xi == pytest.approx(np.array(slopes) / 2, abs=1e-6)
+        derivatives = [(squares(links, x + h, start) - squares(links, x - h, start)) / 2e-5 for h in steps]
+        assert omega @ x - xi == pytest.approx(np.array(derivatives) / 2, abs=1e-6)
 
 
 @pytest.mark.asserts("eq-8-3")
@@ -81,7 +81,7 @@ def test_where_every_row_holds_the_sum_of_squares_is_least(rng):
 def test_a_pose_between_odometry_and_landmark_is_their_weighted_mean(rng):
     for epsilon in rng.uniform(0.01, 20, 20):
         system = MOTION(*START(*nothing(3), 0, 0.0), 0, 1, 5.0, epsilon)
-        system = SIGHT(*SIGHT(*system, 0, 2, 9.0), 1, 2, 3.0)
+        system = MEASUREMENT(*MEASUREMENT(*system, 0, 2, 9.0), 1, 2, 3.0)
         assert SOLVE(*system)[1] == pytest.approx((5 / epsilon + 6 / 2) / (1 / epsilon + 1 / 2))
 
 
@@ -102,7 +102,7 @@ def test_removing_in_two_steps_is_removing_at_once(rng):
 
 
 def test_the_worked_examples_of_the_text_are_right():
-    system = SIGHT(*SIGHT(*MOTION(*START(*nothing(3), 0, 0.0), 0, 1, 5.0), 0, 2, 9.0), 1, 2, 3.0)
+    system = MEASUREMENT(*MEASUREMENT(*MOTION(*START(*nothing(3), 0, 0.0), 0, 1, 5.0), 0, 2, 9.0), 1, 2, 3.0)
     assert SOLVE(*system) == pytest.approx([0, 16 / 3, 26 / 3])
     assert MARGINALIZE(*system, [0, 2])[0] == pytest.approx(np.array([[2.5, -1.5], [-1.5, 1.5]]))
 
@@ -159,9 +159,9 @@ def test_the_drives_of_a_public_project_have_their_exact_solution(data_dir, name
     answers = []
     for axis in (0, 1):
         system = START(*nothing(size), 0, case["world_size"] / 2)
-        for step, (sights, motion) in enumerate(case["data"]):
-            for landmark, *offset in sights:
-                system = SIGHT(*system, step, poses + landmark, offset[axis], case["measurement_noise"])
+        for step, (seen, motion) in enumerate(case["data"]):
+            for landmark, *offset in seen:
+                system = MEASUREMENT(*system, step, poses + landmark, offset[axis], case["measurement_noise"])
             system = MOTION(*system, step, step + 1, motion[axis], case["motion_noise"])
         dense = SOLVE(*system)
         assert SOLVE_SPARSE(scipy.sparse.csc_array(system[0]), system[1]) == pytest.approx(dense, abs=1e-9)
@@ -171,7 +171,7 @@ def test_the_drives_of_a_public_project_have_their_exact_solution(data_dir, name
     assert 0.3 < np.abs(printed - np.array(case["exact_solution"])).max() < 1.4, "as the lesson says"
 
 
-def test_sights_that_come_again_make_the_map_several_times_better():
+def test_repeated_measurements_make_the_map_several_times_better():
     errors = []
     for seed in range(12):
         drive = field_drive(seed)

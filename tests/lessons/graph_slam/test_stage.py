@@ -22,11 +22,11 @@ def drive(functions=OWN, steps=6, **robot):
     nao = SimulatedNao(pose=Pose(0.4, 0.3, -0.2), rng=41, **robot)
     pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
     picture = nao.take_picture("bottom")
-    seen = pipeline.look(picture)
+    seen = pipeline.process(picture)
     for _ in range(steps):
         nao.walk(0.25)
         nao.turn(0.1)
-        seen = pipeline.look(picture)
+        seen = pipeline.process(picture)
     return nao, seen
 
 
@@ -41,14 +41,14 @@ def test_without_errors_the_map_has_each_landmark_in_its_place_once():
     assert found.text.startswith(f"{len(placed)} landmarks from 7 poses, ")
 
 
-def test_a_look_from_the_same_place_adds_nothing():
+def test_a_frame_from_the_same_place_adds_nothing():
     nao, _ = drive(steps=0)
     again = Pipeline([STAGE], OWN, nao, time_limit=60.0)
-    texts = {again.look(nao.take_picture("bottom")).overlays[STAGE.name].text for _ in range(3)}
+    texts = {again.process(nao.take_picture("bottom")).overlays[STAGE.name].text for _ in range(3)}
     assert len(texts) == 1 and "from 1 pose, " in texts.pop()
 
 
-def test_to_look_does_not_change_how_the_robot_slips():
+def test_measuring_does_not_change_how_the_robot_slips():
     blind = SimulatedNao(pose=Pose(0.4, 0.3, -0.2), rng=41)
     blind.take_picture("bottom")
     for _ in range(6):
@@ -61,15 +61,15 @@ def test_a_metre_ahead_makes_a_map_and_two_turns_on_the_spot_a_second_one_as_the
     nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41)
     true = np.array([(each.x, each.y) for each in nao.field.landmarks if each.kind != "cross"])
     pipeline, picture = Pipeline([STAGE], OWN, nao, time_limit=60.0), nao.take_picture("bottom")
-    pipeline.look(picture)
+    pipeline.process(picture)
     for _ in range(5):
         nao.walk(0.2)
-        found = pipeline.look(picture).estimate.landmarks
+        found = pipeline.process(picture).estimate.landmarks
     away = np.linalg.norm(found[:, None] - true, axis=2).min(axis=1)
     assert len(found) in (5, 6) and away.max() < 0.2
     for _ in range(16):
         nao.turn(np.radians(-45))
-        seen = pipeline.look(picture)
+        seen = pipeline.process(picture)
     assert len(seen.estimate.landmarks) >= 15, "the half field has ten landmarks"
 
 

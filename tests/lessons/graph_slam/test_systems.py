@@ -55,7 +55,7 @@ def test_the_error_of_a_map_is_that_of_its_landmarks():
         (lambda omega, xi, *given: (xi, omega), "must keep their shapes"),
     ],
 )
-def test_a_function_that_returns_something_else_is_told(wrong, said):
+def test_a_function_that_returns_something_else_gets_a_message(wrong, said):
     with pytest.raises(ValueError, match=said):
         assemble(DRIVE.constraints, DRIVE.size, Builders(wrong, link, link), 0)
 

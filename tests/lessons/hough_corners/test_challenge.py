@@ -60,14 +60,18 @@ def test_the_text_says_what_the_board_says():
     paper, nothing, own, better = (
         rows[name] for name in ("the paper's, endless lines", "nothing", "the reference", "a better detector")
     )
-    assert f"It costs {own.score:.2f}, and nothing {nothing.score:.2f}" in text
     assert (
-        f"costs {paper.score:.2f}. An entry of ours" in text and f"costs {better.score:.2f}; it beats" in text
+        f"Reporting nothing costs {nothing.score:.2f}." in text
+        and f"board, costs {own.score:.2f}, and the" in text
     )
+    assert f"saturation) costs {paper.score:.2f}.\n" in text and f"costs {better.score:.2f}; it beats" in text
     hits, false = (round(PICTURES * better.columns[name]) for name in ("found", "false"))
     corners = round(PICTURES * nothing.columns["missed"])
     assert f"finds {hits} of these {corners} corners with {false} false ones" in text
     mean, low, high = margin(own.cases, better.cases)
-    assert f"beats your row by {mean:.2f} (95 % interval {low:.2f} to {high:.2f})" in text
+    assert f"beats the reference by {mean:.2f} (95 % interval {low:.2f} to {high:.2f})" in text
     low, high = mean_interval(np.subtract(own.cases, nothing.cases))
-    assert f"interval of the difference, {low:.2f} to {high:.2f}, contains 0" in text and low < 0 < high
+    assert (
+        f"interval of its difference from nothing, {low:.2f} to {high:.2f}, contains 0" in text
+        and low < 0 < high
+    )

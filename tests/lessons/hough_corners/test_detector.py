@@ -48,3 +48,22 @@ def test_kept_points_are_apart_and_every_point_is_near_one(rng):
 def test_what_is_no_picture_of_labels_is_refused(wrong):
     with pytest.raises(ValueError, match="shape|array|broadcast|dim|axes"):
         OWN["find_corners"](wrong)
+
+
+def test_the_centre_line_of_two_edges_turns_and_moves_with_them(rng):
+    level = np.array([[10.0, 20.0, 50.0, 20.0], [20.0, 26.0, 60.0, 26.0]])
+    for angle, *shift in rng.uniform((-np.pi, 0, 0), (np.pi, 90, 90), (20, 3)):
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        moved = (level.reshape(-1, 2) @ turn + shift).reshape(-1, 4)
+        (found,) = OWN["merge_edges"](moved)
+        assert np.allclose(found, (np.array([[10.0, 23.0], [60.0, 23.0]]) @ turn + shift).ravel())
+
+
+def test_the_order_of_pairs_decides_which_of_several_near_crossings_is_kept():
+    labels = np.ones((48, 64), dtype=np.uint8)
+    labels[20:26, 5:45] = labels[20:46, 40:46] = 3
+    found = OWN["find_corners"](labels, 5, 15)
+    segments = OWN["hough_segments"](OWN["line_picture"](labels), 5, 15)
+    pairs = [(first, second) for i, first in enumerate(segments) for second in segments[i + 1 :]]
+    first = next(each for pair in pairs if (each := OWN["segment_intersection"](*pair)) is not None)
+    assert np.allclose(found[0], first)

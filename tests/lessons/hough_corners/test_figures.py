@@ -24,8 +24,11 @@ def test_pictures_without_as_many_segments_are_refused():
 
 
 def test_the_places_are_searched_by_what_is_given():
-    alt = draw_places(lambda pixels: TWO, lambda pixels: [(5, 6)]).alt
-    assert alt.count("2 segments and 1 corner at (5, 6)") == 3
+    alt = draw_places(
+        {"a": (lambda pixels: TWO, lambda pixels: [(5, 6)]), "b": (lambda pixels: [], lambda pixels: [])}
+    ).alt
+    assert alt.count("a: 3 true corners, 2 segments and 1 corner at (5, 6)") == 3
+    assert alt.count("b: 3 true corners, 0 segments and 0 corners") == 3
 
 
 def test_a_close_up_counts_what_is_in_its_part():
@@ -33,4 +36,17 @@ def test_a_close_up_counts_what_is_in_its_part():
     lines[20:26, 10:60] = 255
     segments = [(10, 20, 59, 20), (10, 25, 59, 25), (0, 45, 8, 45)]
     drawn = draw_close_up(lines, segments, (30, 23), (20, 12))
-    assert "120 of them white, 40 edges, 2 segments along them" in drawn.alt
+    assert "120 white pixels, 40 edge pixels, 2 segments along the edges" in drawn.alt
+
+
+def test_true_corners_are_crosses_with_a_key_of_their_own():
+    with_true = draw_segments({"a": BLACK}, [TWO], [[(2, 3)]], true=[(2, 3), (9, 9)])
+    assert "2 true corners in each" in with_true.alt
+    (legend,) = with_true.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "line segments (three colours in turn)",
+        "corner found",
+        "true corner",
+    ]
+    (plain,) = draw_segments({"a": BLACK}, [TWO]).figure.legends
+    assert len(plain.get_texts()) == 1

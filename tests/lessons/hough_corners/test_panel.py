@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from nao_course.lessons.hough_corners.panel import CornerPanel, mark_found
 from nao_course.lessons.hough_corners.scenes import CornerPicture
@@ -54,14 +55,13 @@ def test_a_ring_is_drawn_at_each_corner_found():
 
 def test_it_says_what_was_found_and_what_it_costs():
     shown = panel()
-    assert "2 segments, 1 corner: 1 of 1 true ones found, 0 false, cost -1.33." in shown.summary()
+    assert "2 segments, 1 corner: 1 of 1 true corners found, 0 false, cost -1.33." in shown.summary()
     shown.set(picture="b")
-    assert "0 of 1 true ones found, 1 false, cost 6.00." in shown.summary()
+    assert "0 of 1 true corners found, 1 false, cost 6.00." in shown.summary()
 
 
 @pytest.mark.parametrize(
-    ("name", "number"),
-    [("erase_background", 2), ("find_segments", 3), ("find_corners", 6)],
+    ("name", "number"), [("erase_background", 2), ("find_segments", 3), ("find_corners", 6)]
 )
 def test_what_is_not_written_is_named_and_the_rest_is_shown(name, number):
     def blank(*given):
@@ -72,7 +72,7 @@ def test_what_is_not_written_is_named_and_the_rest_is_shown(name, number):
         re.search(rf"Finish exercises? .*3\.{number}", shown.summary())
         and "What you find" in shown.shown.pictures
     )
-    assert ("What is left" in shown.shown.pictures) == (number > 2)
+    assert ("Labels after erasing" in shown.shown.pictures) == (number > 2)
 
 
 def test_segments_are_drawn_and_corners_have_rings_on_a_copy():
@@ -86,3 +86,10 @@ def test_segments_are_drawn_and_corners_have_rings_on_a_copy():
 def test_there_is_something_to_choose():
     with pytest.raises(ValueError, match="at least one picture"):
         CornerPanel({}, *[None] * 4)
+
+
+def test_the_titles_of_the_static_picture_are_not_cut_off():
+    figure = panel().drawing().figure
+    FigureCanvasAgg(figure).draw()
+    tops = [ax.title.get_window_extent().y1 for ax in figure.axes]
+    assert len(tops) == 2 and max(tops) <= figure.bbox.height

@@ -8,9 +8,17 @@ import pytest
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.exercises import load_definitions
 from nao_course.lessons.hough_corners import results
-from nao_course.lessons.hough_corners.measuring import STEPS, count_corners
-from nao_course.lessons.hough_corners.scenes import match_pictures, real_pictures, tuning_pictures
-from nao_course.metrics import PointMatch, corner_cost, total
+from nao_course.lessons.hough_corners.challenge import CHALLENGE
+from nao_course.lessons.hough_corners.measuring import STEPS, count_corners, with_others
+from nao_course.lessons.hough_corners.scenes import (
+    match_pictures,
+    ready_made_segments,
+    real_pictures,
+    running_picture,
+    three_places,
+    tuning_pictures,
+)
+from nao_course.metrics import PointMatch, corner_cost, mean_interval, total
 from tests.paths import PROJECT
 
 COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
@@ -35,14 +43,14 @@ def test_costs_are_said_with_their_counts_and_held_against_the_first():
     assert "nothing: 0 found, 0 false, 8 missed, mean cost 2.00 (95 % from 2.00 to 2.00)" in alt
     assert (
         "other: 4 found, 2 false, 4 missed, mean cost 2.17" in alt
-        and "nothing taken off 0.17 (95 % from" in alt
+        and "difference from nothing 0.17 (95 % from" in alt
     )
 
 
 def test_a_funnel_says_every_count():
     counts = dict(zip(STEPS, (10, 9, 7, 7, 2), strict=True))
     alt = results.draw_counts({"here": counts, "there": dict.fromkeys(STEPS, 0)}).alt
-    assert "here: in the picture 10, white within 3 px 9" in alt and "two that are not parallel 2" in alt
+    assert "here: in the picture 10, white within 3 px 9" in alt and "two segments, not parallel 2" in alt
 
 
 def test_without_the_recordings_the_solutions_counts_stand_in_their_place(monkeypatch):
@@ -62,7 +70,7 @@ def test_the_goal_line_ends_where_the_equation_sees_it():
     distances = np.arange(3.0, 3.61, 0.1)
     left = results.goal_line_left(distances, label, OWN["erase_background"], runs=(7,))
     assert results.last_seen(distances, left[7]) == pytest.approx(3.3, abs=0.1)
-    assert "run of 7: 3.3 m by equation 3.2" in results.draw_goal_line(distances, left).alt
+    assert "m measured, 3.3 m by equation 3.2" in results.draw_goal_line(distances, left).alt
 
 
 def test_the_table_of_other_pictures_is_what_the_benchmark_recorded():
@@ -87,7 +95,7 @@ def test_the_costs_of_the_text_are_those_of_the_solution():
     match = total(match_pictures(lambda picture: OWN["find_corners"](label(picture)), tuning_pictures()))
     assert f"finds {match.hits} of {len(match.found)} corners with {match.false} false ones" in TEXT
     cost = results.mean_cost(lambda picture: OWN["find_corners"](label(picture)))
-    assert cost == pytest.approx(corner_cost(match) / 30) and f"costs {cost:.2f}. On the right" in TEXT
+    assert cost == pytest.approx(corner_cost(match) / 30) and f"costs {cost:.2f}. The bars" in TEXT
     steps = (label, OWN["erase_background"], find_segments)
     counts = list(count_corners(tuning_pictures(), *steps).values())
     assert counts == [61, 61, 49, 37, 12]  # these stand in the question "where_corners_go", too
@@ -99,3 +107,82 @@ def test_what_is_said_of_real_pictures_is_what_the_solution_leaves_there(data_di
     monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
     steps = (label, OWN["erase_background"], find_segments)
     assert count_corners(real_pictures(), *steps) == results.REAL
+
+
+def with_centre_lines(labels):
+    def segments(*values):
+        return OWN["merge_edges"](OWN["hough_segments"](*values))
+
+    return with_others(OWN["find_corners"], hough_segments=segments)(labels, 10)
+
+
+def with_a_larger_gap(labels):
+    return OWN["find_corners"](labels, 10)
+
+
+def against_nothing(pictures, find):
+    """Return what is found in all pictures, the mean cost, and the difference from nothing with its interval."""
+    matches = match_pictures(lambda picture: find(label(picture)), pictures)
+    costs = np.array([corner_cost(match) for match in matches])
+    difference = costs - [len(match.found) for match in matches]
+    return total(matches), costs.mean(), difference.mean(), mean_interval(difference)
+
+
+@pytest.mark.slow
+def test_with_centre_lines_the_detector_is_better_than_nothing_and_the_text_says_by_how_much():
+    match, cost, less, (low, high) = against_nothing(tuning_pictures(), with_centre_lines)
+    assert f"finds {match.hits} of {len(match.found)} corners and no false one" in TEXT and match.false == 0
+    assert f"costs {cost:.2f}, which is {-less:.2f} less than nothing ({low:.2f} to {high:.2f})" in TEXT
+    assert high < 0
+    *_, (low, high) = against_nothing(tuning_pictures(), with_a_larger_gap)
+    assert (
+        f"the interval of the difference, {low:.2f} to {high:.2f}, still contains 0" in TEXT
+        and low < 0 < high
+    )
+
+
+@pytest.mark.slow
+def test_the_cost_depends_little_on_the_width_as_the_text_says():
+    costs = []
+    for width in (12.0, 16.0, 20.0, 24.0):
+
+        def centres(labels, gap=10, length=40, width=width):
+            return OWN["merge_edges"](OWN["hough_segments"](labels, gap, length), width)
+
+        find = with_others(OWN["find_corners"], hough_segments=centres)
+        costs.append(against_nothing(tuning_pictures(), lambda labels, find=find: find(labels, 10))[1])
+    assert f"from 12 to 24 pixels, the cost stays between {min(costs):.2f} and {max(costs):.2f}" in TEXT
+
+
+def test_far_lines_are_merged_with_each_other_as_the_text_says():
+    far = list(three_places().values())[2]
+    white = OWN["line_picture"](OWN["erase_background"](label(far.pixels)))
+    segments = OWN["hough_segments"](white, 10)
+    wide, narrow = (len(OWN["merge_edges"](segments, width)) for width in (20.0, 4.0))
+    assert f"turns {len(segments)} segments into {wide} centre lines" in TEXT
+    assert f"`max_width` of 4 pixels it returns only {narrow}" in TEXT
+
+
+@pytest.mark.slow
+def test_it_is_so_in_the_pictures_of_the_challenge_too():
+    unseen = [CHALLENGE.make(number) for number in CHALLENGE.seeds]
+    match, cost, less, (low, high) = against_nothing(unseen, with_centre_lines)
+    assert f"finds {match.hits} corners with {match.false} false ones and costs {cost:.2f}" in TEXT
+    assert (
+        f"That is {-less:.2f} less than nothing, and the interval, {low:.2f} to {high:.2f}, does not" in TEXT
+    )
+    assert high < 0
+
+
+def test_the_running_picture_gets_fewer_segments_as_the_text_says():
+    place = running_picture()
+    white = OWN["line_picture"](label(place.pixels))
+    kept = OWN["line_picture"](OWN["erase_background"](label(place.pixels)))
+    raw, labelled, erased = (len(ready_made_segments(each)) for each in (place.pixels, white, kept))
+    assert f"It finds {raw} segments" in TEXT and len(place.truth.corners) == 3
+    assert (
+        f"found {raw} segments. In your line picture it finds {labelled}, and after erasing {erased}." in TEXT
+    )
+    found = OWN["find_corners"](label(place.pixels))
+    near = found[np.linalg.norm(found - place.truth.corners[2], axis=1) < 10]
+    assert len(found) == 4 and f"{np.hypot(*(near[1] - near[0])):.0f} pixels apart" in TEXT

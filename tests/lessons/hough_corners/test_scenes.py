@@ -42,7 +42,7 @@ def test_a_detector_cannot_change_the_pictures():
 def test_the_three_places_are_kept_and_nobody_can_paint_on_them():
     assert list(three_places()) == list(PLACES) and three_places() is three_places()
     with pytest.raises(ValueError, match="read-only"):
-        next(iter(three_places().values()))[0] = 0
+        next(iter(three_places().values())).pixels[0] = 0
 
 
 def test_the_goal_line_is_white_where_it_is_said_to_be_and_above_it_is_carpet():

@@ -28,8 +28,8 @@ def test_a_segment_that_lacks_or_is_too_much_is_wrong():
     lacking = Segments().compare(TWO, TWO[:1])
     extra = Segments().compare(TWO[:1], TWO)
     assert (lacking.kind, extra.kind) == ("value", "value")
-    assert lacking.text == "50% of what is to be found is not in your 1 segment"
-    assert extra.text == "50% of the length of your 2 segments is where none belongs"
+    assert lacking.text == "your 1 segment misses 50% of the expected length"
+    assert extra.text == "50% of the length of your 2 segments lies where no segment is expected"
 
 
 @pytest.mark.parametrize(
@@ -40,7 +40,7 @@ def test_what_is_far_too_long_is_wrong_before_points_are_made_along_it(hostile):
     verdict = Segments().compare(TWO, np.array(hostile))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert verdict.kind == "value" and "far more than there are" in verdict.text and peak < 2**22
+    assert verdict.kind == "value" and "far longer than expected" in verdict.text and peak < 2**22
 
 
 def test_the_tolerance_and_the_share_are_where_right_ends():

@@ -19,7 +19,7 @@ OWN = {
 
 def looked(functions, pose=Pose(1.3, -0.4, -0.6)):
     nao = SimulatedNao(Field(2012), pose, rng=41)
-    return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).look(
+    return nao, Pipeline([LABELS_STAGE, STAGE], functions, nao, time_limit=60.0).process(
         nao.take_picture("bottom")
     )
 

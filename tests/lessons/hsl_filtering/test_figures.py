@@ -14,7 +14,7 @@ def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
     assert np.isclose(swept[0], 348) and np.isclose(swept[-1], 372) and (np.diff(swept) > 0).all()
     assert "limits from 348.0 to 12.0 degrees" in drawing.alt
     for wrong in ({}, {"a": [1]}):
-        with pytest.raises(ValueError, match=r"at least one entry|limits are for"):
+        with pytest.raises(ValueError, match=r"at least one entry|limits must have the keys"):
             draw_hue_circle(wrong, {"b": (1.0, 2.0)})
 
 
@@ -40,5 +40,5 @@ def test_a_stray_pixel_stands_between_before_and_after_and_among_all_others(rng)
     assert (
         "56% of the carpet" in drawing.alt
         and "5 % to 95 %" in drawing.alt
-        and "50 % in the middle" in drawing.alt
+        and "a median of 50 %" in drawing.alt
     )

@@ -61,7 +61,7 @@ def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_
     assert limits[1] - 0.12 < crossing(factors, false) <= limits[1]
     drawing = draw_light_limits(factors, found, false, dark=limits[0], bright=limits[1])
     assert f"Half of the lines are found from {crossing(factors, found):.2f} on." in drawing.alt
-    assert f"The formula says {limits[0]:.2f} and {limits[1]:.2f}." in drawing.alt
+    assert f"The limits by equation 1.5 are {limits[0]:.2f} and {limits[1]:.2f}." in drawing.alt
 
 
 def test_figures_of_light_say_their_numbers_and_refuse_what_does_not_fit(rng):

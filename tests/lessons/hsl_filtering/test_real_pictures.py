@@ -26,7 +26,7 @@ def test_without_the_recordings_the_numbers_stand_in_their_place(monkeypatch):
 
     monkeypatch.setattr(datasets, "read_pictures", nowhere)
     drawing = draw_real_pictures(never)
-    assert "background called green 4.6, 1.4, 0.4, 0.1, 0.1 %" in drawing.alt
+    assert "background labelled green 4.6, 1.4, 0.4, 0.1, 0.1 %" in drawing.alt
     assert [len(ax.lines) for ax in drawing.figure.axes] == [3, 3]  # two curves and the course's floor
 
 

@@ -24,7 +24,7 @@ def test_it_uses_exercises_of_its_lesson():
 @pytest.mark.parametrize("pose", [Pose(0.6, 0.5, -0.25), Pose(1.2, -0.5, 0.6)])
 def test_the_labels_are_the_lessons_and_mostly_true(pose):
     panel = panel_of(SimulatedNao(pose=pose, rng=41))
-    labels = panel._seen.overlays["labels"].result
+    labels = panel._own.seen.overlays["labels"].result
     truth = panel.cockpit.picture_truth("bottom").labels
     carpet = truth == 1
     assert np.mean(labels[carpet] == 1) > 0.85
@@ -34,9 +34,9 @@ def test_the_labels_are_the_lessons_and_mostly_true(pose):
 
 def test_other_pixels_of_the_picture_stay_as_they_are():
     panel = panel_of(SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41))
-    labels = panel._seen.overlays["labels"].result
+    labels = panel._own.seen.overlays["labels"].result
     pixels = panel.cockpit.pictures["bottom"].pixels
-    shown, _ = panel._shown("bottom")
+    shown, _ = panel._screen.shown("bottom")
     assert np.array_equal(shown[labels == 0], pixels[labels == 0])
     assert not np.array_equal(shown[labels == 1], pixels[labels == 1])
 
@@ -51,8 +51,8 @@ def test_labels_that_are_none_are_said_in_words():
     picture = nao.take_picture("bottom")
     for nonsense in (None, np.full((240, 320), 7), np.zeros((3, 3), int), "labels"):
         functions = {**OWN, "color_labels": lambda *given, answer=nonsense: answer}
-        (said,) = Pipeline([STAGE], functions, nao, time_limit=60.0).look(picture).complaints
-        assert said.startswith("Without labels: ") and "what color_labels() returned" in said
+        (said,) = Pipeline([STAGE], functions, nao, time_limit=60.0).process(picture).complaints
+        assert said.startswith("Without labels: ") and "the result of color_labels()" in said
 
 
 def test_a_field_without_a_yellow_goal_says_so():

@@ -1,4 +1,4 @@
-"""The lesson's own solution, with that of lesson 05, which its tests run."""
+"""The solutions of lessons 06 and 05, which the tests run."""
 
 import pytest
 
@@ -13,11 +13,11 @@ def own():
 
 @pytest.fixture(scope="session")
 def report():
-    """Lesson 05's functions."""
+    """Return lesson 05's functions."""
     return load_solution(SOLUTIONS / "05_ekf_derivations.ipynb")
 
 
 @pytest.fixture(scope="session")
 def filter_of(own, report):
-    """What follows a drive."""
+    """Return the functions that follow a drive."""
     return own["localize"], report["predict_pose"], report["predict_covariance"]

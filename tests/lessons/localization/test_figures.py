@@ -1,43 +1,42 @@
-"""The figures of lesson 06: what they draw is what the filter says, and what the text says of them is so."""
+"""The figures of lesson 06: they draw the filter's results, and the text's statements about them are true."""
 
 import numpy as np
 import pytest
 
-from nao_course.lessons.localization import beliefs, honesty, surest
+from nao_course.lessons.localization import consistency, figures, first_drive, next_landmark
 from nao_course.lessons.localization.drives import LANDMARKS, follow_many
-from nao_course.lessons.localization.lab import with_parts
 from nao_course.lessons.localization.panels import FusePanel
-from nao_course.metrics import band
+from nao_course.metrics import band, squared_distances
 from tests.paths import SOLUTIONS
 
 TEXT = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
 
 
-def test_one_look_brings_the_robot_back_as_the_payoff_says(own):
-    _, states = beliefs.one_look(own["localize"])
-    off = [state.error(beliefs.TRUE)[0] for state in states]
+def test_one_picture_brings_the_robot_back_as_the_payoff_says(own):
+    _, states = figures.measure_one_picture(own["localize"])
+    off = [state.error(figures.TRUE)[0] for state in states]
     assert off[0] > 0.6 and off[-1] < 0.15
     sizes = [np.linalg.det(state.covariance) for state in states]
     assert sizes == sorted(sizes, reverse=True)
-    alt = beliefs.draw_put_down_wrongly(own["localize"], own["covariance_ellipse"]).alt
-    assert "0.68 m and 14 degrees off" in alt and "0.11 m and 5 degrees off" in alt
-    assert "0.68 m from where it is" in TEXT and "to 0.11 m at the end" in TEXT
+    alt = figures.draw_wrong_start(own["localize"], own["covariance_ellipse"]).alt
+    assert "0.68 m and 14 degrees" in alt and "0.11 m and 5 degrees" in alt
+    assert "0.68 m from its true position" in TEXT and "error at the end is 0.11 m" in TEXT
 
 
-def test_far_from_the_truth_one_look_is_overconfident_as_the_end_says(own, monkeypatch):
+def test_far_from_the_truth_one_picture_gives_an_overconfident_estimate_as_the_end_states(own, monkeypatch):
     squares = []
     for seed in range(60):
-        monkeypatch.setattr(beliefs, "SEED", seed)
-        state = beliefs.one_look(own["localize"])[1][-1]
-        squares.append(own["nees"](state.pose - beliefs.TRUE.as_array(), state.covariance))
+        monkeypatch.setattr(figures, "SEED", seed)
+        state = figures.measure_one_picture(own["localize"])[1][-1]
+        squares.append(own["nees"](state.pose - figures.TRUE.as_array(), state.covariance))
     assert f"the median NEES is {np.median(squares):.1f}" in TEXT
 
 
-def test_four_tenths_lie_within_one_sigma(own):
+def test_four_tenths_lie_inside_the_one_sigma_ellipse(own):
     spread = np.array([[0.09, 0.05], [0.05, 0.05]])
-    part = beliefs.inside(beliefs.cloud(spread), *own["covariance_ellipse"](spread, 1 - np.exp(-0.5)))
+    part = figures.inside(figures.cloud(spread), *own["covariance_ellipse"](spread, 1 - np.exp(-0.5)))
     assert part == pytest.approx(1 - np.exp(-0.5), abs=0.02)
-    assert "95 %" in beliefs.draw_cloud(spread, own["covariance_ellipse"], (0.3935, 0.95)).alt
+    assert "95 %" in figures.draw_cloud(spread, own["covariance_ellipse"], (0.3935, 0.95)).alt
 
 
 def test_an_ellipse_holds_what_is_inside_it_whatever_its_angle():
@@ -45,72 +44,115 @@ def test_an_ellipse_holds_what_is_inside_it_whatever_its_angle():
     c, s = np.cos(angle), np.sin(angle)
     long, short = np.array([c, s]), np.array([-s, c])
     points = np.array([1.9 * long, 2.1 * long, 0.4 * short, 0.6 * short])
-    assert beliefs.inside(points, axes, angle) == 0.5
+    assert figures.inside(points, axes, angle) == 0.5
 
 
-def test_a_bearing_that_is_not_wrapped_throws_the_estimate_away(own):
-    unwrapped = with_parts(own["localize"], {"innovation": lambda expected, measured: measured - expected})
-    assert beliefs.jump(own["localize"]) < 0.2 and beliefs.jump(unwrapped) > 1.5
-    assert f"{beliefs.jump(unwrapped):.1f} m from the truth" in TEXT
-    alt = beliefs.draw_not_wrapped(own["localize"], unwrapped, own["covariance_ellipse"]).alt
-    assert "Before the look: 0.14 m and 34 degrees off" in alt and "Not wrapped: 1.92 m" in alt
+def test_the_given_filter_loses_the_robot_as_the_text_states_and_a_wrapped_innovation_mends_it(own):
+    broken, records = first_drive.run_first_drive()
+    off = np.hypot(*broken.errors[:, :2].T)
+    stated = np.sqrt(broken.covariances[:, 0, 0] + broken.covariances[:, 1, 1])
+    fault = first_drive.first_fault()
+    assert f"The error of its position grows to {off.max():.2f} m" in TEXT and off[:fault].max() < 0.08
+    assert f"for {fault - 1} steps the filter works" in TEXT
+    assert stated[fault:].max() < 0.10 and broken.nees.max() > 800
+    worst = max(records, key=lambda each: abs(each.innovation))
+    expected, measured, difference = np.degrees(worst)
+    assert f"At step {fault} the filter expects the landmark at {expected:.0f} degrees" in TEXT
+    assert f"and measures {measured:.0f}" in TEXT and f"their difference is {difference:.0f} degrees" in TEXT
+    mended, _ = first_drive.run_first_drive(own["innovation"])
+    assert mended.nees.max() < first_drive.LIMIT
+    most = np.hypot(*mended.errors[:, :2].T).max()
+    assert f"was {off.max():.2f} m with the given filter, and it is {most:.2f} m with yours" in TEXT
 
 
-def test_the_text_says_where_the_corner_behind_is_seen_and_expected(own, report):
-    expected = report["expected_measurement"](beliefs.BEHIND_BELIEVED.as_array(), LANDMARKS[beliefs.BEHIND])
-    measured = beliefs.behind().measurement
-    assert f"a corner at {np.degrees(measured[0]):.0f} degrees to its left" in TEXT
-    assert f"expects the corner at {np.degrees(expected[0]):.0f}" in TEXT
-    assert f"The innovation is {np.degrees(own['innovation'](expected, measured)[0]):.0f} degrees" in TEXT
-    assert f"without wrapping {np.degrees(measured[0] - expected[0]):.0f}" in TEXT
+def test_the_text_states_where_the_nis_of_the_given_filter_is_large():
+    trace, records = first_drive.run_first_drive()
+    raw = trace.innovations.copy()
+    raw[:, 0] = [each.innovation for each in records]
+    nis = squared_distances(raw, trace.innovation_covariances)
+    large = nis > 5.99
+    assert trace.steps[large].tolist() == [14, 19, 19] and not np.isin((15, 16, 17, 18), trace.steps).any()
+    first, *others = nis[large]
+    assert 5500 < first < 6500 and [round(float(each)) for each in others] == [50, 9]
+    assert "At step 14 the NIS is about 6000, and at step 19 two measurements have 50 and 9." in TEXT
+    assert np.flatnonzero(trace.nees > first_drive.LIMIT)[-1] == 23
+    assert np.hypot(*trace.errors[:, :2].T).argmax() == 18
 
 
-def test_a_landmark_in_line_with_the_doubt_tells_the_position_by_its_range_and_one_beside_by_its_bearing(own):
-    c, s = np.cos(surest.ROBOT.theta), np.sin(surest.ROBOT.theta)
-    at = np.array([surest.ROBOT.x, surest.ROBOT.y])
+def test_the_students_parts_give_the_same_drive_as_the_given_ones(own):
+    mended, _ = first_drive.run_first_drive(own["innovation"])
+    for parts in ((own["innovation"], own["kalman_update"]), (None, None, own["localize"])):
+        trace, _ = first_drive.run_first_drive(*parts)
+        assert np.allclose(trace.poses, mended.poses, atol=1e-6)
+        assert np.allclose(trace.covariances, mended.covariances, atol=1e-8)
+
+
+def test_the_first_drives_motion_is_that_of_lesson_05(report, rng):
+    for _ in range(5):
+        pose, control = rng.uniform(-3, 3, 3), rng.uniform(0.1, 0.4, 2)
+        P, Q = np.diag(rng.uniform(0.01, 0.1, 3)), np.diag(rng.uniform(0.001, 0.01, 3))
+        moved = first_drive._move(pose, control) - report["predict_pose"](pose, control)
+        assert np.allclose(np.exp(1j * moved), 1)
+        wanted = report["predict_covariance"](P, pose, control, Q)
+        assert np.allclose(first_drive._move_covariance(P, pose, control, Q), wanted)
+
+
+def test_the_figure_of_the_first_drive_states_the_nees_and_that_of_the_bearings_the_nis(own):
+    alt = first_drive.draw_first_drive(nees=own["nees"]).alt
+    assert "NEES is 839 at most" in alt
+    alt = first_drive.draw_first_drive(own["innovation"], own["nees"], own["covariance_ellipse"]).alt
+    assert "above 7.81 at 0 of 31 poses" in alt
+    assert "the innovation is -361" in first_drive.draw_bearings().alt
+    assert "at step 14" in first_drive.draw_bearings(own["nees"]).alt.split("largest NIS")[1]
+
+
+def test_a_function_of_another_shape_is_named(own):
+    for parts, words in (
+        ((lambda expected, measured: 1.0,), "innovation must have shape"),
+        ((None, lambda *given: None), "kalman_update must return"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            first_drive.run_first_drive(*parts)
+
+
+def test_a_landmark_along_the_ellipse_improves_the_position_by_its_range_and_one_beside_by_its_bearing(own):
+    c, s = np.cos(next_landmark.ROBOT.theta), np.sin(next_landmark.ROBOT.theta)
+    at = np.array([next_landmark.ROBOT.x, next_landmark.ROBOT.y])
     ahead, behind, beside = at + (1.5 * c, 1.5 * s), at - (1.5 * c, 1.5 * s), at + (-1.5 * s, 1.5 * c)
 
     def position(place, use_range):
-        return surest.left_after(own["localize"], place, use_range)[0]
+        return next_landmark.remaining_after(own["localize"], place, use_range)[0]
 
     assert position(ahead, True) == pytest.approx(position(behind, True), rel=1e-6)
     assert position(ahead, True) < 0.8 * position(beside, True)
     assert position(beside, False) < 0.8 * position(ahead, False) and position(ahead, False) > 0.45
 
 
-def test_the_heading_wants_a_landmark_that_is_far_ahead(own):
+def test_the_heading_improves_most_with_a_landmark_far_ahead(own):
     at, ahead = (
-        np.array([surest.ROBOT.x, surest.ROBOT.y]),
-        np.array([np.cos(surest.ROBOT.theta), np.sin(surest.ROBOT.theta)]),
+        np.array([next_landmark.ROBOT.x, next_landmark.ROBOT.y]),
+        np.array([np.cos(next_landmark.ROBOT.theta), np.sin(next_landmark.ROBOT.theta)]),
     )
-    headings = [surest.left_after(own["localize"], at + away * ahead)[1] for away in (0.5, 1.0, 2.0, 4.0)]
+    headings = [
+        next_landmark.remaining_after(own["localize"], at + away * ahead)[1] for away in (0.5, 1.0, 2.0, 4.0)
+    ]
     assert headings == sorted(headings, reverse=True)
 
 
-def test_the_map_of_what_is_left_says_it_of_real_landmarks(own, monkeypatch):
-    monkeypatch.setattr(surest, "GRID", 0.9)
-    position, heading = surest.left_after(own["localize"], LANDMARKS[9])
+def test_the_map_of_remaining_uncertainty_states_it_for_real_landmarks(own, monkeypatch):
+    monkeypatch.setattr(next_landmark, "GRID", 0.9)
+    position, heading = next_landmark.remaining_after(own["localize"], LANDMARKS[9])
     said = f"the post at (3.0, 0.7) leaves {100 * position:.0f} cm and {np.degrees(heading):.1f} degrees"
-    assert said in surest.draw_surest(own["localize"]).alt
+    assert said in next_landmark.draw_remaining_uncertainty(own["localize"]).alt
 
 
 def test_the_bands_figure_counts_what_is_inside(filter_of):
     traces = follow_many(range(4), *filter_of)
-    alt = honesty.draw_bands(traces).alt
+    alt = consistency.draw_bands(traces).alt
     assert "the mean NEES of 4 drives" in alt
     low, high = band(3, 30)
     inside = np.mean([low <= trace.nees[1:].mean() <= high for trace in traces])
-    assert honesty.inside_naive_band(traces) == inside and f"only {inside:.0%} of the drives" in alt
-
-
-def test_negative_eigenvalues_are_told(own, monkeypatch):
-    monkeypatch.setattr(honesty, "UPDATES", 60)
-    assert "All are positive." in honesty.draw_smallest_eigenvalue(own["kalman_update"]).alt
-
-    def negative(mean, covariance, *rest):
-        return mean, -covariance
-
-    assert "negative from a standard deviation of 1e-01 on" in honesty.draw_smallest_eigenvalue(negative).alt
+    assert consistency.inside_naive_band(traces) == inside and f"only {inside:.0%} of the drives" in alt
 
 
 def test_the_fuse_panel_says_what_the_students_function_makes_of_its_sliders(own):
@@ -122,13 +164,13 @@ def test_the_fuse_panel_says_what_the_students_function_makes_of_its_sliders(own
     assert "Fused: 2.50 m" in panel.summary() and "is 0.50." in panel.summary()
     panel.set(measured=2.0)
     assert "weight" not in panel.summary()
-    assert "fused: 2.00 m" in panel.shown.drawings["Beliefs"].alt
+    assert "fused: 2.00 m" in panel.shown.drawings["Estimates"].alt
 
 
-def test_the_fuse_panel_of_a_blank_notebook_shows_both_beliefs_and_says_what_to_write():
+def test_the_fuse_panel_of_a_blank_notebook_shows_both_estimates_and_says_what_to_write():
     def fuse(*given):
         raise NotImplementedError
 
     panel = FusePanel(fuse)
     assert "Finish exercise 6.1" in panel.summary()
-    assert "fused" not in panel.shown.drawings["Beliefs"].alt
+    assert "fused" not in panel.shown.drawings["Estimates"].alt

@@ -1,4 +1,4 @@
-"""The diagnosis lab of lesson 06: no two patients look alike, and the text says what they look like."""
+"""The diagnosis lab of lesson 06: no two patients have the same readings, and the text states them."""
 
 import re
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.localization import lab
-from nao_course.lessons.localization.honesty import band, median_band
+from nao_course.lessons.localization.consistency import band, median_band
 from nao_course.lessons.localization.panels import CASES, LabPanel, readings_table
 from tests.paths import SOLUTIONS
 
@@ -23,22 +23,22 @@ def readings_of(functions, drives):
 
 
 def diagnosis(r):
-    """The name of what a patient has, from its instruments alone; the order is that of how loud it shows."""
+    """Return the name of the fault of a patient, given its readings alone."""
     if r.nis_early > 100:
         return "the innovation's sign" if r.nis_late > 1000 * r.nis_early else "bearings in degrees"
     if r.nees_early > 1e4:
-        return "R is left out of S"
+        return "R is missing in S"
     if r.range > 1:
         return "ranges 15 % too long"
     if r.nis_late > 5 * r.nis_early:
-        return "Q is forgotten"
+        return "Q is missing"
     if r.nis_late < 0.9:
         return "P is not updated" if r.nis_late < 0.5 * r.nis_early else "R holds standard deviations"
     if r.nees_early > 5:
         return "H belongs to another landmark"
     if r.nis_peak > 10:
         return "the bearing is not wrapped"
-    return "each measurement is used twice" if r.nees_early > 1.3 else "nothing: it is healthy"
+    return "each measurement is used twice" if r.nees_early > 1.3 else "no fault"
 
 
 @pytest.mark.parametrize("drives", [8, pytest.param(20, marks=pytest.mark.slow)])
@@ -62,22 +62,24 @@ def test_the_text_says_what_the_instruments_show(functions):
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
     r = readings_of(functions, len(lab.LAB_SEEDS))
     for sentence in (
-        f"A has the roots of $R$: NIS {r['A'].nis_early:.1f} early, {r['A'].nis_late:.1f} late.",
-        f"NIS falls to {r['E'].nis_late:.2f}",
+        f"A uses standard deviations for $R$: NIS is {r['A'].nis_early:.1f} early and {r['A'].nis_late:.1f} late.",
+        f"its NIS falls to {r['E'].nis_late:.2f}",
         f"NIS is {r['C'].nis_peak:.0f} at that step",
-        f"H leaves $R$ out of $S$: NIS {r['H'].nis_early:.1f} to {r['H'].nis_late:.0f}, NEES a million",
-        f"NIS {r['G'].nis_late:.1f}, NEES {r['G'].nees_late:.1f}",
-        f"residuals lie {r['B'].range:.1f} standard deviations to one side",
-        f"NIS climbs from {r['D'].nis_early:.0f} to {r['D'].nis_late:.0f}",
-        "F has its bearings in degrees: NIS near 1000",
-        f"NIS {r['K'].nis_early:.1f} early and {r['K'].nis_late:.1f} late, and NEES {r['K'].nees_late:.0f}",
+        f"H leaves $R$ out of $S$: NIS is {r['H'].nis_early:.1f} to {r['H'].nis_late:.0f}, and NEES is a million",
+        f"NIS is {r['G'].nis_late:.1f}, and NEES is {r['G'].nees_late:.1f}",
+        f"its range residuals have a median of {r['B'].range:.1f} standard deviations",
+        f"its NIS grows from {r['D'].nis_early:.0f} to {r['D'].nis_late:.0f}",
+        "F has bearings in degrees: NIS is near 1000",
+        f"NIS is {r['K'].nis_early:.1f} early and {r['K'].nis_late:.1f} late, and NEES is {r['K'].nees_late:.0f}",
     ):
         assert sentence in text, sentence
     assert (
         0.8e6 < r["H"].nees_early < 1.2e6 and 900 < r["F"].nis_early < 1100 and 900 < r["F"].nis_late < 1100
     )
     assert 1e3 < r["J"].nis_early < 3e3 and 1e9 < r["J"].nis_late < 1e10
-    assert r["I"].nis_peak < 1.5
+    assert r["I"].nis_peak < 1.55  # "1.5" on these drives
+    slightly_high = [letter for letter in r if 1.05 < r[letter].nis_early < 2 and r[letter].nis_late < 2]
+    assert slightly_high == ["G", "H"] and min(r[each].nees_early for each in "GH") > 1.5
     assert [letter for letter in r if r[letter].nis_peak < 1] == ["A", "E"]  # "below 1 at every step"
     one_sided = [letter for letter in r if abs(r[letter].range) > 1 and r[letter].nis_late < 10]
     assert one_sided == ["B"] and all(abs(r[letter].bearing) > 1 for letter in "DFJ")
@@ -99,9 +101,8 @@ def test_the_bands_hold_the_medians_that_are_drawn(degrees, runs):
     middle = np.sort(values, axis=1)[:, (runs - 1) // 2 : runs // 2 + 1].mean(axis=1)
     assert np.mean((low < middle) & (middle < high)) == pytest.approx(0.95, abs=0.03)
     mean_low, mean_high = band(degrees, runs)
-    assert (
-        high - low > 1.2 * (mean_high - mean_low) * MEDIANS[degrees] / degrees
-    )  # those of a mean are too narrow
+    # Those of a mean are too narrow
+    assert high - low > 1.2 * (mean_high - mean_low) * MEDIANS[degrees] / degrees
 
 
 @pytest.mark.slow
@@ -117,46 +118,61 @@ def test_nine_of_ten_steps_of_the_healthy_one_lie_in_the_bands_and_few_of_the_ot
     assert inside("I") > 0.9 and inside("G") > 0.85 and max(map(inside, "BDEFJ")) < 0.15
 
 
-def test_the_notebooks_own_function_stays_as_it_was(own):
-    localize = own["localize"]
-    ill = lab.with_parts(localize, {"innovation": lambda expected, measured: 1 / 0})
-    given = np.array([0.0, 0.0, 0.0]), np.eye(3), np.array([0.0, 2.0]), np.array([2.0, 0.0]), np.eye(2)
-    with pytest.raises(ZeroDivisionError):
-        ill(*given)
-    assert np.allclose(localize(*given)[0], 0)
+def own_mathematics(pose, covariance, measurement, landmark, R):
+    """Return the update as a weighted least-squares problem, without any function of the lessons."""
+    dx, dy = landmark - pose[:2]
+    r = np.hypot(dx, dy)
+    H = np.array([[dy / r**2, -dx / r**2, -1.0], [-dx / r, -dy / r, 0.0]])
+    off = measurement - (np.arctan2(dy, dx) - pose[2], r)
+    off[0] = np.angle(np.exp(1j * off[0]))
+    left = np.linalg.inv(np.linalg.inv(covariance) + H.T @ np.linalg.inv(R) @ H)
+    new = pose + left @ H.T @ np.linalg.inv(R) @ off
+    new[2] = np.angle(np.exp(1j * new[2]))
+    return new, left
 
 
-def test_a_filter_without_the_part_is_said_to_lack_it():
-    with pytest.raises(ValueError, match=r"your localize does not call innovation\(\)"):
-        lab.with_parts(lambda pose, *rest: pose, {"innovation": np.subtract})
+def test_a_filter_with_its_own_mathematics_gives_the_same_patients(functions):
+    other = functions | {"localize": own_mathematics}
+    for letter in "CK":
+        mine, theirs = (lab.patient(CASES[letter], each, drives=2) for each in (functions, other))
+        for a, b in zip(mine, theirs, strict=True):
+            assert np.allclose(a.poses, b.poses, atol=1e-5) and np.allclose(a.nis, b.nis, rtol=1e-3)
 
 
-def test_a_blank_filter_is_not_said_to_lack_a_part():
-    def localize(*given):
-        raise NotImplementedError
-
-    with pytest.raises(NotImplementedError):
-        lab.with_parts(localize, {"innovation": np.subtract})
+def test_without_wrapping_an_innovation_is_off_by_a_full_turn(own, report):
+    """The fault's pose is the old one plus the gain times the difference that was not wrapped."""
+    pose, covariance = np.array([1.0, 0.0, -3.1]), np.diag([0.01, 0.02, 0.005])
+    landmark, R = np.array([0.2, 0.1]), np.diag([0.001, 0.01])
+    measured = np.array([0.02, 0.8])
+    H = report["measurement_jacobian_pose"](pose, landmark)
+    K = covariance @ H.T @ np.linalg.inv(H @ covariance @ H.T + R)
+    direction = np.arctan2(*(landmark - pose[:2])[::-1])
+    plain = measured - (direction - pose[2], np.hypot(*(landmark - pose[:2])))
+    assert abs(plain[0]) > np.pi
+    (bug,) = [each for each in lab.BUGS if each.name == "the bearing is not wrapped"]
+    new, _ = bug.in_update(own["localize"])(pose, covariance, measured, landmark, R)
+    wanted = pose + K @ plain
+    assert np.allclose(new[:2], wanted[:2]) and np.isclose(np.exp(1j * new[2]), np.exp(1j * wanted[2]))
 
 
 def test_the_answers_of_the_lab_are_folded():
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
     below = text.split("LabPanel(localize, predict_pose, predict_covariance)")[1]
     plain = re.sub(r"<details>.*?</details>", "", below, flags=re.DOTALL).split("## My NAO")[0]
-    assert "healthy" not in plain and "forgotten" not in plain
+    assert "healthy" not in plain and "missing" not in plain
 
 
 def test_the_panel_names_what_is_right_and_says_what_another_would_show(functions, monkeypatch):
     monkeypatch.setattr(lab, "LAB_SEEDS", range(200, 203))
     panel = LabPanel(**functions)
     assert "Patient A: 0 of 11 named so far." in panel.summary()
-    panel.set(diagnosis="Q is forgotten")
-    assert "No. Q is forgotten would show otherwise" in panel.summary() and not panel.named
+    panel.set(diagnosis="Q is missing")
+    assert "No: that fault looks different. Q is missing" in panel.summary() and not panel.named
     panel.set(diagnosis=CASES["A"].name)
-    assert "Right, patient A has it: R holds standard deviations." in panel.summary()
+    assert "Right, the diagnosis of patient A is: R holds standard deviations." in panel.summary()
     panel.set(patient="E", diagnosis="not yet")
     assert "Patient E: 1 of 11 named so far." in panel.summary()
-    assert "Instruments of patient E" in panel.shown.drawings["Instruments"].alt
+    assert "Patient E, 20 drives" in panel.shown.drawings["Plots"].alt
 
 
 def test_the_panel_of_a_blank_notebook_says_what_to_write(functions):
@@ -164,7 +180,7 @@ def test_the_panel_of_a_blank_notebook_says_what_to_write(functions):
         raise NotImplementedError
 
     panel = LabPanel(**(functions | {"localize": localize}))
-    assert "Finish exercise 6.7: the patients are made of your filter." in panel.summary()
+    assert "Finish exercise 6.6: the patients are copies of your filter." in panel.summary()
 
 
 def test_the_table_is_short_enough_to_be_read():

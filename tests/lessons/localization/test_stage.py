@@ -1,10 +1,10 @@
-"""What lesson 06 adds to the robot: the student's estimate on the map, from pictures of landmarks that are known."""
+"""What lesson 06 adds to the robot: the student's estimate on the map, from pictures of known landmarks."""
 
 import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.lessons.localization.stage import PUT_DOWN, STAGE
+from nao_course.lessons.localization.stage import STAGE, START_COVARIANCE, START_ERROR
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel import Pipeline
@@ -24,34 +24,54 @@ def off(nao, seen):
     return float(np.hypot(*(pose - Truth(nao).pose.as_array())[:2]))
 
 
-def test_one_look_brings_it_back_and_says_how_sure_it_is(functions):
+def test_the_first_picture_shows_the_estimate_at_the_start_and_the_second_corrects_it(functions):
     nao = robot()
-    seen = Pipeline([STAGE], functions, nao, time_limit=60.0).look(nao.take_picture())
-    assert np.hypot(*PUT_DOWN[:2]) == pytest.approx(0.5)
-    assert off(nao, seen) < 0.2 and len(seen.overlays[STAGE.name].pixels) == 3
-    assert seen.lines()[0].startswith(f"{STAGE.name}: 3 landmarks, sure to 0.1")
+    pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
+    first = pipeline.process(nao.take_picture())
+    assert np.hypot(*START_ERROR[:2]) == pytest.approx(0.5) and np.degrees(START_ERROR[2]) == pytest.approx(
+        12
+    )
+    assert off(nao, first) == pytest.approx(0.5)
+    assert np.array_equal(first.overlays[STAGE.name].estimate.covariance, START_COVARIANCE)
+    assert "the estimate at the start" in first.lines()[0]
+    second = pipeline.process(nao.take_picture())
+    assert off(nao, second) < 0.2 and len(second.overlays[STAGE.name].pixels) == 3
+    assert second.lines()[0].startswith(f"{STAGE.name}: 3 landmarks, σ 0.1")
+
+
+def test_another_view_of_a_picture_is_not_another_measurement(functions):
+    nao = robot()
+    pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
+    start = nao.take_picture()
+    for _ in range(2):
+        assert off(nao, pipeline.process(start)) == pytest.approx(0.5)
+    next_picture = nao.take_picture()
+    once, again = (pipeline.process(next_picture).overlays[STAGE.name].result for _ in range(2))
+    assert off(nao, pipeline.process(next_picture)) < 0.2
+    assert all(np.array_equal(*pair) for pair in zip(once, again, strict=True))
 
 
 def test_it_follows_a_drive_command_by_command(functions):
     nao = robot()
     pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
-    pipeline.look(nao.take_picture())
+    pipeline.process(nao.take_picture())
     for _ in range(4):
         nao.walk(0.2)
         nao.turn(0.1)
-        seen = pipeline.look(nao.take_picture())
+        seen = pipeline.process(nao.take_picture())
     assert off(nao, seen) < 0.1
     pose, covariance = seen.overlays[STAGE.name].result
     error = pose - Truth(nao).pose.as_array()
     assert error @ np.linalg.inv(covariance) @ error < 16.3  # 99.9 %
 
 
-def test_without_landmarks_it_only_becomes_less_sure(functions):
+def test_without_landmarks_the_covariance_only_grows(functions):
     nao = robot(Pose(0.3, 0.0, np.pi))
     pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
-    first = pipeline.look(nao.take_picture()).overlays[STAGE.name]
+    pipeline.process(nao.take_picture())
+    first = pipeline.process(nao.take_picture()).overlays[STAGE.name]
     nao.walk(0.5)
-    second = pipeline.look(nao.take_picture()).overlays[STAGE.name]
+    second = pipeline.process(nao.take_picture()).overlays[STAGE.name]
     assert first.text.startswith("0 landmarks")
     assert np.linalg.det(second.result[1]) > np.linalg.det(first.result[1])
 
@@ -65,29 +85,31 @@ def test_what_fails_is_said_and_tried_again_from_where_it_was(functions):
         return functions["localize"](*given)
 
     pipeline = Pipeline([STAGE], functions | {"localize": localize}, nao, time_limit=60.0)
-    pipeline.look(nao.take_picture())
-    (said,) = pipeline.look(nao.take_picture()).complaints
+    pipeline.process(nao.take_picture())
+    (said,) = pipeline.process(nao.take_picture()).complaints
     assert said.startswith(f"Without {STAGE.name}: ZeroDivisionError in localize()")
     broken["now"] = False
-    pipeline.wake()
-    assert off(nao, pipeline.look(nao.take_picture())) < 0.2
+    pipeline.retry()
+    assert off(nao, pipeline.process(nao.take_picture())) < 0.2
 
 
 def test_nonsense_is_said_in_words(functions):
     nao = robot()
     for nonsense in (None, (np.zeros(2), np.eye(3)), 3.0):
-        seen = Pipeline([STAGE], functions | {"localize": lambda *given, answer=nonsense: answer}, nao).look(
-            nao.take_picture()
-        )
+        pipeline = Pipeline([STAGE], functions | {"localize": lambda *given, answer=nonsense: answer}, nao)
+        pipeline.process(nao.take_picture())
+        seen = pipeline.process(nao.take_picture())
         assert "localize" in seen.complaints[0] and not seen.overlays
 
 
 def test_the_panel_has_a_place_for_the_estimate_on_its_map(functions):
     nao = robot()
     panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))
-    contents = panel._contents()
+    contents = panel._screen.contents()
     assert contents.observer == "ekf" and contents.paths["ekf"] == [contents.estimate.pose]
-    assert np.hypot(contents.estimate.pose.x - 0.6, contents.estimate.pose.y - 0.5) < 0.2
+    assert np.hypot(contents.estimate.pose.x - 0.6, contents.estimate.pose.y - 0.5) == pytest.approx(0.5)
+    panel.view = "beside"  # as my_nao does
+    assert panel._screen.contents().estimate.pose == contents.estimate.pose
     panel.view = "picture"  # nobody looks along
-    assert panel._contents().estimate is None and panel._contents().observer == "odometry"
+    assert panel._screen.contents().estimate is None and panel._screen.contents().observer == "odometry"
     assert panel.drawing().alt.startswith("Control panel")

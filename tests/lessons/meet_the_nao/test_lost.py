@@ -57,7 +57,7 @@ def test_each_look_leaves_fewer_poses_and_those_are_near_the_robot():
     assert counts[0] == lost.POSSIBLE
     assert all(after <= before for before, after in pairwise(counts))
     first = found.possible[1]
-    assert lost.explains(first, found.looks[0], FIELD, SensorNoise()).all()
+    assert lost.explains(first, found.observations[0], FIELD, SensorNoise()).all()
     assert counts[1] < 0.1 * counts[0] and counts[2] < 0.01 * counts[0]
 
 

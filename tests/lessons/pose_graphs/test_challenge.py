@@ -31,7 +31,7 @@ def test_false_closures_that_follow_each_other_agree():
 
 def test_the_truth_scores_nothing_wrong_wherever_it_is_put_down():
     perfect = judge(CASE.world.truth, CASE)
-    assert perfect.score == pytest.approx(0.0, abs=1e-9) and perfect.columns["false believed"] == 0.0
+    assert perfect.score == pytest.approx(0.0, abs=1e-9) and perfect.columns["false accepted"] == 0.0
     poses = CASE.world.truth.reshape(-1, 3)
     turned = np.column_stack([-poses[:, 1] + 4.0, poses[:, 0] - 2.0, poses[:, 2] + np.pi / 2])
     assert judge(turned.ravel(), CASE).score == pytest.approx(0.0, abs=1e-9)
@@ -45,7 +45,7 @@ def test_plain_gauss_newton_believes_what_is_false_and_the_better_entry_does_not
     better = judge(list(FALSE_CLOSURE_ENTRIES.values())[-1](graph, states), CASE)
     believing = judge(plain(graph, states), CASE)
     assert better.score < 2.0 < 10.0 < believing.score
-    assert better.columns["false believed"] == 0.0 < believing.columns["false believed"]
+    assert better.columns["false accepted"] == 0.0 < believing.columns["false accepted"]
 
 
 @pytest.mark.parametrize(

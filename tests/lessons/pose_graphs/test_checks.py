@@ -77,7 +77,7 @@ def block_of_h(H, indices):
     [
         (whole_inverse, "WholeMatrixError: your function held 4.5 million numbers at a time"),
         (dense_by_product, "the blocks need a few columns of it"),
-        (dense, "You make H dense."),
+        (dense, "You make H dense"),
         (loose, "it is close"),
         (with_something_on_the_diagonal, "it is close"),
         (block_of_h, "if all other variables were known exactly"),
@@ -116,10 +116,10 @@ def stepped(hold=slice(3, None), careful=False, diagonal=0.0, patience=0.0, orde
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"careful": True}, "take the whole step, with nothing added to H"),
-        ({"diagonal": 1e-3}, "take the whole step, with nothing added to H"),
-        ({"patience": 1e-8}, "`iterations` steps are wanted"),
-        ({"order": True}, "What was solved with b[free] belongs to states[free]"),
+        ({"careful": True}, "take the whole step, and add nothing to H"),
+        ({"diagonal": 1e-3}, "take the whole step, and add nothing to H"),
+        ({"patience": 1e-8}, "should take all `iterations` steps"),
+        ({"order": True}, "A step that was solved with b[free] belongs to states[free]"),
         ({"hold": slice(0, -3)}, "You hold the last three numbers"),
     ],
 )
@@ -134,7 +134,7 @@ def test_a_system_with_nothing_held_is_told_whatever_comes_of_it():
         found, history = OWN["gauss_newton"](graph, states, iterations)
         return found + np.arange(len(found)) % 7, history
 
-    assert "your first pose does not stay" in repr(CHECK("gauss_newton", solve))
+    assert "your first pose moves" in repr(CHECK("gauss_newton", solve))
 
 
 def weights(graph, states, width):
@@ -156,8 +156,8 @@ def reweighted_by_assigning(graph, states, width):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        (reweighted_in_place, "You write into the graph that you were given"),
-        (reweighted_by_assigning, "cannot be changed by assigning"),
+        (reweighted_in_place, "You change the graph that was given to your function"),
+        (reweighted_by_assigning, "assign to an attribute of the graph"),
     ],
 )
 def test_a_graph_that_is_given_stays_as_it_is(wrong, said):
@@ -171,6 +171,60 @@ def test_a_residual_that_asks_for_three_numbers_takes_three_edges_for_one_and_is
             return np.array([OWN["pose_residual"](first.T, second.T, z.T)]).squeeze().T
         return OWN["pose_residual"](first, second, z)
 
-    assert "len(pose) == 3 does not tell three edges" in repr(CHECK("pose_residual", residual))
+    assert "len(first) == 3 holds for one pose and for three poses" in repr(CHECK("pose_residual", residual))
     listed = CHECK("pose_residual", lambda *pair: OWN["pose_residual"](*pair).tolist())
-    assert not listed and "linearize calculates with it" in repr(listed)
+    assert not listed and "linearize computes with the result" in repr(listed)
+
+
+def landmark_slip(unpack=np.transpose, sine=1.0):
+    """Equation 9.1 with another way to take the arrays apart, or with another sign of the sine."""
+
+    def residual(pose, landmark, z):
+        (x, y, theta), (lx, ly) = unpack(pose), unpack(landmark)
+        c, s = np.cos(theta), sine * np.sin(theta)
+        seen = np.array([c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y)])
+        return (seen.T if unpack is np.transpose else seen) - z
+
+    return residual
+
+
+def pose_slip(unpack=np.transpose, sine=1.0, sine_of_z=1.0, turned=True, wrapped=True):
+    """Equation 9.4 with another way to take the arrays apart, other signs of the sines, or a step left out."""
+
+    def residual(first, second, z):
+        (x, y, theta), (x2, y2, theta2), (zx, zy, turn) = map(unpack, (first, second, z))
+        c, s = np.cos(theta), sine * np.sin(theta)
+        ahead, left = c * (x2 - x) + s * (y2 - y) - zx, -s * (x2 - x) + c * (y2 - y) - zy
+        if turned:
+            c, s = np.cos(turn), sine_of_z * np.sin(turn)
+            ahead, left = c * ahead + s * left, -s * ahead + c * left
+        angle = theta2 - theta - turn
+        found = np.array([ahead, left, np.angle(np.exp(1j * angle)) if wrapped else angle])
+        return found.T if unpack is np.transpose else found
+
+    return residual
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (landmark_slip(sine=-1.0), ["has its transpose"]),
+        (landmark_slip(list), ["does not unpack E poses"]),
+        (landmark_slip(list, -1.0), ["has its transpose", "does not unpack E poses"]),
+        (pose_slip(sine=-1.0), ["first rotation uses R instead of its transpose"]),
+        (pose_slip(sine_of_z=-1.0), ["second rotation uses R_z instead of its transpose"]),
+        (pose_slip(turned=False), ["You forgot R_zᵀ"]),
+        (pose_slip(turned=False, wrapped=False), ["You forgot R_zᵀ", "not wrapped"]),
+        (pose_slip(list), ["does not unpack E poses"]),
+        (pose_slip(list, turned=False), ["You forgot R_zᵀ", "does not unpack E poses"]),
+        (pose_slip(list, wrapped=False), ["not wrapped", "does not unpack E poses"]),
+    ],
+)
+def test_slips_in_the_residuals_have_a_message_alone_and_together(wrong, said):
+    name = "pose_residual" if "pose_slip" in wrong.__qualname__ else "landmark_residual"
+    report = CHECK(name, wrong)
+    assert not report and all(words in repr(report) for words in said)
+
+
+def test_the_slips_without_a_slip_are_right():
+    assert CHECK("landmark_residual", landmark_slip()) and CHECK("pose_residual", pose_slip())

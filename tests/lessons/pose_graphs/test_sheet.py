@@ -1,17 +1,17 @@
-"""The sheet for a landmark's slopes reads what the text says to type, and leaves no symbol in the notebook."""
+"""The sheet for a landmark's derivatives reads what the text says to type, and leaves no symbol in the notebook."""
 
 import re
 
 from nao_course.lessons.pose_graphs import landmark_sheet
 from tests.paths import SOLUTIONS
 
-SLOPES = [["-cos(theta)", "-sin(θ)*Δx + cos(θ)*Δy"], ["sin(theta)", "-cos(theta)*dx - sin(theta)*dy"]]
+DERIVATIVES = [["-cos(theta)", "-sin(θ)*Δx + cos(θ)*Δy"], ["sin(theta)", "-cos(theta)*dx - sin(theta)*dy"]]
 
 
-def test_slopes_by_delta_x_and_delta_y_are_right_and_a_wrong_sign_is_told():
-    assert "All 4 entries are slopes of the model." in repr(landmark_sheet().write(SLOPES))
-    wrong = [SLOPES[0], [SLOPES[1][0], "cos(theta)*dx + sin(theta)*dy"]]
-    assert "left by theta: its sign is the wrong way round" in repr(landmark_sheet().write(wrong))
+def test_derivatives_by_delta_x_and_delta_y_are_right_and_a_wrong_sign_is_told():
+    assert "All 4 entries are correct." in repr(landmark_sheet().write(DERIVATIVES))
+    wrong = [DERIVATIVES[0], [DERIVATIVES[1][0], "cos(theta)*dx + sin(theta)*dy"]]
+    assert "left by theta: its sign is wrong" in repr(landmark_sheet().write(wrong))
 
 
 def test_the_lessons_cells_know_no_symbols():

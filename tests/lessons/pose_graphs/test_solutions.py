@@ -9,8 +9,8 @@ from nao_course.graphs import POSE, Graph
 from nao_course.lessons.pose_graphs import building, disturbed, field_drive, loop, position_error
 from tests.lessons.pose_graphs.own import OWN
 
-RESIDUAL, SLOPES = OWN["pose_residual"], OWN["pose_residual_jacobians"]
-SIGHT, SIGHT_SLOPES = OWN["landmark_residual"], OWN["landmark_residual_jacobians"]
+RESIDUAL, JACOBIANS = OWN["pose_residual"], OWN["pose_residual_jacobians"]
+LANDMARK_RESIDUAL, LANDMARK_JACOBIANS = OWN["landmark_residual"], OWN["landmark_residual_jacobians"]
 LINEARIZE, SOLVE, BLOCKS, REWEIGHT = (
     OWN[name] for name in ("linearize", "gauss_newton", "marginal_covariances", "reweight")
 )
@@ -48,16 +48,16 @@ def differences(residual, first, second, z, step=1e-6):
 
 
 @pytest.mark.asserts("eq-9-1")
-def test_a_sight_is_missed_by_where_the_landmark_is_in_the_robots_frame_minus_where_it_was_seen(rng):
+def test_a_landmarks_residual_is_its_position_in_the_robots_frame_minus_the_measurement(rng):
     for pose, landmark, z in zip(
         poses(rng, 30), rng.normal(0, 5, (30, 2)), rng.normal(0, 5, (30, 2)), strict=True
     ):
         expected = rotation_2d(pose[2]).T @ (landmark - pose[:2]) - z
-        assert SIGHT(pose, landmark, z) == pytest.approx(expected)
+        assert LANDMARK_RESIDUAL(pose, landmark, z) == pytest.approx(expected)
 
 
 @pytest.mark.asserts("eq-9-3", "eq-9-4")
-def test_a_pose_is_missed_by_the_three_numbers_of_the_product_of_matrices(rng):
+def test_a_poses_residual_is_the_three_numbers_of_the_product_of_matrices(rng):
     for first, second, z in zip(poses(rng, 60), poses(rng, 60), poses(rng, 60), strict=True):
         i, j, measured = (Pose.from_array(each) for each in (first, second, z))
         product = (measured.inverse() @ i.inverse() @ j).as_array()
@@ -75,31 +75,36 @@ def test_jacobians_are_central_differences_at_a_thousand_points_near_pi_too(rng)
         rng.normal(0, 5, (POINTS, 2)),
         rng.normal(0, 5, (POINTS, 2)),
     )
-    for slopes, wanted in (
-        (SLOPES(*ends), differences(RESIDUAL, *ends)),
-        (SIGHT_SLOPES(ends[0], marks, z), differences(SIGHT, ends[0], marks, z)),
+    for jacobians, wanted in (
+        (JACOBIANS(*ends), differences(RESIDUAL, *ends)),
+        (LANDMARK_JACOBIANS(ends[0], marks, z), differences(LANDMARK_RESIDUAL, ends[0], marks, z)),
     ):
-        for own, numeric in zip(slopes, wanted, strict=True):
+        for own, numeric in zip(jacobians, wanted, strict=True):
             assert np.abs(own - numeric).max() < 1e-6
     x, y, theta = ends[0].T
     dx, dy, c, s = marks[:, 0] - x, marks[:, 1] - y, np.cos(theta), np.sin(theta)
-    column = SIGHT_SLOPES(ends[0], marks, z)[0][:, :, 2]
+    column = LANDMARK_JACOBIANS(ends[0], marks, z)[0][:, :, 2]
     assert column == pytest.approx(np.stack([-s * dx + c * dy, -c * dx - s * dy], axis=1))
 
 
 @pytest.mark.asserts("eq-9-5")
-def test_h_and_b_are_sums_of_each_edges_own_and_half_the_slope_of_chi2():
+def test_h_and_b_are_sums_over_the_edges_and_half_the_gradient_of_chi2():
     drive = field_drive(3, 8)
     H, b = LINEARIZE(drive.graph, drive.odometry)
     sum_h, sum_b = np.zeros(H.shape), np.zeros(len(b))
     nodes = np.split(drive.odometry[: 3 * drive.graph.poses], drive.graph.poses)
-    for edges, ends, residual, slopes in (
-        (drive.graph.pose_edges, nodes, RESIDUAL, SLOPES),
-        (drive.graph.landmark_edges, drive.graph.split(drive.odometry)[1], SIGHT, SIGHT_SLOPES),
+    for edges, ends, residual, jacobians in (
+        (drive.graph.pose_edges, nodes, RESIDUAL, JACOBIANS),
+        (
+            drive.graph.landmark_edges,
+            drive.graph.split(drive.odometry)[1],
+            LANDMARK_RESIDUAL,
+            LANDMARK_JACOBIANS,
+        ),
     ):
         for k, places in enumerate(edges.places):
             pair = nodes[edges.first[k]], ends[edges.second[k]], edges.z[k]
-            J, omega = np.hstack(slopes(*pair)), edges.information[k]
+            J, omega = np.hstack(jacobians(*pair)), edges.information[k]
             sum_h[np.ix_(places, places)] += J.T @ omega @ J
             sum_b[places] += J.T @ omega @ residual(*pair)
     assert H.toarray() == pytest.approx(sum_h) and b == pytest.approx(sum_b)
@@ -109,13 +114,13 @@ def test_h_and_b_are_sums_of_each_edges_own_and_half_the_slope_of_chi2():
 
 
 def chi2(graph, states):
-    return graph.squared_errors(states, RESIDUAL, SIGHT).sum()
+    return graph.squared_errors(states, RESIDUAL, LANDMARK_RESIDUAL).sum()
 
 
 @pytest.mark.asserts("eq-9-6")
-def test_a_weight_is_the_slope_of_cauchys_kernel():
+def test_a_weight_is_the_derivative_of_cauchys_kernel():
     world, width, step = loop(2, side=3), 2.5, 1e-6
-    squares = world.graph.squared_errors(world.odometry, RESIDUAL, SIGHT)
+    squares = world.graph.squared_errors(world.odometry, RESIDUAL, LANDMARK_RESIDUAL)
     kernel = [width**2 * np.log1p((squares + sign * step) / width**2) for sign in (1, -1)]
     weights = REWEIGHT(world.graph, world.odometry, width).information / np.where(
         world.graph.information, world.graph.information, 1
@@ -155,7 +160,7 @@ def test_without_the_first_pose_held_h_has_three_zeros_anywhere(rng):
         assert np.count_nonzero(np.abs(values) < 1e-9 * values[-1]) == 3
 
 
-def test_covariances_are_blocks_of_the_inverse_and_honest_where_those_of_h_alone_are_not():
+def test_covariances_are_blocks_of_the_inverse_and_consistent_unlike_blocks_of_h():
     scores = {"marginal": [], "conditional": []}
     for seed in range(40):
         world = loop(1000 + seed, side=3)
@@ -168,7 +173,7 @@ def test_covariances_are_blocks_of_the_inverse_and_honest_where_those_of_h_alone
         error[2] = wrap_angle(error[2])
         scores["marginal"].append(error @ np.linalg.solve(block, error))
         scores["conditional"].append(error @ H.toarray()[np.ix_(rows, rows)] @ error)
-    assert 2.3 < np.mean(scores["marginal"]) < 3.8  # 95 % of an honest one's: 2.3 to 3.8
+    assert 2.3 < np.mean(scores["marginal"]) < 3.8  # 95 % band of a consistent estimate: 2.3 to 3.8
     assert np.mean(scores["conditional"]) > 15
 
 

@@ -1,4 +1,4 @@
-"""The challenge of lesson 11: its drives, and that only an honest belief is worth something."""
+"""The challenge of lesson 11: its drives, and that only a consistent estimate gains points."""
 
 import numpy as np
 import pytest
@@ -20,8 +20,8 @@ def test_the_same_seed_gives_the_same_drive(case):
 def test_odometry_is_worth_nothing_and_an_overconfident_winner_loses(case):
     assert judge((case.odometry, case.odometry_covariance), case).score == pytest.approx(0.0, abs=1e-6)
     near = case.drive.poses[-1] + (0.03, 0.0, 0.0)
-    honest, overconfident = judge((near, 0.001 * np.eye(3)), case), judge((near, 1e-7 * np.eye(3)), case)
-    assert honest.score > 3 and overconfident.score < 0
+    consistent, overconfident = judge((near, 0.001 * np.eye(3)), case), judge((near, 1e-7 * np.eye(3)), case)
+    assert consistent.score > 3 and overconfident.score < 0
 
 
 def test_its_board_has_a_better_entry_than_the_reference():

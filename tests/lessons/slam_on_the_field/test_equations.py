@@ -5,31 +5,38 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.observation import CAMERA_HEIGHT, as_observation, picture_covariance, tilt_jacobian
 from nao_course.geometry import Pose, wrap_angle
-from nao_course.lessons.slam_on_the_field.system.compass import wrap_quarter
-from nao_course.lessons.slam_on_the_field.system.observation import (
-    CAMERA_HEIGHT,
-    as_observation,
-    picture_covariance,
-    tilt_slopes,
-)
 from nao_course.slam import Measurement, range_and_bearing
+from tests.paths import SOLUTIONS
 
 
 @pytest.mark.asserts("eq-11-1")
-def test_a_lean_moves_a_range_by_its_square_over_the_height(rng):
+def test_a_small_tilt_about_the_feet_changes_a_range_by_its_square_over_the_height(rng):
     for r, b in zip(rng.uniform(0.8, 4, 20), rng.uniform(-1, 1, 20), strict=True):
-        tau = 1e-5  # a ray to r meets the ground where its slope says
-        longer = 1 / (1 / r - tau * np.cos(b) / CAMERA_HEIGHT)
-        assert np.isclose((longer - r) / tau, r**2 / CAMERA_HEIGHT * np.cos(b), rtol=1e-3)
-        assert np.isclose(tilt_slopes(np.array([[b, r]]))[1, 0], r**2 / CAMERA_HEIGHT * np.cos(b))
+        tau = 1e-5
+        assert np.isclose((tilted_range(b, r, tau) - r) / tau, r**2 / CAMERA_HEIGHT * np.cos(b), rtol=1e-3)
+        assert np.isclose(tilt_jacobian(np.array([[b, r]]))[1, 0], r**2 / CAMERA_HEIGHT * np.cos(b))
+
+
+def test_the_text_says_how_good_the_approximations_are():
+    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    near, far = (1.0, np.radians(1)), (4.0, np.radians(2))
+    (near_1, near_exact), (far_1, far_exact) = (
+        (r**2 / CAMERA_HEIGHT * tau, tilted_range(0.0, r, tau) - r) for r, tau in (near, far)
+    )
+    assert f"At 1 m and 1° it gives {100 * near_1:.1f} cm (exact: {100 * near_exact:.1f} cm)" in text
+    assert f"at 4 m and 2° {far_1:.2f} m (exact: {far_exact:.2f} m)" in text
+    inverse = 1 / (1 / far[0] - far[1] / CAMERA_HEIGHT) - far[0]
+    assert f"gives {inverse:.2f} m of error where the exact value is {far_exact:.2f} m" in text
 
 
 @pytest.mark.asserts("eq-11-2")
-def test_what_a_picture_shares_is_one_lean():
+def test_what_a_picture_shares_is_one_tilt():
     seen = [Measurement(0.3, 2.0), Measurement(-0.4, 3.0, "post"), Measurement(0.0, 1.2)]
     tilt = np.array([[4e-4, 1e-4], [1e-4, 2e-4]])
-    G = tilt_slopes(np.array([(each.bearing, each.range) for each in seen]))
+    G = tilt_jacobian(np.array([(each.bearing, each.range) for each in seen]))
     shared = picture_covariance(seen, tilt) - picture_covariance(seen, np.zeros((2, 2)))
     assert np.allclose(shared, G @ tilt @ G.T)
     alone = picture_covariance(seen, np.zeros((2, 2)))
@@ -61,8 +68,15 @@ def test_pairs_together_are_as_far_as_their_whole_covariance_says(own, rng):
     )
 
 
+def tilted_range(bearing, distance, tau):
+    """The range at which an upright robot would see a landmark if its body tilts forward by `tau` about its feet."""
+    x, y = distance * np.cos(bearing), distance * np.sin(bearing)
+    ahead, up = x * np.cos(tau), x * np.sin(tau)  # in the body's frame
+    return float(np.hypot(ahead, y) * CAMERA_HEIGHT / (CAMERA_HEIGHT - up))
+
+
 def turned(own, off, sigma, gate=4.0):
-    """A filter with a heading in doubt, after a compass that says it is `off`."""
+    """Return a filter with an uncertain heading, after a compass that measures it to be `off`."""
     slam = own["EkfSlam"](Pose(0.0, 0.0, 1.0), gate=gate)
     slam.covariance = np.array([[0.01, 0.0, 0.002], [0.0, 0.01, 0.001], [0.002, 0.001, 0.0025]])
     slam.use_compass(float(wrap_quarter(-(1.0 + off))), sigma)
@@ -80,17 +94,17 @@ def test_a_compass_corrects_all_that_shares_the_headings_error_however_far_it_is
 
 
 @pytest.mark.asserts("eq-11-5")
-def test_one_over_a_range_errs_by_a_lean_along_a_straight_line():
+def test_the_inverse_of_a_range_is_linear_in_the_tilt():
     b, r, tau = 0.4, 3.0, np.radians(2.0)
-    leant = 1 / (1 / r - np.cos(b) * tau / CAMERA_HEIGHT)
+    tilted = 1 / (1 / r - np.cos(b) * tau / CAMERA_HEIGHT)
     expected = 2.8
-    values, _ = as_observation([Measurement(b, leant)]).about([expected])
-    straight, _ = as_observation([Measurement(b, r)]).about([expected])
-    assert np.isclose(values[1], expected + expected**2 * (1 / expected - 1 / leant))
+    values, _ = as_observation([Measurement(b, tilted)]).linearised_at([expected])
+    straight, _ = as_observation([Measurement(b, r)]).linearised_at([expected])
+    assert np.isclose(values[1], expected + expected**2 * (1 / expected - 1 / tilted))
     assert np.isclose(values[1] - straight[1], expected**2 * np.cos(b) * tau / CAMERA_HEIGHT)
 
 
-def test_a_new_landmark_shares_its_pictures_lean(own):
+def test_a_new_landmark_shares_its_pictures_tilt(own):
     seen = [Measurement(0.3, 2.0), Measurement(-0.3, 3.0)]
     slam = own["EkfSlam"](Pose())
     slam.observe(seen)

@@ -9,32 +9,32 @@ from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field import figures
 from nao_course.lessons.slam_on_the_field.associating import shares
 from nao_course.lessons.slam_on_the_field.drivers import on_taken_picture, taken_from
-from nao_course.lessons.slam_on_the_field.figures import draw_drives, draw_one_tilt, draw_sights
+from nao_course.lessons.slam_on_the_field.figures import draw_drives, draw_measurements, draw_one_tilt
 from nao_course.lessons.slam_on_the_field.ideas import RECORDED, draw_ideas
-from nao_course.lessons.slam_on_the_field.panel import draw_riddle
-from nao_course.lessons.slam_on_the_field.worlds import riddle
+from nao_course.lessons.slam_on_the_field.panel import draw_problem
+from nao_course.lessons.slam_on_the_field.worlds import association_problem
 from nao_course.slam import DeadReckoning
 
 
-def test_one_tilt_is_told_in_words():
+def test_the_figure_of_one_tilt_states_its_correlation():
     assert "correlation is 0.9" in draw_one_tilt().alt
 
 
 def test_right_and_wrong_associations_are_counted():
-    each = riddle(4, 0.1, 0.1)
+    each = association_problem(4, 0.1, 0.1)
     wrong = list(each.origins)
     wrong[0] = -1
     assert each.right(each.origins) == len(each.origins) and each.right(wrong) == len(each.origins) - 1
     assert (
-        f"{len(each.origins) - 1} of them are taken for the right landmark"
-        in draw_riddle(each, np.array(wrong)).alt
+        f"{len(each.origins) - 1} of them are matched with the right landmark"
+        in draw_problem(each, np.array(wrong)).alt
     )
 
 
 @pytest.mark.parametrize("answer", [None, [(0.1, 1.0)], 3.0])
-def test_sights_that_are_no_measurements_are_refused_in_words(answer):
+def test_answers_that_are_no_measurements_are_rejected_in_words(answer):
     with pytest.raises(TypeError, match="measure must return a list of Measurement"):
-        draw_sights(lambda picture, view: answer)
+        draw_measurements(lambda picture, view: answer)
 
 
 def test_the_payoff_is_what_the_pictures_show(monkeypatch):
@@ -65,7 +65,7 @@ def test_the_ideas_say_where_a_better_noise_alone_is_worse():
 
 def test_an_answer_of_another_length_is_refused():
     with pytest.raises(ValueError, match="need as many numbers"):
-        shares(lambda *given: [0], [riddle(4, 0.1, 0.1)])
+        shares(lambda *given: [0], [association_problem(4, 0.1, 0.1)])
 
 
 def test_a_picture_is_taken_where_it_is_asked_for():

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from benchmarks import RESULTS
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field import gates
-from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.observation import observation
 from nao_course.lessons.slam_on_the_field.worlds import DrawnDrive, drawn_drive
 from nao_course.slam import DeadReckoning, Measurement
 from tests.paths import SOLUTIONS
@@ -22,7 +22,7 @@ ORIGINS = ((4, 7), (4, 7, 8))
 
 
 class Scripted(DeadReckoning):
-    """A filter that believes every command, and names measurements as it is told."""
+    """A filter that follows its commands exactly and associates measurements by a script."""
 
     def __init__(self, start, odometry, gate, association=None):
         super().__init__(start)
@@ -49,20 +49,7 @@ def test_a_measurement_is_right_wrong_again_or_left_out():
     assert watched.outcome.off == 0
 
 
-def test_what_is_kept_of_a_way_to_associate_is_not_shown_for_another_one(monkeypatch):
-    """A student who mends a function and runs the cell again sees what the mended one does."""
-    monkeypatch.setattr(gates, "watch", lambda slam_class, drive, gate, match: match)
-    begun, mended = (lambda *_: []), (lambda *_: [])
-
-    class Own(Scripted):
-        """What is kept of it is of no other test."""
-
-    for match in (begun, mended, begun):
-        shown = gates.with_gates(Own, match)[f"{gates.JOINTLY}, gate {gates.JOINT_GATE:g}"]
-        assert shown == [match] * gates.DRIVES
-
-
-def test_thirty_drives_are_recorded_for_both_ways_and_every_gate():
+def test_thirty_drives_are_recorded_for_both_associations_and_every_gate():
     rows = gates.recorded()
     assert {(row["way"], row["gate"]) for row in rows} == {
         (way, gate) for way in (gates.NEAREST, gates.JOINTLY) for gate in gates.GATES
@@ -71,6 +58,13 @@ def test_thirty_drives_are_recorded_for_both_ways_and_every_gate():
     assert all(sum(row["shares"].values()) == pytest.approx(1, abs=1e-3) for row in rows)
     drawn = gates.draw_associations()
     assert "30 drives" in drawn.alt and "Gate 3, joint compatibility" in drawn.alt
+
+
+def test_predictions_are_compared_with_the_drives_that_the_text_describes():
+    drives = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["drives"]
+    tight, wide = (drives[f"nearest neighbour, gate {gate}"] for gate in (1, 10))
+    assert gates.recorded_landmarks(gate=1) == pytest.approx(tight["landmarks"], abs=0.05)
+    assert gates.recorded_wrong(gate=10) == pytest.approx(wide["wrong %"], abs=0.05)
 
 
 def test_joint_compatibility_is_right_more_often_at_the_usual_gate():
@@ -93,8 +87,8 @@ def test_the_lesson_states_what_thirty_drives_say():
         f"leaves out {tight['left out %']:.0f} % of all",
         f"Another {tight['again %']:.0f} % lie beyond",
         f"{tight['landmarks']:.0f} landmarks where there are ten",
-        f"corrects little: {tight['off cm']:.0f} cm off",
-        f"takes {wide['wrong %']:.0f} % for a wrong",
+        f"correct little: the drives end {tight['off cm']:.0f} cm off",
+        f"matches {wide['wrong %']:.0f} % with a wrong",
         f"end more than {wide['off cm']:.0f} cm off",
         f"is right in {usual['right %']:.0f} %",
         f"{usual['> 10 cm']} of 30 drives end more than 10 cm off",
@@ -107,13 +101,11 @@ def test_the_lesson_states_what_thirty_drives_say():
 def test_the_lesson_states_what_a_hundred_looks_say():
     looks = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["looks"]
     usual = looks["gate 3"]
-    said = ", ".join(
-        f"{usual[f'{doubt} degrees']['right']:.0f} %{' are right' if doubt == 2 else ''} at {doubt}°"
-        for doubt in (2, 5, 10)
-    )
+    at = [f"{usual[f'{sigma} degrees']['right']:.0f} %" for sigma in (2, 5, 10)]
+    said = f"{at[0]} of the matches are right at 2°, {at[1]} at 5° and {at[2]} at 10°"
     text = section("Which landmark is it?")
     assert said in text, said
-    assert "Three of five right ones are refused" in text
+    assert "Three of five correct matches are rejected" in text
     assert looks["gate 1"]["2 degrees"]["left out"] == pytest.approx(60, abs=5)
 
 

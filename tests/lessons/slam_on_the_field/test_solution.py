@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from nao_course.exercises.checking import read_public
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field.associating import follow, right_share
-from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.observation import observation
-from nao_course.lessons.slam_on_the_field.worlds import KINDS, LANDMARKS, drawn_drive, riddle
+from nao_course.lessons.slam_on_the_field.worlds import KINDS, LANDMARKS, association_problem, drawn_drive
 from nao_course.slam import Measurement, Motion, measured_points, range_and_bearing, run_slam
 
 
@@ -27,6 +28,28 @@ def exact_log(start):
     return log, pose
 
 
+def test_the_docstrings_example_of_the_joint_distance_is_what_it_returns(own):
+    state, covariance = 2.0 * np.eye(5)[3], 0.01 * np.eye(5)
+    distance = own["joint_distance"](state, covariance, [0], [Measurement(0.1, 2.2)], np.diag([0.0025, 0.01]))
+    assert f"give {distance:.3f}." in own["joint_distance"].__doc__
+
+
+def test_a_picture_of_the_public_cases_needs_all_measurements_associated_together(own):
+    """Else `number` alone would pass although it associates one measurement at a time, which fails on whole drives."""
+    exercise = next(each for each in read_public("11_slam_on_the_field").exercises if each.name == "EkfSlam")
+    differ = []
+    for case in exercise.cases:
+        given = {name: args for name, args in case.args[1] if args}
+        if case.part == "number" and given[".kinds"][0]:
+            picture, gate = given["number"][0], case.args[0][2] if len(case.args[0]) > 2 else 4.0
+            belief = given[".state"][0], given[".covariance"][0], given[".kinds"][0]
+            together = own["associate"](*belief, picture, picture.covariance, gate)
+            parts = [picture.part([i]) for i in range(len(picture))]
+            alone = [own["associate"](*belief, part, part.covariance, gate)[0] for part in parts]
+            differ.append(list(together) != alone)
+    assert any(differ)
+
+
 @pytest.mark.parametrize("name", ["EkfSlam", "GraphSlam"])
 def test_without_noise_a_drive_is_the_truth(own, name):
     start = Pose(0.5, -0.3, 0.2)
@@ -36,24 +59,24 @@ def test_without_noise_a_drive_is_the_truth(own, name):
         if motion is not None:
             slam.move(motion)
         slam.observe(seen)
-    believed = slam.estimate()
-    assert np.allclose(believed.pose.as_array(), end.as_array(), atol=1e-6)
-    away = np.linalg.norm(believed.landmarks[:, None] - LANDMARKS, axis=2).min(axis=1)
+    estimated = slam.estimate()
+    assert np.allclose(estimated.pose.as_array(), end.as_array(), atol=1e-6)
+    away = np.linalg.norm(estimated.landmarks[:, None] - LANDMARKS, axis=2).min(axis=1)
     assert away.max() < 1e-6
 
 
-def test_a_look_is_drawn_as_it_says_it_errs():
+def test_drawn_measurements_have_the_stated_covariance():
     errors = []
     for seed in range(60):
-        each = riddle(seed, 0.1, 0.1)
+        each = association_problem(seed, 0.1, 0.1)
         exact = range_and_bearing(each.pose.as_array(), LANDMARKS[list(each.origins)])
         away = (each.observation.values - exact).ravel()
         errors.append(away @ np.linalg.solve(each.observation.covariance, away) / len(away))
     assert 0.7 < np.median(errors) < 1.4
 
 
-def test_measurements_of_a_riddle_lie_at_their_landmarks():
-    each = riddle(3, 0.1, 0.1)
+def test_measurements_of_a_problem_lie_at_their_landmarks():
+    each = association_problem(3, 0.1, 0.1)
     places = measured_points(each.observation, each.pose)
     assert np.linalg.norm(places - LANDMARKS[list(each.origins)], axis=1).max() < 1.5
 

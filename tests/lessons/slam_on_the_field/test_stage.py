@@ -1,4 +1,4 @@
-"""The stage of lesson 11: the student's class drives, and where `measure` is missing the simulator looks."""
+"""The stage of lesson 11: the student's class drives, and if `measure` is missing the simulator measures."""
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -12,8 +12,8 @@ from nao_course.student.stages import readiness
 from nao_course.widgets.control_panel import Pipeline
 
 
-class Told(SlamAlgorithm):
-    """Believes its commands and counts what it is shown."""
+class Commanded(SlamAlgorithm):
+    """Follows its commands exactly and counts its measurements."""
 
     def __init__(self, start, odometry):
         self.pose, self.seen = start, 0
@@ -23,7 +23,7 @@ class Told(SlamAlgorithm):
 
     def observe(self, measurements):
         self.seen += len(measurements)
-        Told.last = measurements
+        Commanded.last = measurements
 
     def estimate(self):
         return Estimate(self.pose, np.diag([0.01, 0.01, 0.01]), np.empty((0, 2)), np.empty((0, 2, 2)))
@@ -32,35 +32,37 @@ class Told(SlamAlgorithm):
 def looked(functions):
     nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=3)
     pipeline = Pipeline([STAGE], functions, nao)
-    pipeline.look(nao.take_picture())
+    pipeline.process(nao.take_picture())
     nao.walk(0.2)
-    return pipeline.look(nao.take_picture()), nao
+    return pipeline.process(nao.take_picture()), nao
 
 
-def test_the_students_class_follows_and_the_board_says_error_and_honesty():
-    seen, nao = looked({"EkfSlam": Told, "measure": lambda picture, view: [Measurement(0.1, 1.5, "post")]})
+def test_the_students_class_follows_and_the_board_says_error_and_nees():
+    seen, nao = looked(
+        {"EkfSlam": Commanded, "measure": lambda picture, view: [Measurement(0.1, 1.5, "post")]}
+    )
     assert not seen.complaints
     text = seen.overlays["the estimate"].text
     assert "1 measurement by your measure" in text and "NEES" in text and "states 14 cm" in text
     assert np.allclose(seen.estimate.pose.as_array(), (Truth(nao).odometry_start @ nao.odometry).as_array())
 
 
-def test_without_measure_the_simulator_looks():
-    seen, _ = looked({"EkfSlam": Told})
+def test_without_measure_the_simulator_measures():
+    seen, _ = looked({"EkfSlam": Commanded})
     assert "by sense()" in seen.overlays["the estimate"].text
 
 
-def test_the_filter_is_told_the_noise_of_the_simulators_measurements():
-    _, nao = looked({"EkfSlam": Told})
-    own = [nao.sensor_noise.covariance(each) for each in Told.last]
-    assert len(own) > 1 and np.array_equal(Told.last.covariance, block_diag(*own))
+def test_the_filter_gets_the_noise_of_the_simulators_measurements():
+    _, nao = looked({"EkfSlam": Commanded})
+    own = [nao.sensor_noise.covariance(each) for each in Commanded.last]
+    assert len(own) > 1 and np.array_equal(Commanded.last.covariance, block_diag(*own))
 
 
-def test_where_measure_calls_what_is_missing_it_is_named_and_the_simulator_looks():
+def test_where_measure_calls_what_is_missing_it_is_named_and_the_simulator_measures():
     def measure(picture, view):
         raise EarlierNotUsable("find_goalposts of your lesson 02 is not usable yet.")
 
-    seen, _ = looked({"EkfSlam": Told, "measure": measure})
+    seen, _ = looked({"EkfSlam": Commanded, "measure": measure})
     assert not seen.complaints
     assert seen.overlays["the estimate"].text.endswith(
         "by sense(), for find_goalposts of your lesson 02 is not usable yet"
@@ -68,7 +70,7 @@ def test_where_measure_calls_what_is_missing_it_is_named_and_the_simulator_looks
 
 
 def test_a_measure_that_returns_no_list_is_said():
-    seen, _ = looked({"EkfSlam": Told, "measure": lambda picture, view: None})
+    seen, _ = looked({"EkfSlam": Commanded, "measure": lambda picture, view: None})
     assert "measure must return a list of Measurement, got NoneType" in seen.complaints[0]
 
 

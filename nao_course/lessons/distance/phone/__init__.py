@@ -8,5 +8,5 @@ __all__ = ["PhoneLab", "Photo", "read_photo", "sheet_pdf", "view_from_points"]
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the names that tab completion shows."""
     return __all__

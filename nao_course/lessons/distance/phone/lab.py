@@ -30,26 +30,38 @@ from nao_course.sim import CameraView
 from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
 
 USUAL_FOCAL = 27.0  # mm in 35 mm terms: most phones' main camera, and the stand-in's
-WHERE = {
-    "A": "near, left",
-    "B": "near, right",
-    "C": "far, right",
-    "D": "far, left",
-}  # seen from the halfway line
+# Seen from the halfway line
+WHERE = {"A": "near, left", "B": "near, right", "C": "far, right", "D": "far, left"}
 # A browser hands files to the kernel in one message. JupyterLab's server takes 10 MB, and of more it says nothing:
 # `make lab` lets it take what is read here. Other servers may have limits of their own.
 UPLOADED = (
-    f"JPEG or PNG, at most {LARGEST_FILE / 1e6:.0f} MB. If nothing comes of a large one: drag it into the list of "
+    f"JPEG or PNG, at most {LARGEST_FILE / 1e6:.0f} MB. If a large one does not load, drag it into the list of "
     'files on the left, and name it: <code>PhoneLab(..., photo="name.jpg")</code>'
 )
-STAND_IN = "This is a stand-in. Choose a photo of your own, or try with this one."
+STAND_IN = "This is a simulated photo. Choose a photo of your own, or use this one."
+_CONTROLS = [
+    Pixel("pixel", "Corner", SIZE, tooltip="Click a corner of the field, then its letter"),
+    *(
+        Action(
+            letter.lower(), letter, key=letter.lower(), tooltip=f"The pixel is the field's corner {letter}"
+        )
+        for letter in CLICKED
+    ),
+    Slider("focal", "Focal length", *FOCALS_35, 0.5, USUAL_FOCAL, unit="mm", tooltip="In 35 mm terms"),
+    Slider("height", "Height", 10.0, 100.0, 0.5, 33.0, unit="cm", tooltip="Of the phone above the table"),
+    Slider("pitch", "Looks down by", 5.0, 85.0, 0.5, 55.0, unit="°", tooltip="By the phone's level"),
+]
+_UNFINISHED = {
+    "find_landmarks": "Finish lessons 01 to 03 to see your landmarks in the photo.",
+    "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
+}
 
 
 class PhoneLab(FunctionPanel):
     """Upload a photo of the sheet, click its four letters, and see your landmarks on the map.
 
-    Without the four letters the camera's height and pitch are those of the sliders, as measured with a ruler and the
-    phone's own level; where on the map it stands, only the letters tell.
+    Without the four letters, the camera's height and pitch come from the sliders, as measured with a ruler and the
+    phone's level; its position on the map needs the letters.
 
     Parameters
     ----------
@@ -74,44 +86,19 @@ class PhoneLab(FunctionPanel):
         )
         self._points: dict[str, tuple[int, int]] = {}
         self._pressed_before: dict[str, int] = {}
-        letters = [
-            Action(
-                letter.lower(),
-                letter,
-                key=letter.lower(),
-                tooltip=f"The pixel is the field's corner {letter}",
-            )
-            for letter in CLICKED
-        ]
         super().__init__(
             "Phone lab",
             self._look,
-            [
-                Pixel("pixel", "Corner", SIZE, tooltip="Click a corner of the field, then its letter"),
-                *letters,
-                Slider(
-                    "focal", "Focal length", *FOCALS_35, 0.5, USUAL_FOCAL, unit="mm", tooltip="In 35 mm terms"
-                ),
-                Slider(
-                    "height",
-                    "Height",
-                    10.0,
-                    100.0,
-                    0.5,
-                    33.0,
-                    unit="cm",
-                    tooltip="Of the phone above the table",
-                ),
-                Slider(
-                    "pitch", "Looks down by", 5.0, 85.0, 0.5, 55.0, unit="°", tooltip="By the phone's level"
-                ),
-            ],
+            _CONTROLS,
             student={"find_landmarks": find_landmarks, "pixel_to_ground": pixel_to_ground},
-            unfinished={
-                "find_landmarks": "Finish lessons 01 to 03 to see your landmarks in the photo.",
-                "pixel_to_ground": "Finish exercise 4.4 to see points on the map.",
-            },
+            unfinished=_UNFINISHED,
         )
+        self._add_upload()
+        if photo is not None:
+            self._open(Path(photo))
+
+    def _add_upload(self) -> None:
+        """Put the button that takes a photo above everything else."""
         self._upload = ipywidgets.FileUpload(
             accept="image/*", multiple=False, description="Your photo", layout={"flex": "0 0 auto"}
         )
@@ -121,8 +108,6 @@ class PhoneLab(FunctionPanel):
         note = ipywidgets.HTML(UPLOADED, layout={"width": "auto", "flex": "1 1 auto"})
         row = ipywidgets.HBox([self._upload, note])
         self.widget.children = (style, row, *rest)
-        if photo is not None:
-            self._open(Path(photo))
 
     def upload(self, content: bytes) -> None:
         """Take a photo's file in place of the present one; what cannot be read is said in the panel."""
@@ -133,9 +118,9 @@ class PhoneLab(FunctionPanel):
             self.set()
             return
         if self._photo.focal_35 is None:
-            self._said = f"The file does not tell its focal length: {USUAL_FOCAL:g} mm is usual."
+            self._said = f"The file does not contain its focal length; {USUAL_FOCAL:g} mm is usual."
         else:
-            self._said = f"The camera says {self._photo.focal_35:g} mm."
+            self._said = f"The file gives a focal length of {self._photo.focal_35:g} mm."
         self.set(**dict.fromkeys(map(str.lower, CLICKED), 0), focal=self._photo.focal_35 or USUAL_FOCAL)
 
     def reset(self) -> None:
@@ -149,7 +134,7 @@ class PhoneLab(FunctionPanel):
         try:
             content = file.read_bytes()
         except OSError:
-            self._said = f"There is no file {str(file)!r} to be read beside this notebook. {STAND_IN}"
+            self._said = f"There is no file {str(file)!r} beside this notebook. {STAND_IN}"
             self.set()
             return
         self.upload(content)
@@ -169,7 +154,7 @@ class PhoneLab(FunctionPanel):
         yield " ".join(filter(None, (self._said, words)))
         marks = as_points(student.find_landmarks(photo), name="landmarks (u, v)")
         if not len(marks):
-            yield "Your code finds no post and no corner in it."
+            yield "Your code finds no post and no corner in this photo."
             return
         yield {"The photo": _lettered(mark_pixels(photo, marks), clicked)}
         ground = as_points(student.pixel_to_ground(marks, view), name="points on the ground")
@@ -177,7 +162,8 @@ class PhoneLab(FunctionPanel):
             raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
         shown = np.isfinite(ground).all(axis=1)
         if not shown.all():
-            yield f"{np.count_nonzero(~shown)} of {len(marks)} landmarks: NaN, at or above the horizon."
+            above = np.count_nonzero(~shown)
+            yield f"{above} of {len(marks)} landmarks are at or above the horizon: their points are NaN."
         ground = ground[shown]
         if pose is None:
             rows = [(f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°") for away, bearing in _polar(ground)]
@@ -187,7 +173,7 @@ class PhoneLab(FunctionPanel):
             yield _nearest(pose.to_parent(ground))
 
     def _clicked(self, values: Any) -> dict[str, tuple[int, int]]:
-        """The letters' pixels: a letter that was pressed takes the pixel that is chosen now; Reset forgets all."""
+        """Return the pixels of the letters: a pressed letter gets the selected pixel, and Reset removes all."""
         for letter in CLICKED:
             times = values[letter.lower()]
             if times > self._pressed_before.get(letter, 0):
@@ -200,7 +186,7 @@ class PhoneLab(FunctionPanel):
     def _camera(
         self, values: Any, clicked: Mapping[str, tuple[int, int]]
     ) -> tuple[CameraView, Pose | None, str]:
-        """View in metres of the field, pose where it is known, and a sentence about both."""
+        """Return the view in metres of the field, the pose if it is known, and a sentence about both."""
         hfov = self._photo.hfov(values.focal)
         by_hand = CameraView.from_fov(
             SIZE, hfov, values.height / 100 / SCALE, float(np.radians(values.pitch))
@@ -217,8 +203,12 @@ class PhoneLab(FunctionPanel):
         height, pitch, roll = 100 * SCALE * view.height, np.degrees(view.pitch), np.degrees(view.roll)
         found = f"{height:.1f} cm up, {pitch:.1f}° down, roll {roll:.1f}°"
         turned = pose.x > max(x for x, _ in CLICKED.values())
-        warned = " It was behind the goal line: if not, the letters are turned." if turned else ""
-        return view, pose, f"By the four letters the phone was {found}.{warned}"
+        warned = (
+            " It was behind the goal line. If it was not, the letters are at the wrong corners."
+            if turned
+            else ""
+        )
+        return view, pose, f"From the four letters, the phone was {found}.{warned}"
 
 
 def _lettered(pixels: npt.NDArray[np.uint8], clicked: Mapping[str, tuple[int, int]]) -> npt.NDArray[np.uint8]:
@@ -233,37 +223,37 @@ def _lettered(pixels: npt.NDArray[np.uint8], clicked: Mapping[str, tuple[int, in
 
 
 def _polar(points: FloatArray) -> list[tuple[float, float]]:
-    """Distance (m) and direction (degrees) of points."""
+    """Return distance (m) and direction (degrees) of points."""
     return [(float(np.hypot(x, y)), float(np.degrees(np.arctan2(y, x)))) for x, y in points]
 
 
+@course_style()
 def _draw_sheet_map(pose: Pose, points: FloatArray) -> Drawing:
-    """The field from above with the phone and the points, in metres of the field."""
+    """Draw the field from above with the phone and the points, in metres of the field."""
     colour = STYLES["ekf"].colour
-    with course_style():
-        figure = Figure(figsize=(4.2, 4.0))
-        ax = figure.add_subplot()
-        plot_field(FIELD, ax)
-        ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)
-        plot_pose(pose, ax, "truth")
-        ax.set(xlim=(min(pose.x, -0.7) - 0.3, 4.0), ylim=(-3.0, 3.0))
-        keys = [
-            Line2D([], [], color=colour, marker="P", mec="white", ls="", ms=10, label="your landmarks"),
-            Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="phone"),
-        ]
-        legend_below(figure, keys)
+    figure = Figure(figsize=(4.2, 4.0))
+    ax = figure.add_subplot()
+    plot_field(FIELD, ax)
+    ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)
+    plot_pose(pose, ax, "truth")
+    ax.set(xlim=(min(pose.x, -0.7) - 0.3, 4.0), ylim=(-3.0, 3.0))
+    keys = [
+        Line2D([], [], color=colour, marker="P", mec="white", ls="", ms=10, label="your landmarks"),
+        Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="phone"),
+    ]
+    legend_below(figure, keys)
     said = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in points)
     where = f"The phone is above ({pose.x:.2f}, {pose.y:.2f})"
     return Drawing(figure, f"Map of the sheet in metres of the field. {where}; landmarks: {said or 'none'}.")
 
 
 def _nearest(points: FloatArray) -> Any:
-    """How far each point is from the landmark of the field that is nearest, on paper."""
-    known = [mark for mark in FIELD.landmarks if mark.kind != "cross"]
+    """Return the distance of each point from the nearest landmark, on paper."""
+    known = FIELD.detectable
     places = np.array([(mark.x, mark.y) for mark in known])
     rows = []
     for point in points:
         apart = np.linalg.norm(places - point, axis=1)
         mark = known[int(apart.argmin())]
         rows.append((f"{mark.kind} at ({mark.x:g}, {mark.y:g})", f"{100 * SCALE * apart.min():.1f} cm"))
-    return table(("nearest landmark", "your point is off by"), rows)
+    return table(("nearest landmark", "error of your point"), rows)

@@ -21,9 +21,8 @@ MOST_PIXELS = 120_000_000
 SMALLEST_SIDE = 100  # px
 _EXIF_BLOCK, _FOCAL_35 = 0x8769, 0xA405  # where a camera writes its focal length in 35 mm terms
 _HEIF_BRANDS = (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"avif")
-_FROM_OPENCV = np.array(
-    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
-)  # (right, down, ahead) as (ahead, left, up)
+# (right, down, ahead) as (ahead, left, up)
+_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ class Photo:
     focal_35: float | None = None
 
     def hfov(self, focal_35: float) -> float:
-        """Horizontal field of view (rad) of the whole 320 pixels, for a focal length in 35 mm terms (mm)."""
+        """Return the horizontal field of view (rad) of all 320 pixels for a focal length in 35 mm terms (mm)."""
         width, height = SIZE[0] * self.part[0], SIZE[1] * self.part[1]
         focal = finite("focal length (mm)", focal_35) / DIAGONAL_35 * np.hypot(width, height)
         if focal <= 0:
@@ -94,14 +93,14 @@ def read_photo(content: bytes) -> Photo:
             image.draft("RGB", (2 * SIZE[0], 2 * SIZE[0]))  # a JPEG is read small at once
             upright = _as_rgb(ImageOps.exif_transpose(image))
     except (UnidentifiedImageError, Image.DecompressionBombError):
-        raise ValueError("This file is no picture that can be read: a JPEG or PNG is wanted.") from None
+        raise ValueError("This file cannot be read as a picture. Use a JPEG or PNG.") from None
     except (OSError, SyntaxError):  # what Pillow raises for files that end too early
         raise ValueError("The picture's file is damaged or ends too early. Send it again.") from None
     return _framed(upright, focal)
 
 
 def _focal_length(image: Image.Image) -> float | None:
-    """What the camera wrote, if it makes sense."""
+    """Return the focal length in the file if it is plausible."""
     try:
         value = float(image.getexif().get_ifd(_EXIF_BLOCK).get(_FOCAL_35, 0))
     except (TypeError, ValueError, ZeroDivisionError, SyntaxError, OSError):
@@ -110,7 +109,7 @@ def _focal_length(image: Image.Image) -> float | None:
 
 
 def _as_rgb(image: Image.Image) -> npt.NDArray[np.uint8]:
-    """Eight bits in three channels; what is see-through lies on white."""
+    """Return eight bits in three channels, with transparent parts on white."""
     if image.mode.startswith(("I", "F")):  # sixteen bits and more
         values = np.asarray(image, dtype=float)
         span = max(float(values.max() - values.min()), 1e-9)
@@ -194,7 +193,7 @@ def view_from_points(
 def _seen_again(
     turn: FloatArray, shift: FloatArray, matrix: FloatArray, points: FloatArray, pixels: FloatArray
 ) -> bool:
-    """Whether a camera there sees the points before it, and about where they were marked."""
+    """Return True if a camera there sees the points in front of it and near their marks."""
     ahead = points @ turn.T + shift[:, 0]
     if (ahead[:, 2] <= 0).any():
         return False

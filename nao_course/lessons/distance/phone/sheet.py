@@ -22,42 +22,37 @@ FIELD = Field(2012)
 SCALE = 1 / 15  # of the sheet: a metre of the field is 67 mm
 PAPER = (0.420, 0.297)  # m: A3, lying
 BELOW = 0.020  # m of paper below the halfway line
-LINE_WIDTH, POST_WIDTH, POST_LENGTH = (
-    0.08,
-    0.16,
-    1.05,
-)  # m of the field: wider and longer than real ones, for small pictures
+# m of the field: wider and longer than real ones, for small pictures.
+LINE_WIDTH, POST_WIDTH, POST_LENGTH = (0.08, 0.16, 1.05)
 GREEN, WHITE, YELLOW = "#4d9a50", "#ffffff", "#e8cc22"
 PIXELS_PER_M = 4000  # of the sheet as a picture
 # Corners of the field that are clicked, in metres of the field: x towards the goal, y to the left.
 CLICKED = {"A": (0.0, 2.0), "B": (0.0, -2.0), "C": (3.0, -2.0), "D": (3.0, 2.0)}
 
 
+@course_style()
 def sheet_pdf() -> bytes:
     """Return the sheet as a PDF of one page, A3; the same bytes at every call."""
     buffer = io.BytesIO()
-    with course_style():
-        _sheet().savefig(
-            buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None}
-        )
+    _sheet().savefig(buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
     return buffer.getvalue()
 
 
 @cache
+@course_style()
 def sheet_pixels() -> npt.NDArray[np.uint8]:
     """Return the sheet as a picture, (H, W, 3) RGB, read-only."""
-    with course_style():
-        figure = _sheet()
-        figure.set_dpi(PIXELS_PER_M * 0.0254)
-        canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives its methods no types
-        canvas.draw()
-        pixels = np.array(canvas.buffer_rgba())[:, :, :3]
+    figure = _sheet()
+    figure.set_dpi(PIXELS_PER_M * 0.0254)
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives its methods no types
+    canvas.draw()
+    pixels = np.array(canvas.buffer_rgba())[:, :, :3]
     pixels.setflags(write=False)
     return pixels
 
 
 def _sheet() -> Figure:
-    """The sheet: the field with its goal lying on its back, letters at the four corners, and a ruler."""
+    """Draw the sheet: the field with its goal lying on its back, letters at the four corners, and a ruler."""
     figure = Figure(figsize=(PAPER[0] / 0.0254, PAPER[1] / 0.0254))
     figure.set_layout_engine("none")
     ax = figure.add_axes((0, 0, 1, 1))
@@ -87,7 +82,7 @@ def _add_lines(ax: Axes) -> None:
 
 
 def _add_ruler(ax: Axes, low: float) -> None:
-    """Ten centimetres of paper, to see whether the printer kept the size."""
+    """Draw ten centimetres of paper, to check the size of the print."""
     length = 0.10 / SCALE
     ax.add_patch(Rectangle((0.5, low + 0.10), length, 0.02, fc="#17461d", ec="none"))
     ax.text(
@@ -147,7 +142,7 @@ def stand_in_photo(
 
 
 def _corners() -> FloatArray:
-    """Corners (4, 2) of the paper in the field frame, m: from the upper left one to the right."""
+    """Return the corners (4, 2) of the paper in the field frame in m, clockwise from the upper left."""
     half, low = PAPER[0] / SCALE / 2, -BELOW / SCALE
     high = low + PAPER[1] / SCALE
     return np.array([(high, half), (high, -half), (low, -half), (low, half)])
@@ -162,6 +157,6 @@ def usual_photo() -> npt.NDArray[np.uint8]:
 
 
 def usual_phone() -> tuple[CameraView, Pose]:
-    """View (in metres of the field) and pose of the phone that takes `usual_photo`: 33 cm up, 58 degrees down."""
+    """Return the view (in metres of the field) and pose of the phone of `usual_photo`: 33 cm up, 58 degrees down."""
     view = CameraView.from_fov((1200, 900), hfov=1.13, height=0.33 / SCALE, pitch=float(np.radians(58.0)))
     return view, Pose(-0.09 / SCALE, 0.25, -0.05)

@@ -1,4 +1,4 @@
-"""Other filters, made of a student's own three functions."""
+"""Filters that are built from a student's own three functions."""
 
 from nao_course.lessons.ekf_slam.filters.compressed import CompressedFilter
 from nao_course.lessons.ekf_slam.filters.first_estimates import FirstEstimates
@@ -7,5 +7,5 @@ __all__ = ["CompressedFilter", "FirstEstimates"]
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names, for tab completion."""
     return __all__

@@ -1,3 +1,3 @@
-"""How answers to lesson 09's exercises are called for, and compared."""
+"""How the functions of lesson 09 are called, and how their answers are compared."""
 
 __all__: list[str] = ["comparing", "drivers"]

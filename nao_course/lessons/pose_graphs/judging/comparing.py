@@ -1,4 +1,4 @@
-"""How a student's states are compared: a graph says which of the flat numbers are headings."""
+"""The comparison of a student's states, in which the graph says which of the flat numbers are headings."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ import numpy as np
 from nao_course.exercises import Case, Close, Comparison, register
 from nao_course.exercises.comparisons.comparison import Verdict
 
-MOVED = 1e-6  # m or rad: more is no rounding
+MOVED = 1e-6  # m or rad: a larger difference is not a rounding error
 
 
 @register
 @dataclass(frozen=True)
 class SolvedStates(Comparison):
-    """(states, chi2 history): headings are compared on the circle, the history to a part in ten thousand."""
+    """Compares (states, chi2 history), with headings on the circle."""
 
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare where it is not known which numbers are headings."""
+        """Compare without knowing which numbers are headings."""
         return Close(names=("your states", "your chi2 history")).compare(expected, got)
 
     def judge(self, case: Case, answer: Any) -> Verdict:
-        """Compare with what a case expects; its first argument is the graph."""
+        """Compare with the expected answer of a case, whose first argument is the graph."""
         graph, expected = case.args[0], case.expected
         verdict = self.compare(expected, _on_the_same_turn(graph.poses, expected, answer))
-        said = "" if verdict else _what_is_not_plain(case, answer)
+        said = "" if verdict else _difference_to_plain(case, answer)
         return Verdict("law", said) if said else verdict
 
 
-def _what_is_not_plain(case: Case, answer: Any) -> str:
-    """Say in which way a wrong answer is no plain Gauss-Newton with the first pose held, where one can tell."""
+def _difference_to_plain(case: Case, answer: Any) -> str:
+    """Say how a wrong answer differs from plain Gauss-Newton with the first pose held; empty if it is not clear."""
     try:
         states, history = (np.array(each, dtype=float) for each in answer)
         moved = np.abs(states - case.args[1])[:3].max()
@@ -39,21 +39,21 @@ def _what_is_not_plain(case: Case, answer: Any) -> str:
         return ""
     expected = np.asarray(case.expected[1], dtype=float)
     if not moved < MOVED:
-        return "your first pose does not stay where it is; solve without its three rows and columns"
+        return "your first pose moves; solve without its three rows and columns"
     if history.ndim != 1 or len(history) > len(expected):
         return ""
     if len(history) < len(expected):
-        return f"your history has {len(history)} of {len(expected)} numbers; take all steps, also where nothing moves"
+        return f"your history has {len(history)} of {len(expected)} numbers; take all steps, even if nothing moves"
     climbs = (expected[1:] > 1.01 * expected[:-1]) & (history[1:] <= history[:-1])
     return (
-        "your chi2 does not rise where a plain step makes it larger; take the whole step, with nothing added to H"
+        "your chi2 does not increase although a plain step increases it; take the whole step, and add nothing to H"
         if climbs.any()
         else ""
     )
 
 
 def _on_the_same_turn(poses: int, expected: Any, answer: Any) -> Any:
-    """Move headings by whole turns to where the expected ones are; anything else is left as it is."""
+    """Move headings by whole turns close to the expected ones; return any other answer unchanged."""
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         return answer
     wanted = np.asarray(expected[0], dtype=float)

@@ -1,4 +1,4 @@
-"""How students' functions are called: residuals are arrays, and a large matrix is neither made dense nor inverted."""
+"""Drivers that require residuals to be arrays, and that keep a large matrix from being made dense or inverted."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 from nao_course.exercises import register_driver
 from nao_course.exercises.comparisons.large_sparse import MOST_DENSE, without_dense
 
-MOST_HELD = 0.5  # of n x n numbers: a few columns are a hundredth, the whole inverse is 1
+MOST_HELD = 0.5  # part of n x n numbers: a few columns are a hundredth, the whole inverse is 1
 
 
 class WholeMatrixError(MemoryError):
-    """Raised where as many numbers are held at a time as the whole matrix has as a dense array."""
+    """Raised if a function holds as many numbers at a time as the whole dense matrix."""
 
 
 @register_driver
 def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: list[Any]) -> Any:
-    """Call ``function(H, indices)`` with an H that, where it is large, refuses to be made dense.
+    """Call ``function(H, indices)`` with an H that cannot be made dense if it is large.
 
     Parameters
     ----------
@@ -32,12 +32,12 @@ def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: l
     Returns
     -------
     object
-        What it returned.
+        The answer.
 
     Raises
     ------
     WholeMatrixError
-        If H is large, and N x N numbers were held at a time: so does who inverts it whole.
+        If H is large and the function held N x N numbers at a time, as the whole inverse does.
     """
     size = information.shape[0]
     if size <= MOST_DENSE:
@@ -60,7 +60,7 @@ def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: l
 
 @register_driver
 def as_array(function: Callable[..., Any], *pair: Any) -> Any:
-    """Call a residual with its three arguments, and refuse a list: `linearize` calculates with what comes.
+    """Call a residual with its three arguments and refuse a list, because `linearize` computes with the answer.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ def as_array(function: Callable[..., Any], *pair: Any) -> Any:
     Returns
     -------
     object
-        What it returned.
+        The answer.
 
     Raises
     ------
     TypeError
-        If that is a list or a tuple.
+        If the answer is a list or a tuple.
     """
     answer = function(*pair)
     if isinstance(answer, list | tuple):

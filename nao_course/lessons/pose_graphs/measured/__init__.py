@@ -1,4 +1,4 @@
-"""What ``python -m benchmarks ekf_and_graph pose_graphs`` measured for lesson 09, how, and its figures."""
+"""Results of ``python -m benchmarks ekf_and_graph pose_graphs`` for lesson 09, their methods and figures."""
 
 from nao_course.lessons.pose_graphs.measured.recorded import draw_ekf_and_graph, draw_solver_costs
 
@@ -6,5 +6,5 @@ __all__ = ["draw_ekf_and_graph", "draw_solver_costs"]
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names for tab completion, without the modules they come from."""
     return __all__

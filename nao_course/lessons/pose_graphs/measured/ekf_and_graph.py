@@ -1,145 +1,71 @@
-"""The same drives mapped by an EKF and by a pose graph: error, honesty and time by the length of the drive."""
+"""The same drives mapped by an EKF and by a pose graph: error, consistency and time by the length of the drive."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from nao_course.geometry import FloatArray, wrap_angle
+from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.metrics import squared_distances
+from nao_course.sim.drives import Drive, FieldOfView, NamedEkf, Sigmas, Step, measure_in_view, true_path
+from nao_course.slam import Motion
 
-# The hall: lanes of ten metres, three metres apart, a stop a metre; every landmark within four metres is measured.
-LANE, BETWEEN_LANES, SIGHT = 10, 3, 4.0
+# The hall: lanes of ten metres, three metres apart, with a stop every metre. Landmarks within four metres are measured.
+LANE, BETWEEN_LANES = 10, 3
+VIEW = FieldOfView(np.pi, 4.0, nearest=0.3)
 LANDMARKS_PER_M2 = 0.1
-ITERATIONS = 6  # of Gauss-Newton from what the EKF says; after four nothing moves
-
-
-class Noise(NamedTuple):
-    """Standard deviations of one step of a metre, along and across (m) and of the turn (rad), and of one look."""
-
-    along: float
-    across: float
-    turn: float
-    bearing: float
-    range: float
-
-    @property
-    def control_covariance(self) -> FloatArray:
-        """Of (along, across, turn), (3, 3)."""
-        return np.diag([self.along, self.across, self.turn]) ** 2
-
-    @property
-    def measurement_covariance(self) -> FloatArray:
-        """Of (bearing, range), (2, 2)."""
-        return np.diag([self.bearing, self.range]) ** 2
+ITERATIONS = 6  # of Gauss-Newton from the EKF's estimate; after four nothing moves
 
 
 NOISES = {
-    "a careful NAO": Noise(0.03, 0.02, np.radians(1.0), np.radians(1.5), 0.05),
-    "3° a step, 5° bearing": Noise(0.05, 0.05, np.radians(3.0), np.radians(5.0), 0.10),
+    "a careful NAO": Sigmas(0.03, 0.02, np.radians(1.0), np.radians(1.5), 0.05),
+    "3° a step, 5° bearing": Sigmas(0.05, 0.05, np.radians(3.0), np.radians(5.0), 0.10),
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """Controls and looks along the lanes of a hall, and what is true.
-
-    Parameters
-    ----------
-    poses : ndarray, shape (M + 1, 3)
-        Where the robot truly is, m and rad; it begins at 0.
-    landmarks : ndarray, shape (k, 2)
-        Where those that are seen truly are, in the order in which they are seen first.
-    controls : ndarray, shape (M, 2)
-        (distance, turn) as commanded, m and rad.
-    looks : list of (ndarray, shape (m,), ndarray, shape (m, 2))
-        For each pose the landmarks' numbers, and their (bearing, range) as measured.
-    noise : Noise
-        What the errors were drawn from, and what both methods are told.
-    """
-
-    poses: FloatArray
-    landmarks: FloatArray
-    controls: FloatArray
-    looks: list[tuple[Any, FloatArray]]
-    noise: Noise
-
-
-def hall_drive(seed: int, steps: int, noise: Noise) -> Drive:
-    """Drive up and down the lanes of a hall with landmarks, the longer the drive, the larger the hall.
+def hall_drive(seed: int, steps: int, noise: Sigmas) -> Drive:
+    """Drive up and down the lanes of a hall with landmarks; a longer drive has a larger hall.
 
     Parameters
     ----------
     seed : int
-        Of the hall, and of all errors.
+        Seed of the hall and of all errors.
     steps : int
-        M, a metre each.
-    noise : Noise
-        Of steps and looks.
+        Number of steps M, one metre each.
+    noise : Sigmas
+        Noise of steps and measurements.
 
     Returns
     -------
     Drive
     """
-    rng = np.random.default_rng([seed, steps])
-    controls = _lanes(steps)
-    poses = np.zeros((steps + 1, 3))
-    for step, (distance, turn) in enumerate(controls):
-        along, across, turned = rng.normal(0.0, noise[:3])
-        x, y, theta = poses[step]
-        c, s = np.cos(theta), np.sin(theta)
-        along += distance
-        poses[step + 1] = (
-            x + c * along - s * across,
-            y + s * along + c * across,
-            wrap_angle(theta + turn + turned),
-        )
-    low, high = poses[:, :2].min(axis=0) - 2.0, poses[:, :2].max(axis=0) + 2.0
+    rng, motions = np.random.default_rng([seed, steps]), _lanes(steps)
+    poses = [pose.as_array() for pose in true_path(motions, noise, rng)]
+    positions = np.array(poses)[:, :2]
+    low, high = positions.min(axis=0) - 2.0, positions.max(axis=0) + 2.0
     marks = rng.uniform(low, high, (int(LANDMARKS_PER_M2 * np.prod(high - low)), 2))
-    marks, looks = _look_around(poses, marks, noise, rng)
-    return Drive(poses, marks, controls, looks, noise)
-
-
-def _lanes(steps: int) -> FloatArray:
-    """(distance, turn) of each step: ten metres, a quarter turn, three metres, a quarter turn, and back."""
-    controls = np.zeros((steps, 2))
-    controls[:, 0] = 1.0
-    round_trip = 2 * (LANE + BETWEEN_LANES)
-    for step in range(steps):
-        at = (step + 1) % round_trip
-        if at in (LANE, LANE + BETWEEN_LANES):
-            controls[step, 1] = np.pi / 2
-        elif at in (2 * LANE + BETWEEN_LANES, 0):
-            controls[step, 1] = -np.pi / 2
-    return controls
-
-
-def _look_around(
-    poses: FloatArray, marks: FloatArray, noise: Noise, rng: np.random.Generator
-) -> tuple[FloatArray, list[tuple[Any, FloatArray]]]:
-    """Measure what is near each pose; landmarks are numbered as they are seen first, and the others are left out."""
     number_of: dict[int, int] = {}
-    looks = []
-    for x, y, theta in poses:
-        away = marks - (x, y)
-        ranges = np.hypot(*away.T)
-        near = np.flatnonzero((ranges < SIGHT) & (ranges > 0.3))
-        bearings = np.arctan2(away[near, 1], away[near, 0]) - theta
-        measured = np.column_stack([bearings, ranges[near]])
-        measured += rng.normal(0.0, (noise.bearing, noise.range), measured.shape)
-        measured[:, 0] = wrap_angle(measured[:, 0])
-        looks.append(
-            (
-                np.array([number_of.setdefault(int(each), len(number_of)) for each in near], dtype=int),
-                measured,
-            )
+    made = []
+    for pose, motion in zip(poses, [None, *motions], strict=True):
+        found, seen = measure_in_view(pose, marks, noise, VIEW, rng)
+        numbers = np.array(
+            [number_of.setdefault(each, len(number_of)) for each in found.tolist()], dtype=np.intp
         )
-    return marks[list(number_of)], looks
+        covariance = noise.control_covariance if motion else np.zeros((3, 3))
+        made.append(Step(pose, motion, covariance, numbers, seen, noise.covariances(seen)))
+    return Drive(marks[list(number_of)], tuple(made))
+
+
+def _lanes(steps: int) -> list[Motion]:
+    """Return the command of each step: ten metres, a quarter turn, three metres, a quarter turn, and back."""
+    round_trip = 2 * (LANE + BETWEEN_LANES)
+    turns = dict.fromkeys((LANE, LANE + BETWEEN_LANES), np.pi / 2)
+    turns |= dict.fromkeys((2 * LANE + BETWEEN_LANES, 0), -np.pi / 2)
+    return [Motion(1.0, turns.get(step % round_trip, 0.0)) for step in range(1, steps + 1)]
 
 
 # --- both methods ---
@@ -162,7 +88,7 @@ class Smoother(NamedTuple):
 
 
 class Mapped(NamedTuple):
-    """What a method says of a drive: all poses (M + 1, 3), landmarks (k, 2), the last pose's covariance, seconds."""
+    """The result of a method: all poses (M + 1, 3), landmarks (k, 2), the last pose's covariance, seconds."""
 
     poses: FloatArray
     landmarks: FloatArray
@@ -171,46 +97,37 @@ class Mapped(NamedTuple):
 
 
 def run_filter(drive: Drive, ekf: Filter) -> Mapped:
-    """Map a drive by the EKF: predict, update what is known, add what is new."""
-    Q, R = drive.noise.control_covariance, drive.noise.measurement_covariance
-    state, covariance, known = np.zeros(3), np.zeros((3, 3)), 0
-    path = []
+    """Map a drive with the EKF: predict, update known landmarks, add new ones."""
+    slam, path = NamedEkf(Pose(), *ekf), []
     begin = time.process_time()
-    for number, (indices, measured) in enumerate(drive.looks):
-        if number:
-            state, covariance = ekf.predict(state, covariance, drive.controls[number - 1], Q, known)
-        old = indices < known
-        if old.any():
-            state, covariance = ekf.update_landmarks(
-                state, covariance, indices[old], measured[old].ravel(), R
-            )
-        for measurement in measured[~old][np.argsort(indices[~old])]:
-            state, covariance = ekf.add_landmark(state, covariance, measurement, R)
-        known = (len(state) - 3) // 2
-        path.append(state[:3])
+    for step in drive.steps:
+        if step.motion is not None:
+            slam.move(step.control, step.control_covariance)
+        slam.observe(step.numbers, step.measurements, step.covariances)
+        path.append(slam.state[:3])
     seconds = time.process_time() - begin
-    return Mapped(np.array(path), state[3:].reshape(-1, 2), covariance[:3, :3], seconds)
+    return Mapped(np.array(path), slam.state[3:].reshape(-1, 2), slam.covariance[:3, :3], seconds)
 
 
 def drive_graph(drive: Drive) -> Graph:
-    """The graph of a drive: an edge for each step, and one for each look at a landmark."""
-    count = len(drive.poses)
-    steps = np.column_stack([np.arange(count - 1), np.arange(1, count)])
-    z = np.column_stack([drive.controls[:, 0], np.zeros(count - 1), drive.controls[:, 1]])
+    """Return the graph of a drive, with an edge for each step and for each measurement of a landmark."""
+    count, controls = len(drive.steps), drive.controls
+    edges = np.column_stack([np.arange(count - 1), np.arange(1, count)])
+    z = np.column_stack([controls[:, 0], np.zeros(count - 1), controls[:, 1]])
     c, s = np.cos(z[:, 2]), np.sin(z[:, 2])
     turn = np.zeros((count - 1, 3, 3))
     turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = c, s, -s, c, 1.0
-    covariance = (
-        turn @ drive.noise.control_covariance @ turn.mT
-    )  # the residual stands in the measured pose's frame
-    sights = np.array([(pose, count + each) for pose, (seen, _) in enumerate(drive.looks) for each in seen])
-    b, r = np.concatenate([measured for _, measured in drive.looks]).T
+    noise = np.array([step.control_covariance for step in drive.steps[1:]])
+    covariance = turn @ noise @ turn.mT  # the residual is in the measured pose's frame
+    seen = np.array([(pose, count + each) for pose, step in enumerate(drive.steps) for each in step.numbers])
+    b, r = np.concatenate([step.measurements for step in drive.steps]).T
     c, s = np.cos(b), np.sin(b)
-    slopes = np.stack([np.stack([-r * s, c], axis=-1), np.stack([r * c, s], axis=-1)], axis=-2)
-    information = np.zeros((len(sights), 3, 3))
-    information[:, :2, :2] = np.linalg.inv(slopes @ drive.noise.measurement_covariance @ slopes.mT)
+    jacobians = np.stack([np.stack([-r * s, c], axis=-1), np.stack([r * c, s], axis=-1)], axis=-2)
+    noise = np.concatenate([step.covariances for step in drive.steps])
+    information = np.zeros((len(seen), 3, 3))
+    information[:, :2, :2] = np.linalg.inv(jacobians @ noise @ jacobians.mT)
     return Graph(
-        np.concatenate([steps, sights]),
+        np.concatenate([edges, seen]),
         np.concatenate([z, np.column_stack([r * c, r * s, np.zeros(len(r))])]),
         np.concatenate([np.linalg.inv(covariance), information]),
         np.repeat([POSE, LANDMARK], [count, len(drive.landmarks)]),
@@ -231,13 +148,12 @@ def run_smoother(drive: Drive, smoother: Smoother, begin: Mapped) -> Mapped:
     return Mapped(poses, landmarks, covariance, seconds)
 
 
-# --- what comes of it ---
+# --- scores ---
 
 
 def scores(drive: Drive, mapped: Mapped) -> dict[str, float]:
-    """Errors of all poses, of the last one and of the landmarks (m, root mean square), NEES of the last, seconds."""
-    error = mapped.poses[-1] - drive.poses[-1]
-    error[2] = wrap_angle(error[2])
+    """Return errors of all poses, of the last one and of the landmarks (m, RMS), the last pose's NEES, and seconds."""
+    error = pose_errors(mapped.poses[-1], drive.steps[-1].pose)
     away = {
         "path": mapped.poses[:, :2] - drive.poses[:, :2],
         "last": error[None, :2],
@@ -249,7 +165,7 @@ def scores(drive: Drive, mapped: Mapped) -> dict[str, float]:
 
 
 def compare(
-    ekf: Filter, smoother: Smoother, noise: Noise, steps: Sequence[int], seeds: Sequence[int]
+    ekf: Filter, smoother: Smoother, noise: Sigmas, steps: Sequence[int], seeds: Sequence[int]
 ) -> dict[str, dict[str, FloatArray]]:
     """Map the same drives by both methods.
 
@@ -257,8 +173,8 @@ def compare(
     ----------
     ekf, smoother : Filter, Smoother
         The functions of lessons 07 and 09.
-    noise : Noise
-        Of all drives.
+    noise : Sigmas
+        Noise of all drives.
     steps, seeds : sequence of int
         Lengths of the drives, and their seeds.
 
@@ -283,9 +199,9 @@ def compare(
 
 
 def at_every_stop(drive: Drive, smoother: Smoother, begin: Mapped) -> float:
-    """Seconds of a graph that is solved anew at each stop, one iteration from what was known before."""
+    """Return the seconds of a graph that is solved anew at each stop, one iteration from the previous estimate."""
     graph, seconds = drive_graph(drive), 0.0
-    known = np.maximum.accumulate([max(seen, default=-1) + 1 for seen, _ in drive.looks])
+    known = np.maximum.accumulate([max(step.numbers, default=-1) + 1 for step in drive.steps])
     for poses in range(2, graph.poses + 1):
         landmarks = int(known[poses - 1])
         to_landmark = graph.edges >= graph.poses

@@ -11,7 +11,6 @@ from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph
 from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     NOISES,
     Filter,
-    Noise,
     Smoother,
     at_every_stop,
     compare,
@@ -21,10 +20,11 @@ from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     run_smoother,
     scores,
 )
+from nao_course.sim.drives import Sigmas
 from tests.paths import SOLUTIONS
 
 HARD = NOISES["3° a step, 5° bearing"]
-TINY = Noise(*(1e-7 * np.ones(5)))
+TINY = Sigmas(*(1e-7 * np.ones(5)))
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says(smoother:
     own = load_solution(SOLUTIONS / "09_pose_graphs.ipynb")
     found, numbers = 0.0, 0
     for seed in range(10):
-        drive = hall_drive(seed, 80, Noise(0.1, 0.002, 0.01, 0.02, 0.05))  # along and across are far apart
+        drive = hall_drive(seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05))  # along and across are far apart
         graph = drive_graph(drive)
         truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
         squares = graph.squared_errors(truth, own["pose_residual"], own["landmark_residual"])
@@ -64,7 +64,7 @@ def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says(smoother:
 
 def test_landmarks_are_numbered_as_they_are_seen_first() -> None:
     drive = hall_drive(2, 60, HARD)
-    numbers = np.concatenate([indices for indices, _ in drive.looks])
+    numbers = np.concatenate([step.numbers for step in drive.steps])
     new = numbers[np.unique(numbers, return_index=True)[1]]
     assert new.tolist() == list(range(len(drive.landmarks)))
     assert np.maximum.accumulate(numbers)[-1] == len(drive.landmarks) - 1

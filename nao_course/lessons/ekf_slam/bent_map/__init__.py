@@ -1,0 +1,15 @@
+"""The map that bends, with which lesson 07 opens."""
+
+from nao_course.lessons.ekf_slam.bent_map.figures import (
+    draw_bearings,
+    draw_bent_map,
+    draw_covariance_test,
+    draw_second_error,
+)
+
+__all__ = ["draw_bearings", "draw_bent_map", "draw_covariance_test", "draw_second_error"]
+
+
+def __dir__() -> list[str]:
+    """Return the public names, for tab completion."""
+    return __all__

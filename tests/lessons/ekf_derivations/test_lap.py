@@ -1,0 +1,74 @@
+"""The lap: the estimate gets better with each of the student's functions, and the ellipse holds 95 % of the robots."""
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.ekf_derivations.lap import (
+    LAP,
+    LapPanel,
+    draw_lap,
+    estimates,
+    share_inside,
+    true_paths,
+    typical_distance,
+)
+
+NAMES = ("predict_pose", "predict_covariance")
+
+
+@pytest.fixture
+def functions(solution):
+    return [solution[name] for name in NAMES]
+
+
+def blank(*given):
+    raise NotImplementedError
+
+
+def test_the_lap_ends_where_it_starts(functions):
+    found = estimates(*functions)
+    assert found.poses[-1] == pytest.approx([0, 0, 2 * np.pi], abs=1e-12)
+    assert typical_distance() == pytest.approx(0.44, abs=0.01)
+
+
+def test_the_cloud_grows_across_the_way_as_the_text_says():
+    paths = true_paths(20_000)
+    assert paths[:, 6, :2].std(axis=0) == pytest.approx([0.07, 0.09], abs=0.006)
+    assert paths[:, 12, :2].std(axis=0) == pytest.approx([0.29, 0.12], abs=0.006)
+
+
+@pytest.mark.parametrize("steps", [1, 6, 12, 18, len(LAP)])
+def test_the_ellipse_holds_about_95_percent_all_the_way_round(functions, steps):
+    assert share_inside(estimates(*functions, steps), robots=5000) == pytest.approx(0.945, abs=0.015)
+
+
+def test_the_panel_gets_better_with_each_function(functions):
+    first, second, third = LapPanel(), LapPanel(functions[0]), LapPanel(*functions)
+    assert "is 1.36 m from its estimated position" in first.summary()
+    assert "no covariance yet" in first.summary() and "no covariance yet" in second.summary()
+    assert "is 0.20 m from its estimated position" in second.summary()
+    assert "187 of 200 robots (94%)" in third.summary()
+    third.set(command=len(LAP))
+    assert "190 of 200 robots (95%)" in third.summary()
+    third.set(command=0)
+    assert "inside" not in third.summary()
+
+
+def test_a_transpose_on_the_wrong_side_loses_robots(functions, solution):
+    def wrong(covariance, pose, control, noise):
+        F, G = solution["motion_jacobians"](pose, control)
+        return F.T @ covariance @ F + G @ noise @ G.T
+
+    assert share_inside(estimates(functions[0], wrong)) < 0.8
+
+
+def test_what_is_not_written_is_named(functions):
+    assert "Finish exercise 5.1" in LapPanel(blank).summary()
+    assert "Finish exercises 5.4 and 5.5" in LapPanel(functions[0], blank).summary()
+
+
+def test_the_figure_says_what_it_shows(functions):
+    assert "is 0.41 m from" in draw_lap(estimates(*functions)).alt
+    with pytest.raises(ValueError, match="have none"):
+        share_inside(estimates(functions[0], None))
+    assert true_paths().shape == (200, len(LAP) + 1, 3)

@@ -1,0 +1,125 @@
+"""Slips that students make in lesson 07: each is named by the check, and two at once are named both."""
+
+import numpy as np
+import pytest
+
+from nao_course.exercises.checking import grade_public
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.ekf_slam.noise import joint_noise
+from tests.lessons.every import public_exercise
+from tests.paths import SOLUTIONS
+
+WRAP, BLOCKS = "Apply warp2pi to state[2] after the motion", "blocks between pose and map stayed as they were"
+
+
+@pytest.fixture(scope="module")
+def functions(own):
+    """Return what a student calls: lesson 05's functions and `warp2pi`."""
+    earlier = load_solution(SOLUTIONS / "05_ekf_derivations.ipynb")
+    models = "predict_pose", "motion_jacobians", "expected_measurement"
+    jacobians = "measurement_jacobian_pose", "measurement_jacobian_landmark"
+    return {"warp2pi": own["warp2pi"], **{name: earlier[name] for name in (*models, *jacobians)}}
+
+
+def predicting(functions, *, blocks="right", wrap=True, rotate=True):
+    """Return a student's `predict`, perhaps with slips."""
+
+    def predict(state, covariance, control, control_covariance, k):
+        new, P = state.copy(), covariance.copy()
+        F, G = functions["motion_jacobians"](state[:3], control)
+        new[:3] = functions["predict_pose"](state[:3], control)
+        new[2] = functions["warp2pi"](new[2]) if wrap else new[2]
+        P[:3, :3] = F @ P[:3, :3] @ F.T + (G @ control_covariance @ G.T if rotate else control_covariance)
+        if blocks != "left":
+            P[:3, 3:] = F @ P[:3, 3:]
+            P[3:, :3] = P[:3, 3:].T if blocks == "right" else covariance[3:, :3] @ F
+        return new, P
+
+    return predict
+
+
+def updating(
+    functions, *, form="joseph", symmetric=True, innovation=slice(0, None, 2), heading=True, each=False
+):
+    """Return a student's `update_landmarks`, perhaps with slips."""
+
+    def update_landmarks(state, covariance, indices, measurements, measurement_covariance):
+        R = joint_noise(measurement_covariance, len(indices))
+        if each and len(indices) > 1:
+            for j, i in enumerate(indices):
+                rows = slice(2 * j, 2 * j + 2)
+                state, covariance = update_landmarks(
+                    state, covariance, [i], measurements[rows], R[rows, rows]
+                )
+            return state, covariance
+        nu, H = measurements.copy(), np.zeros((len(R), len(state)))
+        for j, i in enumerate(indices):
+            rows, place = slice(2 * j, 2 * j + 2), slice(3 + 2 * i, 5 + 2 * i)
+            given = state[:3], state[place]
+            nu[rows] -= functions["expected_measurement"](*given)
+            H[rows, :3] = functions["measurement_jacobian_pose"](*given)
+            H[rows, place] = functions["measurement_jacobian_landmark"](*given)
+        if innovation is not None:
+            nu[innovation] = functions["warp2pi"](nu[innovation])
+        S = H @ covariance @ H.T + R
+        K = covariance @ H.T @ np.linalg.inv(S)
+        rest = np.eye(len(state)) - K @ H
+        forms = {
+            "joseph": lambda: rest @ covariance @ rest.T + K @ R @ K.T,
+            "factor": lambda: rest @ covariance,
+            "difference": lambda: covariance - K @ S @ K.T,
+        }
+        new, P = state + K @ nu, forms[form]()
+        new[2] = functions["warp2pi"](new[2]) if heading else new[2]
+        return new, (P + P.T) / 2 if symmetric else P
+
+    return update_landmarks
+
+
+def said(name, function):
+    with np.errstate(all="ignore"):
+        return str(grade_public(public_exercise("07_ekf_slam", name), function))
+
+
+@pytest.mark.parametrize(
+    ("slips", "words"),
+    [
+        ({"blocks": "left"}, [BLOCKS]),
+        ({"blocks": "left", "wrap": False}, ["two errors", BLOCKS, WRAP]),
+        ({"blocks": "P_lp F"}, ["below it you compute P_lp F"]),
+        ({"blocks": "P_lp F", "wrap": False}, ["two errors", "below it you compute P_lp F", WRAP]),
+        ({"rotate": False, "wrap": False}, ["two errors", "add Q without rotating it", WRAP]),
+        ({"rotate": False, "blocks": "left"}, ["two errors", "add Q without rotating it", BLOCKS]),
+    ],
+)
+def test_slips_of_predict_are_named_alone_and_together(functions, slips, words):
+    text = said("predict", predicting(functions, **slips))
+    assert all(each in text for each in words), text
+
+
+@pytest.mark.parametrize(
+    ("slips", "words"),
+    [
+        ({"each": True}, ["You update with one landmark after the other"]),
+        (
+            {"each": True, "innovation": None},
+            ["one landmark after the other", "You do not wrap the innovation"],
+        ),
+        ({"innovation": 0}, ["You wrap only the first bearing"]),
+        ({"innovation": 0, "heading": False}, ["only the first bearing", "when it is corrected"]),
+        ({"form": "joseph", "symmetric": False}, ["not exactly symmetric", "also with Joseph's form"]),
+        ({"form": "factor", "symmetric": False, "innovation": None}, ["two errors", "(P + P.T) / 2"]),
+    ],
+)
+def test_slips_of_update_landmarks_are_named_alone_and_together(functions, slips, words):
+    text = said("update_landmarks", updating(functions, **slips))
+    assert all(each in text for each in words), text
+
+
+@pytest.mark.parametrize("form", ["joseph", "factor", "difference"])
+def test_every_right_form_passes_if_it_is_made_symmetric(functions, form):
+    assert grade_public(public_exercise("07_ekf_slam", "update_landmarks"), updating(functions, form=form))
+
+
+def test_right_predictions_pass(functions):
+    assert grade_public(public_exercise("07_ekf_slam", "predict"), predicting(functions))

@@ -1,0 +1,69 @@
+"""The drive that runs through lesson 11: each of the student's functions improves it, and the text says by how much."""
+
+import re
+
+import numpy as np
+import pytest
+
+from nao_course.lessons.slam_on_the_field.one_drive import draw_one_drive
+from nao_course.lessons.slam_on_the_field.panel import ReplayPanel
+from tests.paths import SOLUTIONS
+
+TEXT = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+
+
+def numbers(alt, title):
+    """Wrong matches, and centimetres off, of a panel."""
+    wrong, off = re.search(rf"{title}: (?:(\d+) of 98 [a-z ]+, )?off by (\d+) cm", alt).groups()
+    return int(wrong or 0), int(off)
+
+
+def test_in_metres_a_quarter_of_the_matches_is_wrong_and_the_text_says_so():
+    assert numbers(draw_one_drive().alt, "nearest in metres") == (23, 39)
+    assert "Almost a quarter of the matches are wrong" in TEXT
+
+
+def test_the_text_says_what_associate_does_on_the_drive(own):
+    alt = draw_one_drive(associate=own["associate"]).alt
+    (metres, _), (wrong, off), (jointly, _) = (
+        numbers(alt, title) for title in ("nearest in metres", "your associate", "joint compatibility")
+    )
+    assert f"{wrong} of 98 are wrong, and in metres it was {metres}" in TEXT and jointly == 0
+    assert f"still {off} cm off" in TEXT
+
+
+def test_the_drive_gets_better_method_by_method_and_the_text_says_so(own):
+    alt = draw_one_drive(EkfSlam=own["EkfSlam"]).alt
+    ends = [
+        numbers(alt, f"{title}")
+        for title in ("move", "move, use_compass", "your EkfSlam", "your EkfSlam, jointly")
+    ]
+    assert [off for _, off in ends] == [39, 17, 11, 1] and ends[-1][0] == 0
+    assert "Odometry ends 39 cm off. The compass alone brings 17 cm." in TEXT
+    assert (
+        f"bring 11 cm, although {ends[2][0]} of 98 measurements" in TEXT
+        and "it went from 39 cm to 1 cm" in TEXT
+    )
+    graph = draw_one_drive(EkfSlam=own["EkfSlam"], GraphSlam=own["GraphSlam"]).alt
+    off = numbers(graph, "your GraphSlam, jointly")[1]
+    assert f"here it ends {off} cm off and the filter 1 cm" in TEXT
+
+
+def test_what_is_not_written_yet_has_a_panel_that_says_so(own):
+    class Half(own["EkfSlam"]):
+        def number(self, seen):
+            raise NotImplementedError
+
+    alt = draw_one_drive(EkfSlam=Half).alt
+    assert "move, use_compass: off by 17 cm" in alt and "your EkfSlam: not written yet" in alt
+
+
+def test_an_answer_of_another_length_is_rejected():
+    with pytest.raises(ValueError, match="need as many numbers"):
+        draw_one_drive(associate=lambda *given: np.zeros(1, dtype=int))
+
+
+def test_the_replay_shows_where_nearest_neighbour_goes_wrong(own):
+    text = ReplayPanel(own["associate"], own["joint_distance"]).summary()
+    assert "Nearest neighbour: pair 3 is WRONG, 0.7 σ alone; 3 together: 4.0 σ." in text
+    assert "Joint compatibility: pair 3 is right, 0.8 σ alone; 3 together: 1.5 σ." in text
