@@ -3,6 +3,7 @@
 __all__ = [
     "datasets",
     "exercises",
+    "field_slam",
     "geometry",
     "homework",
     "lessons",

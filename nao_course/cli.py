@@ -1,8 +1,9 @@
-"""The command line: what a student says to check and hand in, and an instructor to build and release."""
+"""The command line: check and submit for students, build, release and grade for instructors."""
 
 from __future__ import annotations
 
 import os
+import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -14,15 +15,16 @@ from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, track
 from rich.table import Table
 
-import nao_course.single_threaded  # noqa: F401 - before NumPy
+import nao_course._internal.single_threaded
+import nao_course.lab
 from nao_course import homework
 from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
 from nao_course.student import notebooks, progress
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-new = typer.Typer(no_args_is_help=True, help="Begin an exercise or a lesson (instructors).")
-# A student's copy: what is not in it is not in the help either.
+new = typer.Typer(no_args_is_help=True, help="Create an exercise or a lesson (instructors).")
+# A student's copy lacks the instructor's package, so its help omits the instructor's commands.
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
@@ -31,28 +33,30 @@ _SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted",
 
 @app.callback()
 def main() -> None:
-    """The course's commands: check, submit and renew are for students."""
+    """Run a command of the course; check, submit and renew are for students."""
 
 
 @contextmanager
 def _plainly() -> Iterator[None]:
-    """Say what is wrong in a sentence, without a traceback, and end with status 1."""
+    """Print an error as a sentence without a traceback, and exit with status 1."""
     try:
         yield
     except ModuleNotFoundError as error:
-        if str(error.name).startswith("nao_course"):
-            reason = "it is the instructor's side, which is not in a student's copy"
-        else:
-            reason = (
-                f"it needs {error.name}: run `make test` once, or python -m pip install -e '.[instructor]'"
+        if error.name == "jupyterlab":
+            _refuse(
+                "This command needs JupyterLab, which is not installed. Install it with "
+                "python -m pip install 'nao-course[lab]'."
             )
-        _refuse(f"This command is not available here: {reason}.")
+        _refuse(
+            f"This command is for instructors and needs {error.name}, which is not installed. Install it with "
+            "python -m pip install 'nao-course[instructor]' or, in the course's repository, with make test."
+        )
     except (ValueError, OSError) as error:
         _refuse(str(error))
 
 
 def _refuse(text: str) -> None:
-    """Say what is wrong as it is, on any terminal, and end."""
+    """Print an error without markup, and exit with status 1."""
     Console(stderr=True).print(text, style="red", markup=False, highlight=False, soft_wrap=True)
     raise typer.Exit(1)
 
@@ -67,7 +71,7 @@ def _say(text: str) -> None:
 @app.command()
 def check(
     lesson_or_file: str = typer.Argument(
-        "", metavar="[LESSON]", help="A number, or a notebook; without it, a table of all lessons."
+        "", metavar="[LESSON]", help="Number or notebook of a lesson; without it, a table of all lessons."
     ),
 ) -> None:
     """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
@@ -82,9 +86,9 @@ def check(
         if found.problem:
             raise ValueError(found.problem)
     reports = {report.name: report for report in found.reports}
-    table = Table("exercise", "points", "result", "what the check says", title=lesson)
+    table = Table("exercise", "points", "result", "message", title=lesson)
     for exercise in public.exercises:
-        report = reports.get(exercise.name)  # a report that says "wrong" is false
+        report = reports.get(exercise.name)  # a report is false unless the exercise passes
         state = "right" if report is None else report.state
         passed = ("All public checks pass.", *found.remarks.get(exercise.name, ()))
         lines = passed if report is None else report.lines
@@ -106,7 +110,7 @@ def check(
 
 
 def _notebook(meant: str) -> Path:
-    """The notebook that a number, a lesson's name or a path means."""
+    """Return the notebook that a number, a lesson's name or a path refers to."""
     there = {path.stem: path for path in sorted(_notebooks().glob(f"{lesson_names.PATTERN}.ipynb"))}
     found = [] if Path(meant).is_file() else lesson_names.meant(meant, there)
     if found:
@@ -131,14 +135,14 @@ def submit(
         table.add_row(name, digest[:16])
     console.print(table)
     _say(", ".join(f"{name} {version}" for name, version in receipt.versions.items()))
-    _say(f"Hand in {receipt.path} as your course says. Your receipt is in it, too: {receipt.code[:16]}")
-    for name in receipt.files:  # last, for it runs the student's code
+    _say(f"Now hand in {receipt.path}. It contains your receipt: {receipt.code[:16]}")
+    for name in receipt.files:  # last, because it runs the student's code
         if name.endswith(".ipynb"):
             _say(_state_of(Path(name).stem, folder or _notebooks()))
 
 
 def _state_of(lesson: str, folder: Path) -> str:
-    """Say how much of a lesson is done, as far as the public checks can tell."""
+    """Return how much of a lesson is complete, according to the public checks."""
     try:
         public, found = read_public(lesson), notebooks.functions(lesson, folder)
     except ValueError as error:
@@ -150,36 +154,48 @@ def _state_of(lesson: str, folder: Path) -> str:
 
 
 @app.command()
-def renew(root: Path = typer.Argument(Path(), help="Where the release was unpacked.")) -> None:
-    """Bring the lessons of a newer release into notebooks/, with your work. `make lab` does it for you."""
+def renew(root: Path = typer.Argument(Path(), help="Folder in which the release was unpacked.")) -> None:
+    """Update notebooks/ to a newer release and keep your work; `lab` does this automatically."""
     with _plainly():
-        for renewal in homework.renew(root):
-            _say(str(renewal))
+        for line in [*map(str, homework.renew(root))] or ["Your notebooks are up to date."]:
+            _say(line)
+
+
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+def lab(context: typer.Context) -> None:
+    """Open the lessons in JupyterLab; further arguments go to JupyterLab."""
+    with _plainly():
+        command = nao_course.lab.command(_notebooks(), context.args)
+        if homework.RELEASE.is_dir():
+            for renewal in homework.renew(Path()):
+                _say(str(renewal))
+            command = nao_course.lab.command(homework.NOTEBOOKS, context.args)
+    raise typer.Exit(subprocess.run(command, env=nao_course.lab.environment(), check=False).returncode)
 
 
 @app.command()
 def demo(
     slam: str = typer.Option("both", help="ekf, graph or both."),
-    seed: int = typer.Option(1, min=0, help="Of the drive: start, way, errors and room."),
+    seed: int = typer.Option(1, min=0, help="Seed of the drive: start, route, errors and room."),
     out: Path = typer.Option(Path("demo"), help="Folder for the figure, the film and the errors."),
     walk: Path | None = typer.Option(
         None,
         metavar="FOLDER",
-        help="Recorded pictures of a real walk instead: the folder with amsterdam_2013.",
+        help="Use recorded pictures of a real walk: the folder that contains amsterdam_2013.",
     ),
 ) -> None:
-    """Let the robot drive and map the field by itself, with your own functions; figure, film and errors in a folder."""
+    """Let the robot map the field with your own functions; write a figure, a film and the errors into a folder."""
     with _plainly():
-        from nao_course.lessons.slam_on_the_field.system.demo import drive, film, report
+        from nao_course.field_slam.demo import drive, film, report
 
         if slam not in (*drive.ALGORITHMS, "both"):
             raise ValueError(f"--slam must be ekf, graph or both, got {slam}")
         chosen = list(drive.ALGORITHMS) if slam == "both" else [slam]
         report.make_folder(out)
-        solutions = Path("solutions")  # where they are, they drive
+        solutions = Path("solutions")  # in the course's repository, the solutions drive
         functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
-        sights, pictures, field = drive.route(seed, walk)
-        story = drive.run_demo(functions, track(sights, "driving", pictures, console=console), chosen)
+        frames, pictures, field = drive.route(seed, walk)
+        story = drive.run_demo(functions, track(frames, "driving", pictures, console=console), chosen)
         for line in report.in_words(story, field):
             _say(line)
         for path in film.write_all(story, field, out):
@@ -192,25 +208,23 @@ def _notebooks() -> Path:
 
 # --- instructors ---
 
-_PROVE: bool = typer.Option(
-    False, "--prove", help="Prove every declaration again, also what is proven and has not changed."
-)
+_PROVE: bool = typer.Option(False, "--prove", help="Prove every declaration again, including unchanged ones.")
 
 
 @app.command(hidden=_STUDENTS)
 def build(
-    lessons: list[str] | None = typer.Argument(None, help="Numbers of lessons; by default all."),
+    lessons: list[str] | None = typer.Argument(None, help="Numbers of lessons; by default all lessons."),
     from_notebook: str = typer.Option(
-        "", metavar="NN", help="First bring what was edited in solutions/NN_name.ipynb back into the text."
+        "", metavar="NN", help="First copy the changes in solutions/NN_name.ipynb into the text."
     ),
     execute: bool = typer.Option(
         True,
         "--execute/--no-execute",
-        help="Whether solutions are run; without, while you write, it is quick.",
+        help="Whether to run the solutions; --no-execute is faster while you write.",
     ),
     prove: bool = _PROVE,
 ) -> None:
-    """Make student copies, executed solutions and the checks' data from the lessons' texts (instructors)."""
+    """Build student copies, executed solutions and check data from the lessons' texts (instructors)."""
     with _plainly(), _progress() as progress:
         from nao_course.instructor.authoring import build, stamps
         from nao_course.instructor.authoring.course import load_course
@@ -230,7 +244,7 @@ def build(
 
         changes = build.build(course, wanted, texts=texts, execute=execute, prove=prove, tell=tell).write()
     for path in changes:
-        _say(f"{'wrote' if path.exists() else 'took away'} {path.as_posix()}")
+        _say(f"{'wrote' if path.exists() else 'deleted'} {path.as_posix()}")
     if not changes:
         _say("Nothing has changed.")
 
@@ -247,8 +261,8 @@ def _progress() -> Progress:
 
 
 @app.command(hidden=_STUDENTS)
-def release(out: Path = typer.Option(..., help="Folder for the zip."), prove: bool = _PROVE) -> None:
-    """Make the zip that students get; refused if any code of a solution is in it (instructors)."""
+def release(out: Path = typer.Option(..., help="Folder for the archive."), prove: bool = _PROVE) -> None:
+    """Make the students' zip archive; fail if it contains code of a solution (instructors)."""
     with _plainly(), _progress() as progress:
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.authoring.release import make_release
@@ -265,7 +279,7 @@ def release(out: Path = typer.Option(..., help="Folder for the zip."), prove: bo
 
 @app.command(hidden=_STUDENTS)
 def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Processes at a time.")) -> None:
-    """Change a lesson's solutions a little, many times, and list the changes that no test notices (instructors)."""
+    """Make many small changes to a lesson's solutions, and list the changes that no test detects (instructors)."""
     with _plainly():
         from nao_course.instructor.authoring.mutation import main as run_mutants
 
@@ -278,14 +292,16 @@ def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Proc
 @app.command(hidden=_STUDENTS)
 def grade(
     submissions: Path = typer.Argument(
-        ..., help="A folder of submissions, or the zip that Moodle or Canvas gives."
+        ..., help="Folder of submissions, or the zip archive that Moodle or Canvas exports."
     ),
     out: Path = typer.Option(..., metavar="GRADES", help="Folder for the journal and the feedback."),
-    lesson: list[str] = typer.Option([], help="Number of a lesson; by default all that were handed in."),
+    lesson: list[str] = typer.Option(
+        [], help="Number of a lesson; by default all lessons that were handed in."
+    ),
     jobs: int = typer.Option(os.cpu_count() or 2, min=1, help="Submissions at a time."),
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
 ) -> None:
-    """Grade what is missing or has changed (instructors). The status is 0 when all have a score or a reason."""
+    """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
     with _plainly():
         from nao_course.instructor import commands
 
@@ -295,12 +311,12 @@ def grade(
 @app.command(hidden=_STUDENTS)
 def regrade(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
-    student: str = typer.Option(..., help="Whose submission."),
-    lesson: str = typer.Option("", help="Number of the lesson, where the student handed in several."),
-    points: str = typer.Option("", "--set", metavar="EXERCISE=POINTS", help="Points that count from now on."),
-    reason: str = typer.Option("", help="Why these points; needed with --set."),
+    student: str = typer.Option(..., help="Student whose submission is graded again."),
+    lesson: str = typer.Option("", help="Number of the lesson, if the student handed in several."),
+    points: str = typer.Option("", "--set", metavar="EXERCISE=POINTS", help="New points of an exercise."),
+    reason: str = typer.Option("", help="Reason for the new points; required with --set."),
 ) -> None:
-    """Grade a student's submission again, or give points by hand, with a reason (instructors)."""
+    """Grade a student's submission again, or set points by hand with a reason (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
@@ -312,8 +328,8 @@ def export(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     format_: str = typer.Option(..., "--format", help="csv, gradescope, moodle or canvas."),
     lesson: str = typer.Option("", help="Number of a lesson; by default all."),
-    sheet: Path = typer.Option(None, help="Moodle's or Canvas's own sheet, to be filled in."),
-    column: str = typer.Option("", help="Column of that sheet for the points, or how it begins."),
+    sheet: Path = typer.Option(None, help="Sheet of Moodle or Canvas to fill in."),
+    column: str = typer.Option("", help="Column of that sheet for the points, or the beginning of its name."),
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
@@ -327,10 +343,10 @@ def export(
 def marks(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     file: Path | None = typer.Argument(
-        None, help="A sheet that is filled in; without it, sheets are written."
+        None, help="Sheet with marks to read; without it, empty sheets are written."
     ),
 ) -> None:
-    """Write sheets to mark written answers with, or read one back (instructors)."""
+    """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
@@ -340,7 +356,7 @@ def marks(
 
 @app.command(hidden=_STUDENTS)
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
-    """Write a page about the class: scores, exercises, what was refused (instructors)."""
+    """Write a page about the class: scores, exercises and refused submissions (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
@@ -350,11 +366,9 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 
 @new.command("exercise")
 def new_exercise(
-    lesson: str,
-    name: str,
-    a_class: bool = typer.Option(False, "--class", help="The student writes a class."),
+    lesson: str, name: str, a_class: bool = typer.Option(False, "--class", help="The student writes a class.")
 ) -> None:
-    """Add an exercise to a lesson: a declaration and its cells, with TODO where work is needed."""
+    """Add an exercise to a lesson: a declaration and its cells, with a TODO for each open part."""
     with _plainly():
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.scaffolding import scaffold
@@ -365,7 +379,7 @@ def new_exercise(
 
 @new.command("lesson")
 def new_lesson(number: str, name: str) -> None:
-    """Begin a lesson: a text and a declaration, with TODO where work is needed."""
+    """Create a lesson: a text and a declaration, with a TODO for each open part."""
     with _plainly():
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.scaffolding import scaffold

@@ -1,4 +1,4 @@
-"""The colours that lessons 02 to 11 see with: limits of green and yellow, and how light a picture is."""
+"""The colours of carpet and goal posts in lessons 02 to 11, and the mean lightness of a picture."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-# Limits of the hue in degrees: wider than those that lesson 01 calibrates in one scene, for the light differs from
-# place to place. With the narrow ones half of the goal posts are ragged.
+# Limits of the hue in degrees. They are wider than the limits calibrated for one scene in lesson 01, because the
+# light differs from place to place. With the narrow limits, half of the goal posts have ragged edges.
 GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)
 
 
 def mean_lightness(picture: npt.NDArray[np.uint8]) -> float:
-    """Mean of the lightness (max + min) / 2 over all pixels of a picture (H, W, 3), 0 to 255.
+    """Return the mean lightness (max + min) / 2 of all pixels of a picture (H, W, 3), 0 to 255.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Angles and poses in the plane: the vocabulary that everything else is written in."""
+"""Angles, rotations and poses, as the whole package uses them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 
 __all__ = [
     "FloatArray",
     "Pose",
     "as_points",
     "finite",
+    "pose_errors",
     "rotation_2d",
     "rotation_3d",
     "wrap_angle",
@@ -26,17 +27,17 @@ FloatArray = npt.NDArray[np.float64]
 
 @register
 def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
-    """Bring angles into (-pi, pi].
+    """Wrap angles into (-pi, pi].
 
     Parameters
     ----------
     angle : array_like
-        Angles in radians, any shape.
+        Angles of any shape, rad.
 
     Returns
     -------
     ndarray
-        The same directions in (-pi, pi], same shape; an angle that lies there already comes back bit for bit.
+        The same directions in (-pi, pi], with the same shape. Angles that are already there do not change by a bit.
 
     Examples
     --------
@@ -46,22 +47,30 @@ def wrap_angle(angle: npt.ArrayLike) -> FloatArray:
     [0.0, 3.141592653589793]
     """
     given = np.asarray(angle, dtype=float)
-    if given.ndim == 0 and -math.pi < given.item() <= math.pi:  # one angle, as filters ask: seven times as fast
+    # Filters wrap single angles very often, and this is seven times as fast.
+    if given.ndim == 0 and -math.pi < given.item() <= math.pi:
         return given[()]
     wrapped = np.pi - (np.pi - given) % (2 * np.pi)
-    wrapped = np.where(wrapped <= -np.pi, np.pi, wrapped)  # a remainder may be rounded up to the whole turn
+    wrapped = np.where(wrapped <= -np.pi, np.pi, wrapped)  # because the remainder may be rounded up to 2 pi
     return np.where((given > -np.pi) & (given <= np.pi), given, wrapped)[()]
 
 
+def pose_errors(estimated: npt.ArrayLike, true: npt.ArrayLike) -> FloatArray:
+    """Return estimated minus true poses (..., 3), with wrapped headings."""
+    errors = np.asarray(np.asarray(estimated, dtype=float) - np.asarray(true, dtype=float))
+    errors[..., 2] = wrap_angle(errors[..., 2])
+    return errors
+
+
 def finite(name: str, value: float) -> float:
-    """Return `value` as a float, or say what was expected.
+    """Return `value` as a float, or raise an error if it is not a finite number.
 
     Parameters
     ----------
     name : str
-        What the number is, for the message.
+        Name of the value in the error message.
     value : float
-        The number.
+        Number to be checked.
 
     Returns
     -------
@@ -71,30 +80,32 @@ def finite(name: str, value: float) -> float:
     Raises
     ------
     ValueError
-        If it is no finite number.
+        If the value is not a finite number.
     """
     try:
         number = float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number, got {value!r}") from None
     except OverflowError:
-        raise ValueError(f"{name} must be a finite number, got a whole number beyond all others") from None
+        raise ValueError(
+            f"{name} must be a finite number, got an integer that is too large for a float"
+        ) from None
     if not np.isfinite(number):
         raise ValueError(f"{name} must be a finite number, got {number}")
     return number
 
 
 def as_points(points: npt.ArrayLike, columns: int = 2, name: str = "points") -> FloatArray:
-    """Return an (N, `columns`) array of points; one point alone becomes (1, `columns`).
+    """Return points as an array (N, `columns`); a single point becomes (1, `columns`).
 
     Parameters
     ----------
     points : array_like, shape (N, columns) or (columns,)
-        Points; an empty list gives shape (0, columns).
+        Points, or a single point. An empty list gives the shape (0, columns).
     columns : int
-        Coordinates a point has.
+        Number of coordinates of each point.
     name : str
-        What they are, for the message.
+        Name of the points in the error message.
 
     Returns
     -------
@@ -104,7 +115,7 @@ def as_points(points: npt.ArrayLike, columns: int = 2, name: str = "points") -> 
     Raises
     ------
     ValueError
-        If the shape does not fit.
+        If the array has another shape.
     """
     array = np.asarray(points, dtype=float)
     if array.size == 0:
@@ -117,16 +128,16 @@ def as_points(points: npt.ArrayLike, columns: int = 2, name: str = "points") -> 
 
 @register
 def rotation_2d(angle: float) -> FloatArray:
-    """Rotation by `angle` (rad, counterclockwise) as a (2, 2) matrix."""
+    """Return the (2, 2) matrix of a counterclockwise rotation by `angle` in rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
 
 
 def rotation_3d(yaw: float, pitch: float, roll: float) -> FloatArray:
-    """Rotation Rz(yaw) Ry(pitch) Rx(roll) as a (3, 3) matrix.
+    """Return the (3, 3) matrix of the rotation Rz(yaw) Ry(pitch) Rx(roll); angles in rad.
 
-    Axes: x ahead, y left, z up; radians. Positive yaw turns left, positive pitch looks
-    down, positive roll lowers the right side.
+    The axes are x ahead, y to the left and z up. A positive yaw turns to the left, a positive pitch looks down, and a
+    positive roll lowers the right side.
     """
     (cy, sy), (cp, sp), (cr, sr) = ((np.cos(a), np.sin(a)) for a in (yaw, pitch, roll))
     about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
@@ -136,7 +147,7 @@ def rotation_3d(yaw: float, pitch: float, roll: float) -> FloatArray:
 
 
 def yaw_pitch_roll(rotation: npt.ArrayLike) -> tuple[float, float, float]:
-    """Angles (yaw, pitch, roll) in radians with ``rotation_3d(*angles)`` equal to `rotation`."""
+    """Return the angles (yaw, pitch, roll) in rad for which ``rotation_3d(*angles)`` equals `rotation`."""
     r = np.asarray(rotation, dtype=float)
     pitch = float(np.arcsin(np.clip(-r[2, 0], -1.0, 1.0)))
     return float(np.arctan2(r[1, 0], r[0, 0])), pitch, float(np.arctan2(r[2, 1], r[2, 2]))
@@ -145,14 +156,14 @@ def yaw_pitch_roll(rotation: npt.ArrayLike) -> tuple[float, float, float]:
 @register
 @dataclass(frozen=True)
 class Pose:
-    """A position and heading in the plane, or the rigid motion that leads there.
+    """A position and heading in the plane, or the rigid motion from the origin to them.
 
     Parameters
     ----------
     x, y : float
         Position in metres.
     theta : float
-        Heading in radians, counterclockwise from the x axis; kept in (-pi, pi].
+        Heading, rad counterclockwise from the x axis; wrapped into (-pi, pi].
 
     Raises
     ------
@@ -176,7 +187,7 @@ class Pose:
         object.__setattr__(self, "theta", float(wrap_angle(finite("Pose: theta (rad)", self.theta))))
 
     def __repr__(self) -> str:
-        """Centimetres and milliradians are enough to read; there is no negative zero."""
+        """Show the pose rounded to centimetres and milliradians, without negative zeros."""
         return f"Pose(x={self.x:z.2f}, y={self.y:z.2f}, theta={self.theta:z.3f})"
 
     # --- values ---
@@ -187,16 +198,16 @@ class Pose:
 
     @classmethod
     def from_array(cls, values: npt.ArrayLike) -> Pose:
-        """Make a pose from (x, y, theta)."""
+        """Make a pose from an array (x, y, theta)."""
         array = np.asarray(values, dtype=float)
         if array.shape != (3,):
-            raise ValueError(f"a pose has the shape (3,): x, y, theta; got {array.shape}")
+            raise ValueError(f"a pose must have the shape (3,): x, y, theta; got {array.shape}")
         return cls(*array.tolist())
 
     # --- operations ---
 
     def __matmul__(self, other: Pose) -> Pose:
-        """Compose: `other`, given in this pose's frame, in the frame this pose is given in."""
+        """Compose two poses: return `other`, which is given in this pose's frame, in the parent frame."""
         x, y = self.to_parent([other.x, other.y])[0]
         return Pose(float(x), float(y), self.theta + other.theta)
 
@@ -206,14 +217,14 @@ class Pose:
         return Pose(float(x), float(y), -self.theta)
 
     def to_parent(self, points: npt.ArrayLike) -> FloatArray:
-        """Points (N, 2) of this pose's own frame, in the frame the pose is given in."""
+        """Transform points (N, 2) from this pose's own frame to the frame in which the pose is given."""
         return as_points(points) @ rotation_2d(self.theta).T + (self.x, self.y)
 
     def to_local(self, points: npt.ArrayLike) -> FloatArray:
-        """Points (N, 2) of the frame the pose is given in, in this pose's own frame."""
+        """Transform points (N, 2) from the frame in which the pose is given to this pose's own frame."""
         return (as_points(points) - (self.x, self.y)) @ rotation_2d(self.theta)
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
+    """Return the public names for tab completion, without the imported ones."""
     return __all__

@@ -1,4 +1,4 @@
-"""A pose graph in the plane: poses and landmarks, and what was measured between them."""
+"""Pose graphs in the plane: poses, landmarks, and the measurements between them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import numpy.typing as npt
 import scipy.sparse
 import scipy.sparse.linalg
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray
 
 __all__ = ["LANDMARK", "POSE", "SYMMETRIC", "Edges", "Graph", "matrices"]
 
 POSE, LANDMARK = 0, 1
 
-# For `scipy.sparse.linalg.splu` of a symmetric, positive definite matrix: no pivots, one column after the other.
+# Options of `scipy.sparse.linalg.splu` for a symmetric, positive definite matrix, which needs no pivoting.
 SYMMETRIC = {"diag_pivot_thresh": 0.0, "relax": 1, "panel_size": 1, "options": {"SymmetricMode": True}}
 
 IntArray = npt.NDArray[np.int64]
@@ -27,19 +27,19 @@ Residual = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 
 class Edges(NamedTuple):
-    """All edges of one kind, as arrays: row k of each belongs to edge k.
+    """All edges of one kind as arrays, in which row k belongs to edge k.
 
     Parameters
     ----------
     first, second : ndarray, shape (E,)
-        Numbers of the two ends: `first` among the poses; `second` among the poses, or among the landmarks.
+        Indices of the two ends: `first` counts the poses, `second` the poses or the landmarks.
     z : ndarray, shape (E, 3) or (E, 2)
-        What was measured in the frame of the first pose: a pose (x, y, theta) or a landmark's (x, y); m, rad.
+        Measured pose (x, y, theta) or position (x, y) of the second end in the frame of the first one; m and rad.
     information : ndarray, shape (E, 3, 3) or (E, 2, 2)
-        Inverse of the residual's covariance: of a pose in the frame in which z ends, as in g2o; of a landmark in
-        the frame of the first pose.
+        Inverse of the covariance of each residual. For a pose it is given in the frame in which z ends, as in g2o; for
+        a landmark in the frame of the first pose.
     places : ndarray, shape (E, 6) or (E, 5)
-        Where the numbers of both ends stand in the states: those of the first, then those of the second.
+        Indices of both ends' values in the states: the values of `first`, then the values of `second`.
     """
 
     first: IntArray
@@ -52,34 +52,34 @@ class Edges(NamedTuple):
 @register
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """What was measured between poses, and between poses and landmarks.
+    """Measurements between poses, and between poses and landmarks.
 
-    The unknowns are numbered: poses first, then landmarks. Their values are kept apart from the graph, in one flat
-    array of `states`: x, y, theta of each pose, then x, y of each landmark; metres and radians.
+    The unknowns are numbered, poses before landmarks. The graph does not contain their values. These are kept in a flat
+    array of `states`: x, y, theta of each pose, then x, y of each landmark; m and rad.
 
     Parameters
     ----------
     edges : ndarray of int, shape (E, 2)
-        Numbers of the two unknowns of each edge; the first is a pose.
+        Indices of the two unknowns of each edge; the first one is a pose.
     measurements : ndarray, shape (E, 3)
-        The second unknown in the frame of the first: (x, y, theta) of a pose, (x, y, 0) of a landmark.
+        Second unknown in the frame of the first one: (x, y, theta) of a pose, (x, y, 0) of a landmark.
     information : ndarray, shape (E, 3, 3)
-        Inverses of the residuals' covariances, of a pose in the frame in which the measurement ends (g2o's convention:
-        a covariance in the frame of the first pose is turned by minus the measured angle first); a landmark's third row
-        and column are 0.
+        Inverses of the residuals' covariances. For a pose it is given in the frame in which the measurement ends, which
+        is g2o's convention: a covariance in the frame of the first pose must first be turned by minus the measured
+        angle. The third row and column of a landmark are 0.
     kinds : ndarray of int, shape (N,)
         `POSE` or `LANDMARK` for each unknown, poses first.
     ids : ndarray of int, shape (N,)
-        What the unknowns are called in a file; their numbers, unless given.
+        Numbers of the unknowns in a file; by default their indices.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit each other, landmarks stand before poses, or an edge names what is not there.
+        If the shapes do not fit each other, if landmarks come before poses, or if an edge has an unknown index.
 
     Examples
     --------
-    Two poses and a landmark: the second pose is a metre ahead, the landmark is to the left of it.
+    A graph of two poses and a landmark. The second pose is a metre ahead, and the landmark is to its left.
 
     >>> graph = Graph([[0, 1], [1, 2]], [[1, 0, 0], [0, 2, 0]], [np.eye(3), np.diag([4, 4, 0])], [POSE, POSE, LANDMARK])
     >>> poses, landmarks = graph.split(np.array([0, 0, 0, 1, 0, 0, 1, 2.0]))
@@ -94,7 +94,7 @@ class Graph:
     ids: IntArray = ()  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        """Check that everything fits."""
+        """Check the shapes and indices."""
         kinds = np.array(self.kinds, dtype=np.int64).ravel()
         count = np.size(self.edges) // 2
         ids = np.arange(len(kinds)) if len(self.ids) == 0 else np.array(self.ids, dtype=np.int64)
@@ -112,31 +112,33 @@ class Graph:
         if not np.isin(kinds, (POSE, LANDMARK)).all() or (np.diff(kinds) < 0).any():
             raise ValueError("Graph: kinds must be POSE or LANDMARK, poses first")
         if count and not (self.edges.min() >= 0 and self.edges.max() < len(kinds)):
-            raise ValueError(f"Graph: edges name unknowns 0 to {len(kinds) - 1}, got {self.edges.max()}")
+            raise ValueError(
+                f"Graph: the indices of edges must be 0 to {len(kinds) - 1}, got {self.edges.max()}"
+            )
         if count and (kinds[self.edges[:, 0]] == LANDMARK).any():
-            raise ValueError("Graph: an edge begins at a pose")
+            raise ValueError("Graph: the first end of an edge must be a pose, got a landmark")
 
     # --- sizes ---
 
     @cached_property
     def poses(self) -> int:
-        """How many poses there are."""
+        """Number of poses."""
         return int(np.count_nonzero(self.kinds == POSE))
 
     @cached_property
     def landmarks(self) -> int:
-        """How many landmarks there are."""
+        """Number of landmarks."""
         return len(self.kinds) - self.poses
 
     @cached_property
     def size(self) -> int:
-        """How many numbers the states have."""
+        """Length of the states."""
         return 3 * self.poses + 2 * self.landmarks
 
     # --- values ---
 
     def split(self, states: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Poses (P, 3) and landmarks (L, 2) of flat states (3 P + 2 L,)."""
+        """Split flat states (3 P + 2 L,) into poses (P, 3) and landmarks (L, 2)."""
         array = np.asarray(states, dtype=float)
         if array.shape != (self.size,):
             raise ValueError(
@@ -149,12 +151,12 @@ class Graph:
 
     @cached_property
     def pose_edges(self) -> Edges:
-        """The edges between two poses."""
+        """Edges between two poses."""
         return self._of_kind(POSE, 3)
 
     @cached_property
     def landmark_edges(self) -> Edges:
-        """The edges from a pose to a landmark; `second` counts landmarks from 0."""
+        """Edges from a pose to a landmark; `second` counts the landmarks from 0."""
         return self._of_kind(LANDMARK, 2)
 
     def _of_kind(self, kind: int, width: int) -> Edges:
@@ -172,21 +174,22 @@ class Graph:
     # --- sparse systems ---
 
     def add_blocks(self, pose_blocks: FloatArray, landmark_blocks: FloatArray) -> scipy.sparse.csc_array:
-        """Add each edge's block into one large sparse matrix, at its `places`.
+        """Add the block of each edge to one large sparse matrix, at the rows and columns of its `places`.
 
-        The same as putting all entries with their rows and columns into a `scipy.sparse.coo_array` and turning that
-        into a `csc_array`, but where each entry belongs is found once for a graph, and not again in each iteration.
+        The result equals a `scipy.sparse.coo_array` of all entries that is converted to a `csc_array`. This method
+        is faster, because the position of each entry is found only once for a graph, not in each iteration.
 
         Parameters
         ----------
         pose_blocks : ndarray, shape (E, 6, 6)
-            One for each of `pose_edges`.
+            Blocks of `pose_edges`.
         landmark_blocks : ndarray, shape (E', 5, 5)
-            One for each of `landmark_edges`.
+            Blocks of `landmark_edges`.
 
         Returns
         -------
         csc_array, shape (size, size)
+            Sum of all blocks.
         """
         indices, indptr, slots = self._sparsity
         entries = np.concatenate([np.ravel(pose_blocks), np.ravel(landmark_blocks)])
@@ -195,7 +198,7 @@ class Graph:
 
     @cached_property
     def _sparsity(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Rows and column starts of the sparse matrix, and for each entry of all blocks its place among the rows."""
+        """Row indices and column starts of the sparse matrix, and the position of each block entry in its data."""
         groups = [edges.places for edges in (self.pose_edges, self.landmark_edges)]
         rows = np.concatenate([np.repeat(places, places.shape[1], axis=1).ravel() for places in groups])
         columns = np.concatenate([np.tile(places, places.shape[1]).ravel() for places in groups])
@@ -206,17 +209,16 @@ class Graph:
 
     @cached_property
     def elimination_order(self) -> IntArray:
-        """All states but the first pose's, in an order that keeps the factor of H sparse: (size - 3,).
+        """Order of all states but the first pose's that keeps the factor of H sparse, shape (size - 3,).
 
-        Minimum degree (lesson 08), over poses and landmarks as wholes: the three numbers of a pose have the same
-        neighbours, so they stay together, and there is a third of the rows to put into order.
+        It is the minimum-degree order (lesson 08) of whole poses and landmarks. The three values of a pose have
+        the same neighbours, so they can stay together, and only a third of the rows must be ordered.
         """
         count = len(self.kinds)
         i, j = self.edges.T
         links = scipy.sparse.coo_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), (count, count))
-        dominant = (links + scipy.sparse.diags_array(1 + links.sum(axis=0))).tocsc()[
-            1:, 1:
-        ]  # it has a factor
+        # A diagonally dominant matrix with the same sparsity can be factorised, whatever the measurements are.
+        dominant = (links + scipy.sparse.diags_array(1 + links.sum(axis=0))).tocsc()[1:, 1:]
         factor = scipy.sparse.linalg.splu(dominant, "MMD_AT_PLUS_A", **SYMMETRIC)
         order = 1 + np.argsort(factor.perm_c)
         widths = np.where(self.kinds == POSE, 3, 2)
@@ -229,7 +231,15 @@ class Graph:
     def squared_errors(
         self, states: npt.ArrayLike, pose_residual: Residual, landmark_residual: Residual
     ) -> FloatArray:
-        """Weighted squares e' Omega e of all edges, (E,), in the order of `edges`, by somebody's residuals."""
+        """Return the weighted squared errors e' Omega e of all edges, (E,), in the order of `edges`.
+
+        Parameters
+        ----------
+        states : array_like, shape (size,)
+            Poses and landmarks, m and rad.
+        pose_residual, landmark_residual : callable
+            Functions from first ends (E, 3), second ends and measurements z of some edges to their residuals.
+        """
         poses, landmarks = self.split(states)
         squares = np.zeros(len(self.edges))
         to_landmark = self.kinds[self.edges[:, 1]] == LANDMARK
@@ -244,7 +254,7 @@ class Graph:
 
 
 def matrices(rows: Sequence[Sequence[npt.ArrayLike]]) -> FloatArray:
-    """Put numbers, or arrays of N numbers each, together to one matrix, or to N of them.
+    """Make a matrix from numbers, or a stack of N matrices from arrays of N numbers.
 
     Parameters
     ----------
@@ -254,7 +264,7 @@ def matrices(rows: Sequence[Sequence[npt.ArrayLike]]) -> FloatArray:
     Returns
     -------
     ndarray, shape (R, C) or (N, R, C)
-        With arrays among the entries, matrix k has entry k of each of them; a number stands in all.
+        Matrix, or a stack in which matrix k contains element k of each array. Numbers are the same in all matrices.
 
     Examples
     --------
@@ -273,5 +283,5 @@ def _floats(values: npt.ArrayLike, empty: tuple[int, ...]) -> FloatArray:
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
+    """Return the public names for tab completion, without the imported ones."""
     return __all__

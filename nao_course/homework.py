@@ -1,4 +1,4 @@
-"""A student's notebooks as files: renewed by a newer release without losing work, and handed in."""
+"""A student's notebooks as files: updated to a newer release without losing work, and handed in."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from nao_course._internal.renamed_names import with_new_names
 from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 
 __all__ = ["NOTEBOOKS", "RELEASE", "Receipt", "Renewal", "installed_versions", "renew", "submit", "zipped"]
 
-RELEASE = Path("release")  # where an unpacked release lies; nobody works in it
-NOTEBOOKS = Path("notebooks")  # where a student works; no release brings a file for it
-_GIVEN = ".given"  # in NOTEBOOKS: each lesson as it was given, to see what the student did
-_KEPT = "kept"  # in NOTEBOOKS: the student's notebooks as they were before a renewal
+RELEASE = Path("release")  # folder of an unpacked release, which is never edited
+NOTEBOOKS = Path("notebooks")  # the student's working folder, which no release contains
+_GIVEN = ".given"  # in NOTEBOOKS: each lesson as released, to find the student's changes
+_KEPT = "kept"  # in NOTEBOOKS: the student's notebooks before each renewal
 _VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
 
 Cell = dict[str, Any]
@@ -32,19 +33,19 @@ Notebook = dict[str, Any]
 
 
 def zipped(files: Mapping[str, bytes], modes: Mapping[str, int] | None = None) -> bytes:
-    """Pack files into a zip that is the same for the same files.
+    """Pack files into a zip archive whose bytes depend only on the files.
 
     Parameters
     ----------
     files : mapping of str to bytes
-        Contents by the path in the zip.
+        Contents by the path in the archive.
     modes : mapping of str to int, optional
-        Permissions of those that are not 0o644.
+        Permissions of the files whose permissions are not 0o644.
     """
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
-            entry = zipfile.ZipInfo(name)  # its date is 1980, always
+            entry = zipfile.ZipInfo(name)  # its date is always 1980
             entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3  # permissions as on Unix
             entry.external_attr = (0o100000 | (modes or {}).get(name, 0o644)) << 16
             archive.writestr(entry, files[name])
@@ -56,20 +57,20 @@ def zipped(files: Mapping[str, bytes], modes: Mapping[str, int] | None = None) -
 
 @dataclass(frozen=True)
 class Receipt:
-    """What was handed in, and when.
+    """The receipt of a submission.
 
     Parameters
     ----------
     path : Path
-        The zip.
+        The zip archive.
     time : str
-        In UTC.
+        Time of the submission, UTC.
     files : mapping of str to str
-        SHA-256 of each file by its name.
+        SHA-256 digest of each file by its name.
     versions : mapping of str to str
-        Of the release, Python and libraries.
+        Versions of the release, Python and libraries.
     code : str
-        SHA-256 of all of this: two receipts with one code are of the same work.
+        SHA-256 digest of the receipt: equal codes belong to the same submission.
     """
 
     path: Path
@@ -80,69 +81,69 @@ class Receipt:
 
 
 def submit(folder: Path, out: Path) -> Receipt:
-    """Pack a student's notebooks, and the helper files beside them, with a receipt.
+    """Pack a student's notebooks and helper files into a zip archive with a receipt.
 
     Parameters
     ----------
     folder : Path
-        Where the notebooks are.
+        Folder of the notebooks.
     out : Path
-        Folder for the zip.
+        Folder for the archive.
 
     Returns
     -------
     Receipt
-        Also in the zip, as receipt.json.
+        The receipt, which is also in the archive as receipt.json.
 
     Raises
     ------
     ValueError
-        If there is no lesson's notebook, or a file is broken or too large.
+        If the folder contains no lesson's notebook, or a file is broken or too large.
     """
     if not folder.is_dir():
-        raise ValueError(f"{folder} is no folder: submit packs a folder of notebooks")
+        raise ValueError(f"{folder} is not a folder: give submit the folder of your notebooks")
     found = [*sorted(folder.glob(f"{lesson_names.PATTERN}.ipynb")), *sorted(folder.glob("*.py"))]
     files = {path.name: path.read_bytes() for path in found if path.is_file() and not path.is_symlink()}
     notebooks = {name: _parsed(name, content) for name, content in files.items() if name.endswith(".ipynb")}
     if not notebooks:
-        raise ValueError(f"no lesson's notebook (such as 01_hsl_filtering.ipynb) in {folder}")
+        raise ValueError(f"{folder} contains no notebook of a lesson, such as 01_hsl_filtering.ipynb")
     for name, content in files.items():
         if len(content) > MOST_BYTES:
             raise ValueError(
-                f"{name} has {len(content) / 2**20:.0f} MB, {MOST_BYTES // 2**20} are the most: "
+                f"{name} has {len(content) / 2**20:.0f} MB, but at most {MOST_BYTES // 2**20} MB are allowed: "
                 "in JupyterLab choose Edit, Clear Outputs of All Cells, and save"
             )
     helpers = [name for name in files if name.endswith(".py")]
     if len(helpers) > MOST_HELPERS:
         raise ValueError(
-            f"{len(helpers)} Python files are beside the notebooks, {MOST_HELPERS} are the most: "
-            "move away what the notebooks do not import"
+            f"there are {len(helpers)} Python files beside the notebooks, but at most {MOST_HELPERS} are allowed: "
+            "delete the files that your notebooks do not import"
         )
     if large := [name for name in helpers if len(files[name]) > LARGEST_HELPER]:
         raise ValueError(
             f"{large[0]} has {len(files[large[0]]) / 2**20:.1f} MB, "
-            f"{LARGEST_HELPER // 2**20} MB is the most for a Python file"
+            f"but a Python file may have at most {LARGEST_HELPER // 2**20} MB"
         )
     now = datetime.now(UTC)
     releases = {str(metadata(each, "nao_course").get("version", "unknown")) for each in notebooks.values()}
     time = now.isoformat(timespec="seconds")
     hashes = {name: hashlib.sha256(each).hexdigest() for name, each in files.items()}
     versions = {"release": ", ".join(sorted(releases))} | installed_versions()
-    told: dict[str, object] = {"time": time, "files": hashes, "versions": versions}
-    code = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    contents: dict[str, object] = {"time": time, "files": hashes, "versions": versions}
+    code = hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
     path = out / f"submission-{now:%Y%m%d-%H%M%S}.zip"
     out.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(zipped(files | {"receipt.json": _json(told | {"code": code})}))
+    path.write_bytes(zipped(files | {"receipt.json": _json(contents | {"code": code})}))
     return Receipt(path, time, hashes, versions, code)
 
 
 def installed_versions() -> dict[str, str]:
-    """Return the versions of Python and of what a lesson's numbers depend on."""
+    """Return the versions of Python and of the libraries that a lesson's numbers depend on."""
     found = {"python": platform.python_version()}
     for name in _VERSIONS:
         try:
             found[name] = version(name)
-        except PackageNotFoundError:  # OpenCV comes under several names
+        except PackageNotFoundError:  # OpenCV has several package names
             continue
     return found
 
@@ -152,18 +153,18 @@ def installed_versions() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Renewal:
-    """What a release did to a student's notebook.
+    """The renewal of a student's notebook by a release.
 
     Parameters
     ----------
     name : str
-        Of the notebook.
+        Name of the notebook.
     carried : int
-        How many cells of the student's were carried over.
+        Number of the student's cells that were carried over.
     kept : Path, optional
-        Where the notebook is kept as it was.
+        Path of the copy of the old notebook.
     lost : tuple of str
-        Beginnings of the student's cells that the new lesson has no place for; they are in the kept notebook.
+        First lines of the student's cells that have no place in the new lesson; the copy still contains them.
     """
 
     name: str
@@ -172,20 +173,20 @@ class Renewal:
     lost: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Say it in a sentence."""
+        """Return the renewal as a sentence."""
         if self.kept is None:
             return f"{self.name}: as released"
-        said = f"{self.name}: renewed, {self.carried} of your cells carried over; it was kept as {self.kept}"
-        missing = f". The new lesson has no place for: {', '.join(map(repr, self.lost))}" if self.lost else ""
+        said = f"{self.name}: renewed with {self.carried} of your cells; your old notebook is in {self.kept}"
+        missing = f". Not carried over: {', '.join(map(repr, self.lost))}" if self.lost else ""
         return said + missing
 
 
 def renew(root: Path) -> list[Renewal]:
-    """Bring the lessons of an unpacked release to where the student works.
+    """Copy the lessons of an unpacked release to the student's folder without losing work.
 
-    A notebook that the student has not touched is replaced. One that was changed is kept as it was, and in the new one
-    stand the student's answers (by the exercise), the text and code cells the student changed where the release did
-    not change them too, and the cells the student added.
+    A notebook that the student has not changed is replaced. For a changed notebook a copy is kept, and the new notebook
+    contains the student's answers (by the exercise), the cells that the student changed and the release did not, and
+    the cells that the student added. Library names that the release has changed are replaced in the student's code.
 
     Parameters
     ----------
@@ -195,25 +196,36 @@ def renew(root: Path) -> list[Renewal]:
     Returns
     -------
     list of Renewal
-        For each notebook that is new or newer.
+        One renewal for each notebook that is new or has changed.
+
+    Raises
+    ------
+    ValueError
+        If `root` contains no release, or a notebook of the release is broken.
     """
     mine, given = root / NOTEBOOKS, root / NOTEBOOKS / _GIVEN
+    released = root / RELEASE / NOTEBOOKS
+    if not released.is_dir():
+        raise ValueError(
+            f"there is no folder {released}: renew needs the folder in which the course's zip was unpacked. "
+            "Change to that folder, or give its path: nao-course renew FOLDER"
+        )
     done = []
-    for source in sorted((root / RELEASE / NOTEBOOKS).glob("*.ipynb")):
+    for source in sorted(released.glob("*.ipynb")):
         target, base = mine / source.name, given / source.name
         if target.is_file() and base.is_file() and base.read_bytes() == source.read_bytes():
             continue
         given.mkdir(parents=True, exist_ok=True)
         done.append(_bring(source, target, base))
         shutil.copyfile(source, base)
-    images = root / RELEASE / NOTEBOOKS / "images"
+    images = released / "images"
     if images.is_dir():
         shutil.copytree(images, mine / "images", dirs_exist_ok=True)
     return done
 
 
 def _bring(source: Path, target: Path, base: Path) -> Renewal:
-    new = _parsed(source.name, source.read_bytes())  # a broken release replaces nothing
+    new = _parsed(source.name, source.read_bytes())  # a broken release must not replace anything
     before = _cells_or_none(base)
     own = _cells_or_none(target)
     if not target.is_file() or (own is not None and own in (before, _cells_or_none(source))):
@@ -226,7 +238,7 @@ def _bring(source: Path, target: Path, base: Path) -> Renewal:
 
 
 def _keep(path: Path) -> Path:
-    """Copy a notebook beside the others, under a name that nothing has yet."""
+    """Copy a notebook into the folder of old notebooks under an unused name."""
     folder = path.parent / _KEPT
     folder.mkdir(exist_ok=True)
     number = 1
@@ -237,12 +249,12 @@ def _keep(path: Path) -> Path:
 
 
 def _carry_over(before: list[Cell] | None, own: list[Cell], new: list[Cell]) -> tuple[int, list[str]]:
-    """Put a student's cells into a new notebook's; return how many, and those that found no place."""
+    """Insert a student's cells into a new notebook; return their number and the first lines of the others."""
     given = {_key(cell): source_of(cell) for cell in before or new}
     exercises = {_key(cell): cell for cell in new if is_solution(cell)}
     unchanged = {source_of(cell): cell for cell in new if not is_solution(cell)}
     carried, lost, seen = 0, list[str](), set[str]()
-    at = -1  # in `new`: where the student's last known cell stands
+    at = -1  # index in `new` of the student's last known cell
     for cell in own:
         key, source = _key(cell), source_of(cell)
         added = key not in given or key in seen
@@ -253,17 +265,25 @@ def _carry_over(before: list[Cell] | None, own: list[Cell], new: list[Cell]) -> 
         if not source.strip() or source == given.get(key) or _is_locked(cell):
             continue
         if added:
-            cell["metadata"].pop("nbgrader", None)  # a copy of an exercise's cell is no exercise
-            cell["metadata"].pop("nao_course", None)
+            held = cell.get("metadata", {})  # a copy of an exercise's cell is not an exercise
+            cell["metadata"] = {key: held[key] for key in held if key not in ("nbgrader", "nao_course")}
             new.insert(at + 1, _blank(cell))
             at += 1
+            _use_new_names(new[at])
         elif home is None or (before is None and not is_solution(home)):
             lost.append(source.strip().splitlines()[0][:60])
             continue
         else:
             home["source"] = cell["source"]
+            _use_new_names(home)
         carried += 1
     return carried, lost
+
+
+def _use_new_names(cell: Cell) -> None:
+    """Replace library names of older releases in a code cell."""
+    if cell["cell_type"] == "code":
+        cell["source"] = with_new_names(source_of(cell))
 
 
 def _blank(cell: Cell) -> Cell:
@@ -279,7 +299,7 @@ def _is_locked(cell: Cell) -> bool:
 
 
 def _cells_or_none(path: Path) -> list[Cell] | None:
-    """A notebook's cells without outputs; nothing where it is missing or broken."""
+    """Return a notebook's cells without outputs; None if it is missing or broken."""
     try:
         cells = _parsed(path.name, path.read_bytes())["cells"]
     except (OSError, ValueError):
@@ -302,5 +322,5 @@ def _json(value: object) -> bytes:
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
+    """Return the public names, so that tab completion omits this module's imports."""
     return __all__

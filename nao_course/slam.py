@@ -1,4 +1,4 @@
-"""What goes into a SLAM algorithm, what comes out of it, and the loop that runs one."""
+"""The interface of SLAM algorithms: motions and measurements, estimates, and a loop that runs an algorithm."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, wrap_angle
 
 __all__ = [
@@ -34,21 +34,21 @@ KINDS: tuple[LandmarkKind, ...] = ("corner", "post")
 @register
 @dataclass(frozen=True)
 class Motion:
-    """A command to the robot: drive along the present heading, then turn on the spot.
+    """A commanded motion: drive along the present heading, then turn on the spot.
 
     Parameters
     ----------
     distance : float
-        Metres ahead; negative backwards. The d of both seeds.
+        Distance ahead, m; negative for backwards.
     turn : float
-        Radians, counterclockwise. The homework's alpha.
+        Turn, rad counterclockwise.
     """
 
     distance: float = 0.0
     turn: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is not a number."""
+        """Check that the values are finite numbers."""
         object.__setattr__(self, "distance", finite("Motion: distance (m)", self.distance))
         object.__setattr__(self, "turn", finite("Motion: turn (rad)", self.turn))
 
@@ -60,16 +60,16 @@ class Motion:
 @register
 @dataclass(frozen=True)
 class Measurement:
-    """One landmark as the robot sees it.
+    """The measurement of one landmark.
 
     Parameters
     ----------
     bearing : float
-        Radians in the robot frame, positive to the left, kept in (-pi, pi].
+        Direction in the robot frame, rad, positive to the left; wrapped into (-pi, pi].
     range : float
-        Metres over the ground from the robot.
+        Distance from the robot on the ground, m.
     kind : "corner" or "post"
-        A field line's corner or a goal post's foot (the boolean of Aliyev et al. 2014, section 4.4).
+        Corner of two field lines, or foot of a goal post (the boolean of Aliyev et al. 2014, section 4.4).
     """
 
     bearing: float
@@ -77,7 +77,7 @@ class Measurement:
     kind: LandmarkKind = "corner"
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be a measurement."""
+        """Check the values."""
         bearing = finite("Measurement: bearing (rad)", self.bearing)
         object.__setattr__(self, "bearing", float(wrap_angle(bearing)))
         object.__setattr__(self, "range", finite("Measurement: range (m)", self.range))
@@ -90,25 +90,25 @@ class Measurement:
 @register
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What a SLAM algorithm believes; two are equal where all their values are.
+    """The estimate of a SLAM algorithm. Two estimates are equal if all their values are.
 
     Parameters
     ----------
     pose : Pose
-        The robot, in the frame the algorithm maps in.
+        Estimated pose of the robot in the map frame.
     covariance : ndarray, shape (3, 3)
-        Of (x, y, theta), in m^2, m rad and rad^2.
+        Covariance of (x, y, theta), m^2, m rad and rad^2.
     landmarks : ndarray, shape (N, 2)
-        Their positions in metres.
+        Estimated positions of the landmarks in the map frame, m.
     landmark_covariances : ndarray, shape (N, 2, 2)
-        In m^2.
+        Covariance of each position, m^2.
     kinds : tuple of str
-        N kinds, "corner" or "post".
+        Kind of each landmark, "corner" or "post".
 
     Raises
     ------
     ValueError
-        If the shapes do not fit each other, or it is no pose.
+        If the shapes do not fit each other, or if `pose` is not a Pose.
     """
 
     pose: Pose
@@ -135,7 +135,7 @@ class Estimate:
         object.__setattr__(self, "kinds", tuple(self.kinds))
 
     def __eq__(self, other: object) -> bool:
-        """Whether all values are equal."""
+        """Return whether all values are equal."""
         if not isinstance(other, Estimate):
             return NotImplemented
         arrays = ("covariance", "landmarks", "landmark_covariances")
@@ -146,63 +146,63 @@ class Estimate:
 
 
 def measured_points(measurements: Iterable[Measurement], pose: Pose) -> FloatArray:
-    """Where measurements put their landmarks.
+    """Return the positions of measured landmarks.
 
     Parameters
     ----------
     measurements : iterable of Measurement
-        N of them.
+        Measurements of N landmarks.
     pose : Pose
-        From where they were taken.
+        Pose of the robot when it measured them.
 
     Returns
     -------
     ndarray, shape (N, 2)
-        Metres, in the frame in which `pose` is given.
+        Positions in the frame in which `pose` is given, m.
     """
     polar = as_points([(each.bearing, each.range) for each in measurements])
     return pose.to_parent(polar[:, 1:] * np.column_stack([np.cos(polar[:, 0]), np.sin(polar[:, 0])]))
 
 
 def range_and_bearing(poses: npt.ArrayLike, landmarks: npt.ArrayLike) -> FloatArray:
-    """How landmarks are seen from poses.
+    """Return the true bearings and ranges of landmarks from poses.
 
     Parameters
     ----------
     poses : array_like, shape (..., 3)
-        x, y (m) and heading (rad).
+        Positions x, y, m, and headings, rad.
     landmarks : array_like, shape (..., 2)
-        Metres, in the frame in which `poses` are given.
+        Positions in the frame in which `poses` are given, m.
 
     Returns
     -------
     ndarray, shape (..., 2)
-        (bearing, range): rad in (-pi, pi], and m.
+        Bearings, rad in (-pi, pi], and ranges, m.
     """
-    at, there = np.asarray(poses, dtype=float), np.asarray(landmarks, dtype=float)
-    away = (there[..., 0] - at[..., 0]) + 1j * (there[..., 1] - at[..., 1])
-    return np.stack([wrap_angle(np.angle(away) - at[..., 2]), np.abs(away)], axis=-1)
+    pose, landmark = np.asarray(poses, dtype=float), np.asarray(landmarks, dtype=float)
+    offset = (landmark[..., 0] - pose[..., 0]) + 1j * (landmark[..., 1] - pose[..., 1])
+    return np.stack([wrap_angle(np.angle(offset) - pose[..., 2]), np.abs(offset)], axis=-1)
 
 
 def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
-    """Turn and shift an estimate into another frame, its covariances too.
+    """Transform an estimate and its covariances from the map frame to another frame.
 
     Parameters
     ----------
     estimate : Estimate
-        In the frame its algorithm maps in.
+        Estimate in the map frame.
     frame : Pose or None
-        That frame's pose in the new one; None leaves the estimate as it is.
+        Pose of the map frame in the new frame; None leaves the estimate unchanged.
 
     Returns
     -------
     Estimate
-        In the frame in which `frame` is given.
+        Estimate in the new frame.
 
     Raises
     ------
     ValueError
-        If it is no Estimate.
+        If `estimate` is not an Estimate.
     """
     if not isinstance(estimate, Estimate):
         raise ValueError(f"estimate must be an Estimate, got {type(estimate).__name__}")
@@ -210,7 +210,7 @@ def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
         return estimate
     c, s = np.cos(frame.theta), np.sin(frame.theta)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    with np.errstate(invalid="ignore", over="ignore"):  # what is no number stays none
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN and infinity stay as they are
         return Estimate(
             frame @ estimate.pose,
             turn @ estimate.covariance @ turn.T,
@@ -221,32 +221,32 @@ def place_estimate(estimate: Estimate, frame: Pose | None) -> Estimate:
 
 
 class SlamAlgorithm(ABC):
-    """The abstract class of Aliyev et al. 2014, section 3.3: motions and measurements in, an estimate out."""
+    """A SLAM algorithm: it gets motions and measurements, and returns an estimate (Aliyev et al. 2014, section 3.3)."""
 
     @abstractmethod
     def move(self, motion: Motion) -> None:
-        """Take in that the robot was told to move by `motion`."""
+        """Predict the state after a commanded motion."""
 
     @abstractmethod
     def observe(self, measurements: Sequence[Measurement]) -> None:
-        """Take in what the robot sees from where it is now; an empty sequence is allowed."""
+        """Update with the measurements from the present pose; the sequence may be empty."""
 
     @abstractmethod
     def estimate(self) -> Estimate:
-        """Return what is believed now."""
+        """Return the current estimate."""
 
 
 class DeadReckoning(SlamAlgorithm):
-    """Believe every command and ignore every landmark: the estimate that SLAM has to beat.
+    """Dead reckoning: add up the commanded motions and ignore all landmarks. SLAM has to be better than this.
 
     Parameters
     ----------
     start : Pose
-        Where the robot begins; zeros in both seeds.
+        First pose of the robot; by default the origin.
     """
 
     def __init__(self, start: Pose | None = None) -> None:
-        """Begin at `start`."""
+        """Start at the pose `start`."""
         self._pose = start or Pose()
 
     def move(self, motion: Motion) -> None:
@@ -254,29 +254,29 @@ class DeadReckoning(SlamAlgorithm):
         self._pose = self._pose @ motion.as_pose()
 
     def observe(self, measurements: Sequence[Measurement]) -> None:
-        """Ignore what is seen."""
+        """Ignore the measurements."""
 
     def estimate(self) -> Estimate:
-        """Return the pose that the commands add up to, with no uncertainty stated."""
+        """Return the sum of the commanded motions, with zero covariance."""
         return Estimate(self._pose, np.zeros((3, 3)), np.empty((0, 2)), np.empty((0, 2, 2)))
 
 
 def run_slam(
     algorithm: SlamAlgorithm, log: Iterable[tuple[Motion | None, Sequence[Measurement]]]
 ) -> list[Estimate]:
-    """Run an algorithm over a log.
+    """Run an algorithm over a log of motions and measurements.
 
     Parameters
     ----------
     algorithm : SlamAlgorithm
-        It is changed: it has seen the log afterwards.
+        Algorithm to run. Its state changes.
     log : iterable of (Motion or None, sequence of Measurement)
-        In each step the motion comes first (None: the robot stood still), then what was seen.
+        Motion of each step, and the measurements after it. The motion is None if the robot stood still.
 
     Returns
     -------
     list of Estimate
-        One for each step.
+        Estimate after each step.
     """
     estimates = []
     for motion, measurements in log:
@@ -288,5 +288,5 @@ def run_slam(
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not what this module imports."""
+    """Return the public names for tab completion, without the imported ones."""
     return __all__

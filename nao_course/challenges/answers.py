@@ -1,4 +1,4 @@
-"""What an entry returned, as a copy of our own that its class cannot answer for; or a sentence for the student."""
+"""Conversion of an entry's answer to a plain array, with an error message for the student if that fails."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from nao_course.geometry import FloatArray
 
-MOST_POINTS = 1000  # of an entry in one picture
+MOST_POINTS = 1000  # largest number of points in one answer
 
 
 def as_found_points(answer: Any, name: str = "points") -> FloatArray:
@@ -17,25 +17,29 @@ def as_found_points(answer: Any, name: str = "points") -> FloatArray:
     Parameters
     ----------
     answer : object
-        What an entry returned.
+        The return value of an entry.
     name : str
-        What they are, such as "feet".
+        Name of the points in messages, such as "feet".
 
     Raises
     ------
     TypeError, ValueError
-        If it is something else; the message is for the student.
+        If the answer is not an array of points; the message is for the student.
     """
     if answer is None:
         raise TypeError(f"Your entry returns None: does it end with return {name}?")
     try:
         points = np.array(answer, dtype=float, subok=False)
     except (TypeError, ValueError):
-        raise TypeError(f"Your entry must return points (K, 2), got {type(answer).__name__}.") from None
+        raise TypeError(
+            f"Your entry must return points of shape (K, 2), got {type(answer).__name__}."
+        ) from None
     if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"Your entry must return points (K, 2), none as (0, 2); got shape {points.shape}.")
+        raise ValueError(
+            f"Your entry must return points of shape (K, 2), or (0, 2) without any points; got shape {points.shape}."
+        )
     if not np.isfinite(points).all():
-        raise ValueError("Your entry returns points that are NaN or infinite.")
+        raise ValueError("Your entry returns points that contain NaN or infinite numbers.")
     if len(points) > MOST_POINTS:
-        raise ValueError(f"Your entry returns {len(points)} points; at most {MOST_POINTS} are looked at.")
+        raise ValueError(f"Your entry returns {len(points)} points, but at most {MOST_POINTS} are allowed.")
     return points

@@ -1,11 +1,12 @@
-"""A belief that an entry returned, pose and covariance: checked, and scored by how dense it is at the truth."""
+"""Beliefs that entries return (pose and covariance): conversion, checks, and scores by the density at the truth."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from nao_course.challenges.declaration import CaseScore, Run
@@ -14,21 +15,22 @@ from nao_course.geometry import FloatArray, Pose, rotation_2d
 from nao_course.metrics import band, log_density
 from nao_course.plotting import Drawing
 from nao_course.plotting.legends import source_key
-from nao_course.slam import Estimate
+from nao_course.slam import Estimate, Motion
 
-DEEPEST = -20.0  # bits: no case counts less, so that one is not everything
-MOST_NEES = 1000.0  # that a column shows
+DEEPEST = -20.0  # bits: smallest score of a case, so that a single case does not decide the total
+MOST_NEES = 1000.0  # largest value in a column
 
 
 def as_belief(answer: Any, with_map: bool = False) -> tuple[FloatArray, FloatArray]:
-    """Return an answer's pose (3,) and its covariance (3, 3).
+    """Return the pose (3,) and the covariance (3, 3) of an answer.
 
     Parameters
     ----------
     answer : object
-        What an entry returned; the pose may be a `Pose`, the whole an `Estimate`.
+        The return value of an entry: a pair of pose and covariance, where the pose may be a `Pose`, or an `Estimate`.
     with_map : bool
-        Whether it may be a state (n,) with its covariance (n, n), pose first; of the rest nothing is looked at.
+        Whether the answer may be a state (n,) that begins with the pose, with its covariance (n, n). Only the pose is
+        used.
 
     Raises
     ------
@@ -47,22 +49,22 @@ def as_belief(answer: Any, with_map: bool = False) -> tuple[FloatArray, FloatArr
         is_complex = "c" in (state.dtype.kind, covariance.dtype.kind)
         state, covariance = state.real.astype(float), covariance.real.astype(float)
     except (TypeError, ValueError):
-        raise TypeError(f"Your entry must return two things: the {mean} and its covariance.") from None
+        raise TypeError(f"Your entry must return two values: the {mean} and its covariance.") from None
     if is_complex:
-        raise TypeError("Your belief has complex numbers in it: the root of something negative, perhaps?")
+        raise TypeError("Your belief contains complex numbers. Did you take the root of a negative number?")
     size = len(state) if with_map and state.ndim == 1 and len(state) > 3 else 3
     if state.shape != (size,) or covariance.shape != (size, size):
         raise ValueError(
-            f"Your {mean} has shape {state.shape} and your covariance {covariance.shape}; {wanted} are wanted."
+            f"Your {mean} has shape {state.shape} and your covariance {covariance.shape}; expected {wanted}."
         )
     pose, spread = state[:3], covariance[:3, :3]
     if not (np.isfinite(pose).all() and np.isfinite(spread).all()):
-        raise ValueError("Your pose or its covariance has NaN or infinite numbers in it.")
+        raise ValueError("Your pose or its covariance contains NaN or infinite numbers.")
     if not np.allclose(spread, spread.T, rtol=1e-6, atol=1e-12):
         raise ValueError("Your pose's covariance is not symmetric.")
     if np.linalg.eigvalsh(spread)[0] <= 0:
         raise ValueError(
-            "Your pose's covariance has an eigenvalue that is not positive: a direction without any doubt."
+            "Your pose's covariance is not positive definite: in one direction it claims no uncertainty."
         )
     return pose, spread
 
@@ -74,21 +76,21 @@ def score_belief(
     before: tuple[FloatArray, FloatArray],
     kept: object,
 ) -> CaseScore:
-    """Score a belief by how many bits it is denser at the truth than another.
+    """Score a belief by the log ratio (bits) of its density at the truth to another belief's density.
 
     Parameters
     ----------
     pose, covariance, truth : ndarray, shapes (3,), (3, 3) and (3,)
-        The belief, and the true pose.
+        Pose and covariance of the belief, and the true pose.
     before : (ndarray (3,), ndarray (3, 3))
-        What is believed without the entry.
+        The belief without the entry.
     kept : object
-        For the figure.
+        Data for the figure.
 
     Returns
     -------
     CaseScore
-        With columns "off" and "stated", position in cm, and "NEES".
+        Score with the columns "off" and "stated" (position, cm) and "NEES".
     """
     bits, nees = log_density(pose, covariance, truth)
     without, _ = log_density(*before, truth)
@@ -103,71 +105,75 @@ def score_belief(
 def score_end(
     answer: Any, truth: FloatArray, odometry: tuple[FloatArray, FloatArray], drive: object
 ) -> CaseScore:
-    """Score what an entry believes at the end of a drive: by how many bits it is denser there than odometry's.
+    """Score an entry's belief at the end of a drive by the log density ratio (bits) to odometry's belief.
 
     Parameters
     ----------
     answer : object
-        What the entry returned: a pose or a state, pose first, and its covariance.
+        The return value of the entry: a pose, or a state that begins with the pose, and its covariance.
     truth : ndarray, shape (3,)
         The true pose at the end.
     odometry : (ndarray (3,), ndarray (3, 3))
-        What is believed by who sees nothing, in the same frame.
+        The belief of a robot that uses odometry alone, in the same frame.
     drive : object
-        For the figure, which gets (drive, pose, covariance).
+        Data for the figure, which receives (drive, pose, covariance).
 
     Raises
     ------
     TypeError, ValueError
-        If the answer is no belief; the message is for the student.
+        If the answer is not a belief; the message is for the student.
     """
     pose, covariance = as_belief(answer, with_map=True)
     return score_belief(pose, covariance, truth, odometry, (drive, pose, covariance))
 
 
 def say_bits(drives: int) -> str:
-    """Say how `score_end` scores, for a challenge of so many drives."""
+    """Return a text that explains the score of `score_end`."""
     low, high = band(3, drives)
     return (
-        "bits: how much denser your belief is at the robot's true pose than that of odometry alone, as a logarithm "
-        "to the base 2, the mean over all drives. A small error counts only where your covariance is honest about it: "
-        f"NEES between {low:.1f} and {high:.1f} is."
+        "bits: how much denser your belief is at the robot's true pose than the belief of odometry alone. It is a "
+        "logarithm to the base 2, averaged over all drives. A small error helps only if your filter is consistent: its "
+        f"NEES should be between {low:.1f} and {high:.1f}."
     )
 
 
 def draw_worst_ends(run: Run, plot_drive: Callable[[Axes, Any], None]) -> Drawing:
-    """Draw the drives with the fewest bits: the true path, and what is believed at its end.
+    """Draw the drives with the fewest bits: the true path, and the belief at its end.
 
     Parameters
     ----------
     run : Run
         All drives of the challenge, scored by `score_end`.
     plot_drive : callable
-        ``plot_drive(ax, kept)`` draws one; kept is (drive, pose, covariance).
+        ``plot_drive(ax, kept)`` draws one drive; `kept` is (drive, pose, covariance).
     """
-    keys = [source_key("truth", "where it drove"), source_key("ekf", "believed at the end, 95 %")]
+    keys = [source_key("truth", "true path"), source_key("ekf", "estimate at the end, 95 %")]
     return draw_worst(run, plot_drive, keys, digits=1)
 
 
-def odometry_covariance(told: FloatArray, noise: FloatArray) -> FloatArray:
-    """Covariance of the last pose that odometry tells.
+def odometry_belief(
+    start: Pose, motions: Sequence[Motion], covariances: npt.ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return the last odometry pose (3,) and its covariance (3, 3).
 
-    A step's slip along and across carries it along; a turn that was wrong swings it about the end of that step.
+    An error along or across a step shifts the rest of the path, and an error of a turn rotates it about the end of
+    that step.
 
     Parameters
     ----------
-    told : ndarray, shape (M + 1, 3)
-        Poses as the commands add up, from a start that is known; m and rad.
-    noise : ndarray, shape (M, 3, 3)
-        Of each step: along, across and of the turn, robot frame.
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        In the frame of the poses.
+    start : Pose
+        Known first pose.
+    motions : sequence of Motion
+        The M commands.
+    covariances : array_like, shape (M, 3, 3)
+        Covariance of each step's errors along, across and in the turn, robot frame.
     """
-    away = told[-1, :2] - told[1:, :2]
+    path = [start]
+    for motion in motions:
+        path.append(path[-1] @ motion.as_pose())
+    poses = np.array([each.as_array() for each in path])
+    away = poses[-1, :2] - poses[1:, :2]
     slips = np.tile(np.eye(3), (len(away), 1, 1))
-    slips[:, :2, :2] = [rotation_2d(theta) for theta in told[:-1, 2]]
+    slips[:, :2, :2] = [rotation_2d(theta) for theta in poses[:-1, 2]]
     slips[:, 0, 2], slips[:, 1, 2] = -away[:, 1], away[:, 0]
-    return np.asarray(np.einsum("kij,kjl,kml->im", slips, noise, slips))
+    return poses[-1], np.asarray(np.einsum("kij,kjl,kml->im", slips, np.asarray(covariances), slips))

@@ -14,11 +14,11 @@ import numpy as np
 from nao_course.challenges.declaration import Challenge
 
 SUFFIX = ".challenge.json"
-LARGEST = 100_000  # bytes; what is written here has some hundred
+LARGEST = 100_000  # bytes; a usual file has a few hundred
 
 
 class BrokenFileError(ValueError):
-    """The file does not hold a best score; the message says why."""
+    """Raised for a file that does not contain a best score; the message explains why."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class Best:
     Parameters
     ----------
     score : float
-        Of all cases.
+        Total score.
     worst : float
-        Of the worst case.
+        Score of the worst case.
     columns : mapping of str to float
-        The other numbers.
+        Values of the other columns.
     """
 
     score: float
@@ -41,31 +41,30 @@ class Best:
 
 
 class BestFile:
-    """Where a challenge's best score is kept.
+    """The file that stores a challenge's best score.
 
     Parameters
     ----------
     challenge : Challenge
-        Whose.
+        The challenge.
     folder : Path, optional
-        Where it is; by default the working folder, which is the notebook's.
+        Folder of the file; by default the working folder, which is the notebook's.
     """
 
     def __init__(self, challenge: Challenge, folder: Path | None = None) -> None:
-        """Look at nothing yet."""
+        """Store the path; the file is read later."""
         self.challenge = challenge
         self.path = (folder or Path.cwd()) / f"{challenge.lesson}{SUFFIX}"
-        self._remark = (
-            ""  # said at every look from then on: a notebook asks for words first and shows the page
-        )
+        # Repeated whenever the board is shown, because a notebook first requests the text and then shows the HTML.
+        self._remark = ""
 
     def read(self) -> tuple[Best | None, str]:
-        """Return the best so far and a remark.
+        """Read the best score so far, and return it with a remark.
 
         Returns
         -------
         Best or None, str
-            None where there is none. A file that cannot be read gets another name, and the remark says so.
+            None without a best score. A file that cannot be read is renamed, and the remark explains that.
         """
         if not os.path.lexists(self.path):
             return None, self._remark
@@ -76,12 +75,12 @@ class BestFile:
             return None, self._remark
 
     def keep(self, best: Best) -> str:
-        """Keep a score if it is the best; return a remark if it could not be kept."""
+        """Store a score if it is the best; return a remark if it could not be stored."""
         before, remark = self.read()
         if before is not None and not self.challenge.beats(best.score, before.score):
             return remark
         if os.path.lexists(self.path) and before is None:
-            return remark  # neither readable nor movable: it stays as it is
+            return remark  # neither readable nor movable, so it stays unchanged
         text = json.dumps({"score": best.score, "worst": best.worst, "columns": dict(best.columns)}, indent=1)
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
@@ -89,12 +88,12 @@ class BestFile:
             os.replace(beside, self.path)
         except OSError as error:
             beside.unlink(missing_ok=True)
-            return f"{remark} Your score could not be kept in {self.path.name}: {error.strerror}.".strip()
+            return f"{remark} Your score could not be stored in {self.path.name}: {error.strerror}.".strip()
         return remark
 
     def _parsed(self) -> Best:
-        if not self.path.is_file():  # a folder, or a pipe that nobody writes to
-            raise BrokenFileError("it is no file")
+        if not self.path.is_file():  # a folder, or a pipe without a writer
+            raise BrokenFileError("it is not a file")
         if self.path.stat().st_size > LARGEST:
             raise BrokenFileError(f"it has more than {LARGEST // 1000} kB")
         try:
@@ -102,7 +101,7 @@ class BestFile:
         except (ValueError, RecursionError) as error:
             raise BrokenFileError("it is not JSON") from error
         if not isinstance(held, dict) or not isinstance(held.get("columns"), dict):
-            raise BrokenFileError("it holds no score")
+            raise BrokenFileError("it contains no score")
         names = {column.name for column in self.challenge.columns}
         columns = {name: _number(value) for name, value in held["columns"].items() if name in names}
         return Best(_number(held.get("score")), _number(held.get("worst")), columns)
@@ -114,17 +113,18 @@ class BestFile:
         try:
             os.rename(self.path, aside)
         except OSError:
-            return f"{self.path.name} cannot be read ({why}), and not be moved either: it stays as it is."
-        return f"{self.path.name} could not be read ({why}). It is kept as {aside.name}, and your best begins anew."
+            return f"{self.path.name} cannot be read ({why}) and cannot be renamed, so it stays unchanged."
+        outcome = f"It was renamed to {aside.name}, and your best score starts again."
+        return f"{self.path.name} could not be read ({why}). {outcome}"
 
 
 def _number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise BrokenFileError("it holds no score")
+        raise BrokenFileError("it contains no score")
     try:
         number = float(value)
     except OverflowError as error:
-        raise BrokenFileError("its score is no number") from error
+        raise BrokenFileError("its score is not a number") from error
     if not np.isfinite(number):
-        raise BrokenFileError("its score is no number")
+        raise BrokenFileError("its score is not a number")
     return number

@@ -1,4 +1,4 @@
-"""The board of a challenge: what is to be done, what others reached, and how an entry did."""
+"""The board of a challenge: its task, the recorded scores, and the results of the student's entries."""
 
 from __future__ import annotations
 
@@ -22,33 +22,34 @@ THIS = "this entry"
 
 
 class Board:
-    """A challenge as a student meets it: it shows itself, and takes entries.
+    """The board of a challenge, which shows the task and the scores and accepts entries.
 
     Parameters
     ----------
     challenge : Challenge
-        Which one.
+        The challenge.
     folder : Path, optional
-        Where the best so far is kept; by default beside the notebook.
+        Folder of the file with the best score; by default the notebook's folder.
     """
 
     def __init__(self, challenge: Challenge, folder: Path | None = None) -> None:
-        """Read nothing and make nothing yet."""
+        """Store the challenge; files are read later."""
         self.challenge = challenge
         self._best = BestFile(challenge, folder)
 
     def enter(self, entry: Any) -> EntryReport:
-        """Run an entry on all cases, say how it did, and keep its score if it is your best.
+        """Run an entry on all cases, and store its score if it is your best.
 
         Parameters
         ----------
         entry : callable or object
-            Your function; or the answer itself, where the board says so.
+            Your function, or the answer itself if the challenge accepts values.
 
         Returns
         -------
         EntryReport
-            It shows itself. An entry that fails, or takes too long, in a case scores nothing there; nothing is raised.
+            Report that a notebook shows. No error is raised: a case in which the entry fails or takes too long has the
+            score of no answer.
         """
         challenge = self.challenge
         before, remark = self._best.read()
@@ -60,17 +61,17 @@ class Board:
         return EntryReport(came, before, remark)
 
     def example(self, number: int = 1) -> Any:
-        """Return what an entry is given in a case, to try your function on it.
+        """Return the arguments of an entry in a case, on which you can try your function.
 
         Parameters
         ----------
         number : int
-            Of the case, from 1.
+            Number of the case, from 1.
 
         Raises
         ------
         ValueError
-            If there is no such case.
+            If the case does not exist.
         """
         seeds = self.challenge.seeds
         if not 1 <= number <= len(seeds):
@@ -79,12 +80,12 @@ class Board:
         return given[0] if len(given) == 1 else given
 
     def table(self) -> Table:
-        """Return the rows of the board, the worst first."""
+        """Return the rows of the board, the worst row first."""
         best, _ = self._best.read()
         return standings(self.challenge, best=best)
 
     def __repr__(self) -> str:
-        """The board in lines."""
+        """Return the lines of the board."""
         best, remark = self._best.read()
         said = [*_head(self.challenge), remark, repr(standings(self.challenge, best=best))]
         return "\n".join(line for line in [*said, _how_to_enter(self.challenge)] if line)
@@ -101,16 +102,16 @@ class Board:
 
 @dataclass(frozen=True, eq=False)
 class EntryReport:
-    """How an entry did: its score beside the others, and a figure of where points are lost.
+    """The result of an entry: its score beside the others, and a figure of its worst cases.
 
     Parameters
     ----------
     run : Run
-        Its way through the cases.
+        Results of the cases.
     before : Best or None
-        The best before it.
+        Best score before this entry.
     remark : str
-        On the file in which the best is kept.
+        Remark about the file of the best score.
     """
 
     run: Run
@@ -119,24 +120,24 @@ class EntryReport:
 
     @property
     def score(self) -> float:
-        """The score of all cases; NaN where not all were run."""
+        """The total score; NaN if not all cases were run."""
         return self.run.score
 
     @cached_property
     def figure(self) -> Drawing | None:
-        """Where points are lost; None where there is no score or no figure."""
+        """Figure of the worst cases; None without a score or a figure."""
         draw = self.run.challenge.figure
         return draw(self.run) if draw and self.run.complete else None
 
     def sentences(self) -> list[str]:
-        """Return what there is to say, in sentences."""
+        """Return the result as sentences."""
         said = [self.run.stopped] if self.run.stopped else [self._verdict()]
         if not self.run.complete and self.before:
             said.append(f"Your best so far stays {self.run.challenge.say(self.before.score)}.")
         return [*said, *self.run.problems(), *([self.remark] if self.remark else [])]
 
     def table(self) -> Table:
-        """Return the board with this entry on it."""
+        """Return the board with a row for this entry."""
         best = self.before
         mine = None
         if self.run.complete:
@@ -159,7 +160,7 @@ class EntryReport:
         return f"{said} {_neighbours(self.run)}".strip()
 
     def __repr__(self) -> str:
-        """Sentences, the board, and the figure's words."""
+        """Return the sentences, the board and the figure's alt text."""
         figure = self.figure
         return "\n".join([*self.sentences(), repr(self.table()), *([figure.alt] if figure else [])])
 
@@ -170,19 +171,19 @@ class EntryReport:
 
 
 def standings(challenge: Challenge, best: Best | None = None, entry: Best | None = None) -> Table:
-    """Set the rows of a board in a table, the worst first.
+    """Return the rows of a board as a table, the worst row first.
 
     Parameters
     ----------
     challenge : Challenge
-        Its recorded rows are shown.
+        The challenge with its recorded rows.
     best, entry : Best, optional
-        The student's best so far, and another entry of theirs.
+        The student's best score so far, and another entry of the student.
 
     Returns
     -------
     Table
-        With the score, the worst case and the challenge's columns. Without a best its row says so, at the end.
+        Table of the score, the worst case and the challenge's columns. Without a best score, the last row says so.
     """
     rows = list(challenge.rows)
     for name, each in ((YOU, best), (THIS, entry)):
@@ -197,15 +198,15 @@ def standings(challenge: Challenge, best: Best | None = None, entry: Best | None
 
 
 def _beside(challenge: Challenge, row: Row) -> list[str]:
-    """What stands beside a score: the worst case and the columns."""
+    """Return the cells beside a score: the worst case and the columns."""
     worst = challenge.say(row.cases[challenge.worst(row.cases)]) if row.cases else "-"
     return [worst, *(column.say(row.columns.get(column.name)) for column in challenge.columns)]
 
 
 def _neighbours(run: Run) -> str:
-    """Which recorded rows stand just below, level with and just above a score, by the digits that are shown.
+    """Return the recorded rows next to a score, compared by the digits that are shown.
 
-    Two scores of a few cases may differ by chance: beside them stands in how many cases the better one is better.
+    Two scores may differ by chance, so each row also contains in how many cases the better entry is better.
     """
     challenge, score = run.challenge, run.score
     shown = {row.name: round(row.score, challenge.digits) for row in challenge.rows}
@@ -226,7 +227,7 @@ def _named(challenge: Challenge, row: Row) -> str:
 
 
 def _better_in(run: Run, row: Row, sign: int) -> str:
-    """In how many cases an entry is better than a row, or with sign -1 the row than it; empty where nobody knows."""
+    """Return in how many cases an entry is better than a row, or worse with sign -1; empty if that is unknown."""
     mine = [each.score for each in run.results]
     if len(row.cases) != len(mine):
         return ""

@@ -1,4 +1,4 @@
-"""What a challenge is, and what comes of an entry: the task, its cases, the scores that an entry is compared with."""
+"""A challenge and its results: the task, its cases, and the scores that an entry is compared with."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from nao_course.plotting import Drawing
 
 @dataclass(frozen=True)
 class Column:
-    """A number beside the score that says what was honest about it, such as false detections.
+    """A number beside the score that shows how consistent or reliable the answers are, such as false detections.
 
     Parameters
     ----------
     name : str
-        Head of the column, and its key in `CaseScore.columns`.
+        Heading of the column, and its key in `CaseScore.columns`.
     unit : str
-        Behind each number, such as " m" or " %".
+        Unit after each number, such as " m" or " %".
     digits : int
-        After the point.
+        Number of decimals.
     """
 
     name: str
@@ -33,22 +33,22 @@ class Column:
     digits: int = 2
 
     def say(self, value: float | None) -> str:
-        """Return a number with its unit; a dash where there is none."""
+        """Return a number with its unit; a dash without a number."""
         return "-" if value is None or not np.isfinite(value) else f"{value:z.{self.digits}f}{self.unit}"
 
 
 @dataclass(frozen=True)
 class CaseScore:
-    """What an answer earned in one case.
+    """The score of an answer in one case.
 
     Parameters
     ----------
     score : float
-        Its score.
+        The score.
     columns : mapping of str to float
-        The other numbers of the board, by the names of `Challenge.columns`; the board shows their mean.
+        Values of the board's other columns, by the names of `Challenge.columns`; the board shows their means.
     kept : object
-        What the challenge's figure needs of the answer, in types of the judge's own.
+        Data of the answer for the challenge's figure, in plain types.
     """
 
     score: float
@@ -58,18 +58,18 @@ class CaseScore:
 
 @dataclass(frozen=True)
 class Row:
-    """An entry on the board that is not the student's: recorded numbers, no code.
+    """A recorded row of the board, such as the score of the paper's method.
 
     Parameters
     ----------
     name : str
-        Whose it is, such as "the paper's rule".
+        Name of the method, such as "the paper's rule".
     score : float
-        Of all cases.
+        Total score.
     columns : mapping of str to float
-        The other numbers.
+        Values of the other columns.
     cases : tuple of float
-        The score of each case, in the order of `Challenge.seeds`.
+        Score of each case, in the order of `Challenge.seeds`.
     """
 
     name: str
@@ -80,47 +80,49 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Challenge:
-    """A task with a score, on cases that are the same for everybody; never graded.
+    """An open task with a score on fixed cases, which is not graded.
 
     Parameters
     ----------
     lesson : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
     title, task, scoring : str
-        A head line; what to do, in a sentence; what the score is.
+        A headline, the task in a sentence, and an explanation of the score.
     seeds : sequence
-        One for each case; what they are is the challenge's own.
+        Seed of each case, of any type that `make` accepts.
     make : callable
-        ``make(seed)`` gives a case's scene: what is given and what is true. It is made when it is needed, and kept.
+        ``make(seed)`` returns a case's scene, which contains the inputs and the truth. It is called once per case, at
+        first use.
     judge : callable
-        ``judge(answer, scene)`` gives a `CaseScore`. A ValueError or TypeError says in a sentence why an answer cannot
-        be used.
+        ``judge(answer, scene)`` returns a `CaseScore`, or raises ValueError or TypeError with a sentence that explains
+        why an answer is unusable.
     given : callable
-        ``given(scene)`` gives the arguments of the student's function, of which it gets copies; nothing of the truth.
+        ``given(scene)`` returns the arguments of the student's function, without the truth; the function receives
+        copies.
     figure : callable, optional
-        ``figure(run)`` draws where points are lost.
+        ``figure(run)`` draws the worst cases.
     columns : tuple of Column
-        Numbers beside the score.
+        Columns beside the score.
     rows : tuple of Row
-        What others reached: nothing, the paper's method, the reference.
+        Recorded rows: no answer, the paper's method, the reference.
     nothing : float
-        The score of a case whose answer cannot be used.
+        Score of a case without a usable answer.
     higher_is_better : bool
         False for a cost or an error.
     total : callable
-        Score of all cases from those of each, an array; by default their mean.
+        Total score, computed from an array of the cases' scores; by default their mean.
     takes_values : bool
         Whether an entry may be the answer itself instead of a function that returns it.
     unit : str
-        Behind each score.
+        Unit of the score.
     digits : int
-        Of each score, after the point.
+        Number of decimals of the score.
     case : str
-        What a case is called: "scene", "robot".
+        Noun for a case: "scene", "robot".
     name_of : callable
-        ``name_of(seed)`` names a case.
+        ``name_of(seed)`` returns the name of a case.
     seconds, seconds_in_all : float
-        How long the student's function may take for a case, and for all.
+        Longest run time of the student's function for one case, and for all cases.
     """
 
     lesson: str
@@ -147,24 +149,24 @@ class Challenge:
     _scenes: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Refuse what no board can show."""
+        """Check that there are cases."""
         if not self.seeds:
             raise ValueError(
-                f"the challenge of {self.lesson} has no seeds: it needs one for each {self.case}"
+                f"the challenge of {self.lesson} has no seeds: give one seed for each {self.case}"
             )
 
     def scene(self, seed: Hashable) -> Any:
-        """Return a case's scene: made once, and kept."""
+        """Return a case's scene, which is made only once."""
         if seed not in self._scenes:
             self._scenes[seed] = self.make(seed)
         return self._scenes[seed]
 
     def beats(self, score: float, other: float) -> bool:
-        """Whether a score is better than another."""
+        """Return whether a score is better than another."""
         return score > other if self.higher_is_better else score < other
 
     def worst(self, scores: Sequence[float]) -> int:
-        """Return which of some scores is the worst: its index."""
+        """Return the index of the worst score."""
         return int(np.argmin(scores) if self.higher_is_better else np.argmax(scores))
 
     def say(self, score: float) -> str:
@@ -174,22 +176,22 @@ class Challenge:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case.
+    """The result of one case.
 
     Parameters
     ----------
     seed : hashable
-        Which case.
+        Seed of the case.
     name : str
-        What it is called.
+        Name of the case.
     score : float
-        What it earned.
+        Score of the case.
     columns : mapping of str to float
-        The other numbers; empty where there was no usable answer.
+        Values of the other columns; empty without a usable answer.
     kept : object
-        What the figure needs; None where there was no usable answer.
+        Data for the figure; None without a usable answer.
     message : str
-        Why it scored as nothing, in a sentence; empty where it did not.
+        Why there was no usable answer; empty if there was one.
     """
 
     seed: Hashable
@@ -202,16 +204,16 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """An entry's way through the cases of a challenge.
+    """The results of an entry in the cases of a challenge.
 
     Parameters
     ----------
     challenge : Challenge
-        What was run.
+        The challenge.
     results : tuple of CaseResult
-        One for each case, up to where it ended.
+        Results of the cases that were run.
     stopped : str
-        Why it ended early, in a sentence; empty where it did not.
+        Why the run ended early; empty if it did not.
     """
 
     challenge: Challenge
@@ -220,19 +222,19 @@ class Run:
 
     @property
     def complete(self) -> bool:
-        """Whether all cases were run, and an answer could be used: only then there is a score."""
+        """Whether all cases were run with at least one usable answer, so that there is a score."""
         return not self.stopped and len(self.results) == len(self.challenge.seeds)
 
     @property
     def score(self) -> float:
-        """The score of all cases; NaN where not all were run."""
+        """The total score; NaN if not all cases were run."""
         if not self.complete:
             return float("nan")
         return self.challenge.total(np.array([each.score for each in self.results]))
 
     @property
     def columns(self) -> dict[str, float]:
-        """The other numbers: the mean over the cases that have them."""
+        """The mean of each other column over the cases that have a value."""
         found: dict[str, list[float]] = {}
         for each in self.results:
             for name, value in each.columns.items():
@@ -242,17 +244,17 @@ class Run:
 
     @property
     def worst(self) -> CaseResult:
-        """The case with the worst score; of several, the first."""
+        """The first of the cases with the worst score."""
         return self.results[self.challenge.worst([each.score for each in self.results])]
 
     def problems(self) -> list[str]:
-        """Return why cases scored as nothing: each reason once, with how many cases it met."""
+        """Return the reasons for unusable answers, each once with its number of cases."""
         met: dict[str, list[str]] = {}
         for each in self.results:
             if each.message:
                 met.setdefault(each.message, []).append(each.name)
         case, of = self.challenge.case, len(self.challenge.seeds)
-        cost = f"bring no answer and count {self.challenge.nothing:g} each"
+        cost = f"have no usable answer and count {self.challenge.nothing:g} each"
         return [
             f"{len(names)} of {of} {case}s {cost}, the first is {names[0]}: {message}"
             for message, names in met.items()
@@ -260,7 +262,7 @@ class Run:
 
 
 def recorded_rows(path: Path) -> tuple[Row, ...]:
-    """Read the rows that ``python -m benchmarks challenges`` recorded.
+    """Read the rows recorded by ``python -m benchmarks challenges``.
 
     Parameters
     ----------
@@ -270,7 +272,7 @@ def recorded_rows(path: Path) -> tuple[Row, ...]:
     Returns
     -------
     tuple of Row
-        None where nothing was recorded yet.
+        The rows; empty if nothing was recorded yet.
     """
     if not path.is_file():
         return ()

@@ -1,4 +1,4 @@
-"""Which challenge a word means: each is declared in the folder of its lesson."""
+"""Find a lesson's challenge, which is declared in the lesson's folder."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ def challenge(lesson: str | int) -> Board:
     Parameters
     ----------
     lesson : str or int
-        Its number or name: 1, "01" or "01_hsl_filtering".
+        Number or name of the lesson: 1, "01" or "01_hsl_filtering".
 
     Returns
     -------
     Board
-        It shows itself, and its `enter` takes your entry.
+        The board, which a notebook shows; its `enter` runs your entry.
 
     Raises
     ------
     ValueError
-        If there is no such challenge.
+        If the lesson has no challenge.
     """
     for name in meant(str(lesson), lessons()):
         if made := _declared_in(name.partition("_")[2]):
             return Board(made)
-    raise ValueError(f"there is no challenge {lesson!r}; there are {', '.join(declared())}")
+    raise ValueError(f"there is no challenge {lesson!r}; choose one of {', '.join(declared())}")
 
 
 def declared() -> dict[str, Challenge]:
-    """Return all challenges by their lessons: each lesson's folder may have a `challenge` module with a `CHALLENGE`."""
+    """Return all challenges by lesson: the `CHALLENGE` of each module `challenge` in a lesson's folder."""
     folders = pkgutil.iter_modules(importlib.import_module(LESSONS).__path__)
     found = [_declared_in(folder.name) for folder in folders if folder.ispkg]
     return {made.lesson: made for made in sorted(filter(None, found), key=lambda each: each.lesson)}
 
 
 def _declared_in(folder: str) -> Challenge | None:
-    """The challenge of a lesson's folder; only that one is imported."""
+    """Import the challenge of a lesson's folder, and no other lesson."""
     name = f"{LESSONS}.{folder}.challenge"
     try:
         there = importlib.util.find_spec(name) is not None

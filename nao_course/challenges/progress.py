@@ -1,4 +1,4 @@
-"""A progress bar: in a notebook, in a terminal, and nowhere else."""
+"""A progress bar, which is shown only in a notebook or a terminal."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ PAUSE = 0.1  # s between two updates
 
 
 class Progress:
-    """Says how much of something is done.
+    """A progress bar.
 
     Parameters
     ----------
     total : int
-        How many steps there are.
+        Number of steps.
     what : str
-        What they are, such as "scenes".
+        Noun for the steps, such as "scenes".
     """
 
     def __init__(self, total: int, what: str) -> None:
@@ -27,13 +27,13 @@ class Progress:
         self._handle = _display(self._html(), self._text())
 
     def step(self) -> None:
-        """One more is done."""
+        """Show that one more case is done."""
         self.done += 1
         if time.monotonic() - self._shown > PAUSE:
             self._show()
 
     def end(self) -> None:
-        """There is no more to come: leave what was done as a line of text."""
+        """Replace the bar by a line of text."""
         self._over = True
         self._show()
 
@@ -58,7 +58,7 @@ class Progress:
 
 
 class _Html:
-    """HTML for a notebook, and its words."""
+    """An output with HTML for a notebook and plain text."""
 
     def __init__(self, html: str, text: str) -> None:
         self._html, self._text = html, text
@@ -71,8 +71,8 @@ class _Html:
 
 
 def _display(html: str, text: str) -> Any:
-    """A handle to what a notebook shows; None where there is no notebook."""
-    ipython = sys.modules.get("IPython")  # nobody has a notebook open who has not imported it
+    """Return a handle to an output of the notebook; None outside of a notebook."""
+    ipython = sys.modules.get("IPython")  # IPython is always imported in a notebook
     shell = ipython.get_ipython() if ipython is not None else None
     if shell is None or not hasattr(shell, "kernel"):
         return None

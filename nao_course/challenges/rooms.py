@@ -1,4 +1,4 @@
-"""Cases of a challenge in rooms: which preset, which room, which picture in it, and the pictures themselves."""
+"""Cases of a challenge that are pictures in simulated rooms."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class Place:
     Parameters
     ----------
     name : str
-        Such as "dark 7": the seventh of the dark pictures.
+        Name, such as "dark 7" for the seventh of the dark pictures.
     preset : str
-        Of `Reality`.
+        Preset of `Reality`.
     room : int
         Seed of the room.
     number : int
-        Of the picture in that room, from 0.
+        Number of the picture in that room, from 0.
     """
 
     name: str
@@ -40,24 +40,24 @@ class Place:
 
     @property
     def reality(self) -> Reality:
-        """How real its pictures look, in its room."""
+        """The effects in its pictures: its preset in its room."""
         preset: Reality = getattr(Reality, self.preset)(seed=self.room)
         return preset
 
     def scene(self, shows: Callable[[Scene], bool], stream: Sequence[int] = ()) -> Scene:
-        """Take pictures from random places until one shows what a case needs.
+        """Take pictures from random places until one of them suits the case.
 
         Parameters
         ----------
         shows : callable
-            ``shows(scene)`` says whether a picture will do.
+            ``shows(scene)`` returns whether a picture suits the case.
         stream : sequence of int
-            Tells the random numbers of one challenge from another's in the same room.
+            Further seeds, so that two challenges use different random numbers in the same room.
 
         Returns
         -------
         Scene
-            The same at every call, 320 x 240.
+            A scene of 320 x 240 pixels, the same at every call.
         """
         reality = self.reality
         rng = np.random.default_rng([self.room, self.number, *stream])
@@ -67,14 +67,14 @@ class Place:
 
 
 def places(rooms: Mapping[str, Sequence[int]], in_each: int) -> tuple[Place, ...]:
-    """List the cases of a challenge: so many in each room, counted by preset.
+    """Return the cases of a challenge, `in_each` per room, numbered by preset.
 
     Parameters
     ----------
     rooms : mapping of str to sequence of int
-        Seeds of rooms by their preset. Whoever tunes an entry of the board tunes it in others.
+        Seeds of rooms by preset. Entries of the board must be tuned in other rooms.
     in_each : int
-        How many pictures a room has.
+        Number of pictures per room.
     """
     return tuple(
         Place(f"{preset} {before * in_each + number + 1}", preset, room, number)

@@ -1,4 +1,4 @@
-"""Where an entry loses: its worst cases side by side, each drawn as its challenge draws one."""
+"""Figure of an entry's worst cases side by side, drawn by the challenge's own function."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from nao_course.plotting.legends import legend_below
 SHOWN = 3
 
 
+@course_style()
 def draw_worst(
     run: Run,
     plot: Callable[[Axes, Any], None],
@@ -32,32 +33,31 @@ def draw_worst(
     run : Run
         All cases of the challenge.
     plot : callable
-        ``plot(ax, kept)`` draws what a judge kept of a case.
+        ``plot(ax, kept)`` draws a case from `CaseScore.kept`.
     keys : sequence of matplotlib.artist.Artist
-        For the legend.
+        Keys of the legend.
     height : float
-        Of the figure, inches.
+        Height of the figure, inches.
     digits : int, optional
-        Of a case's score; by default as many as the board shows.
+        Number of decimals of a case's score; by default as on the board.
     photo : bool
-        Whether it holds camera pictures.
+        Whether the figure contains camera pictures.
 
     Returns
     -------
     Drawing
-        The figure; its text names the cases.
+        The figure; its alt text names the cases.
     """
     challenge = run.challenge
     case = Column("", challenge.unit, challenge.digits if digits is None else digits)
     judged = (each for each in run.results if each.kept)
     worst = sorted(judged, key=lambda each: each.score, reverse=not challenge.higher_is_better)[:SHOWN]
-    with course_style():
-        figure = Figure(figsize=(9.9, height))
-        for number, each in enumerate(worst, start=1):
-            ax = figure.add_subplot(1, SHOWN, number)
-            plot(ax, each.kept)
-            ax.set_title(f"{each.name}: {case.say(each.score)}", fontsize=11)
-        legend_below(figure, keys)
+    figure = Figure(figsize=(9.9, height))
+    for number, each in enumerate(worst, start=1):
+        ax = figure.add_subplot(1, SHOWN, number)
+        plot(ax, each.kept)
+        ax.set_title(f"{each.name}: {case.say(each.score)}", fontsize=11)
+    legend_below(figure, keys)
     said = ", ".join(f"{each.name} with {case.say(each.score)}" for each in worst)
     return Drawing(
         figure,

@@ -1,4 +1,4 @@
-"""Where an entry that finds points in pictures loses: the three worst scenes, with what was found and what is so."""
+"""Figure of the three worst scenes of an entry that finds points in pictures, with found and true points."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def draw_worst_scenes(run: Run, what: str) -> Drawing:
     Parameters
     ----------
     run : Run
-        All scenes of the challenge; what a judge kept of each is (pixels, found points, true points).
+        Results of all scenes; `CaseScore.kept` of each is (pixels, found points, true points).
     what : str
-        One of the points, such as "foot".
+        Noun for a point, such as "foot".
 
     Returns
     -------
     Drawing
-        The figure; its text names them.
+        The figure; its alt text names the scenes.
     """
     keys = [
         Line2D([], [], color=FOUND, marker="o", mfc="none", ls="", ms=9, mew=2.2, label="found"),
@@ -37,7 +37,7 @@ def draw_worst_scenes(run: Run, what: str) -> Drawing:
 
 
 def _plot_scene(ax: Axes, kept: Any) -> None:
-    """A picture with found and true points."""
+    """Draw a picture with found and true points."""
     pixels, points, truth = kept
     plot_picture(pixels, ax, ticks=False)
     ax.plot(*truth.T, "x", color="black", ms=8, mew=2.2, path_effects=HALO)
@@ -45,5 +45,5 @@ def _plot_scene(ax: Axes, kept: Any) -> None:
 
 
 def worst_scenes_of(what: str) -> partial[Drawing]:
-    """Return `draw_worst_scenes` for a `Challenge`'s figure; `what` is one of the points, such as "foot"."""
+    """Return `draw_worst_scenes` for a `Challenge`'s figure; `what` is the noun for a point, such as "foot"."""
     return partial(draw_worst_scenes, what=what)

@@ -1,4 +1,4 @@
-"""Recordings by others, read as the library's own values: pictures of a real robot, logs, and pose graphs."""
+"""Readers for recorded data: pictures of a real robot, logs of drives, and pose graphs."""
 
 from nao_course.datasets.files import DATA_VARIABLE, data_folder
 from nao_course.datasets.freiburg_graph import read_freiburg_graph
@@ -6,7 +6,7 @@ from nao_course.datasets.g2o import read_g2o, write_g2o
 from nao_course.datasets.logs import (
     FreiburgLog,
     HomeworkLog,
-    Sights,
+    Observations,
     read_freiburg_log,
     read_homework_log,
     write_homework_log,
@@ -18,10 +18,10 @@ __all__ = [
     "AnnotatedPoint",
     "FreiburgLog",
     "HomeworkLog",
+    "Observations",
     "PictureSet",
     "PointKind",
     "RealPicture",
-    "Sights",
     "data_folder",
     "read_freiburg_graph",
     "read_freiburg_log",
@@ -34,5 +34,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names for tab completion, without the modules they come from."""
     return __all__

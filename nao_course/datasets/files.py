@@ -1,4 +1,4 @@
-"""Where the recordings are, and files of them that may hold anything."""
+"""The folder of the recordings, and safe reading of files from unknown sources."""
 
 from __future__ import annotations
 
@@ -9,36 +9,36 @@ DATA_VARIABLE = "NAO_COURSE_DATA"
 
 
 def data_folder() -> Path:
-    """Return the folder that holds the recordings, which are no part of the project.
+    """Return the folder with the recordings, which are not part of the project.
 
-    It is the one the environment variable NAO_COURSE_DATA names; without it, ``shared/data`` beside
-    the project's own folder.
+    The environment variable NAO_COURSE_DATA contains its path. Without the variable, the folder is ``shared/data``
+    beside the project's own folder.
 
     Returns
     -------
     Path
-        An existing folder.
+        Existing folder.
 
     Raises
     ------
     FileNotFoundError
-        If there is none; it says what to do.
+        If the folder does not exist. The message says what to do.
     """
     named = os.environ.get(DATA_VARIABLE)
     folder = Path(named).expanduser() if named else Path(__file__).resolve().parents[3] / "shared" / "data"
     if not folder.is_dir():
         where = (
-            f"{DATA_VARIABLE} names {named!r}, which is no folder" if named else f"{DATA_VARIABLE} is not set"
+            f"{DATA_VARIABLE} is {named!r}, which is not a folder" if named else f"{DATA_VARIABLE} is not set"
         )
         raise FileNotFoundError(
-            f"The recordings are not here: {where}. They are no part of the course; whoever has them sets "
-            f"the environment variable {DATA_VARIABLE} to the folder that holds amsterdam_2013 and slam."
+            f"The recordings are missing: {where}. They are not part of the course. If you have them, set the "
+            f"environment variable {DATA_VARIABLE} to the folder that contains amsterdam_2013 and slam."
         )
     return folder
 
 
 def contents(path: Path, largest: int) -> bytes:
-    """Read a file of no more than `largest` bytes; another is a ValueError that names it."""
+    """Return the bytes of a file, or raise ValueError if it is missing, empty or larger than `largest` bytes."""
     try:
         with path.open("rb") as file:
             data = file.read(largest + 1)
@@ -50,7 +50,7 @@ def contents(path: Path, largest: int) -> bytes:
 
 
 def brief(value: object) -> str:
-    """Show the beginning of a value of any size."""
+    """Describe a value of any size in a few words for an error message."""
     if isinstance(value, list | dict):
         return f"{'a list' if isinstance(value, list) else 'an object'} of {len(value)}"
     if isinstance(value, int) and abs(value) > 10**40:

@@ -1,4 +1,4 @@
-"""The pose-landmark graph of Freiburg's SLAM course: a file of Octave's, in MATLAB's version 5 format."""
+"""The pose-landmark graph of Freiburg's SLAM course, an Octave file in MATLAB's version 5 format."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ KIND = {"P": POSE, "L": LANDMARK}
 
 
 def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArray]:
-    """Read a graph as the homework of Freiburg's SLAM course has it: a struct g with x, edges and idLookup.
+    """Read a graph in the format of Freiburg's SLAM course: a struct g with the fields x, edges and idLookup.
 
     Parameters
     ----------
     path : path, optional
-        The file; without it, ``simulation-pose-landmark.dat`` in `data_folder()`.
+        Path of the file; by default ``simulation-pose-landmark.dat`` in `data_folder()`.
 
     Returns
     -------
     graph : Graph
-        Poses and landmarks in the order of the file's state vector each; `Graph.ids` are the file's names.
+        Poses, then landmarks, both in the order of the file's state vector. `Graph.ids` contains the file's names.
     states : ndarray, shape (graph.size,)
-        The file's guess, m and rad.
+        Initial guess of the file, m and rad.
 
     Raises
     ------
     FileNotFoundError
         If no path is given and there is no data folder.
     ValueError
-        If the file is missing, empty, too large or malformed; it names the file and, where there is one, the edge.
+        If the file is missing, empty, too large or malformed. The message contains the file and, if possible, the edge.
     """
     if path is None:
         path = data_folder() / "slam" / "freiburg" / "simulation-pose-landmark.dat"
@@ -59,7 +59,9 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
     is_landmark = {edge.second for edge in edges if edge.kind == "L"}
     for edge in edges:
         if edge.kind == "L" and edge.second in is_pose:
-            raise ValueError(f"{edge.where}: {edge.names[1]} is a pose in another edge, and a landmark here")
+            raise ValueError(
+                f"{edge.where}: vertex {edge.names[1]} is a landmark here, but a pose in another edge"
+            )
     order = [*sorted(is_pose), *sorted(is_landmark)]
     widths = [3] * len(is_pose) + [2] * len(is_landmark)
     spans = sorted((place, place + width) for place, width in zip(order, widths, strict=True))
@@ -82,7 +84,7 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
 
 
 class _Edge:
-    """One edge of the file, checked: its kind, where its ends stand in the state vector, and what was measured."""
+    """A checked edge of the file: its kind, the indices of its ends in the state vector, and its measurement."""
 
     def __init__(self, where: str, edge: Any, places: dict[int, int]) -> None:
         fields = {
@@ -99,7 +101,7 @@ class _Edge:
                 raise ValueError(f"{where}: there is no vertex {name} in idLookup")
         self.first, self.second = (places[name] for name in self.names)
         if self.first == self.second:
-            raise ValueError(f"{where}: leads from vertex {self.names[0]} to itself")
+            raise ValueError(f"{where}: connects vertex {self.names[0]} with itself")
         width = WIDTH[self.kind]
         self.measurement, self.information = np.zeros(3), np.zeros((3, 3))
         self.measurement[:width] = _array(where, "measurement", fields["measurement"], (width,))
@@ -115,14 +117,14 @@ class _Edge:
 
 
 def _struct(path: Path) -> dict[str, Any]:
-    """Return the struct g, with the fields that a graph needs."""
+    """Return the fields of the struct g."""
     data = contents(path, LARGEST_FILE)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             struct = scipy.io.loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True)["g"]
         return {name: getattr(struct, name) for name in ("x", "edges", "idLookup")}
-    except Exception as error:  # noqa: BLE001  a damaged file fails in any way
+    except Exception as error:  # noqa: BLE001 - a damaged file may cause any error
         raise ValueError(
             f"{path}: expected a MATLAB file (version 5 to 7) with a struct g that has x, edges and idLookup; "
             f"{type(error).__name__}: {error!s:.80}"
@@ -130,7 +132,7 @@ def _struct(path: Path) -> dict[str, Any]:
 
 
 def _places(path: Path, lookup: Any, size: int) -> dict[int, int]:
-    """Where each vertex begins in the state vector, from 0; Octave counts from 1 or has stored an offset."""
+    """Return the index in the state vector, from 0, at which each vertex begins."""
     places = {}
     for key in getattr(lookup, "_fieldnames", ()):
         name = _name(f"{path}, idLookup", key)
@@ -145,18 +147,18 @@ def _places(path: Path, lookup: Any, size: int) -> dict[int, int]:
 
 
 def _name(where: str, value: Any) -> int:
-    """A vertex's number, from a number or a field's name."""
+    """Return the number of a vertex, given as a number or as a field's name such as x17."""
     try:
         number = float(str(value).lstrip("x"))
     except ValueError:
         number = np.nan
     if not (0 <= number < 2**53 and number.is_integer()):
-        raise ValueError(f"{where}: a vertex has a whole number, got {brief(str(value))}")
+        raise ValueError(f"{where}: the number of a vertex must be an integer, got {brief(str(value))}")
     return int(number)
 
 
 def _array(where: str | Path, name: str, value: Any, shape: tuple[int, ...]) -> FloatArray:
-    """Return finite numbers of a shape, or say what is there instead."""
+    """Return a value as an array of finite numbers, or raise an error if it has another shape."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Logs of robots that measure landmarks: the homework's format, and that of Freiburg's course."""
+"""Logs of drives with measurements of landmarks, in the formats of Carnegie Mellon's and Freiburg's courses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from nao_course.datasets.files import brief, contents, data_folder
 from nao_course.geometry import FloatArray
 
-# What a log may not exceed: far beyond any real one, and small enough that a hostile one costs nothing.
+# Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
 LARGEST_LOG = 8_000_000  # bytes
 MOST_LANDMARKS = 1_000
 LARGEST_NUMBER = 1e6  # m or rad
@@ -22,14 +22,14 @@ LARGEST_NUMBER = 1e6  # m or rad
 
 @dataclass(frozen=True, eq=False)
 class HomeworkLog:
-    """A drive along which every landmark is measured after every step, which is which being known.
+    """A drive with measurements of all landmarks after each step; the identities of the landmarks are known.
 
     Parameters
     ----------
     measurements : ndarray, shape (M + 1, 2k)
-        (bearing, range) of each of k landmarks, rad and m: first from the start, then after each control.
+        Bearing and range of each of k landmarks, rad and m, at the start and after each control.
     controls : ndarray, shape (M, 2)
-        (distance, turn) as commanded, m and rad: drive along the heading, then turn.
+        Commanded (distance, turn) of each step, m and rad: drive along the heading, then turn.
 
     Raises
     ------
@@ -41,32 +41,32 @@ class HomeworkLog:
     controls: FloatArray
 
     def __post_init__(self) -> None:
-        """Refuse shapes that do not fit."""
+        """Check the shapes."""
         for name in ("measurements", "controls"):
             object.__setattr__(self, name, np.array(getattr(self, name), dtype=float))
-        seen, told = self.measurements.shape, self.controls.shape
-        if len(seen) != 2 or seen[1] % 2 or not seen[1] or told != (seen[0] - 1, 2):
+        measured, commanded = self.measurements.shape, self.controls.shape
+        if len(measured) != 2 or measured[1] % 2 or not measured[1] or commanded != (measured[0] - 1, 2):
             raise ValueError(
                 "a HomeworkLog has measurements (M + 1, 2k) and controls (M, 2); "
-                f"got the shapes {seen} and {told}"
+                f"got the shapes {measured} and {commanded}"
             )
 
     @property
     def k(self) -> int:
-        """How many landmarks."""
+        """Number of landmarks."""
         return self.measurements.shape[1] // 2
 
 
-class Sights(NamedTuple):
-    """What is measured from one pose.
+class Observations(NamedTuple):
+    """The measurements from one pose.
 
     Parameters
     ----------
     indices : ndarray of int, shape (n,)
-        Which landmarks: rows of `FreiburgLog.landmarks`.
+        Index of each measured landmark in `FreiburgLog.landmarks`.
     measurements : ndarray, shape (2n,)
-        (bearing, range) of each, rad and m. Freiburg's noise does not depend on the range: right before a
-        landmark one range is below zero.
+        Bearing and range of each landmark in turn, rad and m. A range can be negative if the robot is very near to a
+        landmark, because the noise of Freiburg's log does not depend on the range.
     """
 
     indices: npt.NDArray[np.intp]
@@ -75,48 +75,48 @@ class Sights(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FreiburgLog:
-    """A drive along which some landmarks are measured after each step, which is which being known.
+    """A drive with measurements of some landmarks after each step; the identities of the landmarks are known.
 
     Parameters
     ----------
     landmarks : ndarray, shape (k, 2)
-        Where they truly are, m.
+        True positions, m.
     odometry : ndarray, shape (M, 3)
-        (turn, distance, turn) of each step, rad, m and rad: turn, drive, turn again.
-    sights : tuple of Sights
-        What is seen after each step.
+        Measured motion (turn, distance, turn) of each step, rad, m and rad: turn, drive, turn again.
+    observations : tuple of Observations
+        Measurements after each step.
     """
 
     landmarks: FloatArray
     odometry: FloatArray
-    sights: tuple[Sights, ...]
+    observations: tuple[Observations, ...]
 
 
-# --- the homework's ---
+# --- the homework's format ---
 
 
 def read_homework_log(path: Path | str | None = None) -> HomeworkLog:
-    """Read a log in the format of the homework 16-833 of Carnegie Mellon: measurements and controls in turn.
+    """Read a log in the format of Carnegie Mellon's homework 16-833.
 
-    Odd lines hold (bearing, range) of k landmarks, 2k numbers; even lines (distance, turn); the last is of
-    measurements.
+    The odd lines, and the last one of them at the end, contain the bearings and ranges of k landmarks in turn, 2k
+    numbers. The even lines contain the distance and the turn of a control.
 
     Parameters
     ----------
     path : path, optional
-        The file; without it, the homework's own in `data_folder()`.
+        Path of the file; by default the log of the homework in `data_folder()`.
 
     Returns
     -------
     HomeworkLog
-        The whole file.
+        Contents of the file.
 
     Raises
     ------
     FileNotFoundError
         If no path is given and there is no data folder.
     ValueError
-        If the file is missing, empty, too large or malformed; it names file and line.
+        If the file is missing, empty, too large or malformed. The message contains the file and the line.
     """
     path = data_folder() / "slam" / "cmu16833_hw2" / "data.txt" if path is None else Path(path)
     measurements, controls = list[list[float]](), list[list[float]]()
@@ -139,28 +139,28 @@ def write_homework_log(log: HomeworkLog, path: Path | str, decimals: int = 4) ->
     Parameters
     ----------
     log : HomeworkLog
-        What to write.
+        Log to write.
     path : path
-        The file; an older one is replaced.
+        Path of the file, which is overwritten if it exists.
     decimals : int
-        After the point, in m and rad; the homework has 4.
+        Number of decimals; the homework's log has 4.
 
     Returns
     -------
     Path
-        The file.
+        Path of the file.
     """
     path = Path(path)
     rows = [log.measurements[0]]
-    for control, seen in zip(log.controls, log.measurements[1:], strict=True):
-        rows += [control, seen]
+    for control, measured in zip(log.controls, log.measurements[1:], strict=True):
+        rows += [control, measured]
     lines = ["\t".join(f"{value:z.{decimals}f}" for value in row) for row in rows]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
     return path
 
 
 def _bearings_and_ranges(words: list[str], wanted: int | None, where: str) -> list[float]:
-    """A line of measurements; the first one says how many numbers all of them have."""
+    """Return the numbers of a line of measurements; `wanted` is the count in the first line."""
     if len(words) % 2:
         raise ValueError(f"{where}: each landmark has a bearing and a range, got {_count(words)}")
     if wanted is not None and len(words) != wanted:
@@ -174,24 +174,24 @@ def _bearings_and_ranges(words: list[str], wanted: int | None, where: str) -> li
     return values
 
 
-# --- Freiburg's ---
+# --- Freiburg's format ---
 
 
 def read_freiburg_log(folder: Path | str | None = None) -> FreiburgLog:
     """Read the EKF log of Freiburg's SLAM course: ``sensor_data.dat`` and ``world.dat``.
 
-    ``ODOMETRY turn distance turn`` begins a step, ``SENSOR landmark range bearing`` follows for each that is seen;
-    ``world.dat`` has ``landmark x y``.
+    A line ``ODOMETRY turn distance turn`` begins a step, and a line ``SENSOR landmark range bearing`` follows for each
+    measured landmark. The lines of ``world.dat`` are ``landmark x y``.
 
     Parameters
     ----------
     folder : path, optional
-        That holds both files; without it, the one in `data_folder()`.
+        Folder with both files; by default the one in `data_folder()`.
 
     Returns
     -------
     FreiburgLog
-        The landmarks in the order of ``world.dat``; measurements in this course's order.
+        Log with the landmarks in the order of ``world.dat``, and with bearing before range.
 
     Raises
     ------
@@ -203,7 +203,7 @@ def read_freiburg_log(folder: Path | str | None = None) -> FreiburgLog:
     folder = data_folder() / "slam" / "freiburg" if folder is None else Path(folder)
     places = _read_world(folder / "world.dat")
     rows = {name: row for row, name in enumerate(places)}
-    odometry, sights = list[list[float]](), list[dict[int, tuple[float, float]]]()
+    odometry, observations = list[list[float]](), list[dict[int, tuple[float, float]]]()
     for where, (word, *words) in _lines(folder / "sensor_data.dat"):
         if word not in ("ODOMETRY", "SENSOR") or len(words) != 3:
             raise ValueError(
@@ -211,32 +211,34 @@ def read_freiburg_log(folder: Path | str | None = None) -> FreiburgLog:
             )
         if word == "ODOMETRY":
             odometry.append([_number(each, where) for each in words])
-            sights.append({})
+            observations.append({})
         elif not odometry:
             raise ValueError(f"{where}: a measurement before the first ODOMETRY")
         else:
-            _add_sight(sights[-1], rows, words, where)
-    return FreiburgLog(np.array(list(places.values())), np.array(odometry), tuple(map(_sights, sights)))
+            _add_observation(observations[-1], rows, words, where)
+    return FreiburgLog(
+        np.array(list(places.values())), np.array(odometry), tuple(map(_observations, observations))
+    )
 
 
 def _read_world(path: Path) -> dict[str, tuple[float, float]]:
-    """Where each landmark is, by its name."""
+    """Return the position of each landmark by its name."""
     places = dict[str, tuple[float, float]]()
     for where, words in _lines(path):
         if len(words) != 3:
             raise ValueError(f"{where}: expected a landmark, x and y, got {_count(words)}")
         if words[0] in places:
-            raise ValueError(f"{where}: landmark {brief(words[0])} stands there twice")
+            raise ValueError(f"{where}: landmark {brief(words[0])} is defined twice")
         if len(places) == MOST_LANDMARKS:
             raise ValueError(f"{where}: expected at most {MOST_LANDMARKS} landmarks")
         places[words[0]] = _number(words[1], where), _number(words[2], where)
     return places
 
 
-def _add_sight(
+def _add_observation(
     seen: dict[int, tuple[float, float]], rows: dict[str, int], words: list[str], where: str
 ) -> None:
-    """Note (bearing, range) of the landmark that a line names."""
+    """Add the bearing and range of a SENSOR line to the measurements of a step."""
     name, distance, bearing = words[0], _number(words[1], where), _number(words[2], where)
     if name not in rows:
         raise ValueError(f"{where}: landmark {brief(name)} is not in world.dat")
@@ -245,15 +247,17 @@ def _add_sight(
     seen[rows[name]] = bearing, distance
 
 
-def _sights(seen: dict[int, tuple[float, float]]) -> Sights:
-    return Sights(np.array(list(seen), dtype=np.intp), np.array(list(seen.values()), dtype=float).reshape(-1))
+def _observations(seen: dict[int, tuple[float, float]]) -> Observations:
+    return Observations(
+        np.array(list(seen), dtype=np.intp), np.array(list(seen.values()), dtype=float).reshape(-1)
+    )
 
 
 # --- lines of numbers ---
 
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
-    """Where each line is, and its words; empty lines may stand at the end only."""
+    """Yield a description of each line's place for messages, and its words; only trailing lines may be empty."""
     try:
         lines = contents(path, LARGEST_LOG).decode("utf-8-sig").rstrip().splitlines()
     except UnicodeDecodeError as error:

@@ -1,4 +1,4 @@
-"""Annotated pictures of a real robot, read as the library's own values."""
+"""Annotated pictures that a real NAO took in Amsterdam in 2013."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PureWindowsPath
-from typing import Literal, NoReturn, get_args
+from typing import Literal, NoReturn, assert_never, get_args
 
 import cv2
 import numpy as np
@@ -18,18 +18,31 @@ import numpy.typing as npt
 from nao_course.datasets.files import brief, contents, data_folder
 from nao_course.geometry import Pose
 from nao_course.sim.camera import LARGEST_SIZE
+from nao_course.sim.field import Shape
 
 Pixels = npt.NDArray[np.uint8]
 PointKind = Literal["X", "L", "T", "post_foot", "post_top"]
 PictureSet = Literal["scenes", "straightwalk"]
 
-LARGE_SUFFIX = "_1280x960"  # of the folder that holds a set's larger versions
+LARGE_SUFFIX = "_1280x960"  # of the folder with the larger versions of a set's pictures
 
-# What a file may not exceed: far beyond any real one, and small enough that a hostile one costs nothing.
+# Limits far above any real file, but low enough that a malicious file cannot use much memory or time.
 LARGEST_ANNOTATIONS = 4_000_000  # bytes
 LARGEST_PICTURE = 64_000_000  # bytes
 MOST_PICTURES = 10_000
 MOST_POINTS = 1_000
+
+
+def shape_on_ground(kind: PointKind) -> Shape | None:
+    """Return the shape of the landmark that a point of this kind shows; None for a point above the ground."""
+    match kind:
+        case "X" | "L" | "T":
+            return kind
+        case "post_foot":
+            return "post"
+        case "post_top":
+            return None
+    assert_never(kind)
 
 
 @dataclass(frozen=True)
@@ -39,10 +52,10 @@ class AnnotatedPoint:
     Parameters
     ----------
     kind : "X", "L", "T", "post_foot" or "post_top"
-        A crossing (marks, the circle on the halfway line), a corner of two lines, the foot of a
-        goal post, or the place where the crossbar meets a post.
+        A crossing (a mark, or the circle with the halfway line), a corner of two lines (L or T), the foot of a goal
+        post, or the place where the crossbar meets a post.
     u, v : float
-        Pixel, at the size of `RealPicture.pixels`; a mark at the very edge may lie just outside.
+        Column and row in `RealPicture.pixels`, px. A point at the very edge may lie just outside.
     """
 
     kind: PointKind
@@ -52,20 +65,20 @@ class AnnotatedPoint:
 
 @dataclass(frozen=True)
 class RealPicture:
-    """A photograph by a real NAO, with what is known about it.
+    """A picture by a real NAO with its annotations.
 
     Parameters
     ----------
     name : str
-        The picture's file name.
+        File name of the picture.
     path : Path
-        Where it is.
+        Path of the picture.
     pose : Pose
-        Of the robot in the field frame, as it was set by hand (m, rad).
+        Pose of the robot in the field frame, where it was put by hand; m and rad.
     head_yaw, head_pitch : float
-        Of the head's joints, as the robot reported them, radians (positive: left, down).
+        Angles of the head's joints as reported by the robot, rad; positive to the left and down.
     points : tuple of AnnotatedPoint
-        The points marked by hand, maybe none.
+        Points that were marked by hand; there may be none.
     """
 
     name: str
@@ -77,20 +90,20 @@ class RealPicture:
 
     @cached_property
     def pixels(self) -> Pixels:
-        """The picture, (height, width, 3) RGB; read when first asked for, and then read-only."""
+        """RGB picture of shape (height, width, 3). It is read at first use, and it is read-only."""
         pixels = self.read()
         pixels.setflags(write=False)
         return pixels
 
     @property
     def large_path(self) -> Path:
-        """Where the picture's larger version is, for those that have one."""
+        """Path of the picture's larger version, which may not exist."""
         folder = self.path.parent
         return folder.parent / f"{folder.name}{LARGE_SUFFIX}" / self.name
 
     @property
     def has_large(self) -> bool:
-        """Whether there is a larger version."""
+        """Whether the picture has a larger version."""
         return self.large_path.is_file()
 
     def read(self, large: bool = False) -> Pixels:
@@ -99,12 +112,12 @@ class RealPicture:
         Parameters
         ----------
         large : bool
-            The version of 1280 x 960 pixels instead.
+            Whether to read the version of 1280 x 960 pixels.
 
         Returns
         -------
         ndarray of uint8, shape (height, width, 3)
-            RGB.
+            RGB picture.
 
         Raises
         ------
@@ -112,32 +125,34 @@ class RealPicture:
             If there is no larger version, or the file cannot be read as a PNG picture.
         """
         if large and not self.has_large:
-            raise ValueError(f"{self.name} has no version of 1280 x 960 pixels (ask .has_large); use read()")
+            raise ValueError(
+                f"{self.name} has no version of 1280 x 960 pixels (check .has_large): use read() without large=True"
+            )
         return _read_png(self.large_path if large else self.path)
 
 
 def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[RealPicture, ...]:
-    """Read one of the sets of annotated pictures from Amsterdam, 2013.
+    """Read a set of annotated pictures from Amsterdam, 2013.
 
     Parameters
     ----------
     name : "scenes" or "straightwalk"
-        64 pictures from eight places in eight directions each, or 30 along one walk down the field's axis.
+        Name of the set: 64 pictures from eight places in eight directions, or 30 pictures of a walk along the field.
     folder : path, optional
-        The folder that holds ``amsterdam_2013``; without it, `data_folder()`.
+        Folder with ``amsterdam_2013``; by default `data_folder()`.
 
     Returns
     -------
     tuple of RealPicture
-        In the file's order.
+        Pictures in the order of the annotations.
 
     Raises
     ------
     FileNotFoundError
         If no folder is given and there is no data folder.
     ValueError
-        If there is no such set, or its annotations or a picture are missing or malformed; it names
-        the file and the entry.
+        If there is no such set, or if its annotations or a picture are missing or malformed. The message contains the
+        file and the entry.
     """
     if name not in get_args(PictureSet):
         raise ValueError(f"name must be one of {list(get_args(PictureSet))}, got {name!r}")
@@ -158,7 +173,7 @@ def read_pictures(name: PictureSet, folder: Path | str | None = None) -> tuple[R
 
 
 def _picture(root: Path, path: Path, number: int, entry: object) -> RealPicture:
-    """Turn one entry of annotations.json into a picture."""
+    """Convert an entry of annotations.json to a picture."""
     where = f"{path}, entry {number}"
     if not isinstance(entry, dict):
         raise ValueError(f"{where}: expected an object, got {brief(entry)}")
@@ -184,7 +199,7 @@ def _picture(root: Path, path: Path, number: int, entry: object) -> RealPicture:
 
 
 def _point(entry: object, where: str) -> AnnotatedPoint:
-    """Turn one of a picture's points into a value."""
+    """Convert an entry of a picture's points to an annotated point."""
     if not isinstance(entry, dict):
         raise ValueError(f"{where}: expected an object, got {brief(entry)}")
     kind = entry.get("kind")
@@ -196,7 +211,7 @@ def _point(entry: object, where: str) -> AnnotatedPoint:
 
 
 def _file_name(entry: Mapping[str, object], where: str) -> str:
-    """Return the entry's file name, which must stay inside its folder."""
+    """Return the file name of an entry, or raise an error if it is not a plain name of a PNG file."""
     name = entry.get("file")
     if not isinstance(name, str) or len(name) > 255 or not name.lower().endswith(".png"):
         raise ValueError(f"{where}: file must be the name of a .png picture, got {brief(name)}")
@@ -206,7 +221,7 @@ def _file_name(entry: Mapping[str, object], where: str) -> str:
 
 
 def _number(entry: Mapping[str, object], key: str, where: str, largest: float = 1e6) -> float:
-    """Return a finite number of an entry, or say what is there instead."""
+    """Return a finite number of an entry, or raise an error with the value that was found."""
     value = entry.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= largest:
         raise ValueError(f"{where}: {key} must be a number within +-{largest:g}, got {brief(value)}")
@@ -217,10 +232,10 @@ def _number(entry: Mapping[str, object], key: str, where: str, largest: float = 
 
 
 def _read_json(path: Path) -> object:
-    """Read a JSON file that may hold anything."""
+    """Read a JSON file from an unknown source."""
 
     def refuse(constant: str) -> NoReturn:
-        raise ValueError(f"{constant} is no JSON number")
+        raise ValueError(f"{constant} is not a JSON number")
 
     try:
         loaded: object = json.loads(contents(path, LARGEST_ANNOTATIONS).decode(), parse_constant=refuse)
@@ -235,7 +250,7 @@ def _read_json(path: Path) -> object:
 
 
 def _read_png(path: Path) -> Pixels:
-    """Read a PNG file as RGB; look at its header first, so that a small file cannot ask for all memory."""
+    """Read a PNG file as RGB, after checking the size in its header, because a small file may expand enormously."""
     data = contents(path, LARGEST_PICTURE)
     if data[:8] != b"\x89PNG\r\n\x1a\n" or len(data) < 24:
         raise ValueError(f"{path}: is not a PNG picture")

@@ -1,9 +1,9 @@
-"""What an exercise is, how it is checked, and what a lesson does with a student's code."""
+"""Exercises: their declarations, their checks, and the functions that a lesson calls."""
 
+from nao_course.codec import CodecError, Limits, decode, encode, register, register_function
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import CheckFailed, Checks, lesson
-from nao_course.exercises.codec import CodecError, Limits, decode, encode, register, register_function
 from nao_course.exercises.comparisons import (
     All,
     Between,
@@ -73,5 +73,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """List the public names, without the modules that define them."""
     return __all__

@@ -1,6 +1,6 @@
-"""Concept questions and predictions: buttons where widgets live, text where they do not.
+"""Concept questions and predictions, shown as widgets or, without widgets, as text.
 
-ipywidgets is imported where it is used: workers and the command line start without it.
+ipywidgets is imported where it is used, so that workers and the command line start without it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _NUMBER = re.compile(
     r"(?P<number>[-+\N{MINUS SIGN}]?(\d+([.,]\d*)?|[.,]\d+)(e[-+]?\d+)?)\s*(?P<unit>\D*)", re.IGNORECASE
 )
 _JUDGED = re.compile(r"(?:right|not quite)[.:!] +", re.IGNORECASE)
-_SPELLINGS = {  # of units, as they are typed
+_SPELLINGS = {  # of units that students may type
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
     **dict.fromkeys(("percent", "per cent"), "%"),
     **dict.fromkeys(("deg", "degree", "degrees"), "°"),
@@ -38,9 +38,9 @@ box.addEventListener('keydown', event => {
 
 
 def styles_that_keep_keys(css: str = "", *scripts: str) -> str:
-    """HTML of rules of CSS that also keeps JupyterLab's commands from the keys of the box of widgets it is put into.
+    """Return CSS rules as HTML that also disables JupyterLab's shortcuts inside the widgets of the box.
 
-    Further scripts run there, too, each with the style's element as `this`.
+    Further scripts are run as well, each with the style's element as `this`.
     """
     all_of_them = "\n".join(f"(() => {{ {script} }})();" for script in (_KEYS_SCRIPT, *scripts))
     return f'<style onload="{escape(all_of_them)}">{css or "/* */"}</style>'
@@ -55,14 +55,14 @@ def reply(question: PublicQuestion, answer: str) -> Message:
         return Message(f"Choose one of: {_numbered(choices)}")
     sign = "✔ Right." if answer == question.right else "✘ Not quite."
     said = question.choices[answer]
-    if judged := _JUDGED.match(said):  # as the sign says already
+    if judged := _JUDGED.match(said):  # the sign has the same meaning
         said = said[judged.end() :]
         said = said[:1].upper() + said[1:]
     return Message(f"{sign} {said}")
 
 
 def ask(question: PublicQuestion) -> Any:
-    """Return radio buttons that reply to each choice; nothing is chosen at first."""
+    """Return radio buttons that reply to each choice, with no choice at first."""
     import ipywidgets
 
     buttons = ipywidgets.RadioButtons(
@@ -84,39 +84,39 @@ def ask(question: PublicQuestion) -> Any:
 
 
 class Prediction:
-    """What a student expects, written down before it is run and laid beside what came out.
+    """A student's prediction, which is written before an experiment and compared with its result.
 
     Parameters
     ----------
     text : str
-        What to predict.
+        The question.
     unit : str
-        Of the number: a sign such as "m" or "%", or a word in the plural; one is said without its s.
+        Unit of the number: a sign such as "m" or "%", or a noun in the plural, which loses its s after 1.
     low, high : float
-        What it can be at least and at most.
+        Smallest and largest possible value.
     choices : tuple of str
-        What there is to choose; then it is no number.
+        Possible answers, if the prediction is not a number.
     """
 
     def __init__(
         self, text: str, unit: str = "", low: float = -inf, high: float = inf, choices: tuple[str, ...] = ()
     ) -> None:
         self.text, self.unit, self.low, self.high, self.choices = text, unit, low, high, choices
-        self.value: float | str | None = None  # what is written down
-        self.final = False  # what was laid beside what came out stays as it was
+        self.value: float | str | None = None  # the written prediction
+        self.final = False  # a prediction cannot change after its comparison with the result
         self._measured: float | str | None = None
         self._view: Any = None
 
     def write(self, typed: object) -> Message:
-        """Write a prediction down; what cannot be one is refused with a sentence.
+        """Store a prediction, or return a message that explains why the input is not valid.
 
         Parameters
         ----------
         typed : str or float
-            A number, with the unit or without one; or one of the choices, or its number from 1.
+            A number with or without the unit, or one of the choices, or its number from 1.
         """
         if self.final:
-            return Message(f"The result is there already. {self.said()}")
+            return Message(f"You have already seen the result. {self.said()}")
         try:
             self.value = self._understood(str(typed).strip())
         except ValueError as error:
@@ -125,12 +125,12 @@ class Prediction:
         return Message(self.said())
 
     def beside(self, measured: float | str) -> Message:
-        """Return one line that has the prediction and what came out.
+        """Return a line that compares the prediction with the result.
 
         Parameters
         ----------
         measured : float or str
-            What came out, in the prediction's unit; of choices, the right one.
+            The result in the prediction's unit, or the right choice.
         """
         self._measured = measured
         self.final = self.value is not None
@@ -139,7 +139,7 @@ class Prediction:
         return Message(self.said())
 
     def _understood(self, typed: str) -> float | str:
-        """Return what was typed as a value; a ValueError says what is wanted instead."""
+        """Return the typed text as a value, or raise ValueError with an explanation of what to type."""
         if not typed:
             raise ValueError("Write something first: a guess is enough.")
         return self._chosen(typed) if self.choices else self._number(typed)
@@ -158,10 +158,10 @@ class Prediction:
             raise ValueError(f"{typed!r} is not {wanted}. Write one; a guess is enough.")
         unit = match["unit"].strip()
         if unit and _unit(unit) not in (_unit(self.unit), _one(self.unit)):
-            raise ValueError(f"{typed!r}: write {wanted}; {unit!r} is another unit.")
+            raise ValueError(f"{typed!r} has another unit: write {wanted}.")
         value = float(match["number"].replace(",", ".").replace("\N{MINUS SIGN}", "-"))
         if not self.low <= value <= self.high:
-            raise ValueError(f"It cannot be {self._say(value)}: it is {self._limits()}.")
+            raise ValueError(f"It cannot be {self._say(value)}, because it is {self._limits()}.")
         return value
 
     def _limits(self) -> str:
@@ -172,7 +172,7 @@ class Prediction:
         return f"from {self.low:g} to {self._say(self.high)}"
 
     def _say(self, value: float | str) -> str:
-        """Return a value with its unit, a number with three digits at most."""
+        """Return a value with its unit; a number has at most three significant digits."""
         if isinstance(value, str):
             return value
         number = f"{float(value):{'z.0f' if abs(value) >= 1000 else 'z.3g'}}"
@@ -180,7 +180,7 @@ class Prediction:
         return f"{number} {unit}" if unit not in ("", "°") else f"{number}{unit}"
 
     def said(self) -> str:
-        """Return what there is: the prediction, what came out, or both."""
+        """Return the prediction, the result, or both as text."""
         came = "" if self._measured is None else f"it is {self._say(self._measured)}."
         if (
             self._measured is not None
@@ -196,19 +196,19 @@ class Prediction:
         return f"{predicted}; {came}" if came else f"{predicted}. Now run the next cell."
 
     def __repr__(self) -> str:
-        """Say what to predict, and how, where there is no field to write into."""
+        """Return the question as text, for places without widgets."""
         how = f" {_numbered(self.choices)}" if self.choices else f" (in {self.unit})" if self.unit else ""
         return f"Predict: {self.text}{how}\n{self.said()}".strip()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
-        """Show a field to write into; the text where no widget lives."""
+        """Return a field to write into, and the question as text for places without widgets."""
         if self._view is None:
             self._view = _PredictionView(self)
         return {**self._view.box._repr_mimebundle_(**kwargs), "text/plain": repr(self)}
 
 
 class _PredictionView:
-    """The widgets of a prediction: Enter, leaving the field, or the button writes it down."""
+    """The widgets of a prediction, which is stored by Enter, by leaving the field, or by the button."""
 
     def __init__(self, prediction: Prediction) -> None:
         import ipywidgets
@@ -234,12 +234,12 @@ class _PredictionView:
         self.refresh()
 
     def write(self, _: Any) -> None:
-        """Take what stands in the field."""
+        """Store the contents of the field."""
         self.said.value = self.prediction.write(self.field.value)._repr_html_()
         self._lock()
 
     def refresh(self) -> None:
-        """Show what is written down, and what came out, if anything."""
+        """Show the prediction and, if it is known, the result."""
         said = self.prediction.said()
         self.said.value = Message(said)._repr_html_() if said else ""
         self._lock()
@@ -248,7 +248,7 @@ class _PredictionView:
         self.field.disabled = self.button.disabled = self.prediction.final
 
 
-@cache  # a cell that is run again shows the prediction that was written there
+@cache  # a cell that is run again shows the same prediction
 def _asked(text: str, unit: str, low: float, high: float, choices: tuple[str, ...]) -> Prediction:
     return Prediction(text, unit, low, high, choices)
 
@@ -256,24 +256,24 @@ def _asked(text: str, unit: str, low: float, high: float, choices: tuple[str, ..
 def prediction(
     text: str, *, unit: str = "", low: float = -inf, high: float = inf, choices: Sequence[str] = ()
 ) -> Prediction:
-    """Return a field to write a prediction into before something is run.
+    """Return a field for a prediction, to be shown before an experiment.
 
     Parameters
     ----------
     text : str
-        What to predict.
+        The question.
     unit : str
-        Shown behind the field; it may be typed, too. As of `Prediction`.
+        Unit as in `Prediction`, shown after the field; students may also type it.
     low, high : float
-        What the number can be at least and at most.
+        Smallest and largest possible value.
     choices : sequence of str
-        What there is to choose, instead of a number.
+        Possible answers, if the prediction is not a number.
 
     Returns
     -------
     Prediction
-        The same one for the same question. Its `beside(measured)` lays what came out beside it; its
-        `write(typed)` writes one down where no widget lives.
+        The prediction; equal arguments give the same object. Its `beside(measured)` compares it with the result, and
+        its `write(typed)` stores a prediction without widgets.
 
     Examples
     --------
@@ -289,12 +289,12 @@ def prediction(
 
 
 def _unit(typed: str) -> str:
-    """Return a unit in one spelling."""
+    """Return the standard spelling of a unit."""
     return _SPELLINGS.get(typed.casefold(), typed)
 
 
 def _one(unit: str) -> str:
-    """Return a unit as it is said of one: a word loses its s, a sign such as "m" or "ms" stays."""
+    """Return the singular of a unit: a word loses its s, and a sign such as "m" or "ms" does not change."""
     return unit.removesuffix("s") if len(unit) > 2 else unit
 
 
@@ -303,7 +303,7 @@ def _numbered(choices: Sequence[str]) -> str:
 
 
 def _box(children: list[Any], text: str) -> Any:
-    """A box of widgets that is a text where no widget can live."""
+    """Make a box of widgets that is replaced by a text where widgets cannot be shown."""
     import ipywidgets
 
     class Box(ipywidgets.VBox):  # type: ignore[misc]

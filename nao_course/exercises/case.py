@@ -1,4 +1,4 @@
-"""A case: one call of a student's function, with what is expected of it."""
+"""A case: one call of a student's function with the expected outcome."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.exercises.codec import decode, encode, register
+from nao_course.codec import decode, encode, register
 
 
 def copied(value: Any) -> Any:
-    """Return an array's copy, and anything else as it is: what a function is given that may change its arguments."""
+    """Return a copy of an array, and any other value unchanged."""
     return value.copy() if isinstance(value, np.ndarray) else value
 
 
@@ -23,15 +23,15 @@ class Case:
     Parameters
     ----------
     args : tuple
-        Its arguments; each call gets copies of its own.
+        Positional arguments; each call receives its own copies.
     name : str
-        What the case is about, in a few words for the student: "a grey pixel".
+        Description of the case for the student: "a grey pixel".
     kwargs : dict
-        Its keyword arguments.
+        Keyword arguments.
     expected : object
-        For `Between`, (low, high). Else left out: the reference's answer is expected.
+        Interval (low, high) for `Between`. Otherwise it is omitted, and the reference's answer is expected.
     raises : str
-        Name of the exception that the call must raise, or of a class of it: "ValueError". Then no answer is right.
+        Name of the exception that the call must raise, or of its base class: "ValueError". Then no answer is right.
     """
 
     args: tuple[Any, ...]
@@ -40,7 +40,13 @@ class Case:
     expected: Any = None
     raises: str = ""
 
+    @property
+    def part(self) -> str:
+        """The part of the exercise that the case tests: "move" if its name is "move: a turn", else an empty text."""
+        part, colon, _ = self.name.partition(": ")
+        return part if colon else ""
+
     def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
-        """Copies of the arguments that the function may do with what it likes."""
+        """Return copies of the arguments, which the function may change."""
         args, kwargs = decode(encode((self.args, self.kwargs)))
         return args, kwargs

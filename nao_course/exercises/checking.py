@@ -1,23 +1,25 @@
-"""What a lesson calls: `check`, `hint`, questions and predictions."""
+"""The functions that a lesson calls: `check`, `hint`, questions and predictions."""
 
 from __future__ import annotations
 
+import dis
 import os
 import sys
 import warnings
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from importlib import resources
+from types import CodeType
 from typing import Any
 
 import numpy as np
 
+from nao_course.codec import Limits, decode, encode
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
-from nao_course.exercises.codec import Limits, decode, encode
 from nao_course.exercises.comparisons.comparison import with_article
 from nao_course.exercises.earlier import watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
@@ -25,12 +27,12 @@ from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
 from nao_course.exercises.trying import Message, Remarked, explain_unknown_names, show, try_out
 
-_SECONDS_FOR_A_REASON = 2.0  # wall clock of a case of another exercise that is looked at
+_SECONDS_FOR_A_REASON = 2.0  # wall clock for a case of another exercise that the report mentions
 _DATA = "checks"
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - it reads as a sentence in a traceback
-    """Raised by a check that is not passed, where something must notice: in tests and under nbgrader."""
+    """Raised by a failed check in tests and under nbgrader."""
 
 
 def read_public(name: str) -> PublicLesson:
@@ -39,12 +41,12 @@ def read_public(name: str) -> PublicLesson:
     Parameters
     ----------
     name : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
 
     Returns
     -------
     PublicLesson
-        Exercises and questions.
+        Exercises and questions of the lesson.
 
     Raises
     ------
@@ -53,7 +55,7 @@ def read_public(name: str) -> PublicLesson:
     """
     there = lessons()
     if name not in there:
-        raise ValueError(f"there is no lesson {name!r} with checks; there are {there}")
+        raise ValueError(f"there is no lesson {name!r} with checks; choose one of {there}")
     return _unpacked((resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes())
 
 
@@ -64,20 +66,20 @@ def lessons() -> list[str]:
 
 
 def pack(lesson: PublicLesson) -> bytes:
-    """Turn a lesson's public data into the bytes of its file, the same each time."""
+    """Encode a lesson's public data as the bytes of its file."""
     return zlib.compress(encode(lesson), 9)
 
 
 def unpack(data: bytes) -> PublicLesson:
-    """Turn the bytes of a data file back into a lesson."""
+    """Decode a lesson's public data from the bytes of its file."""
     frame = zlib.decompressobj().decompress(data, 64 * 2**20)
-    lesson = decode(frame, Limits(size=64 * 2**20), trusted=True)  # it comes with this package
+    lesson = decode(frame, Limits(size=64 * 2**20), trusted=True)  # the file is part of this package
     if not isinstance(lesson, PublicLesson):
         raise ValueError("not a lesson's check data")
     return lesson
 
 
-_unpacked = lru_cache(maxsize=32)(unpack)  # `progress` asks for each lesson half a dozen times
+_unpacked = lru_cache(maxsize=32)(unpack)  # `progress` calls it several times for each lesson
 
 
 def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:
@@ -86,22 +88,22 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
     Parameters
     ----------
     exercise : PublicExercise
-        What is asked for.
+        The exercise.
     function : callable
-        What the student wrote.
+        The student's function or class.
     most_seconds : float
-        Wall clock that a case gets, where that is less than what the exercise gives.
+        Time limit of a case, if it is shorter than the exercise's own limit.
 
     Returns
     -------
     Report
-        What came of it.
+        The result.
     """
     title = f"{exercise.number} {exercise.name}"
     if not (callable(function) or exercise.driver):
         text = (
-            f"{title}: a function is wanted, got {with_article(function)}. "
-            "Hand over the function itself, without brackets."
+            f"{title}: expected a function, got {with_article(function)}. "
+            "Pass the function itself, without brackets."
         )
         return Report(exercise.name, "wrong", (text,))
     answer = partial(judging.answer, exercise.comparison)
@@ -109,7 +111,7 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
     with watching(exercise.earlier) as calls, _numpy_warnings() as warned:
         outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
         report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
-    remarks = [f"{why} Recorded answers stood in for it." for why in calls.answered.values()]
+    remarks = [f"{why} Recorded answers were used instead." for why in calls.answered.values()]
     if report and warned:
         remarks.append(_said_of_warning(warned[0]))
     return replace(report, lines=(*report.lines, *remarks))
@@ -117,7 +119,7 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
 
 @contextmanager
 def _numpy_warnings() -> Iterator[list[warnings.WarningMessage]]:
-    """Gather what NumPy warns of, a division by 0 say, and let all other warnings through at the end."""
+    """Collect NumPy's warnings, such as a division by 0, and issue all other warnings at the end."""
     warned: list[warnings.WarningMessage] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RuntimeWarning)
@@ -130,24 +132,24 @@ def _numpy_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 def _said_of_warning(warning: warnings.WarningMessage) -> str:
     return (
-        f"One thing: NumPy warns: {warning.message}, in a step of your own code. The answers are right all the same. "
-        "Where such a value is thrown away, put something harmless in its place first, a 1 for a divisor of 0, say; "
-        "for an angle, np.arctan2 divides nothing."
+        f"Your answers are right, but NumPy warns about a step of your code: {warning.message}. "
+        "If you discard such values later, replace them first, for example a divisor of 0 by 1. "
+        "For an angle, use np.arctan2, which does not divide."
     )
 
 
 @dataclass(frozen=True)
 class Hint(Message):
-    """A hint, which knows whether it was shown: of two asked for in one cell a notebook shows the last only.
+    """A hint that records whether it was shown, because a notebook shows only the last value of a cell.
 
     Parameters
     ----------
     text : str
-        What to say.
+        The hint.
     number : int
-        Which of the exercise's hints it is, from 0.
+        Index among the exercise's hints, from 0.
     missed : tuple of Hint
-        Those before it that it says, too, for nobody saw them.
+        Earlier hints that were not shown, which are shown together with this hint.
     """
 
     number: int = 0
@@ -155,7 +157,7 @@ class Hint(Message):
 
     @property
     def shown(self) -> bool:
-        """Whether it was, by itself or by a later one."""
+        """Whether the hint was shown, by itself or together with a later hint."""
         return "_seen" in vars(self)
 
     def _show(self) -> None:
@@ -163,7 +165,7 @@ class Hint(Message):
             vars(each)["_seen"] = True
 
     def __repr__(self) -> str:
-        """The text alone; now it is shown."""
+        """Return the text alone, and mark the hint as shown."""
         self._show()
         return super().__repr__()
 
@@ -174,19 +176,19 @@ class Hint(Message):
 
 @dataclass
 class Checks:
-    """A lesson's `check`: call it with an exercise's name and your function.
+    """The checks of a lesson; call them with an exercise's name and your function.
 
     Parameters
     ----------
     lesson : PublicLesson
-        What it checks.
+        The lesson.
     """
 
     lesson: PublicLesson
     _hints_given: dict[str, list[Hint]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Say how it is used; what it holds is what it checks with."""
+        """Return how to use it, without the expected answers."""
         return f"The checks of {self.lesson.name}: check(name, function)"
 
     def exercise(self, name: str) -> PublicExercise:
@@ -195,7 +197,7 @@ class Checks:
         Raises
         ------
         ValueError
-            If the lesson has none of that name.
+            If the lesson has no exercise of that name.
         """
         for exercise in self.lesson.exercises:
             if exercise.name == name:
@@ -204,25 +206,25 @@ class Checks:
         raise ValueError(f"lesson {self.lesson.name} has no exercise {name!r}; it has {names}")
 
     def __call__(self, name: str, function: Any) -> Report | Message | None:
-        """Check what you wrote.
+        """Check your function.
 
         Parameters
         ----------
         name : str
-            Of the exercise.
+            Name of the exercise.
         function : callable
             Your function.
 
         Returns
         -------
         Report
-            Shown below the cell. Nothing under nbgrader, where it has been shown already: a cell's value is read as
-            points there, and whatever a right answer writes to stderr, such as a warning, makes them 0.
+            The report, shown below the cell. None under nbgrader, after the report was shown: nbgrader reads a cell's
+            value as points, and any output on stderr, such as a warning, makes them 0.
 
         Raises
         ------
         CheckFailed
-            If it is not right, and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
+            If the function is wrong and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
         """
         with redirect_stderr(sys.stdout) if _under_nbgrader() else nullcontext():
             report = self._said(name, function)
@@ -241,9 +243,11 @@ class Checks:
 
     def _report(self, exercise: PublicExercise, function: Any) -> Report:
         report = grade_public(exercise, function)
+        beside = _defined_beside(function)
+        if report.state == "right" and (names := self._only_in_the_notebook(function, beside)):
+            return Report(report.name, report.state, (*report.lines, _DEFINE_INSIDE.format(", ".join(names))))
         if report.state not in AT_FAULT:
             return report
-        beside = _defined_beside(function)
         others = {
             each.name: grade_public(each, beside[each.name], _SECONDS_FOR_A_REASON)
             for each in self.lesson.exercises
@@ -251,8 +255,14 @@ class Checks:
         }
         return with_the_reason(exercise, report, others)
 
+    def _only_in_the_notebook(self, function: Any, beside: Mapping[str, Any]) -> list[str]:
+        """Return the values that a function uses and only the lesson's demonstrations define."""
+        return [
+            name for name in _global_names(function) if name in self.lesson.demonstrated and name in beside
+        ]
+
     def hint(self, name: str) -> Message:
-        """Give an exercise's first hint, and the second when asked again; one that was never shown stands before it."""
+        """Return an exercise's first hint, and at the next call the second; a hint that was not shown is repeated."""
         try:
             hints = self.exercise(name).hints
         except ValueError as error:
@@ -264,7 +274,9 @@ class Checks:
             f"Hint {each + 1} of {len(hints)}: {hints[each]}"
             for each in (*(m.number for m in missed), number)
         ]
-        more = "Ask again for the next one." if number + 1 < len(hints) else "There is no further one."
+        more = (
+            "Call hint again for the next hint." if number + 1 < len(hints) else "There is no further hint."
+        )
         given.append(Hint(" ".join([*said, more]), number, missed))
         return given[-1]
 
@@ -274,14 +286,14 @@ class Checks:
         Parameters
         ----------
         name : str
-            Of the question.
+            Name of the question.
         answer : str, optional
-            One of its choices, or the number of one from 1: for where no buttons can live.
+            One of its choices, or the number of a choice from 1, for places without widgets.
 
         Returns
         -------
         object
-            Buttons, or the reply to an answer.
+            Buttons, or the reply to the answer.
         """
         for question in self.lesson.questions:
             if question.name == name:
@@ -291,51 +303,90 @@ class Checks:
         )
 
     def payoff(self, draw: Callable[..., object], **functions: Any) -> object:
-        """Draw a lesson's figure with what you wrote; where something is missing, say which exercises.
+        """Draw a lesson's figure with your functions, or list the exercises that are missing.
 
         Parameters
         ----------
         draw : callable
-            Takes the functions by their names.
+            Function that draws the figure; it receives the functions as keyword arguments.
         **functions : callable
-            Yours, by the names of their exercises.
+            Your functions, by the names of their exercises.
 
         Returns
         -------
         object
-            What `draw` returned, below a remark where a function that it was drawn with is not right; or a `Message`.
+            The result of `draw`, with a remark above it if one of the functions is wrong; or a `Message`.
         """
         shown = try_out(partial(draw, **functions))
         for name in functions:
-            self.exercise(name)  # a name that the lesson has not is an error
+            self.exercise(name)  # a name that is not in the lesson is an error
         exercises = [each for each in self.lesson.exercises if each.name in functions]
-        missing = [each.number for each in exercises if not grade_public(each, functions[each.name])]
-        if not missing:
+        states = {each.number: grade_public(each, functions[each.name]).state for each in exercises}
+        unwritten = [number for number, state in states.items() if state == "not attempted"]
+        wrong = [number for number, state in states.items() if state not in ("not attempted", "right")]
+        if not unwritten and not wrong:
             return shown
-        some, does = ("exercise", "does") if len(missing) == 1 else ("exercises", "do")
-        which = f"your {some} {', '.join(missing)}"
-        if isinstance(shown, Message):
-            return Message(f"This figure needs {which}: write and check first, then run this.")
-        return Remarked(f"This is drawn with {which}, which {does} not pass the public checks.", shown)
+        if not isinstance(shown, Message):
+            used, fail = _listed([*unwritten, *wrong], "does not pass", "do not pass")
+            return Remarked(f"This is drawn with your {used}, which {fail} the public checks.", shown)
+        if unwritten:
+            needed, still = _listed(unwritten, "is", "are")
+            return Message(f"This figure needs your {needed}, which {still} not written yet.")
+        needed, fail = _listed(wrong, "does not pass", "do not pass")
+        why = f"Correct your code and run this cell again. The error was: {shown.text}"
+        return Message(f"This figure needs your {needed}, which {fail} the public checks. {why}")
+
+
+def _listed(numbers: Sequence[str], one: str, several: str) -> tuple[str, str]:
+    """Return the exercises with these numbers in words, and the verb that fits their number."""
+    if len(numbers) == 1:
+        return f"exercise {numbers[0]}", one
+    return f"exercises {', '.join(numbers)}", several
 
 
 def _unless_old(report: Report) -> Report:
-    """Say instead of a report that the cell above did not run, where the function is an older one."""
+    """Return a note that the cell above did not run if the function is an older version, else the report."""
     if not (why := FAILED_CELLS.why_old(report.name)):
         return report
-    old = "What is checked here would be an older version. Mend that cell, run it, then check again."
+    old = "This check would use an older version. Correct that cell, run it, then check again."
     return Report(report.name, "not checked", (why, old))
 
 
 def _defined_beside(function: Any) -> Mapping[str, Any]:
-    """What is defined in the notebook in which a function, or class, is."""
+    """Return the names that are defined in the notebook that defines a function or class."""
     module = sys.modules.get(str(getattr(function, "__module__", "")))
     found = getattr(function, "__globals__", None) or vars(module or object)
     return found if isinstance(found, Mapping) else {}
 
 
+_DEFINE_INSIDE = (
+    "However, your function uses names that the lesson's set-up or demonstrations define: {}. The grader does not run "
+    "these cells, so define them inside the function or in a cell of your own."
+)
+
+
+def _global_names(function: Any) -> list[str]:
+    """Return the global names that a function uses, also in functions within it.
+
+    Parameters
+    ----------
+    function : object
+        A function; any other object uses none.
+    """
+    code = getattr(function, "__code__", None)
+    return list(dict.fromkeys(_loaded([code] if isinstance(code, CodeType) else [])))
+
+
+def _loaded(codes: Iterable[CodeType]) -> Iterator[str]:
+    for code in codes:
+        for step in dis.get_instructions(code):
+            if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+                yield step.argval
+        yield from _loaded(each for each in code.co_consts if isinstance(each, CodeType))
+
+
 def strict() -> bool:
-    """Whether a check that is not passed must raise: under nbgrader, and in tests."""
+    """Return whether a check that does not pass must raise: under nbgrader, and in tests."""
     return _under_nbgrader() or bool(os.environ.get("NAO_COURSE_STRICT"))
 
 
@@ -349,7 +400,7 @@ def lesson(name: str) -> tuple[Checks, Callable[[str], Message]]:
     Parameters
     ----------
     name : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
 
     Returns
     -------

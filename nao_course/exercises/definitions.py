@@ -6,10 +6,11 @@ import __future__
 import ast
 import json
 import linecache
+import math
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -20,10 +21,13 @@ from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, 
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
-MOST_HELPERS, LARGEST_HELPER = 20, 2**20  # Python files beside a notebook that come along, and bytes of each
-LONGEST_COMMANDED = (
-    20_000  # characters of a cell with commands of IPython, which reads it once for each of them
-)
+MOST_HELPERS, LARGEST_HELPER = (
+    20,
+    2**20,
+)  # number of Python files beside a notebook that are included, and their largest size in bytes
+# Characters of a cell with commands of IPython, which parses the cell again for each command.
+LONGEST_COMMANDED = 20_000
+LONGEST_NUMBER = 1000  # digits
 MOST_WRITTEN = 2**16  # characters of a written answer
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
@@ -43,9 +47,18 @@ _RUN = (
     ast.Match,
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
-_FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}  # a table, of a list, set or dict
+_FILLS = {
+    "append",
+    "extend",
+    "insert",
+    "add",
+    "update",
+    "setdefault",
+}  # methods that add to a list, set or dict
 _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
-_CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # those that run the cell as Python
+_EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
+_PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
+_CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # magics that run the cell as Python
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
 
@@ -60,7 +73,7 @@ class Skipped:
     line : int
         Line in the cell, from 1; 0 for the whole cell.
     reason : str
-        Why.
+        Why it did not run.
     """
 
     cell: int
@@ -70,7 +83,7 @@ class Skipped:
 
 @dataclass(frozen=True)
 class NotebookText:
-    """What a notebook says, before anything of it runs.
+    """The contents of a notebook before any of its code runs.
 
     Parameters
     ----------
@@ -79,7 +92,7 @@ class NotebookText:
     written : mapping of str to str
         Written answers by the name of their cell; at most MOST_WRITTEN characters each.
     lesson, version : str
-        What the notebook is stamped with; empty where it is not.
+        Lesson and version in the notebook's metadata; empty if they are missing.
     """
 
     cells: list[tuple[str, str]] = field(default_factory=list)
@@ -90,18 +103,18 @@ class NotebookText:
 
 @dataclass(frozen=True, eq=False)
 class Definitions(Mapping[str, Any]):
-    """What a notebook defines: a read-only mapping of its functions and classes.
+    """The functions and classes that a notebook defines, as a read-only mapping.
 
     Parameters
     ----------
     found : mapping of str to object
-        By name.
+        Functions and classes by name.
     skipped : tuple of Skipped
-        What did not run.
+        Statements that did not run.
     namespace : dict
-        Where the functions look up what they use.
+        Global namespace of the functions.
     text : NotebookText
-        What else the notebook says.
+        Further contents of the notebook.
     """
 
     found: Mapping[str, Any]
@@ -114,17 +127,17 @@ class Definitions(Mapping[str, Any]):
         return self.found[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Names, in the order of their definition."""
+        """Iterate over the names in the order of their definition."""
         return iter(self.found)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Count the names."""
         return len(self.found)
 
 
 def not_asked_for(use: str) -> Any:
-    """Stand for a function of an earlier lesson where nobody has said which one is meant."""
-    return earlier_lessons.stand_in(use, earlier_lessons.not_usable(use, "its notebook is not at hand."))
+    """Replace a function of an earlier lesson if the caller has not chosen a version of it."""
+    return earlier_lessons.stand_in(use, earlier_lessons.not_usable(use, "its notebook is missing."))
 
 
 def load_definitions(
@@ -136,36 +149,37 @@ def load_definitions(
 ) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
-    Runs, in document order, the imports, definitions, assignments, `table.append(x)` and the like, and if, for, try,
-    with and match statements of solution cells and of cells the student added, each guarded; of the set-up cell only
-    its imports and ``name = earlier("01:name")``. Checks and demonstrations do not run. The last definition of a name
-    wins.
+    The statements of solution cells and of cells that the student added run in document order: imports, definitions,
+    assignments, calls such as `table.append(x)`, and if, for, try, with and match statements. An error in one of them
+    does not stop the others. From the set-up cell, only imports and ``name = earlier("01:name")`` run. Checks and
+    demonstrations do not run. The last definition of a name is used.
 
     Parameters
     ----------
     path : str or Path
-        A notebook.
+        Path of the notebook.
     before : callable
-        Called with cell and line before each statement; one that it answers False for is skipped.
+        Called with cell and line before each statement; a statement is skipped if it returns False.
     setup : str
-        Source of a set-up cell that runs first, as cell 0: the release's, as a student may have edited theirs. What it
-        has of earlier lessons is then all that there is.
+        Source of a set-up cell that runs first, as cell 0, because a student may have edited the notebook's own. Only
+        its functions of earlier lessons are then available.
     earlier : callable
-        Called with "01:name"; returns what stands for that function of an earlier lesson.
+        Called with "01:name"; returns the function to use for that function of an earlier lesson.
     instead : mapping of str to str, optional
-        Source that runs where the notebook defines a class of a name, in its place; behind all else where it does not.
+        Sources by class name. A source runs in place of the notebook's definition of the class, or at the end if the
+        notebook does not define it.
 
     Returns
     -------
     Definitions
-        What it defines.
+        The functions and classes.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ValueError
-        If it is no notebook; the message says what is wrong.
+        If it is not a notebook; the message explains why.
     TimeIsUp
         If the time of an `alarm` around it is up.
     """
@@ -193,7 +207,7 @@ def load_definitions(
                 if (number == 0 or not setup) and (use := earlier_lessons.assigned_use(statement)):
                     try:
                         namespace[use[0]] = earlier(use[1])
-                    except Exception as error:  # noqa: BLE001 - an unknown lesson, or one that cannot be loaded
+                    except Exception as error:  # noqa: BLE001 - an unknown lesson, or a lesson that cannot be loaded
                         skipped.append(Skipped(number, statement.lineno, describe(error)))
                 continue
             if not isinstance(statement, _RUN) and not _fills_a_table(statement):
@@ -220,47 +234,91 @@ def load_definitions(
     return Definitions(found, tuple(skipped), namespace, text)
 
 
+def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the names that are assigned only in cells which the grader does not run.
+
+    Parameters
+    ----------
+    cells : sequence of (str, str)
+        Role and source of each code cell, as `read_cells` returns them.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.
+
+    Examples
+    --------
+    >>> demonstrated([("setup", "import numpy as np"), ("display", "mean = 3"), ("solution", "def double(x): ...")])
+    ['mean']
+    """
+    shown, run = set[str](), set[str]()
+    for role, source in cells:
+        (shown if role in ("setup", "check", *SHOWN) else run).update(_assigned(source))
+    return sorted(shown - run)
+
+
+def _assigned(source: str) -> Iterator[str]:
+    """Yield the names that a cell assigns or defines, without its imports and its functions of earlier lessons."""
+    for statement in _parse(source, "<cell>"):
+        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            yield statement.name
+        elif not earlier_lessons.assigned_use(statement):
+            yield from (
+                node.id
+                for node in ast.walk(statement)
+                if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+            )
+
+
 def read_cells(path: str | Path) -> list[tuple[str, str]]:
-    """Code cells of a notebook as (role, source); roles are solution, setup, check, display and student."""
+    """Read a notebook's code cells as (role, source); roles are solution, setup, check, display and student."""
     return read_notebook(path).cells
 
 
 def read_notebook(path: str | Path) -> NotebookText:
-    """Read what a notebook says.
+    """Read the contents of a notebook.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ValueError
-        If it is no notebook; the message says what is wrong.
+        If it is not a notebook; the message explains why.
     """
     file = Path(path)
     if file.exists() and not file.is_file():
         raise ValueError(f"{file.name}: not a file")
     if file.stat().st_size > MOST_BYTES:
-        raise ValueError(
-            f"{file.name}: larger than {MOST_BYTES // 2**20} MB, which no notebook of this course is"
-        )
+        raise ValueError(f"{file.name}: a notebook may have at most {MOST_BYTES // 2**20} MB")
     try:
-        notebook = json.loads(file.read_bytes().decode("utf-8-sig"))
+        notebook = json.loads(file.read_bytes().decode("utf-8-sig"), parse_int=_whole_number)
         cells = _cells(notebook)
         code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
         text = NotebookText(code, _written(cells), *_stamp(notebook))
         language = _language(notebook)
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
+    except UnicodeDecodeError:
+        raise ValueError(f"{file.name}: not a notebook of format 4 (its text is not in UTF-8)") from None
+    except RecursionError:
+        raise ValueError(f"{file.name}: not a notebook of format 4 (it is nested too deeply)") from None
+    except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
         raise ValueError(f"{file.name}: not a notebook of format 4 ({describe(error)})") from None
     if language and not any(_DEFINES.search(source) for _, source in code):
-        raise ValueError(f"{file.name}: it is written in {language}, and this course in Python")
+        raise ValueError(f"{file.name}: expected a notebook in Python, got {language}")
     return text
 
 
+def _whole_number(digits: str) -> float:
+    """Return a whole number, or infinity if it has too many digits: Python limits the digits of an int."""
+    return int(digits) if len(digits) < LONGEST_NUMBER else math.inf
+
+
 def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
-    """Cells, but for what cannot be one: that costs no other."""
+    """Return the cells, and leave out everything that cannot be a cell."""
     if notebook.get("nbformat", 4) != 4:
         raise ValueError(f"its format is {str(notebook['nbformat'])[:20]}; saved with JupyterLab it is 4")
     if not isinstance(notebook["cells"], list):
-        raise TypeError("its cells are no list")
+        raise TypeError("its cells are not a list")
     cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
     if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
         raise ValueError("none of its cells has a type and a source")
@@ -274,18 +332,18 @@ def _is_whole(cell: dict[str, Any]) -> bool:
 
 
 def _language(notebook: dict[str, Any]) -> str:
-    """The language of a notebook's kernel, where it is another one than Python."""
+    """Return the language of a notebook's kernel if it is not Python."""
     language = _text(metadata(notebook, "kernelspec").get("language") or "", 40)
     return "" if "python" in language.lower() else language
 
 
 def _text(value: Any, most: int) -> str:
-    """A text that can be written to any file, with no half characters."""
+    """Return a text that can be written to any file: without lone surrogates."""
     return str(value)[:most].encode("utf-8", "replace").decode()
 
 
 def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
-    """Written answers; what stands in several cells of one name is kept, one after the other."""
+    """Return the written answers; the texts of several cells of one name are kept in their order."""
     answers: dict[str, str] = {}
     for cell in cells:
         if cell.get("cell_type") == "markdown" and is_graded(cell) and is_solution(cell):
@@ -310,36 +368,38 @@ def _role(cell: dict[str, Any]) -> str:
 
 
 def _parse(source: str, file: str) -> list[ast.stmt]:
-    """Statements of a cell; where it is no Python as it stands, as IPython reads it, without its own commands."""
+    """Parse a cell's statements; if it is not plain Python, parse it as IPython does, without IPython's commands."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about a student's escapes in strings: their own kernel tells them
         try:
             return ast.parse(source, file).body
         except SyntaxError:
             if len(source) > LONGEST_COMMANDED:
-                source = _BLANKS.sub(
-                    r"\1", source
-                )  # a cat on the keyboard; lines are then counted without them
-            if len(source) > LONGEST_COMMANDED or not any(sign in source for sign in "%!?"):
+                # A cat on the keyboard; lines are then counted without them
+                source = _BLANKS.sub(r"\1", source)
+            start = _EMPTY.match(source).end()  # type: ignore[union-attr]
+            commands = any(sign in source for sign in "%!?")
+            if len(source) > LONGEST_COMMANDED or not (commands or _PASTED.match(source, start)):
                 raise
         tree = ast.parse(_as_ipython_reads(source), file)
         return ast.fix_missing_locations(_WithoutCommands().visit(tree)).body
 
 
 def _as_ipython_reads(source: str) -> str:
-    """Return a cell as Python, its lines where they were."""
-    from IPython.core.inputtransformer2 import TransformerManager  # half a second, and few notebooks need it
+    """Return a cell as Python with unchanged line numbers."""
+    from IPython.core.inputtransformer2 import (
+        TransformerManager,
+    )  # takes half a second, and few notebooks need it
 
     if found := _CELL_MAGIC.match(source):
-        source = (
-            "#\n" * found[0].count("\n") + "#" + source[found.end() :]
-        )  # IPython drops empty lines before all
-    read: str = TransformerManager().transform_cell(source)
-    return read
+        source = "#\n" * found[0].count("\n") + "#" + source[found.end() :]
+    empty = _EMPTY.match(source)[0]  # type: ignore[index]
+    read: str = TransformerManager().transform_cell(source[len(empty) :])
+    return "\n" * empty.count("\n") + read
 
 
 class _WithoutCommands(ast.NodeTransformer):
-    """Commands of IPython do nothing, and what is assigned from one is None."""
+    """Transformer that removes IPython's commands; the value of a command becomes None."""
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         match node.func:
@@ -351,7 +411,7 @@ class _WithoutCommands(ast.NodeTransformer):
 def _with_others(
     statements: list[ast.stmt], file: str, role: str, instead: Mapping[str, str], missing: dict[str, str]
 ) -> Iterator[tuple[ast.stmt, str]]:
-    """Statements of a cell and what they are of, with others in the place of classes; at last, those still missing."""
+    """Yield a cell's statements and their sources, with some classes replaced; the missing classes come last."""
     for statement in statements:
         if isinstance(statement, ast.ClassDef) and statement.name in instead:
             missing.pop(statement.name, None)
@@ -370,15 +430,17 @@ def _compile(statement: ast.stmt, file: str, flags: int) -> CodeType:
 
 
 def _stands_beside(value: Any, notebook: Path) -> bool:
-    """Whether something comes from a file of the student's own, in the notebook's folder."""
+    """Return whether an object comes from a file of the student's own, in the notebook's folder."""
     module = sys.modules.get(getattr(value, "__module__", None) or "")
     file = getattr(module, "__file__", None)
     return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
 
 
 def _fills_a_table(statement: ast.stmt) -> bool:
-    """Whether a statement puts something into a list, set or dict that has a name."""
+    """Return whether a statement adds something to a list, set or dict that has a name, or is `(name := value)`."""
     match statement:
+        case ast.Expr(ast.NamedExpr()):
+            return True
         case ast.Expr(ast.Call(ast.Attribute(ast.Name(), name))):
             return name in _FILLS
     return False

@@ -1,24 +1,27 @@
-"""Functions of earlier lessons: what stands for one in a later lesson, and recorded calls that answer in its place.
+"""Functions of earlier lessons in later lessons, and recorded calls that replace them.
 
-A lesson's set-up cell says ``color_labels = earlier("01:color_labels")``. Who loads a notebook says what that means:
-the student's own function, the one that was handed in, or the reference's.
+A lesson's set-up cell contains ``color_labels = earlier("01:color_labels")``. The code that loads the notebook decides
+whether that is the student's own function, the function that was handed in, or the reference's function.
 """
 
 from __future__ import annotations
 
 import ast
+import hashlib
 import inspect
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
-from nao_course.exercises.codec import CodecError, decode, encode, register
+from nao_course.codec import CodecError, decode, encode, register
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.lesson_names import number_of
 
 NAME = "earlier"  # of the function that a set-up cell calls
+MOST_MISSED = 1000  # calls without a recorded answer that are remembered
 
 
 class EarlierNotUsable(RuntimeError):  # noqa: N818 - it reads as a sentence
@@ -26,7 +29,7 @@ class EarlierNotUsable(RuntimeError):  # noqa: N818 - it reads as a sentence
 
 
 def split_use(use: str) -> tuple[str, str]:
-    """Return lesson and exercise of what an exercise uses: an empty lesson is its own.
+    """Split the name of a used function into lesson and exercise; an empty lesson is the same lesson.
 
     Examples
     --------
@@ -38,7 +41,7 @@ def split_use(use: str) -> tuple[str, str]:
 
 
 def in_words(use: str) -> str:
-    """Name what an exercise uses, for a student: "color_labels of your lesson 01".
+    """Describe a used function for a student: "color_labels of your lesson 01".
 
     Examples
     --------
@@ -50,7 +53,7 @@ def in_words(use: str) -> str:
 
 
 def not_usable(use: str, why: str = "") -> Callable[[], Any]:
-    """Return what raises the sentence that says why an earlier function is not usable."""
+    """Return a function that raises EarlierNotUsable with the reason."""
     sentence = f"{in_words(use)} is not usable yet{f': {why}' if why else '.'}"
 
     def find() -> Any:
@@ -60,7 +63,7 @@ def not_usable(use: str, why: str = "") -> Callable[[], Any]:
 
 
 def assigned_use(statement: ast.stmt) -> tuple[str, str] | None:
-    """Return name and use of a statement ``name = earlier("01:name")``; None for any other."""
+    """Return name and use of a statement ``name = earlier("01:name")``; None for any other statement."""
     match statement:
         case ast.Assign(
             [ast.Name(name)],
@@ -72,14 +75,14 @@ def assigned_use(statement: ast.stmt) -> tuple[str, str] | None:
 
 @dataclass(frozen=True)
 class EarlierFunction:
-    """Stands for a function of an earlier lesson: calling it calls that function.
+    """A function of an earlier lesson, which is looked up at each call.
 
     Parameters
     ----------
     use : str
-        Which: "01:color_labels".
+        Lesson and function: "01:color_labels".
     find : callable
-        Returns the function, or raises EarlierNotUsable; asked at each call.
+        Returns the function, or raises EarlierNotUsable; it is called at each use.
     """
 
     use: str
@@ -91,17 +94,17 @@ class EarlierFunction:
         return split_use(self.use)[1]
 
     def __str__(self) -> str:
-        """In words: "color_labels of your lesson 01"."""
+        """Describe the function: "color_labels of your lesson 01"."""
         return in_words(self.use)
 
     def __mro_entries__(self, bases: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Say why there is no class to derive one from."""
+        """Raise the reason why there is no class to derive from."""
         return (self.find(),)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        """Call it; where it is not usable, a check may have recorded what it would answer."""
+        """Call the function; if it is not usable, return the answer that a check has recorded, if any."""
         calls = _CALLS.get()
-        token = _CALLS.set(None)  # what the function itself uses is its own affair
+        token = _CALLS.set(None)  # calls inside the function are not recorded
         try:
             resolver = _RESOLVER.get()
             function = resolver(self.use) if resolver else self.find()
@@ -115,21 +118,21 @@ class EarlierFunction:
 
 
 def stand_in(use: str, find: Callable[[], Any], like: Any = None) -> Any:
-    """Return what stands for an earlier function; a class is handed on itself, so that it can be a base class.
+    """Return an `EarlierFunction`, or the class itself, so that it can be a base class.
 
     Parameters
     ----------
     use : str
-        Which: "01:color_labels".
+        Lesson and function: "01:color_labels".
     find : callable
-        Returns the function, or raises EarlierNotUsable; asked at each call.
+        Returns the function, or raises EarlierNotUsable; it is called at each use.
     like : callable, optional
-        What has its signature and docstring where it is not usable: one that is blank or wrong.
+        A function with the same signature and docstring, used if the student's is blank or wrong.
 
     Returns
     -------
     callable
-        A function that `help`, ``?`` and Shift-Tab show as the one that it stands for, without that one's source.
+        A function that `help`, ``?`` and Shift-Tab show like the function it replaces, but without its source.
     """
     with suppress(EarlierNotUsable):
         like = find()
@@ -149,9 +152,8 @@ def _looking_like(like: Any, earlier: EarlierFunction) -> Callable[..., Any]:
     function.__doc__ = f"{said}\n\nThis is {earlier}.".strip()
     with suppress(TypeError, ValueError):
         vars(function)["__signature__"] = inspect.signature(like)
-    vars(function)["__mro_entries__"] = (
-        earlier.__mro_entries__
-    )  # where it stands for a class, to say why there is none
+    # Raises the reason if it is used as a base class
+    vars(function)["__mro_entries__"] = earlier.__mro_entries__
     return function
 
 
@@ -160,7 +162,7 @@ _RESOLVER: ContextVar[Callable[[str], Any] | None] = ContextVar("resolver", defa
 
 @contextmanager
 def resolved_by(resolver: Callable[[str], Any]) -> Iterator[None]:
-    """Let all that stands for earlier functions, in declarations too, mean what a resolver returns for "01:name"."""
+    """Use a resolver for all functions of earlier lessons in the block: it returns the function of "01:name"."""
     token = _RESOLVER.set(resolver)
     try:
         yield
@@ -169,7 +171,7 @@ def resolved_by(resolver: Callable[[str], Any]) -> Iterator[None]:
 
 
 def is_resolved() -> bool:
-    """Whether somebody has said what stands for earlier functions here."""
+    """Return whether a replacement for earlier functions has been chosen here."""
     return _RESOLVER.get() is not None
 
 
@@ -184,13 +186,13 @@ class EarlierCall:
     Parameters
     ----------
     use : str
-        Which function: "01:color_labels".
+        Lesson and function: "01:color_labels".
     parameters : list of str
         Names of its parameters, in their order.
     given : dict of str to object
-        What it was called with, by the parameters' names.
+        Arguments by the parameters' names.
     answer : object
-        What it returned.
+        Returned value.
     """
 
     use: str
@@ -201,29 +203,32 @@ class EarlierCall:
 
 @dataclass
 class Calls:
-    """Calls of earlier functions while a block runs: known ones answer, and those that are made are kept.
+    """Calls of earlier functions while a block runs: known calls are answered, and new calls are recorded.
 
     Parameters
     ----------
     known : sequence of EarlierCall
-        What is answered in the place of functions that are not usable.
+        Known calls, which replace functions that are not usable.
     made : list of EarlierCall
-        Calls of usable functions, where they are wanted.
+        Calls of usable functions, if they are recorded.
     answered : dict of str to str
-        What was answered from `known`, and why that was needed.
+        Functions whose answers came from `known`, and why they were not usable.
     keep : bool
-        Whether `made` is wanted.
+        Whether calls are recorded in `made`.
+    missed : set of bytes
+        Digests of calls that no recorded call answers.
     """
 
     known: Sequence[EarlierCall] = ()
     made: list[EarlierCall] = field(default_factory=list)
     answered: dict[str, str] = field(default_factory=dict)
     keep: bool = False
+    missed: set[bytes] = field(default_factory=set, init=False, repr=False)
 
     def record(
         self, use: str, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
     ) -> Any:
-        """Call a function and keep the call; one that cannot be sent is not kept."""
+        """Call a function and record the call; a call that cannot be sent is not recorded."""
         if not self.keep:
             return function(*args, **kwargs)
         given = None
@@ -239,21 +244,53 @@ class Calls:
     def answer(
         self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any], reason: EarlierNotUsable
     ) -> Any:
-        """Return what was recorded for a call.
+        """Return the recorded answer to a call.
 
         Raises
         ------
         EarlierNotUsable
-            If there is none with these inputs.
+            If no call with these inputs was recorded.
         """
+        found = self.find(use, args, kwargs)
+        if found:
+            self.answered[use] = str(reason)
+            return decode(encode(found.answer))
+        raise EarlierNotUsable(
+            f"Your code calls {in_words(use)} with an input for which no answer was recorded. Either something before "
+            f"that call is wrong, or you need the function itself: {reason}"
+        ) from None
+
+    def find(self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> EarlierCall | None:
+        """Return the recorded call with these inputs, if there is one.
+
+        The same inputs are found by a digest; only new ones are compared with every recorded call, because a
+        student's code may call a function thousands of times.
+        """
+        try:
+            exact = _digest(use, list(args), sorted(kwargs.items()))
+        except (CodecError, TypeError):
+            return None
+        if exact in self.by_inputs:
+            return self.by_inputs[exact]
+        if exact in self.missed:
+            return None
         for each in self.known:
             given = dict(zip(each.parameters, args, strict=False)) | kwargs
             if each.use == use and len(args) <= len(each.parameters) and _same(each.given, given):
-                self.answered[use] = str(reason)
-                return decode(encode(each.answer))
-        raise EarlierNotUsable(
-            f"{reason} It is asked for something that no answer was recorded of."
-        ) from None
+                self.by_inputs[exact] = each
+                return each
+        if len(self.missed) < MOST_MISSED:
+            self.missed.add(exact)
+        return None
+
+    @cached_property
+    def by_inputs(self) -> dict[bytes, EarlierCall]:
+        """The recorded calls by the digest of their inputs, all given by position."""
+        found = {}
+        for each in self.known:
+            if list(each.given) == each.parameters[: len(each.given)]:
+                found[_digest(each.use, list(each.given.values()), [])] = each
+        return found
 
 
 _CALLS: ContextVar[Calls | None] = ContextVar("calls", default=None)
@@ -261,7 +298,7 @@ _CALLS: ContextVar[Calls | None] = ContextVar("calls", default=None)
 
 @contextmanager
 def watching(known: Sequence[EarlierCall] = (), *, keep: bool = False) -> Iterator[Calls]:
-    """Answer, or keep, the calls of earlier functions that are made in the block."""
+    """Answer or record the calls of earlier functions in the block."""
     calls = Calls(known, keep=keep)
     token = _CALLS.set(calls)
     try:
@@ -270,8 +307,13 @@ def watching(known: Sequence[EarlierCall] = (), *, keep: bool = False) -> Iterat
         _CALLS.reset(token)
 
 
+def _digest(use: str, args: list[Any], kwargs: list[tuple[str, Any]]) -> bytes:
+    """Return a digest of a call's inputs, which equal inputs share."""
+    return hashlib.sha256(encode((use, args, kwargs))).digest()
+
+
 def _same(recorded: dict[str, Any], given: dict[str, Any]) -> bool:
-    """Whether two calls are one, but for rounding."""
+    """Return whether two calls are the same up to rounding."""
     try:
         return bool(Close(rtol=1e-9, atol=1e-12).compare(recorded, decode(encode(given))))
     except CodecError:

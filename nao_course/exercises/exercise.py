@@ -1,35 +1,36 @@
-"""What an exercise is: declared once, by the instructor; everything else is made from it."""
+"""Declarations of exercises, from which check data, grading and documentation are made."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from nao_course.codec import register
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.earlier import EarlierCall
 
-SECONDS = 10.0  # wall clock of a call in the grader, where an exercise says nothing else
-ANSWER_HERE = "*Write your answer here: double-click this text.*"  # where no written answer stands yet
+SECONDS = 10.0  # default time limit of a call in the grader, wall clock
+ANSWER_HERE = "*Write your answer here: double-click this text.*"  # text of a cell without a written answer
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """A wrong implementation that students write, and what helps them.
+    """A wrong implementation that students write, with the message that helps them.
 
     Parameters
     ----------
     name : str
-        In a few words: "half degrees".
+        Name in a few words: "half degrees".
     function : callable
-        The wrong implementation.
+        The wrong implementation. A declaration may instead give a change of the solution, which is applied first; see
+        `nao_course.instructor.authoring.mistakes.catalogue`.
     message : str
-        What the check says to a student whose answers are this mistake's.
+        Message of the check to a student whose answers equal this mistake's.
     """
 
     name: str
@@ -44,40 +45,47 @@ class Exercise:
     Parameters
     ----------
     name : str
-        Of the function or class that the student writes; unique in the course.
+        Name of the function or class that the student writes; unique in the course.
     points : float
-        What it is worth.
+        Points of the exercise.
     public : callable
-        Makes the public cases, the same each time: list of Case. Their pictures have at most 64 x 48 pixels.
+        Returns the public cases, a list of Case, the same at each call. Their pictures have at most 64 x 48 pixels.
     hidden : callable
-        Makes hidden cases from a random generator: list of Case.
+        Returns hidden cases, a list of Case, from a random generator.
     comparison : Comparison
-        How answers are compared; see `nao_course.exercises.comparisons`.
+        Comparison of the answers; see `nao_course.exercises.comparisons`.
     hints : (str, str)
-        Given one after the other on demand.
+        Hints, shown one after the other on demand.
     mistakes : sequence of Mistake
-        At least three.
+        At least three mistakes.
     alternatives : mapping of str to callable
-        Right implementations of another shape, at least three.
+        At least three right implementations of another form.
     stars : int
         Difficulty, 1 to 3.
     uses : sequence of str
         Earlier exercises that the function calls: "hue_mask" of this lesson, "01:color_labels" of an earlier one. The
-        lesson's set-up cell then says ``color_labels = earlier("01:color_labels")``.
+        lesson's set-up cell then contains ``color_labels = earlier("01:color_labels")``.
     driver : str
-        Where not empty: name of a function, registered with `register_driver`, that runs in the worker and turns what
-        the student wrote, a class or a SymPy expression, into arrays. It is called with the student's object before
-        the case's arguments.
+        Name of a function, registered with `register_driver`, that runs in the worker and converts the student's
+        class or SymPy expressions to arrays. It is called with the student's object and the case's arguments. By
+        default, the student's function itself is called.
     in_place : bool
-        Whether a function that changes its input fails; else it is only told so.
+        Whether a function that changes its input fails; otherwise the check only warns.
     with_reference : float
-        Fraction of the points that are earned where it is right with the reference's `uses`, but not with the student's
-        own: one error is not punished twice.
+        Fraction of the points that are earned if the function is right with the reference's `uses`, but not with the
+        student's own, so that one error does not cost points twice.
     equivalents : mapping of str to str
-        Lines of the solution's mutants that are right, just written in another way, each with the reason. `nao-course
-        mutate` counts these mutants apart, and runs them on more hidden cases than the others.
+        Lines of the solution's mutants that are right but written in another way, each with the reason. `nao-course
+        mutate` counts these mutants separately, and runs them on more hidden cases than the others.
     seconds : float
-        Wall clock that the grader gives one case, all its calls together. The solution must stay below a third of it.
+        Time limit of the grader for all calls of one case, wall clock. The solution must need less than a third of it.
+    pairs : callable
+        Yields the numbers of two mistakes and the solution with both of them. Declarations omit it; it is set when the
+        changes are applied to the solution.
+    parts : mapping of str to float
+        Weights of the parts of a class, such as {"move": 1, "estimate": 2}. The name of each case begins with its part,
+        as in "move: a turn". A part earns its share of the points if all hidden cases of this part pass. Where empty,
+        the points are earned only if all hidden cases pass.
     """
 
     name: str
@@ -95,6 +103,8 @@ class Exercise:
     with_reference: float = 1.0
     equivalents: Mapping[str, str] = field(default_factory=dict)
     seconds: float = SECONDS
+    pairs: Callable[[], Iterable[tuple[int, int, Callable[..., Any]]]] = tuple
+    parts: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -104,13 +114,13 @@ class Written:
     Parameters
     ----------
     name : str
-        Unique in the course: that of its cell in the lesson.
+        Unique in the course: the name of its cell in the lesson.
     points : float
-        What it is worth.
+        Points of the exercise.
     question : str
-        What is asked, as the marking sheet says it.
+        The question, as on the marking sheet.
     rubric : str
-        What to mark the answer by, for whoever marks it.
+        Criteria for marking the answer.
     """
 
     name: str
@@ -121,7 +131,7 @@ class Written:
 
 @dataclass(frozen=True)
 class Question:
-    """A concept question: every wrong choice has its own answer.
+    """A concept question, with a reply to every choice.
 
     Parameters
     ----------
@@ -130,9 +140,9 @@ class Question:
     text : str
         The question.
     choices : mapping of str to str
-        What can be chosen, and the reply to it.
+        Reply to each choice.
     right : str
-        The right one among them.
+        The right choice.
     """
 
     name: str
@@ -161,7 +171,7 @@ class LessonPlan:
 
     @property
     def points(self) -> dict[str, float]:
-        """What each exercise and each written answer is worth, by its name."""
+        """Points of each exercise and each written answer, by name."""
         exercises = {each.name: each.points for each in self.exercises}
         return exercises | {each.name: each.points for each in self.written}
 
@@ -173,20 +183,21 @@ class LessonPlan:
         raise KeyError(name)
 
 
-# --- what a student's copy carries: inputs and outputs, no code ---
+# --- public data in a student's copy: inputs and outputs without code ---
 
 
 @register
 @dataclass(frozen=True)
 class PublicMistake:
-    """A mistake's message, and what it answers to the public cases where that is not the right answer.
+    """A mistake's message, and its wrong answers to the public cases.
 
     Parameters
     ----------
     message : str
-        For the student.
+        Message for the student.
     answers : dict of str to object
-        By the number of the case, as text; {"raises": name} where it raises.
+        Answers by the number of the case, as text. An exception is {"raises": name}. A rounding error, which differs
+        between processors, is {"unstable": answer or exception}.
     """
 
     message: str
@@ -195,25 +206,46 @@ class PublicMistake:
 
 @register
 @dataclass(frozen=True)
+class MistakePair:
+    """Two mistakes that are made together, with the answers by which they are recognised.
+
+    Parameters
+    ----------
+    mistakes : (int, int)
+        Indices of both mistakes in the exercise.
+    wrong : list of int
+        Numbers of all cases whose answers are wrong.
+    answers : dict of str to object
+        The answers to a few of these cases, by the number of the case as text. No single mistake and no other pair
+        has all of them.
+    """
+
+    mistakes: tuple[int, int]
+    wrong: list[int]
+    answers: dict[str, Any]
+
+
+@register
+@dataclass(frozen=True)
 class PublicExercise:
-    """An exercise as `check` knows it.
+    """The public data of an exercise, which `check` uses.
 
     Parameters
     ----------
     name, number : str
-        Of the function, and in the lesson: "1.3".
+        Name of the function, and number in the lesson: "1.3".
     points : float
-        What it is worth.
+        Points of the exercise.
     stars : int
         Difficulty.
     comparison : Comparison
         How answers are compared.
     cases : list of Case
-        With what is expected.
+        Public cases with the expected answers.
     mistakes : list of PublicMistake
-        To recognise.
+        Mistakes that the check recognises.
     hints : list of str
-        Two.
+        Two hints.
     driver : str
         As in Exercise.
     in_place : bool
@@ -224,6 +256,8 @@ class PublicExercise:
         Calls of earlier lessons' functions that the reference makes in these cases.
     uses : list of str
         As in Exercise.
+    pairs : list of MistakePair
+        Pairs that the check recognises if no single mistake fits.
     """
 
     name: str
@@ -239,12 +273,13 @@ class PublicExercise:
     seconds: float = SECONDS
     earlier: list[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)
+    pairs: list[MistakePair] = field(default_factory=list)
 
 
 @register
 @dataclass(frozen=True)
 class PublicQuestion:
-    """A concept question as the lesson asks it."""
+    """The public data of a concept question."""
 
     name: str
     text: str
@@ -255,7 +290,7 @@ class PublicQuestion:
 @register
 @dataclass(frozen=True)
 class PublicWritten:
-    """A written question as a student knows it: without what it is marked by."""
+    """The public data of a written question, without the criteria for marking."""
 
     name: str
     number: str
@@ -265,9 +300,13 @@ class PublicWritten:
 @register
 @dataclass(frozen=True)
 class PublicLesson:
-    """What a lesson's checks and questions need: the content of its data file."""
+    """The public data of a lesson's checks and questions: the contents of its data file.
+
+    `demonstrated` has the names that only cells assign which the grader does not run.
+    """
 
     name: str
     exercises: list[PublicExercise]
     questions: list[PublicQuestion]
     written: list[PublicWritten] = field(default_factory=list)
+    demonstrated: list[str] = field(default_factory=list)

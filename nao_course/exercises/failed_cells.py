@@ -1,4 +1,4 @@
-"""Definitions that a failed cell did not make: after a syntax error a name still means what it meant before."""
+"""Detection of definitions that are out of date because the cell that should have replaced them failed."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ _DEFINITION = re.compile(r"^(?:async +def|def|class) +(\w+)", re.MULTILINE)
 
 
 class FailedCells:
-    """Watches the cells of a notebook, and remembers which definitions their failures kept from being made.
+    """A record of the definitions that are missing because a notebook's cell failed.
 
-    A cell with a syntax error does not run at all; one that raises may end before a definition. In both cases what is
-    called by that name is an older one, or there is none.
+    A cell with a syntax error does not run at all; a cell that raises may end before a definition. In both cases the
+    name refers to an older definition, or to nothing.
     """
 
     def __init__(self) -> None:
-        """Watch nothing yet."""
+        """Create an empty record."""
         self._shell: Any = None
         self._before: dict[str, object] = {}
         self._why: dict[str, str] = {}
 
     def watch(self) -> None:
-        """Watch this notebook from now on; outside of Jupyter, and where it is watched already, nothing happens."""
+        """Record the failures of this notebook's cells; do nothing outside of Jupyter or if it is recorded already."""
         ipython = sys.modules.get("IPython")
         shell = ipython.get_ipython() if ipython else None
         if shell is None or shell is self._shell:
@@ -34,7 +34,7 @@ class FailedCells:
         shell.events.register("post_run_cell", self._end)
 
     def why_old(self, name: str) -> str:
-        """Say why the cell that was to define a name last did not; empty where it did."""
+        """Return why the latest cell that should define a name failed; empty if it succeeded."""
         why = self._why.get(name)
         return f"The cell that defines {name} did not run: {why}." if why else ""
 
@@ -52,7 +52,7 @@ class FailedCells:
 
 
 def _said(error: BaseException | None) -> str:
-    """An error in a few words, with its line in the cell where that is known."""
+    """Describe an error in a few words, with its line in the cell if that is known."""
     if not isinstance(error, SyntaxError):
         return f"{type(error).__name__}: {error}"
     line = f", line {error.lineno}" if error.lineno else ""

@@ -1,4 +1,4 @@
-"""The name of a lesson, such as 01_hsl_filtering, and which lessons a word means."""
+"""Names of lessons, such as 01_hsl_filtering, and the lessons that a typed word refers to."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ PATTERN = "[0-9][0-9]_*"  # of a lesson's files, before their suffix
 
 
 def number_of(lesson: str) -> str:
-    """Return the number of a lesson, as it stands in its name.
+    """Return the number in a lesson's name.
 
     Examples
     --------
@@ -19,14 +19,14 @@ def number_of(lesson: str) -> str:
 
 
 def meant(word: str, lessons: Iterable[str]) -> list[str]:
-    """Return the lessons that a number or name means, in their order.
+    """Return the lessons that a number or name refers to, in their order.
 
     Parameters
     ----------
     word : str
-        What somebody typed.
+        The text that a person typed.
     lessons : iterable of str
-        Names of the lessons that there are.
+        Names of all lessons.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One call of a student's function: what came of it, in words that a student can use."""
+"""Call a student's function once and describe the outcome in words that a student can use."""
 
 from __future__ import annotations
 
@@ -19,20 +19,19 @@ from typing import Any, Literal
 
 import numpy as np
 
-from nao_course import time_limits
+from nao_course._internal import time_limits
+from nao_course.codec import CodecError, Limits, decode, encode, register
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import CodecError, Limits, decode, encode, register
 
 Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
 ]
-_NAME, _MRO = (
-    type.__dict__[name].__get__ for name in ("__name__", "__mro__")
-)  # not as a stranger's class says
-_MOST_CLASSES = 20  # of an exception and its bases that are told
+# independent of the methods of an untrusted class
+_NAME, _MRO = (type.__dict__[name].__get__ for name in ("__name__", "__mro__"))
+_MOST_CLASSES = 20  # reported classes of an exception, its bases included
 _DRIVERS: dict[str, Callable[..., Any]] = {}
 _EARLIER = str(Path(__file__).with_name("earlier.py"))  # whose objects call functions of earlier lessons
-REFERENCE = "<reference>"  # file name of what is lent to a student
+REFERENCE = "<reference>"  # file name of reference implementations that replace a student's functions
 _NOT_THE_STUDENTS = (
     REFERENCE,
     *(
@@ -50,30 +49,30 @@ SECONDS = 20.0  # wall clock of a public case in a lesson; more where the grader
 
 
 class Unsendable(CodecError):  # noqa: N818 - it reads as a sentence
-    """Raised by a driver where something came back that cannot be sent; the message is for the student."""
+    """Raised by a driver for a result that cannot be encoded; the message is for the student."""
 
 
 @register
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a call.
+    """The outcome of a call.
 
     Parameters
     ----------
     status : str
-        "value", or what came instead of one.
+        "value", or the reason why there is no value.
     value : object
-        The answer: plain arrays, numbers, lists, nothing of a student's own types.
+        The answer as plain arrays, numbers and lists, without any type of the student's.
     text : str
-        Of an exception: its type and message. Of an answer that cannot be sent: what it is.
+        Type and message of an exception, or a description of an answer that cannot be encoded.
     line : str
         The student's own line that raised, with its number.
     changed : bool
         Whether the function changed its arguments.
     output : str
-        The beginning of what it printed, where that is kept.
+        The beginning of the printed text, if that is kept.
     errors : tuple of str
-        Of an exception: the names of its class and of all that is derived from.
+        Names of an exception's class and of its base classes.
     """
 
     status: Status
@@ -91,16 +90,16 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     Parameters
     ----------
     function : callable
-        The student's.
+        The student's function.
     case : Case
-        What to call it with; it gets copies.
+        Case with the arguments; the function receives copies.
     driver : str
-        Name of a registered function that is called instead, with the student's as its first argument.
+        Name of a registered function that is called instead, with the student's function as its first argument.
 
     Returns
     -------
     Outcome
-        Never an exception, but for KeyboardInterrupt turned into "interrupted". Its value is a plain copy.
+        The outcome. No exception is raised, and KeyboardInterrupt becomes "interrupted". The value is a plain copy.
     """
     return decode(encoded(call_as_it_is(function, case, driver)))
 
@@ -112,9 +111,9 @@ def call_all(
     seconds: float = SECONDS,
     answer: Callable[[Callable[[Case], Outcome], Case], Outcome] = lambda once, case: once(case),
 ) -> list[Outcome]:
-    """Call a function for each case, up to the first that is not attempted, interrupted or out of time.
+    """Call a function for each case until a call is not attempted, interrupted or out of time.
 
-    Each case has `seconds` of wall clock. `answer` makes the calls of a case and says what came of them; see
+    Each case has `seconds` of wall clock. `answer` makes the calls of a case and returns their outcome; see
     `judging.answer`.
     """
     outcomes: list[Outcome] = []
@@ -122,7 +121,7 @@ def call_all(
         try:
             with alarm(seconds):
                 outcome = answer(lambda each: call(function, each, driver), case)
-        except TimeIsUp:  # it rang while the answer was being copied
+        except TimeIsUp:  # the alarm rang while the answer was copied
             outcome = Outcome("timed out")
         outcomes.append(outcome)
         if outcomes[-1].status in ("not attempted", "interrupted", "timed out"):
@@ -131,12 +130,12 @@ def call_all(
 
 
 def register_driver(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Let exercises name a function as their driver; use as a decorator.
+    """Register a function as a driver of exercises; use as a decorator.
 
     Raises
     ------
     ValueError
-        If another driver has its name.
+        If another driver has the same name.
     """
     if _DRIVERS.setdefault(function.__name__, function) is not function:
         raise ValueError(f"a driver named {function.__name__!r} is registered already")
@@ -144,38 +143,38 @@ def register_driver(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def find_driver(name: str) -> Callable[..., Any]:
-    """Return a driver.
+    """Return a registered driver.
 
     Parameters
     ----------
     name : str
-        "jacobian"; or with the module of nao_course that registers it before a colon, where that is not one of
-        `nao_course.exercises`.
+        Name such as "jacobian". If a module outside of `nao_course.exercises` registers the driver, the module and a
+        colon come first.
 
     Raises
     ------
     ValueError
-        If there is none of that name.
+        If no driver has that name.
     """
     module, _, function = name.rpartition(":")
     if module.startswith("nao_course."):
         importlib.import_module(module)
     if function not in _DRIVERS:
-        raise ValueError(f"there is no driver {name!r}; there are {sorted(_DRIVERS)}")
+        raise ValueError(f"there is no driver {name!r}; choose one of {sorted(_DRIVERS)}")
     return _DRIVERS[function]
 
 
 class TimeIsUp(BaseException):
-    """Raised into a student's code that runs too long; no `except Exception` of theirs stops it."""
+    """Raised inside a student's code that runs too long; `except Exception` does not catch it."""
 
 
 @contextmanager
 def alarm(seconds: float) -> Iterator[None]:
-    """Raise TimeIsUp in the block after a time; one that is in another rings no later than that.
+    """Raise TimeIsUp in the block after a time; an inner alarm rings no later than an outer alarm.
 
-    It does not ring in the middle of an import, but after it: a compiled module that is begun and not ended can never
-    be imported again. It waits for `time_limits.IMPORTING` seconds at most. Where there is no alarm clock (Windows, or
-    another thread than the main one), it is `time_limit`, which rings between two steps of Python only.
+    The alarm waits for the end of a running import, for at most `time_limits.IMPORTING` seconds, because a compiled
+    module whose import was interrupted cannot be imported again. On Windows and outside of the main thread,
+    `time_limit` is used, which can interrupt only between two steps of Python.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         with time_limits.time_limit(seconds, error=TimeIsUp):
@@ -184,7 +183,7 @@ def alarm(seconds: float) -> Iterator[None]:
 
     over = False
 
-    outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 where this one is in no other
+    outer, _ = signal.getitimer(signal.ITIMER_REAL)  # 0 without an outer alarm
     began = time.monotonic()
     last = began + seconds + time_limits.IMPORTING
 
@@ -209,7 +208,7 @@ def alarm(seconds: float) -> Iterator[None]:
 
 
 def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
-    """Call a function as `call` does; the value is what it returned, of whatever type."""
+    """Call a function like `call`, but return its value unchanged."""
     args, kwargs = case.fresh()
     before = _state(args, kwargs)
     if driver:
@@ -231,7 +230,7 @@ def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") ->
 
 
 def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
-    """Return an outcome's frame; that of "unsendable" where its value cannot be sent."""
+    """Return an outcome's frame; the frame of "unsendable" if its value cannot be sent."""
     try:
         return encode(outcome, limits)
     except CodecError as error:
@@ -239,16 +238,16 @@ def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
 
 
 def describe(error: BaseException) -> str:
-    """Name an exception's type and say its message, of which a student's own class may make anything."""
+    """Return an exception's type and message as text, even if a student's class formats it wrongly."""
     try:
         text = f"{_name_of(type(error))}: {error}"
-    except Exception:  # noqa: BLE001 - a message that raises is no message
+    except Exception:  # noqa: BLE001 - a message whose text raises cannot be shown
         text = _name_of(type(error))
     return _printable(text[:500])
 
 
 def _not_written(error: NotImplementedError, function: Any) -> Outcome:
-    """Tell a function that is still blank from one that calls a blank one."""
+    """Distinguish a function that is still blank from a function that calls a blank one."""
     frames = [frame.name for frame in traceback.extract_tb(error.__traceback__) if is_own(frame.filename)]
     if error.args:
         return _raised(error)
@@ -258,21 +257,21 @@ def _not_written(error: NotImplementedError, function: Any) -> Outcome:
 
 
 def is_own(filename: str) -> bool:
-    """Whether code of this file is a student's: a cell, or a file beside the notebook."""
+    """Return whether a file's code is the student's: a cell, or a file beside the notebook."""
     if filename.startswith("<"):
         return bool(_CELL.fullmatch(filename))
     return not filename.startswith(_NOT_THE_STUDENTS) and not filename.endswith(".pyx")
 
 
 def own_frames(error: BaseException) -> tuple[list[traceback.FrameSummary], str]:
-    """Return the frames of this notebook that an exception came through, and what it calls that is of an earlier one.
+    """Return the frames of an exception in this notebook, and the earlier lesson's function that raised it, if any.
 
     Returns
     -------
     list of FrameSummary
-        Those in no library; they end where a function of an earlier lesson is called.
+        Frames outside of libraries, up to the call of a function of an earlier lesson.
     str
-        That function: "predict_pose of your lesson 05"; empty if the exception did not arise in one.
+        That function: "predict_pose of your lesson 05"; empty if the exception was raised elsewhere.
     """
     walked = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     frames = traceback.extract_tb(error.__traceback__)
@@ -286,10 +285,10 @@ def own_frames(error: BaseException) -> tuple[list[traceback.FrameSummary], str]
 
 
 def own_line(error: BaseException) -> str:
-    """Say where an exception came from: the last line, with its number, that is in no library; nothing if all are.
+    """Return the last line of an exception's traceback outside of libraries, with its number; empty without one.
 
-    Code that was made as text (by sympy.lambdify, exec, a dataclass) has no line that anybody wrote: the line that
-    called it is said. So it is of a function of an earlier lesson, which stands in another notebook.
+    For code that was generated as text (by sympy.lambdify, exec or a dataclass) and for functions of earlier lessons,
+    which are in another notebook, the calling line is returned.
     """
     own, _ = own_frames(error)
     line = f"line {own[-1].lineno}: {own[-1].line or ''}".rstrip(": ") if own else ""
@@ -297,15 +296,30 @@ def own_line(error: BaseException) -> str:
 
 
 def _raised(error: BaseException) -> Outcome:
-    """Name an exception, its classes and the student's own line."""
+    """Return an exception's text, its classes and the student's own line."""
     _, earlier = own_frames(error)
     inside = [f"(inside {earlier})"] if earlier else []
-    text = " ".join([describe(error), *inside, *_notes(error)])
+    text = " ".join([describe(error) + _arguments(error), *inside, *_notes(error)])
     return Outcome("raised", text=text, line=own_line(error), errors=_names_of_classes(type(error)))
 
 
+def _arguments(error: BaseException) -> str:
+    """Say which arguments the student's function has that used an unknown name: the name may be a part of one."""
+    if not isinstance(error, NameError) or isinstance(error, UnboundLocalError):
+        return ""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    if not frames or not is_own(frames[-1].f_code.co_filename) or frames[-1].f_code.co_name == "<module>":
+        return ""
+    code = frames[-1].f_code
+    names = code.co_varnames[: code.co_argcount]
+    listed = " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+    return _printable(
+        f"; the function's arguments are {listed}" if names else "; the function has no arguments"
+    )[:200]
+
+
 def _notes(error: BaseException) -> list[str]:
-    """What a driver says of where it happened."""
+    """Return a driver's notes about the place where an exception was raised."""
     notes = getattr(error, "__notes__", ())
     if type(notes) is not list:
         return []
@@ -313,7 +327,7 @@ def _notes(error: BaseException) -> list[str]:
 
 
 def _names_of_classes(kind: type) -> tuple[str, ...]:
-    """Names of an exception's class and of those it is derived from."""
+    """Return the names of an exception's class and its base classes."""
     return tuple(_name_of(each) for each in _MRO(kind)[:_MOST_CLASSES])
 
 
@@ -326,9 +340,9 @@ def _printable(text: str) -> str:
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
-    """What a function must leave as it is: its arguments, but for random generators, which it may draw from."""
+    """Encode a function's arguments, which it must not change, except random generators."""
     kept = [arg for arg in (*args, *kwargs.values()) if not isinstance(arg, np.random.Generator)]
     try:
         return encode(kept)
-    except CodecError:  # a list that was given what cannot even be sent
+    except CodecError:  # a value that cannot be encoded was put into a list
         return b""

@@ -1,4 +1,4 @@
-"""Demonstration cells: run what a student wrote and show what comes of it, or a sentence instead of a traceback."""
+"""Run demonstrations of a student's code, and show a sentence instead of a traceback if they fail."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from html import escape
 from types import CodeType, FrameType, TracebackType
 from typing import Any, TypeGuard, TypeVar
 
+from nao_course._internal.time_limits import TooSlow, time_limit
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.running import SECONDS, is_own, own_frames, own_line
-from nao_course.time_limits import TooSlow, time_limit
 
 T = TypeVar("T")
-DISPLAY_SECONDS = 600.0  # wall clock of a demonstration, whatever it is made of
+DISPLAY_SECONDS = 600.0  # time limit of a whole demonstration, wall clock
 
 
 @dataclass(frozen=True)
 class Message:
-    """A sentence for the reader: a box in Jupyter, plain text elsewhere.
+    """A message, shown as a box in Jupyter and as plain text elsewhere.
 
     Parameters
     ----------
     text : str
-        What to say.
+        The message.
     """
 
     text: str
 
     def __repr__(self) -> str:
-        """The text alone."""
+        """Return the text alone."""
         return self.text
 
     def _repr_html_(self) -> str:
-        """The text in a quiet box."""
+        """Return the text in a plain box."""
         style = "border-left: 4px solid #888; padding: 0.4em 0.8em; margin: 0.3em 0"
         return f'<div role="note" style="{style}">{escape(self.text)}</div>'
 
 
 class _SaidBefore(Exception):  # noqa: N818 - it is a sentence on its way
-    """What a demonstration needs was not made; the message says why."""
+    """Raised if the result of an earlier demonstration is missing; the message explains why."""
 
 
 def made(what: T | Message) -> T:
-    """Return what an earlier `try_out` made; where it made nothing, its sentence is said again by this one.
+    """Return the result of an earlier `try_out`; if that failed, its message is shown again.
 
     Examples
     --------
@@ -64,33 +64,33 @@ def made(what: T | Message) -> T:
 
 @dataclass(frozen=True)
 class Remarked:
-    """Something that is shown, and a sentence above it.
+    """A shown value with a sentence above it.
 
     Parameters
     ----------
     text : str
         What to say.
     shown : object
-        What stands below it.
+        Value below the sentence.
     """
 
     text: str
     shown: object
 
     def __repr__(self) -> str:
-        """Both as text."""
+        """Return both as text."""
         return f"{self.text}\n{self.shown!r}"
 
     def _repr_html_(self) -> str:
-        """Both, one above the other."""
+        """Return both as HTML, one above the other."""
         html = getattr(self.shown, "_repr_html_", None)
         below = html() if html else f"<pre>{escape(repr(self.shown))}</pre>"
         return f"<div>{Message(self.text)._repr_html_()}{below}</div>"
 
 
 def show(what: object) -> None:
-    """Show something below the cell that runs; print it where there is no notebook."""
-    ipython = sys.modules.get("IPython")  # where it is not imported, there is no notebook
+    """Show a value below the running cell; print it outside of a notebook."""
+    ipython = sys.modules.get("IPython")  # not imported outside of notebooks
     if ipython and ipython.get_ipython():
         ipython.display.display(what)
     else:
@@ -98,11 +98,11 @@ def show(what: object) -> None:
 
 
 _BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
-_POWER = "A power is ** in Python: x**2. The sign ^ means something else."
-_PLACE = "of a pose (x, y, theta), pose[:2] is the place."
-_ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a beginner
-    "The truth value of an array": "An array has no single True or False. For and, or, a < b < c and if, say & and | "
-    "between comparisons in brackets, or np.where.",
+_POWER = "A power is written ** in Python: x**2. The sign ^ means something else."
+_PLACE = "the position of a pose (x, y, theta) is pose[:2]."
+_ADVICE = {  # NumPy's own messages about the most common errors are correct, but do not help a beginner
+    "The truth value of an array": "An array has no single True or False. Instead of and, or, a < b < c and if, "
+    "write & and | between comparisons in brackets, or use np.where.",
     "ufunc 'bitwise_and' not supported": f"& {_BRACKETS}",
     "ufunc 'bitwise_or' not supported": f"| {_BRACKETS}",
     "unsupported operand type(s) for &": f"& {_BRACKETS}",
@@ -110,71 +110,101 @@ _ADVICE = {  # what NumPy says of the commonest slips is right, and no help to a
     "unsupported operand type(s) for ^": _POWER,
     "shapes (3,) (2,)": f"Three numbers and two do not fit together: {_PLACE}",
     "shapes (2,) (3,)": f"Three numbers and two do not fit together: {_PLACE}",
-    "Cannot convert expression to float": "A function that wants numbers got symbols of SymPy: leave it out, or take "
-    "SymPy's own.",
-    "' is not defined": "Is that name spelt right, and did the cells above run since the kernel was "
-    "started? The grader runs what you define, and no demonstrations.",
-    "depth() == CV_8U": "OpenCV takes a picture of bytes there: .astype(np.uint8).",
-    "NumPy boolean array indexing assignment cannot assign": "On the left stand only the mask's pixels, on the right "
-    "all of them: say values[mask] there, too, or np.where(mask, values, others).",
-    "with size 0": "That array is empty: ask for its length before you take something out of it.",
-    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1, and drawn with rng.integers(0, n) none "
-    "is larger.",
-    "arrays used as indices must be of integer": "Indices are whole numbers: round(...) what you compute them from.",
-    "slice indices must be integers": "Limits of a slice are whole numbers: round(...) makes one of a float.",
-    "mismatch in its core dimension": "Two shapes do not fit: the left of @ wants as many columns as "
-    "the right has rows. Print each .shape; is one transposed that should not be, or not where it should?",
-    "could not be broadcast together": "Entry by entry (+, -, *) two arrays need one shape. Print each .shape; and "
-    "do the arguments stand in the order of the function's first line?",
-    "'function' object has no attribute": "That is a function, not an array. Is it the name that you mean?",
-    "has no attribute 'to_local'": "A Pose is wanted there, not an array: Pose(*pose).",
-    "inhomogeneous shape": "One entry of your matrix is itself an array, where one number is wanted: pose[2] is the "
-    "heading, pose all three numbers.",
-    "loop of ufunc does not support argument 0 of type": "np.sin and its like take numbers, no symbols: in SymPy say "
-    "sin, cos, sqrt and atan2.",
-    "has no attribute 'arctan2'": "np.arctan2 takes numbers, no symbols: in SymPy it is atan2.",
-    "high <= 0": "The upper end of rng.integers is not included: say the size itself, not one less.",
+    "Cannot convert expression to float": "A function for numbers was called with SymPy symbols: leave it out, or use "
+    "SymPy's function of that name.",
+    "' is not defined": "Is that name spelt correctly, and did the cells above run since the kernel "
+    "started? The grader runs your definitions, but not the demonstrations.",
+    "depth() == CV_8U": "OpenCV needs a picture of bytes there: use .astype(np.uint8).",
+    "NumPy boolean array indexing assignment": "The left side has only the mask's pixels, but the right "
+    "side has all pixels: write values[mask] there, too, or np.where(mask, values, others).",
+    "with size 0": "That array is empty: check its length before you use an element of it.",
+    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1, and rng.integers(0, n) never "
+    "draws a larger one.",
+    "arrays used as indices must be of integer": "Indices must be whole numbers: apply round(...) or int(...) to them.",
+    "slice indices must be integers": "The limits of a slice must be whole numbers: round(...) turns a float into one.",
+    "mismatch in its core dimension": "Two shapes do not fit: the left side of @ needs as many columns as "
+    "the right side has rows. Print each .shape: is a .T missing, or is one too many?",
+    "Singular matrix": "That matrix has no inverse. Print it: is a row 0, or a multiple of another row?",
+    "could not be broadcast together": "Two arrays need the same shape for +, - and *. Print each .shape, and check "
+    "that the arguments are in the order of the function's first line.",
+    "array dimensions except for the concatenation axis": "Columns that stand side by side need the same length: print "
+    "each .shape. Is one of them a single number? np.full(n, 1.0) makes a column of n ones.",
+    "FrozenInstanceError": "That object cannot be changed. replace(view, pitch=...) returns a copy with another pitch.",
+    "'function' object has no attribute": (
+        "That is a function, not an array. Did you mean another name, or forget to call it?"
+    ),
+    "'tuple' object has no attribute": "That is a tuple: several values in one. Unpack it first, as in F, G = "
+    "motion_jacobians(pose, control).",
+    "has no attribute 'to_local'": "That line needs a Pose, not an array: Pose(*pose).",
+    "inhomogeneous shape": "The entries of your array have different shapes: print each .shape. In one matrix every "
+    "entry is one number: if pose is (3,), pose[2] is the heading and pose is all three numbers.",
+    "loop of ufunc does not support argument 0 of type": "np.sin and similar functions need numbers, not "
+    "symbols: use SymPy's sin, cos, sqrt and atan2.",
+    "has no attribute 'arctan2'": "np.arctan2 needs numbers, not symbols: use SymPy's atan2.",
+    "high <= 0": "rng.integers excludes its upper end: pass the size itself, not one less.",
 }
+_PARTS = {  # names that lessons give to the parts of an argument
+    "pose": ("x, y, theta = pose", ("x", "y", "theta")),
+    "control": ("d, alpha = control", ("d", "alpha", "distance", "turn")),
+    "measurement": ("beta, r = measurement", ("beta", "r", "bearing")),
+    "landmark": ("l_x, l_y = landmark", ("l_x", "l_y", "lx", "ly")),
+}
+_UNKNOWN = re.compile(r"name '(\w+)' is not defined; the function(?:'s arguments are (.*)| has no arguments)")
 _INSIDE_EARLIER = re.compile(r"\(inside (\w+) of your lesson \d+\)")
-_HOMES = {  # of what a student may call in any notebook
+_HOMES = {  # functions that a student may call in any notebook
     **dict.fromkeys(("functions", "my_nao", "progress", "so_far"), "nao_course.student"),
     "challenge": "nao_course.challenges",
 }
 _RUN_ABOVE = (
     "If the kernel was restarted, first run the cells above: menu Run, Run All Above Selected Cell. "
-    "Else look at its spelling."
+    "Otherwise check its spelling."
 )
 
 
 def advice_on(complaint: str) -> list[str]:
-    """Say what to do about an exception whose own words do not help a beginner: the first piece of advice that fits.
+    """Return the first advice that fits an exception, because its own message does not help a beginner.
 
     Examples
     --------
     >>> advice_on("ValueError: high <= 0")
-    ['The upper end of rng.integers is not included: say the size itself, not one less.']
+    ['rng.integers excludes its upper end: pass the size itself, not one less.']
     """
     if inside := _INSIDE_EARLIER.search(complaint):
         return [
-            f"{inside[1]} cannot work with what that line passes to it: print it, or see what help({inside[1]}) says "
-            "that it takes."
+            f"{inside[1]} cannot use the arguments of that line: print them, and compare them with "
+            f"help({inside[1]})."
         ]
+    if advice := _on_unknown_part(complaint):
+        return [advice]
     return [advice for start, advice in _ADVICE.items() if start in complaint][:1]
 
 
+def _on_unknown_part(complaint: str) -> str:
+    """Return the advice to take a name from an argument, or to make a symbol; nothing if neither fits."""
+    if not (found := _UNKNOWN.search(complaint)):
+        return ""
+    name, arguments = found[1], re.findall(r"\w+", found[2] or "")
+    for argument, (line, parts) in _PARTS.items():
+        if name in parts and argument in arguments:
+            return f"{name} is a part of {argument}. Take it from there first: {line}."
+        if name in parts and not arguments:
+            return f"If {name} is a symbol, make it inside the function: {name} = sp.symbols({name!r})."
+    return ""
+
+
 def not_known(error: NameError) -> str:
-    """Say what to do about a name that the notebook does not know, and in which line it stands."""
+    """Return advice about an undefined name, with its line."""
     name = error.name or "a name"
     if name in _HOMES:
         return f"This notebook has not imported {name}: from {_HOMES[name]} import {name}"
     if why := FAILED_CELLS.why_old(name):
-        return f"{why} Mend that cell and run it first."
+        return f"{why} Correct that cell and run it first."
     line = own_line(error)
-    return f"This notebook does not know {name!r} yet{f' ({line})' if line else ''}. {_RUN_ABOVE}"
+    return f"{name!r} is not defined in this notebook yet{f' ({line})' if line else ''}. {_RUN_ABOVE}"
 
 
 def _is_unknown(error: Exception) -> TypeGuard[NameError]:
-    """Whether a name is missing in the notebook, and not only in a function that assigns it later."""
+    """Return whether a name is missing in the notebook, and not only in a function that assigns it later."""
     return isinstance(error, NameError) and not isinstance(error, UnboundLocalError)
 
 
@@ -190,7 +220,7 @@ def _said_of(error: Exception) -> str:
 
 
 def explain_unknown_names() -> None:
-    """Add that sentence to each NameError of this notebook; outside of Jupyter, nothing happens."""
+    """Add the advice to each NameError of this notebook; do nothing outside of Jupyter."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
     if shell is not None:
@@ -204,37 +234,37 @@ def show_unknown_name(
     trace: TracebackType | None,
     tb_offset: int | None = None,
 ) -> None:
-    """Show a NameError in a notebook: the sentence that helps, and no long traceback above it.
+    """Show the advice on a NameError in a notebook, without a long traceback.
 
-    It is called by IPython, see `explain_unknown_names`, and by the start of a kernel, before any cell has run.
+    IPython calls it after `explain_unknown_names`, and from the start of a kernel on, before any cell has run.
     """
     if not _is_unknown(error):
         shell.showtraceback((kind, error, trace), tb_offset=tb_offset)
         return
-    shell.showtraceback((kind, error, trace), exception_only=True)  # %tb shows all of it
+    shell.showtraceback((kind, error, trace), exception_only=True)  # %tb shows the whole traceback
     show(Message(not_known(error)))
 
 
 class _LongCall:
-    """Watches a demonstration, and says whether one call of a student's function has lasted too long.
+    """A test whether a call of a student's function in a demonstration has lasted too long.
 
-    A demonstration may take its time, and call a student's function as often as it likes. One call is the outermost
-    frame of a student's function from another cell; while that frame is the same, it is the same call.
+    A demonstration may be slow and may call a student's function many times, but each call has a time limit. A call is
+    identified by the outermost frame of a student's function from another cell.
 
     Parameters
     ----------
     seconds : float
-        What one call may take.
+        Time limit of one call.
     """
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
         self._call: FrameType | None = None
         self._began = 0.0
-        self.name = ""  # of the function that took too long
+        self.name = ""  # name of the function that took too long
 
     def __call__(self, frame: FrameType) -> bool:
-        """Look at what runs now."""
+        """Return whether the running call has lasted too long."""
         now, call = time.monotonic(), _outermost_call(frame)
         if call is not self._call:
             self._call, self._began = call, now
@@ -246,9 +276,9 @@ class _LongCall:
 
 
 def _outermost_call(frame: FrameType) -> FrameType | None:
-    """Return the outermost frame of a student's named function in a `try_out`; None while there is none.
+    """Return the outermost frame of a student's named function in a `try_out`; None if no such function is running.
 
-    What stands in the cell of the demonstration itself belongs to it: that may loop for long.
+    Functions in the demonstration's own cell do not count, because they may loop for a long time.
     """
     found: list[FrameType] = []
     each: FrameType | None = frame
@@ -265,14 +295,14 @@ def _is_called(code: CodeType, demonstration: str) -> bool:
 
 
 def _stopped(watch: _LongCall, error: TooSlow) -> Message:
-    """Say which call did not end, and what to do."""
+    """Return a message about the call that did not end."""
     what, seconds = (
         (f"one call of {watch.name}()", watch.seconds) if watch.name else ("this", DISPLAY_SECONDS)
     )
     line = own_line(error)
     return Message(
         f"Time is up: {what} was not done after {seconds:g} s{f', and was stopped in {line}' if line else ''}. "
-        "Does a loop never end? Mend it, run its cell and its check, then this cell again."
+        "Is there a loop that never ends? Correct it, run its cell and its check, then run this cell again."
     )
 
 
@@ -281,19 +311,19 @@ def try_out(
 ) -> object | Message:
     """Run a demonstration that uses a student's function.
 
-    It may take long; but one call of a student's function has the time that a case of a check has.
+    The demonstration may take long, but each call of a student's function has the time limit of a check's case.
 
     Parameters
     ----------
     action : callable
-        What to show; called without arguments.
+        The demonstration, called without arguments.
     unfinished : str
-        What to say when it raises NotImplementedError: an exercise has not been written yet.
+        Message for a NotImplementedError, because an exercise is not written yet.
 
     Returns
     -------
     object
-        What `action` returned; a `Message` when it raised, so that the notebook runs on.
+        The result of `action`, or a `Message` if it raised an exception, so that the notebook continues.
 
     Examples
     --------
@@ -312,7 +342,7 @@ def try_out(
         FileNotFoundError,
         EarlierNotUsable,
         _SaidBefore,
-    ) as error:  # recorded data or earlier work that not everybody has
+    ) as error:  # recorded data or earlier work may be missing
         return Message(str(error))
     except Exception as error:  # noqa: BLE001 - whatever a student's code raises is what it is about
         return Message(_said_of(error))

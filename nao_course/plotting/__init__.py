@@ -1,7 +1,7 @@
 """Figures of the course: maps of the field, paths, estimates with their ellipses, and pictures.
 
-Verbs that begin with ``plot_`` add to an axis; verbs that begin with ``draw_`` need one line and give a
-finished `Drawing`. Nothing here touches pyplot, so no figure shows twice and none stays in memory.
+Functions that begin with ``plot_`` add to an axis, and functions that begin with ``draw_`` return a finished `Drawing`.
+The package does not use pyplot, so that a figure is never shown twice and does not stay in memory.
 """
 
 from nao_course.plotting.drawing import Drawing, Table, image_tag, table
@@ -16,14 +16,7 @@ from nao_course.plotting.pictures import (
     plot_found,
     plot_picture,
 )
-from nao_course.plotting.style import (
-    LABEL_COLOURS,
-    LANDMARK_MARKERS,
-    STYLES,
-    Style,
-    course_style,
-    style_of,
-)
+from nao_course.plotting.style import LABEL_COLOURS, LANDMARK_MARKERS, STYLES, Style, course_style, style_of
 
 __all__ = [
     "LABEL_COLOURS",
@@ -58,5 +51,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names, so that tab completion omits the modules."""
     return __all__

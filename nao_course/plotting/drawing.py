@@ -1,4 +1,4 @@
-"""What a cell shows: a finished figure with its text for screen readers, or a table; and words for such texts."""
+"""Outputs of a cell: finished figures with alt texts, and tables; and functions that write alt texts."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from nao_course.plotting.style import course_style
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A finished figure and what it shows in words.
+    """A finished figure with its alt text.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        The figure; add to it if you like.
+        The figure, which may still be added to.
     alt : str
-        Its contents for a reader who cannot see it.
+        Alt text: the figure's contents in words.
     photo : bool
-        Whether it holds camera pictures: in a notebook these are small as JPEG and large as PNG.
+        Whether the figure contains camera pictures, which are much smaller as JPEG than as PNG.
     """
 
     figure: Figure
@@ -37,27 +37,27 @@ class Drawing:
     photo: bool = False
 
     def __post_init__(self) -> None:
-        """Lay the figure out once and for all: matplotlib's layout goes on moving at every drawing."""
+        """Lay the figure out once, because matplotlib would otherwise change the layout at each drawing."""
         with course_style():
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")
 
     def image(self, kind: str = "png") -> bytes:
-        """Return the figure as a "png", "jpeg" or "svg" file; the same figure gives the same bytes."""
+        """Return the figure as a "png", "jpeg" or "svg" file; equal figures give equal bytes."""
         options: dict[str, dict[str, Any]] = {
             "png": {"metadata": {"Software": None}},
             "svg": {"metadata": {"Date": None, "Creator": None}},
             "jpeg": {"pil_kwargs": {"quality": 84, "subsampling": 0, "optimize": True}},
         }
         if kind not in options:
-            raise ValueError(f"a drawing can be made into {', '.join(options)}; got {kind!r}")
+            raise ValueError(f"kind must be one of {', '.join(options)}; got {kind!r}")
         buffer = io.BytesIO()
         with course_style():
             self.figure.savefig(buffer, format=kind, dpi=100, **options[kind])
         return buffer.getvalue()
 
     def save(self, path: str | Path) -> Path:
-        """Write the figure to a file; its suffix (.png, .jpeg or .svg) says how.
+        """Save the figure in the format of the file's suffix: .png, .jpeg or .svg.
 
         Returns
         -------
@@ -67,7 +67,7 @@ class Drawing:
         Raises
         ------
         ValueError
-            For another suffix.
+            If the suffix is not supported.
         """
         path = Path(path)
         kind = path.suffix.lower().lstrip(".").replace("jpg", "jpeg")
@@ -75,18 +75,18 @@ class Drawing:
         return path
 
     def __repr__(self) -> str:
-        """Say what the figure shows."""
+        """Return the alt text."""
         return f"Drawing({self.alt!r})"
 
     def _repr_html_(self) -> str:
-        """Show the figure in a notebook, with its text for screen readers."""
+        """Return the figure as HTML with its alt text."""
         kind = "jpeg" if self.photo else "png"
         data = self.image(kind)
         return image_tag(data if self.photo else _with_few_colours(data), self.alt, kind)
 
 
 def _with_few_colours(png: bytes) -> bytes:
-    """Return a PNG with a palette of 256 colours: a third as large, and a line drawing looks the same."""
+    """Return a PNG with a palette of 256 colours, a third as large and without visible loss for line drawings."""
     with Image.open(io.BytesIO(png)) as image:
         buffer = io.BytesIO()
         image.convert("RGB").quantize(256, Image.Quantize.MEDIANCUT).save(buffer, "png", optimize=True)
@@ -94,7 +94,7 @@ def _with_few_colours(png: bytes) -> bytes:
 
 
 def image_tag(data: bytes, alt: str, kind: str) -> str:
-    """HTML of a picture that needs no file; `kind` is "png" or "jpeg"."""
+    """Return an HTML image with embedded data; `kind` is "png" or "jpeg"."""
     encoded = base64.b64encode(data).decode("ascii")
     source = f"data:image/{kind};base64,{encoded}"
     return f'<img alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="{source}">'
@@ -102,21 +102,21 @@ def image_tag(data: bytes, alt: str, kind: str) -> str:
 
 @dataclass(frozen=True)
 class Table:
-    """A few values in rows and columns, for a reader: an HTML table in a notebook, lines of text elsewhere.
+    """A small table, shown as HTML in a notebook and as lines of text elsewhere.
 
     Parameters
     ----------
     columns : tuple of str
-        Their heads.
+        Headings of the columns.
     rows : tuple of tuple of str
-        As many cells each.
+        Cells of each row, one per column.
     """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def __repr__(self) -> str:
-        """The same in lines, columns below each other."""
+        """Return the table as lines of text with aligned columns."""
         lines = (self.columns, *self.rows)
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         return "\n".join(
@@ -125,7 +125,7 @@ class Table:
         )
 
     def _repr_html_(self) -> str:
-        """A table whose first column names its rows."""
+        """Return the table as HTML."""
 
         def cell(tag: str, text: str, number: int) -> str:
             side = "left" if number == 0 else "right"
@@ -140,46 +140,46 @@ class Table:
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
-    """Set values in a table.
+    """Return a table of values.
 
     Parameters
     ----------
     columns : sequence of str
-        Their heads.
+        Headings of the columns.
     rows : iterable of sequences
-        As many values each; they are shown as `str` gives them.
+        Values of each row, one per column, shown as `str` formats them.
 
     Returns
     -------
     Table
-        To be a cell's last line.
+        The table, shown if it is a cell's last line.
 
     Raises
     ------
     ValueError
-        If a row has another number of values than there are columns.
+        If the number of values in a row differs from the number of columns.
     """
     texts = tuple(tuple(str(value) for value in row) for row in rows)
     for number, row in enumerate(texts, start=1):
         if len(row) != len(columns):
-            raise ValueError(f"row {number} has {len(row)} values for {len(columns)} columns")
+            raise ValueError(f"row {number} has {len(row)} values, but there are {len(columns)} columns")
     return Table(tuple(columns), texts)
 
 
-# --- words for alt texts ---
+# --- parts of alt texts ---
 
 
 def say_angle(angle: float) -> str:
-    """An angle (rad) in whole degrees."""
+    """Return an angle (rad) as text in whole degrees."""
     return f"{np.degrees(angle):z.0f} deg"
 
 
 def say_count(number: int, noun: str) -> str:
-    """A number of things, such as "1 robot" or "3 robots"."""
+    """Return a number with its noun, such as "1 robot" or "3 robots"."""
     return f"{number} {noun}" + ("" if number == 1 else "s")
 
 
 def say_place(pose: FloatArray) -> str:
-    """A pose (x, y, theta) in metres and degrees; no heading where theta is NaN."""
+    """Return a pose (x, y, theta) as text in metres and degrees, without a heading if theta is NaN."""
     heading = "" if np.isnan(pose[2]) else f", heading {say_angle(pose[2])}"
     return f"({pose[0]:z.2f}, {pose[1]:z.2f}) m{heading}"

@@ -1,4 +1,4 @@
-"""Ellipses: where a Gaussian distribution in the plane has a given part of its probability."""
+"""Covariance ellipses, which contain a given probability of a Gaussian distribution in the plane."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ from nao_course.slam import Estimate
 def ellipse_outlines(
     centres: npt.ArrayLike, covariances: npt.ArrayLike, probability: float = 0.95, corners: int = 49
 ) -> FloatArray:
-    """Outlines of the regions that hold a given part of Gaussian distributions in the plane.
+    """Return the outlines of covariance ellipses in the plane.
 
-    A circle is pushed through the covariance's square root, which for two by two has a closed form.
+    Each outline is a circle transformed by the covariance's square root, which has a closed form for 2 x 2 matrices.
 
     Parameters
     ----------
     centres : array_like, shape (N, 2)
         Means in metres.
     covariances : array_like, shape (N, 2, 2)
-        In m^2.
+        Covariances in m^2.
     probability : float
-        Part inside, between 0 and 1.
+        Probability inside each ellipse, between 0 and 1.
     corners : int
-        Points of each outline, the last being the first again.
+        Number of points of each outline; the last point equals the first.
 
     Returns
     -------
     ndarray, shape (N, corners, 2)
-        NaN for a matrix that is no covariance: not finite, not symmetric, or with a negative variance.
+        Outlines in metres; NaN for an invalid covariance: not finite, not symmetric, or with a negative variance.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit, or `probability` is no probability.
+        If the shapes do not fit, or `probability` is not between 0 and 1.
     """
     if not 0 < probability < 1:
         raise ValueError(f"probability must be between 0 and 1, such as 0.95; got {probability}")
-    middle = as_points(centres, name="centres")
+    means = as_points(centres, name="centres")
     matrices = np.asarray(covariances, dtype=float).reshape(-1, 2, 2)
-    if len(matrices) != len(middle):
-        raise ValueError(f"{len(middle)} centres need covariances of shape ({len(middle)}, 2, 2)")
+    if len(matrices) != len(means):
+        raise ValueError(f"{len(means)} centres need covariances of shape ({len(means)}, 2, 2)")
     with np.errstate(all="ignore"):
         trace = matrices[:, 0, 0] + matrices[:, 1, 1]
         tolerance = 1e-9 * np.maximum(trace, 1e-300) ** 2
@@ -62,17 +62,16 @@ def ellipse_outlines(
             :, None, None
         ]
     angle = np.linspace(0, 2 * np.pi, corners)
-    radius = np.sqrt(
-        -2 * np.log1p(-probability)
-    )  # chi-square's quantile for two degrees of freedom, its root
+    # Square root of the chi-square quantile for two degrees of freedom
+    radius = np.sqrt(-2 * np.log1p(-probability))
     circle = radius * np.array([np.cos(angle), np.sin(angle)])
-    outlines = middle[:, None] + np.swapaxes(roots @ circle, 1, 2)
+    outlines = means[:, None] + np.swapaxes(roots @ circle, 1, 2)
     outlines[~sound] = np.nan
     return np.asarray(outlines)
 
 
 def estimate_outlines(estimate: Estimate, probability: float = 0.95) -> FloatArray:
-    """Ellipses of an estimate's robot and landmarks: (1 + N, corners, 2) in metres; NaN: none."""
+    """Return the ellipses (1 + N, corners, 2) of an estimate's robot and landmarks, m; NaN for invalid covariances."""
     centres = np.vstack([estimate.pose.as_array()[None, :2], estimate.landmarks])
     covariances = np.concatenate([estimate.covariance[None, :2, :2], estimate.landmark_covariances])
     return ellipse_outlines(centres, covariances, probability)
@@ -81,39 +80,37 @@ def estimate_outlines(estimate: Estimate, probability: float = 0.95) -> FloatArr
 def plot_ellipse(
     centre: npt.ArrayLike, covariance: npt.ArrayLike, ax: Axes, source: str = "ekf", probability: float = 0.95
 ) -> None:
-    """Draw the region that holds a given part of a Gaussian distribution.
+    """Draw the covariance ellipse of a Gaussian distribution.
 
     Parameters
     ----------
     centre : array_like, shape (2,)
         Mean in metres.
     covariance : array_like, shape (2, 2)
-        In m^2; where it holds NaN nothing is drawn.
+        Covariance in m^2; nothing is drawn if it contains NaN.
     ax : matplotlib Axes
-        In metres.
+        Axes in metres.
     source : str
         A key of `STYLES`.
     probability : float
-        Part inside the ellipse.
+        Probability inside the ellipse.
 
     Raises
     ------
     ValueError
-        If the matrix is finite but no covariance.
+        If the matrix is finite but not a covariance.
     """
     matrix = np.asarray(covariance, dtype=float)
     if matrix.shape != (2, 2):
         raise ValueError(f"covariance must have shape (2, 2), in m^2; got {matrix.shape}")
     outline = ellipse_outlines(centre, matrix[None], probability)
     if np.isfinite(matrix).all() and np.isnan(outline).any():
-        raise ValueError(
-            f"covariance must be symmetric, with no negative variance in any direction; got {matrix.tolist()}"
-        )
+        raise ValueError(f"covariance must be symmetric and positive semidefinite; got {matrix.tolist()}")
     ax.add_collection(filled_outlines(outline, style_of(source).colour))
 
 
 def filled_outlines(outlines: FloatArray, colour: str, order: float = 3.5) -> PolyCollection:
-    """Outlines (N, corners, 2) as filled, see-through shapes; NaN is left out."""
+    """Return outlines (N, corners, 2) as translucent filled shapes; outlines with NaN are omitted."""
     sound = outlines[np.isfinite(outlines).all(axis=(1, 2))] if len(outlines) else outlines
     rgb = to_rgb(colour)
     return PolyCollection(

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], columns: int = 4) -> None:
-    """Set a legend under all axes; without keys there is none."""
+    """Add a legend below all axes, unless `handles` is empty."""
     if handles:
         figure.legend(handles=list(handles), loc="outside lower center", ncols=min(columns, len(handles)))
 
 
 def source_key(source: str, label: str | None = None) -> Line2D:
-    """Key of a source of poses, under its own name or another."""
+    """Return the legend key of a source of poses, with its own name or with `label`."""
     style = style_of(source)
     return Line2D(
         [],
@@ -38,7 +38,7 @@ def source_key(source: str, label: str | None = None) -> Line2D:
 
 
 def landmark_keys(kinds: Iterable[str], colour: str, whose: str) -> list[Line2D]:
-    """Keys of the kinds of landmarks that are there, each once."""
+    """Return one legend key for each kind of landmark in `kinds`."""
     present = [kind for kind in LANDMARK_MARKERS if kind in set(kinds)]
     return [
         Line2D(
@@ -56,7 +56,7 @@ def landmark_keys(kinds: Iterable[str], colour: str, whose: str) -> list[Line2D]
 
 
 def label_keys(texts: Sequence[str]) -> list[Patch]:
-    """Keys of the four labels, other, green, yellow and white, with what is to be said of each."""
+    """Return legend keys of the four labels (other, green, yellow and white) with the given texts."""
     return [
         Patch(facecolor=colour, edgecolor="#333333", label=text)
         for text, colour in zip(texts, LABEL_COLOURS, strict=True)

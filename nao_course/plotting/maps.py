@@ -1,4 +1,4 @@
-"""Maps of the field from above: paths, estimates and measurements on it."""
+"""Maps of the field from above, with paths, estimates and measurements."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ if TYPE_CHECKING:
 
 
 def plot_field(field: Field, ax: Axes, landmarks: bool = False) -> None:
-    """Draw a field from above, its lines at their true width.
+    """Draw a field from above, with lines of their true width.
 
     Parameters
     ----------
     field : Field
-        What to draw; it lies where ``field.pose`` puts it.
+        The field, drawn at ``field.pose``.
     ax : matplotlib Axes
-        In metres; its limits become the carpet's.
+        Axes in metres; the limits are set to the carpet.
     landmarks : bool
-        Mark the corners and posts, too.
+        Whether to mark the corners and posts.
     """
     d = field.dimensions
     frame = _in_world(field.pose, ax)
@@ -72,15 +72,14 @@ def plot_field(field: Field, ax: Axes, landmarks: bool = False) -> None:
         add(post, goal, 0.4)
         post.set(edgecolor="#6d5600" if d.goal_colour == "yellow" else GREY, linewidth=0.9)
     if landmarks:
-        known = [mark for mark in field.landmarks if mark.kind != "cross"]
-        positions = field.pose.to_parent([(mark.x, mark.y) for mark in known])
-        plot_landmarks(positions, [mark.kind for mark in known], ax, colour=GREY, size=10)
+        positions = field.pose.to_parent(field.detectable_positions)
+        plot_landmarks(positions, field.detectable_kinds, ax, colour=GREY, size=10)
     corners = field.pose.to_parent([(x, y) for x in (x0, x1) for y in (y0, y1)])
     metric_axes(ax, corners)
 
 
 def metric_axes(ax: Axes, around: FloatArray, margin: float = 0.0) -> None:
-    """Equal axes in metres, around points (N, 2)."""
+    """Set equal scales in metres and limits that contain points (N, 2)."""
     (left, low), (right, high) = np.nanmin(around, axis=0) - margin, np.nanmax(around, axis=0) + margin
     ax.set(aspect="equal", xlim=(left, right), ylim=(low, high), xlabel="x (m)", ylabel="y (m)")
     step = 1.0 if max(right - left, high - low) > 3 else 0.5
@@ -89,12 +88,12 @@ def metric_axes(ax: Axes, around: FloatArray, margin: float = 0.0) -> None:
 
 
 def _in_world(pose: Pose, ax: Axes) -> Any:
-    """Transform for what is given in a pose's own frame."""
+    """Return the transform from a pose's frame to the axes."""
     return Affine2D().rotate(pose.theta).translate(pose.x, pose.y) + ax.transData
 
 
 def _strips(lines: FloatArray, width: float) -> Iterator[Rectangle]:
-    """Lines (N, 4) of a field, parallel to an axis, as rectangles of their true width."""
+    """Yield axis-parallel lines (N, 4) of a field as rectangles of their true width."""
     for x1, y1, x2, y2 in lines:
         low = np.minimum([x1, y1], [x2, y2]) - width / 2
         size = np.abs([x2 - x1, y2 - y1]) + width
@@ -113,18 +112,18 @@ def plot_landmarks(
     Parameters
     ----------
     positions : array_like, shape (N, 2)
-        Metres.
+        Positions in metres.
     kinds : sequence of str
-        N of "corner", "post", "cross".
+        Kind of each landmark: "corner", "post" or "cross".
     ax : matplotlib Axes
-        In metres.
+        Axes in metres.
     colour, size
-        Of the markers; the size in points.
+        Colour, and size in points, of the markers.
 
     Raises
     ------
     ValueError
-        If there is not one kind for each position, or an unknown one.
+        If the numbers of kinds and positions differ, or a kind is unknown.
     """
     points = as_points(positions, name="positions")
     if len(kinds) != len(points):
@@ -138,7 +137,7 @@ def plot_landmarks(
 
 
 def plot_measurements(measurements: Iterable[Measurement], pose: Pose, ax: Axes, source: str = "ekf") -> None:
-    """Draw what a robot at `pose` measures: a thin ray to each landmark, an open marker at its end."""
+    """Draw a robot's measurements: a thin ray to each landmark with an open marker at its end."""
     seen = list(measurements)
     ends = measured_points(seen, pose)
     colour = style_of(source).colour
@@ -150,20 +149,20 @@ def plot_measurements(measurements: Iterable[Measurement], pose: Pose, ax: Axes,
 def plot_estimate(
     estimate: Estimate, ax: Axes, source: str = "ekf", probability: float = 0.95, frame: Pose | None = None
 ) -> None:
-    """Draw what a SLAM algorithm believes: robot, landmarks, and an ellipse for each.
+    """Draw a SLAM algorithm's estimate: the robot and the landmarks, each with its covariance ellipse.
 
     Parameters
     ----------
     estimate : Estimate
-        With any number of landmarks. What is no covariance gets no ellipse.
+        Estimate with any number of landmarks. An invalid covariance has no ellipse.
     ax : matplotlib Axes
-        In metres.
+        Axes in metres.
     source : "ekf" or "graph"
-        Whose colours.
+        Source whose colours are used.
     probability : float
-        Part inside each ellipse.
+        Probability inside each ellipse.
     frame : Pose, optional
-        Of the frame the algorithm maps in, in the axis's frame; by default they are the same.
+        Pose of the map frame in the frame of the axes; by default they are equal.
     """
     style = style_of(source)
     placed = place_estimate(estimate, frame)
@@ -172,6 +171,7 @@ def plot_estimate(
     plot_pose(placed.pose, ax, source)
 
 
+@course_style()
 def draw_map(
     field: Field,
     truth: PathLike | None = None,
@@ -185,29 +185,29 @@ def draw_map(
     frame: Pose | None = None,
     probability: float = 0.95,
 ) -> Drawing:
-    """Draw the field from above with what is known, believed and measured.
+    """Draw a map of the field with true, odometry and estimated poses and measurements.
 
     Parameters
     ----------
     field : Field
-        The ground.
+        The field.
     truth, odometry : Pose, sequence of Pose, or array_like of shape (N, 2) or (N, 3), optional
-        Paths in the world: metres, radians.
+        Paths in world coordinates (m, rad).
     estimate : Estimate, optional
-        What a SLAM algorithm believes, in the frame `frame`.
+        Estimate of a SLAM algorithm, in the frame `frame`.
     measurements : iterable of Measurement
-        Drawn from the estimate's pose, else from the odometry's last, else from the truth's.
+        Measurements, drawn from the estimated pose, else from the last odometry pose, else from the last true pose.
     title : str, optional
-        Over the figure.
+        Title of the figure.
     landmarks : bool
-        Mark the field's own corners and posts.
+        Whether to mark the field's corners and posts.
     source : "ekf" or "graph"
-        Whose colours the estimate gets.
+        Source whose colours the estimate has.
     frame : Pose, optional
-        In the world, of the frame the estimate is in; by default they are the same. Both seeds map in the
-        frame the robot started in: ``frame=Truth(nao).odometry_start``.
+        Pose in the world of the estimate's frame; by default they are equal. For a map that begins at zeros, give
+        the robot's start: ``frame=Truth(nao).odometry_start``.
     probability : float
-        Part inside each ellipse.
+        Probability inside each ellipse.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def draw_map(
     Raises
     ------
     ValueError
-        For values of another shape, or measurements without any pose to draw them from.
+        If a shape is wrong, or measurements are given without a pose to draw them from.
 
     Examples
     --------
@@ -234,55 +234,54 @@ def draw_map(
     placed = None if estimate is None else place_estimate(estimate, frame)
     words = [f"Map of {say_field(field)}."]
     keys: list[Artist] = []
-    with course_style():
-        figure = Figure(figsize=(6.4, 6.9) if field.half else (9.2, 6.6))
-        ax = figure.add_subplot()
-        plot_field(field, ax, landmarks)
-        if landmarks:
-            keys += landmark_keys(("corner", "post"), GREY, "the field's")
-        for name, path in paths.items():
-            plot_path(path, ax, name)
-            keys.append(source_key(name))
-            words.append(say_path(STYLES[name].label, path))
-        if placed is not None:
-            style = style_of(source)
-            plot_estimate(placed, ax, source, probability)
-            keys += [
-                source_key(source, f"{style.label}, {100 * probability:.0f} % ellipse"),
-                *landmark_keys(placed.kinds, style.colour, style.label),
-            ]
-            words.append(_say_estimate(placed, style, probability))
-        if seen:
-            whose, pose = _observer(paths, placed, source)
-            plot_measurements(seen, pose, ax, whose)
-            words.append(
-                f"{say_count(len(seen), 'measurement')} from there: {_say_kinds(each.kind for each in seen)}."
-            )
-            keys.append(Line2D([], [], color=STYLES[whose].colour, lw=0.9, label="measurement"))
-        ax.set_title(title or "")
-        legend_below(figure, keys, columns=3 if field.half else 5)
+    figure = Figure(figsize=(6.4, 6.9) if field.half else (9.2, 6.6))
+    ax = figure.add_subplot()
+    plot_field(field, ax, landmarks)
+    if landmarks:
+        keys += landmark_keys(("corner", "post"), GREY, "the field's")
+    for name, path in paths.items():
+        plot_path(path, ax, name)
+        keys.append(source_key(name))
+        words.append(say_path(style_of(name).label, path))
+    if placed is not None:
+        style = style_of(source)
+        plot_estimate(placed, ax, source, probability)
+        keys += [
+            source_key(source, f"{style.label}, {100 * probability:.0f} % ellipse"),
+            *landmark_keys(placed.kinds, style.colour, style.label),
+        ]
+        words.append(_say_estimate(placed, style, probability))
+    if seen:
+        whose, pose = _observer(paths, placed, source)
+        plot_measurements(seen, pose, ax, whose)
+        words.append(
+            f"{say_count(len(seen), 'measurement')} from there: {_say_kinds(each.kind for each in seen)}."
+        )
+        keys.append(Line2D([], [], color=style_of(whose).colour, lw=0.9, label="measurement"))
+    ax.set_title(title or "")
+    legend_below(figure, keys, columns=3 if field.half else 5)
     return Drawing(figure, " ".join([f"{title}.", *words] if title else words))
 
 
 def _observer(paths: Mapping[str, FloatArray], placed: Estimate | None, source: str) -> tuple[str, Pose]:
-    """Who measured, and from where."""
+    """Return the source of the measurements and the pose from which they are drawn."""
     if placed is not None:
         return source, placed.pose
     for name in ("odometry", "truth"):
         if len(path := paths.get(name, np.empty((0, 3)))) and np.isfinite(path[-1]).all():
             return name, Pose.from_array(path[-1])
-    raise ValueError("measurements need a pose to be drawn from: give an estimate, or a path with headings")
+    raise ValueError("measurements need a pose to be drawn from: give an estimate or a path with headings")
 
 
 def _say_estimate(estimate: Estimate, style: Style, probability: float) -> str:
     sigmas = np.sqrt(np.maximum(np.diagonal(estimate.covariance)[:2], 0))
-    spread = (
+    deviations = (
         f" (standard deviations {sigmas[0]:.2f} and {sigmas[1]:.2f} m)" if np.isfinite(sigmas).all() else ""
     )
     missing = int(np.isnan(estimate_outlines(estimate, probability)).any(axis=(1, 2)).sum())
-    note = f" No ellipse for {missing} of them: no covariance." if missing else ""
+    note = f" Without an ellipse, because the covariance is invalid: {missing}." if missing else ""
     place = say_place(estimate.pose.as_array())
-    return f"{style.label}: robot at {place}{spread}; landmarks: {_say_kinds(estimate.kinds)}.{note}"
+    return f"{style.label}: robot at {place}{deviations}; landmarks: {_say_kinds(estimate.kinds)}.{note}"
 
 
 def _say_kinds(kinds: Iterable[str]) -> str:
@@ -291,6 +290,6 @@ def _say_kinds(kinds: Iterable[str]) -> str:
 
 
 def say_field(field: Field) -> str:
-    """Which field it is, and where its axes point."""
+    """Return the name of a field and the directions of its axes."""
     part = "the half field" if field.half else "the field"
     return f"{part} by the rules of {field.year}, x towards the goal, y to the left"

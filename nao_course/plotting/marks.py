@@ -1,4 +1,4 @@
-"""Marks painted into small pictures, for panels: black crosses at true points, rings at what was found."""
+"""Marks painted into small pictures: black crosses at true points, and rings at detected points."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ TRUE = "#000000"  # a cross with a white rim, as truth is black on maps
 def with_crosses(pixels: npt.ArrayLike, points: npt.ArrayLike, scale: int = 1) -> Pixels:
     """Return a copy of a picture (H, W, 3) with a cross at each true point (K, 2), (u, v) px.
 
-    A cross is 8 pixels wide times the scale: 2 is right for a picture that was made twice as large. Crosses belong on
-    top: below a ring the cross of a point that was missed by a few pixels would vanish.
+    A cross is 8 pixels wide times `scale`: use 2 for a picture that was enlarged twice. Paint crosses after rings,
+    because a ring would hide the cross of a point that was missed by a few pixels.
     """
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
     for where in as_points(points).round().astype(int).tolist():
@@ -27,7 +27,7 @@ def with_crosses(pixels: npt.ArrayLike, points: npt.ArrayLike, scale: int = 1) -
 
 
 def with_rings(pixels: npt.ArrayLike, points: npt.ArrayLike, name: str = "points (u, v)") -> Pixels:
-    """Return a copy of a picture (H, W, 3) with a ring around each point (K, 2) that was found, (u, v) px."""
+    """Return a copy of a picture (H, W, 3) with a ring around each detected point (K, 2), (u, v) px."""
     shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
     for u, v in as_points(points, name=name).round().astype(int).tolist():
         for colour, thickness in (((255, 255, 255), 3), (rgb(FOUND), 2)):
@@ -36,6 +36,6 @@ def with_rings(pixels: npt.ArrayLike, points: npt.ArrayLike, name: str = "points
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """A colour "#rrggbb" as three numbers of 255."""
+    """Return a colour "#rrggbb" as three numbers from 0 to 255."""
     red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return red, green, blue

@@ -1,4 +1,4 @@
-"""Paths: poses in any of the shapes they come in, drawn with the robot at their end."""
+"""Paths of poses, drawn with the robot at their end."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ PathLike = Pose | Sequence[Pose] | npt.ArrayLike
 
 
 def as_path(poses: PathLike, name: str = "path") -> FloatArray:
-    """Poses in any of the shapes they come in, as one array.
+    """Return poses in any accepted form as an array of shape (N, 3).
 
     Parameters
     ----------
     poses : Pose, sequence of Pose, or array_like of shape (N, 2) or (N, 3)
         Positions in metres and, in a third column, headings in radians.
     name : str
-        What they are, for the message.
+        Name of the argument for error messages.
 
     Returns
     -------
     ndarray, shape (N, 3)
-        x, y, theta; theta is NaN where no heading was given.
+        x, y, theta; theta is NaN if no heading was given.
 
     Raises
     ------
     ValueError
-        If it is none of these.
+        If the poses have none of these forms.
     """
     if isinstance(poses, Pose):
         return poses.as_array()[None]
@@ -57,7 +57,7 @@ def as_path(poses: PathLike, name: str = "path") -> FloatArray:
 
 
 def plot_pose(pose: Pose, ax: Axes, source: str = "truth", length: float = 0.35) -> None:
-    """Draw a robot: its source's marker, and a line of `length` metres where it is heading."""
+    """Draw a robot: the marker of its source, and a line of `length` metres in its heading."""
     style = style_of(source)
     tip = pose.to_parent([length, 0.0])[0]
     ax.plot([pose.x, tip[0]], [pose.y, tip[1]], color=style.colour, lw=2.4, zorder=6, path_effects=HALO)
@@ -75,18 +75,18 @@ def plot_pose(pose: Pose, ax: Axes, source: str = "truth", length: float = 0.35)
 
 
 def plot_path(path: PathLike, ax: Axes, source: str = "truth", robot: bool = True) -> None:
-    """Draw where a robot was; an empty path draws nothing.
+    """Draw a robot's path; an empty path draws nothing.
 
     Parameters
     ----------
     path : Pose, sequence of Pose, or array_like of shape (N, 2) or (N, 3)
-        Metres and radians.
+        Path in metres and radians.
     ax : matplotlib Axes
-        In metres.
+        Axes in metres.
     source : str
         A key of `STYLES`.
     robot : bool
-        Draw the robot at the last pose, where that has a heading.
+        Whether to draw the robot at the last pose, if it has a heading.
     """
     style, poses = style_of(source), as_path(path)
     if not len(poses):
@@ -103,7 +103,7 @@ def plot_path(path: PathLike, ax: Axes, source: str = "truth", robot: bool = Tru
 
 
 def say_path(label: str, path: FloatArray) -> str:
-    """How many poses (N, 3) a path has, its first and its last."""
+    """Return a path's number of poses (N, 3), its first and its last pose as text."""
     if not len(path):
         return f"{label}: no poses."
     if len(path) == 1:

@@ -1,4 +1,4 @@
-"""Pictures of the camera, with what is marked in them, and the labels of their pixels."""
+"""Figures of camera pictures with marked points, and of the labels of their pixels."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nao_course.sim import LABELS, Picture, VisibleLandmark
 
 
 def as_pixels(picture: Picture | npt.ArrayLike) -> npt.NDArray[Any]:
-    """An RGB picture, or one channel, as an array."""
+    """Return an RGB picture or a single channel as an array."""
     array = picture.pixels if isinstance(picture, Picture) else np.asarray(picture)
     if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] != 3) or 0 in array.shape:
         raise ValueError(
@@ -32,7 +32,7 @@ def as_pixels(picture: Picture | npt.ArrayLike) -> npt.NDArray[Any]:
 
 
 def say_picture(picture: Picture | npt.NDArray[Any]) -> str:
-    """Which camera's picture it is, if any, and its size."""
+    """Return a picture's camera, if known, and its size as text."""
     if isinstance(picture, Picture):
         return (
             f"picture of the {picture.camera} camera, {picture.view.size[0]} x {picture.view.size[1]} pixels"
@@ -42,7 +42,7 @@ def say_picture(picture: Picture | npt.NDArray[Any]) -> str:
 
 
 def plot_picture(picture: Picture | npt.ArrayLike, ax: Axes, ticks: bool = True, **options: Any) -> None:
-    """Show a picture, (H, W, 3) of uint8 or (H, W), on an axis in pixels; `options` go to ``imshow``."""
+    """Show a picture, (H, W, 3) of uint8 or (H, W), on axes in pixels; pass `options` to ``imshow``."""
     array = as_pixels(picture)
     height, width = array.shape[:2]
     if array.ndim == 2:
@@ -58,12 +58,12 @@ def plot_picture(picture: Picture | npt.ArrayLike, ax: Axes, ticks: bool = True,
 
 
 def _pixel_ticks(length: int, parts: int) -> list[int]:
-    """Round numbers of pixels, and the last pixel."""
+    """Return equally spaced tick positions and the last pixel."""
     return [*(length * part // parts for part in range(parts)), length - 1]
 
 
 def _marked(landmarks: Iterable[VisibleLandmark] | npt.ArrayLike) -> tuple[FloatArray, list[str]]:
-    """Pixels (N, 2) and kinds of what is to be marked in a picture."""
+    """Return the pixels (N, 2) and the kinds of the points to be marked in a picture."""
     values: Any = landmarks
     if not isinstance(values, np.ndarray):
         values = list(values)
@@ -75,7 +75,8 @@ def _marked(landmarks: Iterable[VisibleLandmark] | npt.ArrayLike) -> tuple[Float
     return points, ["point"] * len(points)
 
 
-_MARKS = {  # kind: (marker, colour); open shapes, so that what is marked stays visible
+# kind: (marker, colour); open shapes, so that the marked pixels stay visible
+_MARKS = {
     "corner": ("s", "#ff3b81"),
     "post": ("o", "#2c7bff"),
     "cross": ("D", "#ff8c1a"),
@@ -86,11 +87,10 @@ _MARKS = {  # kind: (marker, colour); open shapes, so that what is marked stays 
 
 def _mark(ax: Axes, points: FloatArray, kinds: Sequence[str]) -> list[Line2D]:
     keys = []
-    for kind, (marker, colour) in _MARKS.items():
+    for kind in sorted(set(kinds), key=[*_MARKS].index):
+        marker, colour = _MARKS[kind]
         chosen = np.array([each == kind for each in kinds], dtype=bool)
-        if not chosen.any():
-            continue
-        look: dict[str, Any] = {
+        options: dict[str, Any] = {
             "marker": marker,
             "color": colour,
             "mfc": "none",
@@ -98,12 +98,13 @@ def _mark(ax: Axes, points: FloatArray, kinds: Sequence[str]) -> list[Line2D]:
             "ms": 12,
             "mew": 2.2,
         }
-        ax.plot(*points[chosen].T, **look, path_effects=HALO)
-        look |= {"ms": 9, "mew": 1.8}
-        keys.append(Line2D([], [], **look, label="behind a post" if kind == "hidden" else kind))
+        ax.plot(*points[chosen].T, **options, path_effects=HALO)
+        options |= {"ms": 9, "mew": 1.8}
+        keys.append(Line2D([], [], **options, label="behind a post" if kind == "hidden" else kind))
     return keys
 
 
+@course_style()
 def draw_picture(
     picture: Picture | npt.ArrayLike,
     landmarks: Iterable[VisibleLandmark] | npt.ArrayLike = (),
@@ -114,11 +115,11 @@ def draw_picture(
     Parameters
     ----------
     picture : Picture or array_like, shape (H, W, 3) of uint8, or (H, W)
-        What to show.
+        The picture.
     landmarks : iterable of VisibleLandmark, or array_like of shape (N, 2)
-        The truth's landmarks, or pixels (u, v).
+        True landmarks, or pixels (u, v).
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
@@ -128,16 +129,15 @@ def draw_picture(
     Raises
     ------
     ValueError
-        For values of another shape.
+        If a shape is wrong.
     """
     array = as_pixels(picture)
     points, kinds = _marked(landmarks)
-    with course_style():
-        figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + (1.1 if len(points) else 0.8)))
-        ax = figure.add_subplot()
-        plot_picture(array, ax)
-        legend_below(figure, _mark(ax, points, kinds), columns=5)
-        ax.set_title(title or "")
+    figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + (1.1 if len(points) else 0.8)))
+    ax = figure.add_subplot()
+    plot_picture(array, ax)
+    legend_below(figure, _mark(ax, points, kinds), columns=5)
+    ax.set_title(title or "")
     words = f"{title or 'One'}: {say_picture(picture if isinstance(picture, Picture) else array)}."
     if len(points):
         where = ", ".join(f"{kind} ({u:.0f}, {v:.0f})" for kind, (u, v) in zip(kinds, points, strict=True))
@@ -145,19 +145,20 @@ def draw_picture(
     return Drawing(figure, words, photo=array.ndim == 3)
 
 
+@course_style()
 def draw_pictures(
     pictures: Sequence[Picture | npt.ArrayLike], titles: Sequence[str] = (), columns: int = 3
 ) -> Drawing:
-    """Draw several pictures in a grid, to compare them.
+    """Draw several pictures in a grid.
 
     Parameters
     ----------
     pictures : sequence of Picture or array_like, (H, W, 3) of uint8, or (H, W)
-        At least one.
+        At least one picture.
     titles : sequence of str
-        One for each, or none.
+        One title for each picture, or no titles.
     columns : int
-        Of the grid.
+        Number of columns of the grid.
 
     Returns
     -------
@@ -167,11 +168,11 @@ def draw_pictures(
     Raises
     ------
     ValueError
-        If there is no picture, or there are titles but not one for each.
+        If there is no picture, or the numbers of pictures and titles differ.
     """
     arrays = [as_pixels(picture) for picture in pictures]
     if not arrays:
-        raise ValueError("pictures must hold at least one picture, got none")
+        raise ValueError("pictures must contain at least one picture, got an empty sequence")
     if len(titles) not in (0, len(arrays)):
         raise ValueError(f"{len(arrays)} pictures need {len(arrays)} titles or none, got {len(titles)}")
     if columns < 1:
@@ -180,14 +181,13 @@ def draw_pictures(
     rows = -(-len(arrays) // columns)
     names = list(titles) or [f"{number + 1}" for number in range(len(arrays))]
     width = {1: 7.0, 2: 4.7}.get(columns, 9.9 / columns)
-    with course_style():
-        figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.45)))
-        grid = figure.subplots(rows, columns, squeeze=False)
-        for ax, array, name in zip(grid.flat, arrays, names, strict=False):
-            plot_picture(array, ax, ticks=False)
-            ax.set_title(name, fontsize=11)
-        for ax in grid.flat[len(arrays) :]:
-            ax.set_axis_off()
+    figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.45)))
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for ax, array, name in zip(grid.flat, arrays, names, strict=False):
+        plot_picture(array, ax, ticks=False)
+        ax.set_title(name, fontsize=11)
+    for ax in grid.flat[len(arrays) :]:
+        ax.set_axis_off()
     said = "; ".join(
         f"{name}: {say_picture(picture if isinstance(picture, Picture) else array)}"
         for name, picture, array in zip(names, pictures, arrays, strict=True)
@@ -196,11 +196,12 @@ def draw_pictures(
 
 
 def plot_found(points: npt.ArrayLike, ax: Axes, size: float = 13) -> None:
-    """Mark points (K, 2), (u, v) px, that were found in a picture, with rings that stand out from any picture."""
+    """Mark detected points (K, 2), (u, v) px, with rings that are visible on any picture."""
     for colour, width in (("white", 4.6), (FOUND, 2.4)):
         ax.plot(*as_points(points).T, "o", color=colour, mfc="none", ms=size, mew=width)
 
 
+@course_style()
 def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
     """Draw the class of each pixel: other, green, yellow, white.
 
@@ -209,29 +210,26 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
     labels : array_like of int, shape (H, W)
         0 other, 1 green, 2 yellow, 3 white.
     title : str, optional
-        Over the figure.
+        Title of the figure.
 
     Returns
     -------
     Drawing
-        The figure; its text says how much of the picture each class covers.
+        The figure; its alt text contains the fraction of the picture that each class covers.
 
     Raises
     ------
     ValueError
-        For another shape, or a label that is none of these.
+        If the shape is wrong, or a label is not from 0 to 3.
     """
     array = _labels(labels)
     parts = [float((array == label).mean()) for label in range(len(LABELS))]
-    with course_style():
-        figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + 1.1))
-        ax = figure.add_subplot()
-        plot_picture(
-            array, ax, cmap=ListedColormap(LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest"
-        )
-        texts = [f"{label} {name} ({parts[label]:.1%})" for label, name in enumerate(LABELS)]
-        legend_below(figure, label_keys(texts))
-        ax.set_title(title or "")
+    figure = Figure(figsize=(7.2, 7.2 * array.shape[0] / array.shape[1] + 1.1))
+    ax = figure.add_subplot()
+    plot_picture(array, ax, cmap=ListedColormap(LABEL_COLOURS), vmin=-0.5, vmax=3.5, interpolation="nearest")
+    texts = [f"{label} {name} ({parts[label]:.1%})" for label, name in enumerate(LABELS)]
+    legend_below(figure, label_keys(texts))
+    ax.set_title(title or "")
     said = ", ".join(f"{name} {part:.1%}" for name, part in zip(LABELS, parts, strict=True))
     return Drawing(
         figure, f"{title or 'Labels'}: classes of {array.shape[1]} x {array.shape[0]} pixels: {said}."
@@ -239,14 +237,14 @@ def draw_labels(labels: npt.ArrayLike, title: str | None = None) -> Drawing:
 
 
 def painted(labels: npt.ArrayLike, colours: Sequence[str] = LABEL_COLOURS) -> npt.NDArray[np.uint8]:
-    """Turn labels into a picture in their colours.
+    """Return a picture that shows labels in their colours.
 
     Parameters
     ----------
     labels : array_like of int, shape (H, W)
         0 other, 1 green, 2 yellow, 3 white.
     colours : sequence of str
-        One for each label; by default those of the course's figures.
+        One colour for each label; by default the colours of the course's figures.
 
     Returns
     -------
@@ -256,7 +254,7 @@ def painted(labels: npt.ArrayLike, colours: Sequence[str] = LABEL_COLOURS) -> np
     Raises
     ------
     ValueError
-        For another shape, or a label that is none of these.
+        If the shape is wrong, or a label is not from 0 to 3.
     """
     palette = np.round(255 * np.array([to_rgb(colour) for colour in colours])).astype(np.uint8)
     return np.take(palette, _labels(labels).astype(np.intp), axis=0)
@@ -267,7 +265,7 @@ def _labels(labels: npt.ArrayLike) -> npt.NDArray[Any]:
     if array.ndim != 2 or array.size == 0:
         raise ValueError(f"labels must have shape (H, W), got {array.shape}")
     in_range = array.min() >= 0 and array.max() < len(LABELS)
-    whole = array.dtype.kind in "iu"  # then the range is enough: a panel asks for many pictures a second
+    whole = array.dtype.kind in "iu"  # then the range is enough; a fast check matters for panels
     if not (in_range and (whole or np.isin(array, range(len(LABELS))).all())):
         wrong = sorted(set(np.unique(array).tolist()) - set(range(len(LABELS))))
         raise ValueError(f"labels must be 0 other, 1 green, 2 yellow or 3 white; got {wrong[:5]}")

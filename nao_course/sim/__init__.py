@@ -1,16 +1,9 @@
-"""The simulated world: the field, the robot's head and cameras, its pictures, and the robot itself."""
+"""The simulator: the field, the NAO with its head and cameras, and rendered pictures."""
 
 from nao_course.sim.camera import NAO_V4, NAO_V6, CameraView, NaoModel
+from nao_course.sim.drives import repeat_drive
 from nao_course.sim.field import DIMENSIONS, Field, Landmark
-from nao_course.sim.nao import (
-    OdometryNoise,
-    Picture,
-    SensorNoise,
-    SimulatedNao,
-    TorsoTilt,
-    Truth,
-    repeat_drive,
-)
+from nao_course.sim.nao import OdometryNoise, Picture, SensorNoise, SimulatedNao, TorsoTilt, Truth
 from nao_course.sim.reality import Reality
 from nao_course.sim.render import LABELS, PictureTruth, VisibleLandmark, render, visible_landmarks
 from nao_course.sim.scenes import Scene, standard_scenes
@@ -42,5 +35,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names for tab completion, without the modules they come from."""
     return __all__

@@ -1,4 +1,4 @@
-"""The NAO's head and cameras: where each camera is, where it looks, and which pixel a point falls on."""
+"""Camera models: position and orientation of the NAO's cameras, and the projection of points to pixels."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, rotation_3d, yaw_pitch_roll
 
 Stance = Literal["standing", "walking"]
@@ -23,7 +23,7 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     Raises
     ------
     ValueError
-        If it is not two whole numbers from 1 to 8192.
+        If the size is not two integers from 1 to 8192.
     """
     wrong = f"size must be (width, height), whole pixels from 1 to {LARGEST_SIZE}, such as (320, 240); got {size!r}"
     try:
@@ -39,31 +39,32 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
 @register
 @dataclass(frozen=True)
 class CameraView:
-    """What is known, or believed, of the camera that took a picture.
+    """The true or assumed parameters of a camera: size, field of view, lens, position and angles.
 
-    A pinhole camera with one radial lens term; the principal point is the picture's middle,
-    ((width - 1) / 2, (height - 1) / 2). Its position and angles are given in the robot frame
-    (origin on the ground below the robot, x ahead, y left, z up).
+    The model is a pinhole camera with one radial distortion term. The principal point is the centre of the picture,
+    ((width - 1) / 2, (height - 1) / 2). Position and angles are given in the robot frame: the origin is on the ground
+    below the robot, x points ahead, y to the left and z up.
 
     Parameters
     ----------
     size : (int, int)
-        Width and height in pixels.
+        Width and height of the picture, px.
     hfov, vfov : float
-        Horizontal and vertical field of view without the lens term, radians.
+        Horizontal and vertical field of view without lens distortion, rad.
     height : float
-        Of the camera above the ground, metres.
+        Height of the camera above the ground, m.
     pitch : float
-        Of the optical axis below the horizon, radians (positive: down).
+        Angle of the optical axis below the horizon, rad; positive is down.
     yaw : float
-        Of the optical axis, radians (positive: left).
+        Angle of the optical axis, rad; positive is to the left.
     roll : float
-        About the optical axis, radians (positive: the camera leans to its right,
-        so the horizon rises to the right in the picture).
+        Rotation about the optical axis, rad. If it is positive, the camera is tilted to its right, so the horizon rises
+        to the right in the picture.
     offset : (float, float)
-        Of the camera over the ground in the robot frame, metres.
+        Position (x, y) of the camera in the robot frame, m.
     k1 : float
-        Lens: a point at r from the middle (in focal lengths) appears at r (1 + k1 r^2). Negative: barrel.
+        Lens distortion: a point at the radius r from the centre, in focal lengths, appears at r (1 + k1 r^2). Negative
+        for a barrel distortion.
 
     Raises
     ------
@@ -82,7 +83,7 @@ class CameraView:
     k1: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check every value."""
+        """Check the values."""
         object.__setattr__(self, "size", check_size(self.size))
         for name in ("hfov", "vfov", "height", "pitch", "yaw", "roll", "k1"):
             object.__setattr__(self, name, finite(f"CameraView: {name}", getattr(self, name)))
@@ -103,24 +104,24 @@ class CameraView:
     def from_fov(
         cls, size: tuple[int, int], hfov: float, height: float, pitch: float, k1: float = 0.0
     ) -> CameraView:
-        """Make the view of a camera with square pixels, such as a phone's, from its horizontal field of view (rad)."""
+        """Make the view of a camera with square pixels, such as a phone's, from a horizontal field of view in rad."""
         width, rows = check_size(size)
         if not 0 < finite("hfov (rad)", hfov) < np.pi:
             raise ValueError(f"hfov must be between 0 and pi radians, got {hfov}")
         vfov = 2 * np.arctan(np.tan(hfov / 2) * rows / width)
         return cls((width, rows), hfov, float(vfov), height, pitch, k1=k1)
 
-    # --- what follows from the values ---
+    # --- derived values ---
 
     @property
     def focal(self) -> tuple[float, float]:
-        """Focal lengths (fx, fy) in pixels."""
+        """Focal lengths (fx, fy), px."""
         width, height = self.size
         return float(width / 2 / np.tan(self.hfov / 2)), float(height / 2 / np.tan(self.vfov / 2))
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Principal point (u, v) in pixels."""
+        """Principal point (u, v), px."""
         return (self.size[0] - 1) / 2, (self.size[1] - 1) / 2
 
     @property
@@ -130,30 +131,30 @@ class CameraView:
 
     @property
     def position(self) -> FloatArray:
-        """Camera position (3,) in the robot frame, metres."""
+        """Position (3,) of the camera in the robot frame, m."""
         return np.array([*self.offset, self.height])
 
     def at_size(self, size: tuple[int, int]) -> CameraView:
-        """Return the same camera read out at another resolution."""
+        """Return the view of the same camera at another resolution."""
         return replace(self, size=size)
 
     # --- points to pixels ---
 
     def project(self, points: npt.ArrayLike, pose: Pose | None = None) -> FloatArray:
-        """Pixels on which points fall, lens included.
+        """Project points to pixels, with lens distortion.
 
         Parameters
         ----------
         points : array_like, shape (N, 2) or (N, 3)
-            Metres; without a third column they lie on the ground.
+            Points, m. Points with two coordinates are on the ground.
         pose : Pose, optional
-            The robot's pose in the frame of the points; without it they are in the robot frame.
+            Pose of the robot in the frame of the points. By default, the points are given in the robot frame.
 
         Returns
         -------
         ndarray, shape (N, 2)
-            (u, v), also outside the picture; NaN for a point behind the camera or so far aside that the
-            lens model does not hold.
+            Pixels (u, v), which may be outside the picture. NaN for a point behind the camera, and for a point so far
+            to the side that the lens model is not valid.
 
         Examples
         --------
@@ -172,19 +173,19 @@ class CameraView:
         return self._distorted(rays) * self.focal + self.centre
 
     def distort(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Pixels (N, 2) of a picture without the lens term, where the lens puts them."""
+        """Apply the lens distortion to pixels (N, 2) of an undistorted picture."""
         return (
             self._distorted((as_points(pixels, name="pixels") - self.centre) / self.focal) * self.focal
             + self.centre
         )
 
     def undistort(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Remove the lens: where pixels (N, 2) would be in a picture of the pinhole camera.
+        """Remove the lens distortion from pixels (N, 2).
 
         Returns
         -------
         ndarray, shape (N, 2)
-            NaN where no ray of the lens model can come from.
+            Pixels in a picture of the pinhole camera; NaN if no ray of the lens model reaches a pixel.
         """
         seen = (as_points(pixels, name="pixels") - self.centre) / self.focal
         if self.k1 == 0:
@@ -201,30 +202,38 @@ class CameraView:
         return seen * scale[:, None] * self.focal + self.centre
 
     def contains(self, pixels: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Return, for pixels (N, 2), which lie in the picture; NaN does not."""
+        """Return for each pixel (N, 2) whether it is inside the picture; False for NaN."""
         uv = as_points(pixels, name="pixels")
         return np.asarray(((uv >= -0.5) & (uv <= np.array(self.size) - 0.5)).all(axis=1))
 
     @property
     def lens_limit(self) -> float:
-        """Beyond this radius (in focal lengths) a barrel lens would fold the picture back onto itself."""
+        """Radius, in focal lengths, beyond which the model of a barrel lens would fold the picture back onto itself."""
         return 1e6 if self.k1 > -1e-12 else float(1 / np.sqrt(-3 * self.k1))
 
     def _distorted(self, rays: FloatArray) -> FloatArray:
-        """Apply the lens to (N, 2) coordinates in focal lengths."""
+        """Apply the lens distortion to coordinates (N, 2) in focal lengths."""
         r2 = (rays**2).sum(axis=1, keepdims=True)
         return np.where(r2 <= self.lens_limit**2, rays * (1 + self.k1 * r2), np.nan)
 
 
 def _without_lens(fov: float, k1: float) -> float:
-    """Field of view (rad) that the same picture would have without its lens term."""
+    """Return the field of view, rad, of the same picture without lens distortion."""
     edge = np.tan(fov / 2)
     return float(2 * np.arctan(edge * (1 + k1 * edge**2)))
 
 
 @dataclass(frozen=True)
 class CameraMount:
-    """A camera in the head frame: x ahead and z up of the neck joint (m), and pitch (rad, positive down)."""
+    """Position and angle of a camera in the head frame.
+
+    Parameters
+    ----------
+    x, z : float
+        Position ahead of the neck joint and above it, m.
+    pitch : float
+        Angle below the head's x axis, rad; positive is down.
+    """
 
     x: float
     z: float
@@ -233,22 +242,24 @@ class CameraMount:
 
 @dataclass(frozen=True)
 class NaoModel:
-    """One row of a table for each generation of the robot: links, cameras, joint limits and lens.
+    """The dimensions of one generation of the robot: links, cameras, joint limits and lens.
 
     Parameters
     ----------
     name : str
-        The maker's name of the generation.
-    hfov, vfov, k1 : float
-        Of both cameras: fields of view as the maker gives them, lens included (rad), and lens term.
+        Name of the generation.
+    hfov, vfov : float
+        Fields of view of both cameras from the maker's documentation, with lens distortion, rad.
+    k1 : float
+        Lens distortion of both cameras; see `CameraView`.
     neck_offset, hip_offset, thigh, tibia, foot : float
-        The maker's NeckOffsetZ, HipOffsetZ, ThighLength, TibiaLength and FootHeight, metres.
+        Lengths NeckOffsetZ, HipOffsetZ, ThighLength, TibiaLength and FootHeight of the maker's documentation, m.
     crouch : float
-        How much lower the body is in the walking stance, metres.
+        How much lower the body is while walking, because the knees are bent, m.
     cameras : mapping of str to CameraMount
-        "top" and "bottom".
+        Mounts of the cameras "top" and "bottom".
     yaw_limits, pitch_limits : (float, float)
-        Of the head's joints, radians; positive pitch looks down.
+        Limits of the head's joints, rad; a positive pitch looks down.
     """
 
     name: str
@@ -273,31 +284,31 @@ class NaoModel:
     pitch_limits: tuple[float, float] = (float(np.radians(-38.5)), float(np.radians(29.5)))
 
     def neck_height(self, stance: Stance = "walking") -> float:
-        """Height of the neck joint above the ground in metres."""
+        """Return the height of the neck joint above the ground, m."""
         if stance not in ("standing", "walking"):
             raise ValueError(f'stance must be "standing" or "walking", got {stance!r}')
         straight = self.neck_offset + self.hip_offset + self.thigh + self.tibia + self.foot
         return straight - (self.crouch if stance == "walking" else 0.0)
 
     def check_camera(self, camera: str) -> str:
-        """Return the camera's name.
+        """Return the name of a camera unchanged after checking it.
 
         Raises
         ------
         ValueError
-            If this model has no such camera.
+            If the model has no camera of that name.
         """
         if camera not in self.cameras:
             raise ValueError(f"camera must be one of {sorted(self.cameras)}, got {camera!r}")
         return camera
 
     def check_head(self, yaw: float, pitch: float) -> tuple[float, float]:
-        """Return the head's joint angles (rad) as floats.
+        """Return the joint angles of the head, rad, as floats after checking them.
 
         Raises
         ------
         ValueError
-            If one is beyond its joint's limits.
+            If an angle exceeds the limits of its joint.
         """
         for name, angle, (low, high) in (("yaw", yaw, self.yaw_limits), ("pitch", pitch, self.pitch_limits)):
             if not low - 1e-9 <= finite(f"head {name} (rad)", angle) <= high + 1e-9:
@@ -317,31 +328,30 @@ class NaoModel:
         torso_pitch: float = 0.0,
         torso_roll: float = 0.0,
     ) -> CameraView:
-        """View of a camera, by the chain ground, torso, neck, head, camera.
+        """Return the view of a camera, computed along the chain ground, torso, neck, head, camera.
 
         Parameters
         ----------
         camera : "top" or "bottom"
-            Which one.
+            Name of the camera.
         yaw, pitch : float
-            The head's joints, radians.
+            Angles of the head's joints, rad.
         size : (int, int)
-            Of the picture, pixels.
+            Width and height of the picture, px.
         stance : "standing" or "walking"
-            Straight legs, or the bent knees a NAO walks with.
+            Posture: with straight legs, or with bent knees as in walking.
         torso_pitch, torso_roll : float
-            How the whole body leans, about the point on the ground below it, radians (positive: to the
-            front, to the right).
+            Tilt of the whole body about the point on the ground below it, rad; positive to the front and to the right.
 
         Returns
         -------
         CameraView
-            In the robot frame.
+            View in the robot frame.
 
         Raises
         ------
         ValueError
-            For an unknown camera or stance, an impossible size, or an angle beyond its joint.
+            If the camera or the stance is unknown, the size impossible, or an angle beyond the limits of its joint.
 
         Examples
         --------
@@ -369,7 +379,7 @@ class NaoModel:
         )
 
 
-# The maker's documentation, NAO V4 (MT9M114) and V6 (OV5640). The lens term is not the maker's: it is what
-# the real V4 pictures show (benchmarks/reality); for V6 it is assumed to be the same.
+# The values are from the maker's documentation of NAO V4 (MT9M114) and V6 (OV5640), except for the lens distortion. It
+# was fitted to real pictures of a V4 (benchmarks/simulator/reality), and is assumed to be the same for V6.
 NAO_V4 = NaoModel("NAO V4", hfov=float(np.radians(60.97)), vfov=float(np.radians(47.64)), k1=-0.08)
 NAO_V6 = NaoModel("NAO V6", hfov=float(np.radians(56.3)), vfov=float(np.radians(43.7)), k1=-0.08)

@@ -1,4 +1,4 @@
-"""A worn carpet: a picture in the field frame, made from a seed, with smaller copies for distance (a mipmap)."""
+"""The texture of a worn carpet, generated from a seed, with smaller copies for large distances (a mipmap)."""
 
 from __future__ import annotations
 
@@ -16,28 +16,14 @@ Bytes = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 Rectangle = tuple[float, float, float, float]
 
-TEXEL = 0.005  # metres a pixel of the carpet's finest copy is wide
+TEXEL = 0.005  # m: width of a pixel of the finest texture
 _LEVELS = 6
-_STRIP = 2.0  # metres a strip of carpet is wide
+_STRIP = 2.0  # m: width of a strip of carpet
 
 
 @dataclass(frozen=True)
 class Wear:
-    """What is on a carpet.
-
-    Parameters
-    ----------
-    grain : float
-        Standard deviation of its brightness from fibre to fibre, in levels of 255.
-    mottle : float
-        The same from patch to patch, some decimetres wide.
-    seams : float
-        How open the joints between its strips are, 0 to 1.
-    specks, crumbs : float
-        Single specks, and clusters of crumbs, a square metre.
-    tape : float
-        Dark patches of tape a metre along the outer lines.
-    """
+    """The wear of a carpet; see `Reality` for the parameters."""
 
     grain: float
     mottle: float
@@ -51,9 +37,10 @@ class Wear:
 def carpet_levels(
     extent: Rectangle, lines: Rectangle, colour: Colour, wear: Wear, seed: int
 ) -> tuple[Bytes, ...]:
-    """Make a carpet as pictures (rows along y, columns along x, RGB and idle), each half the size of the one before.
+    """Make the texture of a carpet at several resolutions, each half as fine as the previous one.
 
-    `extent` is the carpet and `lines` the rectangle of its outer lines: x_min, y_min, x_max, y_max in metres.
+    The rows run along y, the columns along x; the channels are RGB and an unused one. `extent` is the rectangle of the
+    carpet and `lines` the rectangle of its outer lines: (x_min, y_min, x_max, y_max), m.
     """
     rng = np.random.default_rng([seed, 1])
     shape = tuple(int(np.ceil((extent[i + 2] - extent[i]) / TEXEL)) for i in (1, 0))
@@ -74,17 +61,17 @@ def carpet_levels(
 
 
 def with_fourth(picture: Bytes) -> Bytes:
-    """RGB with an idle fourth channel: OpenCV's `remap` is 2.5 times as quick with four channels as with three."""
+    """Add an unused fourth channel to RGB, because OpenCV's `remap` is 2.5 times as fast with four channels."""
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA), dtype=np.uint8)
 
 
 def halved(picture: Bytes) -> Bytes:
-    """Half the size: each pixel the mean of four."""
+    """Return a picture at half the size, in which each pixel is the mean of four."""
     return np.asarray(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def cloud(shape: tuple[int, ...], scale: float, rng: np.random.Generator) -> Float32:
-    """Smooth random field with unit deviation whose patches are `scale` metres wide."""
+    """Return a smooth random field with a standard deviation of 1, whose patches are `scale` metres wide."""
     cells = max(scale / TEXEL, 1.0)
     small = rng.standard_normal([int(n / cells) + 3 for n in shape], dtype=np.float32)
     field = small if cells == 1 else cv2.resize(small, shape[::-1], interpolation=cv2.INTER_CUBIC)
@@ -94,7 +81,7 @@ def cloud(shape: tuple[int, ...], scale: float, rng: np.random.Generator) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class _Brush:
-    """Paints on a carpet (rows, columns, 3) in metres of the field frame."""
+    """A brush that paints on a carpet (rows, columns, 3) at positions in the field frame, m."""
 
     carpet: Float32
     extent: Rectangle
@@ -105,7 +92,7 @@ class _Brush:
         return (self.extent[2] - self.extent[0]) * (self.extent[3] - self.extent[1])
 
     def anywhere(self) -> FloatArray:
-        """A random point (2,) on the carpet."""
+        """Return a random point (2,) on the carpet."""
         return self.rng.uniform(self.extent[:2], self.extent[2:])
 
     def fill(self, points: npt.ArrayLike, colour: npt.ArrayLike) -> None:
@@ -115,18 +102,18 @@ class _Brush:
         cv2.fillPoly(self.carpet, [np.rint(pixels * 16).astype(np.int32)], shades, cv2.LINE_8, 4)
 
     def shift(self, points: npt.ArrayLike, change: npt.ArrayLike) -> None:
-        """Fill a polygon with the carpet's colour there, changed."""
+        """Fill a polygon with the colour of the carpet at its centre plus a change."""
         pixel = ((np.mean(np.asarray(points), axis=0) - self.extent[:2]) / TEXEL).astype(int)
         column, row = np.clip(pixel, 0, np.array(self.carpet.shape[1::-1]) - 1)
         self.fill(points, self.carpet[row, column] + np.asarray(change, dtype=float))
 
     def box(self, centre: FloatArray, size: npt.ArrayLike, angle: float) -> FloatArray:
-        """Corners (4, 2) of a turned rectangle."""
+        """Return the corners (4, 2) of a rotated rectangle."""
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2 * np.asarray(size)
         return np.asarray(corners @ rotation_2d(angle).T + centre)
 
     def lens(self, centre: FloatArray, size: npt.ArrayLike, angle: float) -> FloatArray:
-        """Corners (12, 2) of a turned, tapered patch."""
+        """Return the corners (12, 2) of a rotated, tapered patch."""
         t = np.linspace(0, 2 * np.pi, 12, endpoint=False)
         across = np.sin(t) * np.abs(np.sin(t)) * self.rng.uniform(0.7, 1.3, 12)
         points = np.column_stack([np.cos(t), across]) / 2 * np.asarray(size)
@@ -134,7 +121,7 @@ class _Brush:
 
 
 def _add_seams(brush: _Brush, wear: Wear) -> None:
-    """Joints of strips that lie along the field: a faint line, dark gaps, and here and there the white backing."""
+    """Add the joints between strips along the field: a faint line, dark gaps, and in places the white backing."""
     if not wear.seams:
         return
     rng, (x0, y0, x1, y1) = brush.rng, brush.extent
@@ -147,14 +134,14 @@ def _add_seams(brush: _Brush, wear: Wear) -> None:
             at, slant = np.array([x, y + rng.normal(0, 0.008)]), rng.normal(0, 0.05)
             size = np.array([min(rng.exponential(0.11) + 0.02, 0.45), rng.uniform(0.01, 0.026)])
             brush.fill(brush.lens(at, size, slant), (30, 52, 34))
-            if rng.random() < 0.22:  # the edge curls up and shows its backing
+            if rng.random() < 0.22:  # the edge curls up and its backing is visible
                 side = at + (rng.normal(0, 0.02), 0.018)
                 white = rng.uniform(150, 255)
                 brush.fill(brush.lens(side, size * (0.8, 0.45), slant), (white, white, white - 8))
 
 
 def _add_tape(brush: _Brush, wear: Wear, lines: Rectangle) -> None:
-    """Dark patches that touch the outer lines from outside."""
+    """Add dark patches of tape along the outside of the outer lines."""
     x0, y0, x1, y1 = lines
     for start, end, out in (
         ((x0, y0), (x1, y0), (0.0, -1.0)),
@@ -173,7 +160,7 @@ def _add_tape(brush: _Brush, wear: Wear, lines: Rectangle) -> None:
 
 
 def _add_crumbs(brush: _Brush, wear: Wear) -> None:
-    """Clusters of small yellowish and pale bits."""
+    """Add clusters of small yellowish and pale crumbs."""
     for _ in range(brush.rng.poisson(wear.crumbs * brush.square_metres)):
         centre = brush.anywhere()
         for bit in centre + brush.rng.normal(0, 0.15, (brush.rng.integers(4, 14), 2)):
@@ -183,7 +170,7 @@ def _add_crumbs(brush: _Brush, wear: Wear) -> None:
 
 
 def _add_specks(brush: _Brush, wear: Wear) -> None:
-    """Pale specks, half as many dark ones, and a few rubbed smears."""
+    """Add pale specks, half as many dark specks, and a few smears."""
     rng = brush.rng
     for _ in range(rng.poisson(wear.specks * brush.square_metres)):
         across = 0.005 + rng.exponential(0.005)

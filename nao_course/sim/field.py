@@ -1,15 +1,16 @@
-"""The RoboCup Standard Platform League field by rule year: one table of dimensions, and the geometry that follows."""
+"""Fields of the RoboCup Standard Platform League: dimensions by rule year, and the resulting geometry."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Literal, assert_never, get_args
 
 import numpy as np
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, finite
+from nao_course.slam import LandmarkKind
 
 Shape = Literal["L", "T", "X", "post"]
 MarkKind = Literal["corner", "post", "cross"]
@@ -17,28 +18,28 @@ MarkKind = Literal["corner", "post", "cross"]
 
 @dataclass(frozen=True)
 class FieldDimensions:
-    """Dimensions of a whole field in metres; lines are measured to their middle.
+    """Dimensions of a whole field in metres, measured between the centre lines of the field's lines.
 
     Parameters
     ----------
     length, width : float
-        Goal line to goal line, touch line to touch line.
+        Distance between the goal lines, and between the touch lines.
     goal_area : (float, float)
-        Depth and width of the box at the goal.
+        Depth and width of the goal area.
     penalty_area : (float, float) or None
-        Depth and width of the larger box, where the rules have one.
+        Depth and width of the penalty area, if the rules have one.
     penalty_mark : float
-        From the goal line to the middle of the mark.
+        Distance of the penalty mark's centre from the goal line.
     circle_diameter : float
-        Of the centre circle.
+        Diameter of the centre circle.
     bar_diameter : float
-        Of the goal's crossbar.
+        Diameter of the goal's crossbar.
     goal_colour : "yellow" or "white"
-        Of the goal nearest to positive x; the other goal has the same.
+        Colour of both goals.
     goal_width, post_diameter, post_height : float
-        Between the posts' centres; of a post; ground to the bar's middle.
+        Distance between the axes of the posts, diameter of a post, and height of the crossbar's axis.
     line_width, border, mark_size : float
-        Of all lines; carpet beyond them; of the penalty mark's cross.
+        Width of the lines, width of the carpet around them, and length of the penalty mark's bars.
     """
 
     length: float
@@ -57,7 +58,7 @@ class FieldDimensions:
     mark_size: float = 0.10
 
 
-# RoboCup SPL rule books of the years named; 2025 stands for 2020 to 2025.
+# From the RoboCup SPL rule books of these years. The rules of 2020 to 2025 have the same dimensions.
 DIMENSIONS: dict[int, FieldDimensions] = {
     2012: FieldDimensions(6.0, 4.0, (0.6, 2.2), None, 1.8, 1.2, 0.05, "yellow"),
     2013: FieldDimensions(9.0, 6.0, (0.6, 2.2), None, 1.8, 1.5, 0.10, "yellow"),
@@ -73,17 +74,17 @@ class Landmark:
     Parameters
     ----------
     x, y : float
-        Field frame, metres.
+        Position in the field frame, m.
     kind : "corner", "post" or "cross"
-        A corner of two lines (L or T), a goal post's foot, or a crossing that the seed paper does not
-        look for (marks, and where the circle meets the halfway line).
+        Corner of two lines (L or T), foot of a goal post, or crossing (a mark, or the circle with the halfway line),
+        which the paper by Aliyev et al. does not detect.
     shape : "L", "T", "X" or "post"
-        What it looks like.
+        Shape in a picture.
 
     Raises
     ------
     ValueError
-        If a position is not finite, or kind or shape is another.
+        If a coordinate is not finite, or if the kind or shape is unknown.
     """
 
     x: float
@@ -99,21 +100,31 @@ class Landmark:
             if getattr(self, name) not in known:
                 raise ValueError(f"Landmark: {name} must be one of {known}, got {getattr(self, name)!r}")
 
+    @property
+    def detected_as(self) -> LandmarkKind | None:
+        """Kind that a detector reports for this landmark; None for crossings, which are not detected."""
+        match self.kind:
+            case "corner" | "post":
+                return self.kind
+            case "cross":
+                return None
+        assert_never(self.kind)
+
 
 @register
 @dataclass(frozen=True)
 class Field:
-    """A field: its lines, arcs, marks, goals and landmarks in the field frame.
+    """A field with its lines, arcs, marks, goals and landmarks in the field frame.
 
     Parameters
     ----------
     year : int
-        Rule year: 2012 (the seed paper's), 2013 or 2025.
+        Year of the rules: 2012 (as in Aliyev et al. 2014), 2013 or 2025.
     half : bool
-        Only the half with positive x, with its one goal, as in Aliyev et al. 2014, section 2.2.
+        Whether there is only the half with positive x and its goal, as in Aliyev et al. 2014, section 2.2.
     pose : Pose
-        The field frame's pose in the world. Robot poses are given in the world; with the default the
-        two are the same.
+        Pose of the field frame in the world frame, in which the poses of robots are given. By default, both frames are
+        the same.
 
     Raises
     ------
@@ -132,7 +143,7 @@ class Field:
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
-        """Check year and pose."""
+        """Check the values."""
         if self.year not in DIMENSIONS:
             raise ValueError(f"year must be one of {sorted(DIMENSIONS)} (rule books), got {self.year!r}")
         if not isinstance(self.pose, Pose):
@@ -141,33 +152,33 @@ class Field:
 
     @property
     def dimensions(self) -> FieldDimensions:
-        """The table's row for this year."""
+        """Dimensions of the field by the rules of its year."""
         return DIMENSIONS[self.year]
 
     @property
     def _ends(self) -> tuple[int, ...]:
-        """Signs of the goal lines that are there."""
+        """Signs of the x coordinates of the goal lines."""
         return (1,) if self.half else (-1, 1)
 
     @property
     def x_range(self) -> tuple[float, float]:
-        """Smallest and largest x of a line's middle, in metres."""
+        """Smallest and largest x of the lines' centre lines, m."""
         return (0.0 if self.half else -self.dimensions.length / 2), self.dimensions.length / 2
 
     @property
     def y_range(self) -> tuple[float, float]:
-        """Smallest and largest y of a line's middle, in metres."""
+        """Smallest and largest y of the lines' centre lines, m."""
         return -self.dimensions.width / 2, self.dimensions.width / 2
 
     @property
     def carpet(self) -> tuple[float, float, float, float]:
-        """The green rectangle (x_min, y_min, x_max, y_max) in metres: the lines and the border."""
+        """Rectangle of the carpet, which includes the border: (x_min, y_min, x_max, y_max), m."""
         b = self.dimensions.border
         return self.x_range[0] - b, self.y_range[0] - b, self.x_range[1] + b, self.y_range[1] + b
 
     @cached_property
     def lines(self) -> FloatArray:
-        """Middles of the straight lines: (N, 4) as x1, y1, x2, y2, each parallel to an axis, in metres."""
+        """Centre lines of the straight lines, (N, 4) as x1, y1, x2, y2, m; each is parallel to an axis."""
         d = self.dimensions
         (x0, x1), (y0, y1) = self.x_range, self.y_range
         rows = [(x0, y0, x1, y0), (x0, y1, x1, y1), (0.0, y0, 0.0, y1)]
@@ -182,14 +193,14 @@ class Field:
 
     @cached_property
     def marks(self) -> FloatArray:
-        """Middles of the cross-shaped marks: (N, 2), in metres. The centre mark is a dash across the halfway line."""
+        """Centres of the marks, (N, 2), m. On the halfway line, only a dash across it remains of the cross."""
         d = self.dimensions
         penalty = [(sign * (d.length / 2 - d.penalty_mark), 0.0) for sign in self._ends]
         return np.array([(0.0, 0.0), *penalty])
 
     @cached_property
     def mark_lines(self) -> FloatArray:
-        """The marks' bars as lines: (N, 4) like `lines`, in metres."""
+        """Centre lines of the marks' bars, (N, 4) as in `lines`, m."""
         h = self.dimensions.mark_size / 2
         rows = []
         for x, y in self.marks:
@@ -199,13 +210,13 @@ class Field:
 
     @property
     def arcs(self) -> FloatArray:
-        """Circles of line: (N, 5) as x, y, radius, first and last angle (rad, counterclockwise)."""
+        """Circular lines: (N, 5) as x, y and radius, m, and first and last angle, rad counterclockwise."""
         span = (-np.pi / 2, np.pi / 2) if self.half else (-np.pi, np.pi)
         return np.array([(0.0, 0.0, self.dimensions.circle_diameter / 2, *span)])
 
     @cached_property
     def posts(self) -> FloatArray:
-        """Feet of the goal posts: (N, 2), in metres."""
+        """Positions of the goal posts, (N, 2), m."""
         d = self.dimensions
         return np.array(
             [(s * d.length / 2, y) for s in self._ends for y in (-d.goal_width / 2, d.goal_width / 2)]
@@ -213,7 +224,7 @@ class Field:
 
     @cached_property
     def bars(self) -> FloatArray:
-        """Middles of the crossbars' ends: (N, 2, 3) as x, y, z, in metres."""
+        """Ends of the crossbars' axes, (N, 2, 3) as x, y, z, m."""
         d = self.dimensions
         return np.array(
             [
@@ -224,7 +235,7 @@ class Field:
 
     @cached_property
     def landmarks(self) -> tuple[Landmark, ...]:
-        """Corners (L, T), post feet and crossings (X) of this field."""
+        """Corners (L, T), feet of posts and crossings (X) of this field."""
         d = self.dimensions
         (x0, x1), (y0, y1) = self.x_range, self.y_range
         found: list[Landmark] = [Landmark(x, y, "corner", "L") for x in (x0, x1) for y in (y0, y1)]
@@ -240,3 +251,20 @@ class Field:
         found += [Landmark(float(x), float(y), "cross", "X") for x, y in self.marks]
         found += [Landmark(0.0, s * d.circle_diameter / 2, "cross", "X") for s in (-1, 1)]
         return tuple(found)
+
+    @cached_property
+    def detectable(self) -> tuple[Landmark, ...]:
+        """Landmarks that detectors report: corners and feet of posts."""
+        return tuple(mark for mark in self.landmarks if mark.detected_as is not None)
+
+    @cached_property
+    def detectable_positions(self) -> FloatArray:
+        """Positions of the detectable landmarks in the field frame, (N, 2), m; read-only."""
+        positions = np.array([(mark.x, mark.y) for mark in self.detectable])
+        positions.flags.writeable = False
+        return positions
+
+    @cached_property
+    def detectable_kinds(self) -> tuple[LandmarkKind, ...]:
+        """Kind that a detector reports for each of the detectable landmarks."""
+        return tuple(mark.detected_as for mark in self.detectable if mark.detected_as is not None)

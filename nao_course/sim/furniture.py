@@ -24,15 +24,15 @@ class Furniture:
     Parameters
     ----------
     points : ndarray, shape (P, 3)
-        All corners in the field frame, metres.
+        Corners of all polygons in the field frame, m.
     starts : ndarray of int, shape (N + 1,)
-        Where each polygon's corners begin.
+        Index of the first corner of each polygon.
     colours : ndarray of uint8, shape (N, 3)
-        As the camera shows them.
+        RGB colour of each polygon in a picture.
     piece : ndarray of int, shape (N,)
-        Which piece of furniture a polygon belongs to.
+        Index of the piece of furniture that each polygon belongs to.
     places : ndarray, shape (pieces, 2)
-        Where each piece stands.
+        Position of each piece in the field frame, m.
     """
 
     points: FloatArray
@@ -43,7 +43,7 @@ class Furniture:
 
 
 class Workshop:
-    """Collects polygons of pieces that are built about their own origin and then put somewhere."""
+    """A builder that collects the polygons of pieces of furniture, which are built in their own frames."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.rng = rng
@@ -52,7 +52,7 @@ class Workshop:
         self._at, self._facing = np.zeros(2), 0.0
 
     def place(self, at: FloatArray, facing: float) -> None:
-        """Begin a piece at a point of the field frame; its front (negative own y) looks along `facing` (rad)."""
+        """Start a piece at a point of the field frame; its front (negative y) points in the direction `facing`, rad."""
         self._at, self._facing = np.asarray(at, dtype=float), facing
         self.places.append((float(at[0]), float(at[1])))
 
@@ -67,7 +67,7 @@ class Workshop:
     def plate(
         self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0
     ) -> None:
-        """Add an upright rectangle with its lower middle at (x, z)."""
+        """Add an upright rectangle whose lower edge has its midpoint at (x, z)."""
         left, right = x - width / 2, x + width / 2
         self.polygon(
             np.array([(left, y, z), (right, y, z), (right, y, z + height), (left, y, z + height)]), colour
@@ -76,7 +76,7 @@ class Workshop:
     def table(
         self, x: float, z: float, width: float, depth: float, colour: npt.ArrayLike, y: float = 0.0
     ) -> None:
-        """Add a level rectangle with its front middle at (x, y)."""
+        """Add a level rectangle whose front edge has its midpoint at (x, y)."""
         left, right = x - width / 2, x + width / 2
         self.polygon(
             np.array([(left, y, z), (right, y, z), (right, y + depth, z), (left, y + depth, z)]), colour
@@ -103,7 +103,7 @@ class Workshop:
     def blob(
         self, x: float, z: float, width: float, height: float, colour: npt.ArrayLike, y: float = 0.0
     ) -> None:
-        """Add an upright rounded patch with its lower middle at (x, z)."""
+        """Add an upright rounded patch whose lowest point is at (x, z)."""
         angles = np.linspace(0, 2 * np.pi, 14, endpoint=False)
         radius = 1 + self.rng.normal(0, 0.08, 14)
         across, up = radius * np.cos(angles) * width / 2, radius * np.sin(angles) * height / 2
@@ -123,7 +123,7 @@ class Workshop:
         self.polygon(np.column_stack([outline[:, 0], np.full(len(outline), y), outline[:, 1]]), colour)
 
     def done(self) -> Furniture:
-        """Return all that was built."""
+        """Return all pieces."""
         lengths = [len(points) for points, _, _ in self.polygons]
         return Furniture(
             points=np.concatenate([p for p, _, _ in self.polygons]) if lengths else np.empty((0, 3)),
@@ -136,7 +136,7 @@ class Workshop:
 
 Builder = Callable[[Workshop], None]
 
-_A4 = (0.210, 0.297)  # metres
+_A4 = (0.210, 0.297)  # m
 
 _BLACK, _DARK, _GREY, _STEEL = (3, 2, 3), (30, 28, 30), (84, 82, 80), (150, 150, 150)
 _WHITE, _CREAM, _WOOD, _CARTON = (236, 234, 230), (226, 218, 209), (112, 78, 50), (150, 112, 72)
@@ -144,7 +144,7 @@ _RED, _YELLOW, _BLUE, _SKIN = (150, 30, 32), (176, 158, 40), (70, 110, 144), (17
 
 
 def _chair(w: Workshop) -> None:
-    """An office chair on a star of castors."""
+    """Build an office chair on castors."""
     seat = _RED if w.rng.random() < 0.25 else _BLACK
     metal = _STEEL if w.rng.random() < 0.5 else _DARK
     for x, y in ((-0.27, 0.1), (0.27, 0.1), (0.0, -0.2), (-0.17, 0.4), (0.17, 0.4)):
@@ -160,7 +160,7 @@ def _chair(w: Workshop) -> None:
 
 
 def _desk(w: Workshop) -> None:
-    """A desk with computers, cables and bags below and screens on it."""
+    """Build a desk with screens, and with computers, cables and bags below it."""
     top = _WOOD if w.rng.random() < 0.6 else (144, 139, 132)
     w.plate(0.0, 0.0, 1.5, 0.7, w.rng.choice([_BLACK, _DARK, (54, 53, 56)]), 0.62)
     for side in (-0.7, 0.7):
@@ -183,7 +183,7 @@ def _desk(w: Workshop) -> None:
 
 
 def _sitter(w: Workshop) -> None:
-    """A person on a chair, seen from the front or the side."""
+    """Build a person on a chair."""
     _chair(w)
     trousers = w.rng.choice([_DARK, (40, 44, 60), (121, 110, 89)])
     shirt = w.rng.choice([_RED, _DARK, (150, 148, 140), _WHITE, (44, 60, 104)])
@@ -200,7 +200,7 @@ def _sitter(w: Workshop) -> None:
 
 
 def _stander(w: Workshop) -> None:
-    """A person's legs, and what is above them."""
+    """Build a standing person."""
     trousers = w.rng.choice([_DARK, (36, 42, 62), (121, 110, 89)])
     for side in (-0.1, 0.1):
         w.limb([(side, 0.85), (side * 1.2, 0.45), (side * 1.4, 0.08)], 0.15, trousers)
@@ -209,7 +209,7 @@ def _stander(w: Workshop) -> None:
 
 
 def _bag(w: Workshop) -> None:
-    """A bag on the floor."""
+    """Build a bag on the floor."""
     colour = w.rng.choice([_RED, _BLUE, _DARK, _BLACK, _BLACK, _RED])
     width = w.rng.uniform(0.3, 0.6)
     height = w.rng.uniform(0.2, 0.42)
@@ -221,7 +221,7 @@ def _bag(w: Workshop) -> None:
 
 
 def _oddments(w: Workshop) -> None:
-    """Small things in a heap: boxes, bottles, tools, chargers."""
+    """Build a heap of small things: boxes, bottles, tools and chargers."""
     tones = [_WHITE, _WHITE, _BLACK, _BLACK, _STEEL, _CARTON, _BLUE, _RED, _CREAM, _GREY]
     for x in w.rng.uniform(-0.4, 0.4, w.rng.integers(4, 9)):
         size, height = w.rng.uniform(0.03, 0.16), w.rng.uniform(0.03, 0.2)
@@ -230,7 +230,7 @@ def _oddments(w: Workshop) -> None:
 
 
 def _coats(w: Workshop) -> None:
-    """Coats that hang from a rack or a chair."""
+    """Build coats on a rack or a chair."""
     w.limb([(-0.5, 1.5), (0.5, 1.5)], 0.03, _STEEL)
     for x in np.arange(-0.45, 0.46, 0.18):
         w.blob(
@@ -245,7 +245,7 @@ def _coats(w: Workshop) -> None:
 
 
 def _papers(w: Workshop) -> None:
-    """White things on the floor: paper, plastic bags, parts of robots."""
+    """Build white things on the floor: paper, plastic bags and parts of robots."""
     for x in w.rng.uniform(-0.35, 0.35, w.rng.integers(1, 4)):
         light = w.rng.uniform(200, 250)
         w.blob(x, 0.0, w.rng.uniform(0.08, 0.28), w.rng.uniform(0.04, 0.16), (light, light, light - 4))
@@ -254,7 +254,7 @@ def _papers(w: Workshop) -> None:
 
 
 def _robot(w: Workshop) -> None:
-    """A robot that lies on the floor: white shells with grey joints."""
+    """Build a robot that lies on the floor, with white shells and grey joints."""
     for x, size in ((-0.2, 0.14), (0.0, 0.17), (0.2, 0.13)):
         w.blob(x, 0.0, size, size, _WHITE, 0.02)
         w.blob(x + 0.1, 0.01, 0.08, 0.1, (121, 120, 122))
@@ -262,7 +262,7 @@ def _robot(w: Workshop) -> None:
 
 
 def _cartons(w: Workshop) -> None:
-    """Boxes, or a printer."""
+    """Build boxes or a printer."""
     colour = _CARTON if w.rng.random() < 0.6 else (191, 192, 190)
     z = 0.0
     for _ in range(w.rng.integers(1, 4)):
@@ -274,7 +274,7 @@ def _cartons(w: Workshop) -> None:
 
 
 def _shelf(w: Workshop) -> None:
-    """A dark bookcase."""
+    """Build a dark bookcase."""
     w.box(0.0, 0.0, (1.2, 0.35, 1.9), _DARK)
     for level in (0.12, 0.5, 0.88, 1.26):
         w.plate(0.0, level, 1.1, 0.32, _BLACK, -0.01)
@@ -287,7 +287,7 @@ def _shelf(w: Workshop) -> None:
 
 
 def _cable(w: Workshop) -> None:
-    """A cable along the floor."""
+    """Build a cable on the floor."""
     x = np.linspace(-0.7, 0.7, 8)
     y = 0.1 * np.cumsum(w.rng.normal(0, 0.5, 8))
     path = np.column_stack([x, y, np.full(8, 0.005)])
@@ -296,7 +296,7 @@ def _cable(w: Workshop) -> None:
 
 
 def _sheet(w: Workshop) -> None:
-    """A sheet of A4 that lies flat, at times printed on, or a sheet folded once, or two that overlap."""
+    """Build a sheet of A4 paper, which may be printed or folded, or two overlapping sheets."""
     light = w.rng.uniform(205, 250)
     long = _A4[1] / 2 if w.rng.random() < 0.25 else _A4[1]
     w.table(0.0, 0.0, _A4[0], long, (light, light, light - 2))
@@ -306,7 +306,7 @@ def _sheet(w: Workshop) -> None:
         w.table(w.rng.normal(0, 0.12), 0.0, *_A4, (light, light, light - 2), w.rng.normal(0, 0.15))
 
 
-# What stands in the room: how often, and how far from the carpet's edge in metres.
+# Pieces in the room: weight, and limits of the distance from the edge of the carpet, m.
 _PIECES: dict[Builder, tuple[float, tuple[float, float]]] = {
     _chair: (6.0, (0.05, 0.7)),
     _desk: (6.0, (0.35, 0.8)),
@@ -321,24 +321,24 @@ _PIECES: dict[Builder, tuple[float, tuple[float, float]]] = {
     _shelf: (2.5, (0.8, 1.0)),
     _cable: (2.5, (0.05, 0.5)),
 }
-# What lies on the carpet beyond the lines, and how often.
+# Things on the carpet outside the lines, with their weights.
 _LITTER: dict[Builder, float] = {_papers: 3.0, _robot: 2.5, _bag: 1.5, _chair: 1.5, _cable: 1.5}
 
 
 def _choose(rng: np.random.Generator, often: Mapping[Builder, float]) -> Builder:
-    """Draw one of the builders, each as often as it says beside the others."""
+    """Choose a builder at random, with probabilities in proportion to its weight."""
     weights = np.array(list(often.values()))
     return list(often)[int(rng.choice(len(weights), p=weights / weights.sum()))]
 
 
 def choose_piece(rng: np.random.Generator) -> tuple[Builder, tuple[float, float]]:
-    """Draw a piece for the room: what builds it, and how near and far from the carpet's edge it stands (m)."""
+    """Choose a piece for the room; return its builder and the limits of its distance from the carpet, m."""
     build = _choose(rng, {each: often for each, (often, _) in _PIECES.items()})
     return build, _PIECES[build][1]
 
 
 def sides(rectangle: Rectangle) -> Iterator[tuple[FloatArray, FloatArray, FloatArray, float, float]]:
-    """Each side of a rectangle: start, direction, outwards, length, and the angle that looks inwards."""
+    """Yield the start, direction, outward direction, length and inward angle (rad) of each side of a rectangle."""
     x0, y0, x1, y1 = rectangle
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -350,7 +350,7 @@ def sides(rectangle: Rectangle) -> Iterator[tuple[FloatArray, FloatArray, FloatA
 
 @lru_cache(maxsize=4)
 def scatter(lines: Rectangle, border: float, amount: float, seed: int) -> Furniture:
-    """Leave things on the carpet beyond the outer lines (x_min, y_min, x_max, y_max), `amount` for each metre."""
+    """Put things on the carpet outside the lines (x_min, y_min, x_max, y_max), `amount` per metre of the lines."""
     w = Workshop(np.random.default_rng([seed, 4]))
     for start, along, outwards, length, facing in sides(lines):
         for _ in range(w.rng.poisson(amount * length)):
@@ -362,7 +362,7 @@ def scatter(lines: Rectangle, border: float, amount: float, seed: int) -> Furnit
 
 @lru_cache(maxsize=4)
 def strew(carpet: Rectangle, amount: float, seed: int) -> Furniture:
-    """Drop sheets of paper on a carpet (x_min, y_min, x_max, y_max), `amount` for each square metre."""
+    """Put sheets of paper on a carpet (x_min, y_min, x_max, y_max), `amount` per square metre."""
     w = Workshop(np.random.default_rng([seed, 7]))
     x0, y0, x1, y1 = carpet
     for _ in range(w.rng.poisson(amount * (x1 - x0) * (y1 - y0))):
@@ -380,7 +380,7 @@ def wall(
     length: float,
     facing: float,
 ) -> tuple[Furniture, FloatArray]:
-    """A wall's colour, and its cupboards, boards, windows and posters."""
+    """Build a wall with cupboards, boards, windows and posters; return its furniture and its colour."""
     w.place(start + along * length / 2 + outwards * distance, facing)
     wide = length + 2 * 1.7
     tone = np.array([(236, 236, 233), (250, 250, 248), (214, 212, 206)][w.rng.integers(3)])
@@ -421,9 +421,9 @@ def wall(
 def outlines_in_view(
     eye: Eye, furniture: Furniture, between: tuple[float, float]
 ) -> list[tuple[npt.NDArray[np.int32], Bytes]]:
-    """Outlines (N, 2) in sixteenths of pixels, and colours, of the pieces in view, the farthest first.
+    """Return the outlines (N, 2) in sixteenths of pixels and the colours of pieces in view, the farthest first.
 
-    Only pieces whose distance from the camera is within `between` (m) count.
+    Only pieces at distances within `between` (m) from the camera are returned.
     """
     away = np.hypot(*(furniture.places - eye.ground_position).T)
     near_enough = (away > between[0]) & (away <= between[1])

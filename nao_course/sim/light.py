@@ -1,4 +1,4 @@
-"""Light, lens and sensor: how bright each part of what the camera sees is, and how its light becomes a picture."""
+"""Lighting of the scene, and the lens and sensor of the camera, which turn linear light into a picture."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ import numpy.typing as npt
 
 from nao_course.sim.field import Field
 from nao_course.sim.reality import Reality
-from nao_course.sim.shapes import Eye, Float32, middles
+from nao_course.sim.shapes import Eye, Float32, centre_pixels
 
-_COARSE = 8  # light changes so slowly over the picture that every 8th pixel is enough
-_MEAN_LIGHTNESS = 117.0  # of 255: what the real camera's automatic exposure holds, whatever it sees
-_BLUR_SMALL, _BLUR_WIDE = 0.38, 0.38  # px: sigma of the picture's scaling, and of the lens at 320 wide
-_FALL_OFF = (1.3, 1.0, 0.75)  # of red, green, blue towards the corners, beside green's: measured
-_TAPE = np.float32(
-    12
-)  # how much more lines are overexposed the steeper they are seen: 255 even in dark corners
-# Noise of red, green and blue, beside their mean: measured.
+_COARSE = 8  # lighting changes so slowly in a picture that it is computed for every 8th pixel only
+_MEAN_LIGHTNESS = 117.0  # of 255: mean lightness that the automatic exposure of the real camera produces
+_BLUR_SMALL, _BLUR_WIDE = 0.38, 0.38  # px: sigma of the picture's scaling, and of the lens at a width of 320
+_FALL_OFF = (1.3, 1.0, 0.75)  # measured vignette of red, green and blue, relative to green
+# Lines are more overexposed the steeper they are seen from above: real pictures have 255 there even in the corners.
+_TAPE = np.float32(12)
+# Measured noise of red, green and blue, relative to their mean.
 _CHANNEL_NOISE: Float32 = np.array([1.05, 0.78, 1.17], dtype=np.float32)
 
 
 class Lamps:
-    """How bright each part of the picture is, on a coarse grid: uneven light, colour cast, darker corners."""
+    """Brightness of each part of a picture on a coarse grid: uneven light, colour cast and vignette."""
 
     def __init__(self, field: Field, eye: Eye, reality: Reality) -> None:
         self.reality, self.width = reality, eye.view.size[0]
@@ -39,20 +38,19 @@ class Lamps:
             where = eye.ground_position[:, None, None] + rays[:2] * (eye.view.height / down)
             across = where[0] * np.cos(towards) + where[1] * np.sin(towards)
             gain *= 1 + np.float32(reality.gradient) * np.tanh(across / 3).astype(np.float32)[..., None]
-        if reality.vignette:  # quadratic in lightness, so squared in light
+        if reality.vignette:  # measured in lightness, which is the square root of light
             side = (eye.view.size[1], eye.view.size[0])
-            some = np.ix_(*(middles(n, _COARSE) for n in side))
+            some = np.ix_(*(centre_pixels(n, _COARSE) for n in side))
             right, below = (a.reshape(side)[some] for a in (eye.grid.right, eye.grid.down))
             corner = np.tan(eye.view.hfov / 2) ** 2 + np.tan(eye.view.vfov / 2) ** 2
             fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * _FALL_OFF
             gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
         if reality.white_balance:
-            balance = np.maximum(
-                1 + reality.white_balance * (cast - cast.mean()), 0
-            )  # there is no negative light
+            # A gain must not be negative.
+            balance = np.maximum(1 + reality.white_balance * (cast - cast.mean()), 0)
             gain *= balance.astype(np.float32)
         self._gain, self._rays = gain, rays
-        self._steep = np.maximum(down - np.float32(0.16), 0)[..., None]  # beyond 3 m nothing changes any more
+        self._steep = np.maximum(down - np.float32(0.16), 0)[..., None]  # constant beyond 3 m
 
     @property
     def even(self) -> bool:
@@ -61,21 +59,21 @@ class Lamps:
         return not (r.gradient or r.vignette or r.white_balance)
 
     def at(self, pixels: npt.NDArray[np.intp]) -> Float32:
-        """Gains (N, 3) at flat pixels (N,)."""
+        """Return the gains (N, 3) at flat pixels (N,)."""
         rows, columns = np.divmod(pixels, self.width)
         return self._gain[rows // _COARSE, columns // _COARSE]
 
     def overexposed(self, pixels: npt.NDArray[np.intp]) -> Float32:
-        """How far (N, 1) lines at flat pixels (N,) are overexposed: least seen from the side, between the pile."""
+        """Return the overexposure (N, 1) of lines at flat pixels (N,), which is least when seen from the side."""
         rows, columns = np.divmod(pixels, self.width)
         steep = self._steep[rows // _COARSE, columns // _COARSE]
         return 1 + np.float32(self.reality.overexposure) * (1 + _TAPE * steep)
 
     def light_ground(self, light: Float32) -> None:
-        """Light a picture (H, W, 3) of ground and room: gains, the pile of the carpet, and what shines back."""
+        """Apply gains, the effect of the carpet's pile, and reflections to a picture (H, W, 3) of ground and room."""
         r, size = self.reality, light.shape[1::-1]
         gain = self._gain
-        if r.pile:  # from above one looks between the fibres: red and blue lose most
+        if r.pile:  # from above, the gaps between the fibres are visible, which are darker and greener
             gain = gain * np.maximum(1 - r.pile * self._steep * (1.25, 0.41, 0.9), 0.05).astype(np.float32)
         if r.pile or not self.even:
             cv2.multiply(light, _enlarged(gain, size), dst=light)
@@ -88,12 +86,12 @@ class Lamps:
                 shine += np.float32(strength) * np.exp(
                     -((off / wide) ** 2) - ((dip - low) / 0.2) ** 2
                 ).astype(np.float32)
-            shine *= np.clip(dip / 0.06, 0, 1) * np.float32(r.glare)  # only the ground shines
+            shine *= np.clip(dip / 0.06, 0, 1) * np.float32(r.glare)  # only the ground reflects
             cv2.add(light, _enlarged(np.repeat(shine[..., None], 3, axis=2), size), dst=light)
 
 
 def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
-    """A coarse grid (h, w, 3), whose points are the middles of 8 by 8 pixels, at a picture's full (width, height)."""
+    """Interpolate a coarse grid (h, w, 3), with a point in the centre of each 8 by 8 pixels, to (width, height)."""
     whole = (coarse.shape[1] * _COARSE, coarse.shape[0] * _COARSE)
     return cv2.resize(coarse, whole, interpolation=cv2.INTER_LINEAR)[: size[1], : size[0]]
 
@@ -101,7 +99,7 @@ def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
 def develop(
     light: Float32, eye: Eye, reality: Reality, rng: np.random.Generator | None
 ) -> npt.NDArray[np.uint8]:
-    """Blur, exposure, tone curve, noise and clipping, in the camera's order: from light (H, W, 3) to a picture."""
+    """Make a picture from linear light (H, W, 3): blur, exposure, tone curve, noise and clipping."""
     gain = _exposure(light, reality, rng) if reality.exposure else 1.0
     if eye.turning.any():
         light = _smear(light, eye)
@@ -115,7 +113,7 @@ def develop(
 
 
 def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None) -> float:
-    """Gain of the shown values that brings their mean lightness to what the camera's automatic exposure holds."""
+    """Return the gain with which a picture has the mean lightness of the automatic exposure."""
     some = np.sqrt(light[_COARSE // 2 :: _COARSE, _COARSE // 2 :: _COARSE].reshape(-1, 3))
     if not len(some):
         return 1.0
@@ -130,26 +128,26 @@ def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None)
 
 
 def _smear(light: Float32, eye: Eye) -> Float32:
-    """Blur along the way the picture moves while a row is exposed, a quarter of the time it takes to read all."""
+    """Add motion blur. A row is exposed during a quarter of the time in which the picture is read out."""
     _, about_left, about_up = eye.turning / 4
-    way = np.array([about_up * eye.view.focal[0], -about_left * eye.view.focal[1]])
-    reach = int(np.ceil(np.abs(way).max() / 2))
+    shift = np.array([about_up * eye.view.focal[0], -about_left * eye.view.focal[1]])
+    reach = int(np.ceil(np.abs(shift).max() / 2))
     if reach < 1:
         return light
     kernel = np.zeros((2 * reach + 1, 2 * reach + 1), dtype=np.float32)
-    for u, v in np.linspace(-0.5, 0.5, 16 * reach + 1)[:, None] * way + reach:
+    for u, v in np.linspace(-0.5, 0.5, 16 * reach + 1)[:, None] * shift + reach:
         kernel[round(v), round(u)] += 1
     return cv2.filter2D(light, -1, kernel / kernel.sum(), borderType=cv2.BORDER_REPLICATE)
 
 
 @lru_cache(maxsize=1)
 def _noise_tile() -> Float32:
-    """A tile (512, 512, 3) of noise with unit deviation, mean over the channels."""
+    """Return a tile (512, 512, 3) of noise whose standard deviation, averaged over the channels, is 1."""
     return np.random.default_rng(33).standard_normal((512, 512, 3), dtype=np.float32) * _CHANNEL_NOISE
 
 
 def _with_noise(shown: Float32, gain: float, sigma: float, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
-    """Add noise from random places of the tile: drawing every number anew would take as long as all the rest."""
+    """Add noise from random places of the tile, because new random numbers would double the time of a picture."""
     tile, picture = _noise_tile(), np.empty(shown.shape, dtype=np.uint8)
     for row in range(0, shown.shape[0], 256):
         for column in range(0, shown.shape[1], 256):

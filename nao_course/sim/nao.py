@@ -1,4 +1,4 @@
-"""The simulated NAO: it walks, looks, takes pictures, and does not know exactly where it is."""
+"""The simulated NAO, which walks, turns its head and takes pictures, with errors that the robot does not know."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
-from nao_course.geometry import FloatArray, Pose, finite, rotation_2d
+from nao_course.codec import register
+from nao_course.geometry import FloatArray, Pose, finite, rotation_2d, wrap_angle
 from nao_course.sim.camera import NAO_V4, CameraView, NaoModel
 from nao_course.sim.field import Field
 from nao_course.sim.reality import Reality
 from nao_course.sim.render import PictureTruth, VisibleLandmark, render, visible_landmarks
 from nao_course.slam import LandmarkKind, Measurement, Motion
 
-# How a walking NAO's head turns about (ahead, left, up) while a picture is read, 1/30 s: standard deviations in rad,
-# from some 0.3 to 0.5 rad/s of sway. An assumption: no recorded walk tells.
+# Standard deviations, rad, of the head's rotation about (ahead, left, up) while a picture is read out in 1/30 s during
+# a walk. They follow from an assumed sway of 0.3 to 0.5 rad/s, because there is no recording to measure it.
 _SWAY = np.array([0.010, 0.015, 0.012])
 
 
 def _not_negative(values: object) -> None:
-    """Refuse a dataclass of standard deviations with one that is none."""
+    """Check that the standard deviations of a dataclass are finite and not negative."""
     for each in fields(values):  # type: ignore[arg-type]
         name = f"{type(values).__name__}: {each.name}"
         value = finite(name, getattr(values, each.name))
@@ -31,29 +31,30 @@ def _not_negative(values: object) -> None:
 
 
 def _generator(rng: np.random.Generator | int | None) -> np.random.Generator:
-    """A generator as it is, or one made from a seed."""
+    """Return a random generator unchanged, or make one from a seed."""
     if isinstance(rng, np.random.Generator):
         return rng
     if rng is not None and not isinstance(rng, int | np.integer):
-        raise ValueError(f"rng must be a numpy.random.Generator or a whole number (its seed), got {rng!r}")
+        raise ValueError(f"rng must be a numpy.random.Generator or an integer seed, got {rng!r}")
     return np.random.default_rng(0 if rng is None else int(rng))
 
 
 @register
 @dataclass(frozen=True)
 class OdometryNoise:
-    """How a walk differs from its command: errors along, across and about the robot, as in the homework's 1.2.
+    """Noise of the odometry: errors along the motion, across it and in the turn, as in the homework's 1.2.
 
-    Variances grow with the way, so that twenty steps of 0.1 m scatter like one walk of 2 m.
+    The variances grow in proportion to the distance, so the sum of twenty steps of 0.1 m has the same distribution as a
+    single walk of 2 m.
 
     Parameters
     ----------
     along, across : float
-        Standard deviation of the position after one metre, in m; ahead and to the left of the robot.
+        Standard deviations of the position ahead and to the left after one metre, m.
     turn : float
-        Standard deviation of the heading after one metre, in rad.
+        Standard deviation of the heading after one metre, rad.
     turn_per_turn : float
-        Standard deviation of the heading after a turn of one radian, in rad.
+        Standard deviation of the heading after a turn of one radian, rad.
     """
 
     along: float = 0.06
@@ -62,28 +63,33 @@ class OdometryNoise:
     turn_per_turn: float = 0.12
 
     def __post_init__(self) -> None:
-        """Refuse negative deviations."""
+        """Check the standard deviations."""
         _not_negative(self)
 
     def covariance(self, motion: Motion) -> FloatArray:
-        """Covariance (3, 3) of (along, across, turn) for a motion, in the robot frame; m^2 and rad^2."""
-        way, turned = abs(motion.distance), abs(motion.turn)
-        turn_variance = self.turn**2 * way + self.turn_per_turn**2 * turned
-        return np.diag([self.along**2 * way, self.across**2 * way, turn_variance])
+        """Return the covariance (3, 3) of the errors along, across and in turn, robot frame, m^2 and rad^2."""
+        distance, turned = abs(motion.distance), abs(motion.turn)
+        turn_variance = self.turn**2 * distance + self.turn_per_turn**2 * turned
+        return np.diag([self.along**2 * distance, self.across**2 * distance, turn_variance])
 
 
 @dataclass(frozen=True)
 class TorsoTilt:
-    """How the body leans when a picture is taken, which the robot does not know: standard deviations in rad.
+    """Standard deviations of the body tilt in a picture, which the robot does not know.
 
-    On real pictures the pitch varies by 0.5 to 1.2 degrees within a sequence.
+    In real pictures, the pitch varies by 0.5 to 1.2 degrees within a sequence.
+
+    Parameters
+    ----------
+    pitch, roll : float
+        Standard deviations, rad.
     """
 
     pitch: float = float(np.radians(1.0))
     roll: float = float(np.radians(0.6))
 
     def __post_init__(self) -> None:
-        """Refuse negative deviations."""
+        """Check the standard deviations."""
         _not_negative(self)
 
 
@@ -95,36 +101,49 @@ class SensorNoise:
     Parameters
     ----------
     bearing : float
-        Standard deviation in rad.
+        Standard deviation of the bearing, rad.
     range_fraction : float
-        Standard deviation of the range as a fraction of it.
+        Standard deviation of the range as a fraction of the range.
     """
 
     bearing: float = float(np.radians(1.5))
     range_fraction: float = 0.05
 
     def __post_init__(self) -> None:
-        """Refuse negative deviations."""
+        """Check the standard deviations."""
         _not_negative(self)
 
     def covariance(self, measurement: Measurement) -> FloatArray:
-        """Covariance (2, 2) of (bearing, range) of a measurement, in rad^2 and m^2."""
+        """Return the covariance (2, 2) of bearing and range of a measurement, rad^2 and m^2."""
         return np.diag([self.bearing**2, (self.range_fraction * measurement.range) ** 2])
+
+    def disturbed(self, exact: FloatArray, draws: FloatArray) -> FloatArray:
+        """Add errors to exact measurements (..., 2), computed from standard normal samples (..., 2)."""
+        bearings = wrap_angle(exact[..., 0] + self.bearing * draws[..., 0])
+        ranges = exact[..., 1] * np.maximum(1 + self.range_fraction * draws[..., 1], 0.1)
+        return np.stack([bearings, ranges], axis=-1)
+
+    def covariances(self, measurements: FloatArray) -> FloatArray:
+        """Return the covariances (n, 2, 2) of measurements (n, 2), rad^2 and m^2."""
+        found = np.zeros((len(measurements), 2, 2))
+        found[:, 0, 0] = self.bearing**2
+        found[:, 1, 1] = (self.range_fraction * measurements[:, 1]) ** 2
+        return found
 
 
 @register
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What `SimulatedNao.take_picture` gives.
+    """A picture that was taken by `SimulatedNao.take_picture`.
 
     Parameters
     ----------
     pixels : ndarray of uint8, shape (H, W, 3)
-        RGB.
+        RGB picture.
     view : CameraView
-        What the robot believes of the camera: it does not know how its body leaned.
+        Assumed view of the camera. It differs from the true view, because the robot does not know its body tilt.
     camera : str
-        "top" or "bottom".
+        Name of the camera, "top" or "bottom".
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -132,19 +151,19 @@ class Picture:
     camera: str
 
     def __post_init__(self) -> None:
-        """Refuse what is no picture."""
+        """Check the values."""
         if self.pixels.dtype != np.uint8 or self.pixels.ndim != 3 or not isinstance(self.view, CameraView):
             raise ValueError("Picture: pixels must be uint8 of shape (H, W, 3), view a CameraView")
 
     def __repr__(self) -> str:
-        """Name the picture, not its pixels."""
+        """Show the size and the camera."""
         width, height = self.view.size
         return f"Picture({width} x {height}, {self.camera} camera)"
 
 
 @dataclass
 class _World:
-    """What only the simulator knows."""
+    """The true state of the simulation, which the robot does not know."""
 
     field: Field
     pose: Pose
@@ -154,22 +173,26 @@ class _World:
 
 
 class SimulatedNao:
-    """A NAO on a field.
+    """A simulated NAO on a field.
 
     Parameters
     ----------
     field : Field, optional
-        By default the seed paper's: half a field by the rules of 2012.
+        Field; by default half a field by the rules of 2012, as in the paper by Aliyev et al.
     pose : Pose, optional
-        Where it starts, in the world; by default on the halfway line, looking at the goal.
+        First pose in the world frame; by default on the halfway line, facing the goal.
     rng : numpy.random.Generator or int, optional
-        Source of all that is random, or its seed; by default seed 0.
+        Source of all random numbers, or its seed; by default the seed 0.
     model : NaoModel
         Generation of the robot.
-    odometry_noise, tilt, sensor_noise
-        How it errs.
+    odometry_noise : OdometryNoise, optional
+        Noise of its motions.
+    tilt : TorsoTilt, optional
+        Standard deviations of its body tilt in each picture.
+    sensor_noise : SensorNoise, optional
+        Noise of `sense`.
     reality : Reality, optional
-        How real its pictures look.
+        Appearance of its pictures.
 
     Raises
     ------
@@ -217,44 +240,44 @@ class SimulatedNao:
         self._odometry = [Pose()]
 
     def __repr__(self) -> str:
-        """Say what the robot believes."""
+        """Show the model, the odometry and the angles of the head."""
         return f"SimulatedNao({self.model.name}, odometry {self.odometry}, head {self.head})"
 
-    # --- what the robot knows of itself ---
+    # --- values that the robot knows ---
 
     @property
     def head(self) -> tuple[float, float]:
-        """The head's joints (yaw, pitch) in rad; positive yaw looks left, positive pitch down."""
+        """Angles (yaw, pitch) of the head's joints, rad; positive to the left and down."""
         return self._head
 
     @property
     def odometry(self) -> Pose:
-        """The commands added up, from (0, 0, 0) at the start: the robot's belief without any landmark."""
+        """Pose that follows from the commanded motions alone, from (0, 0, 0) at the start."""
         return self._odometry[-1]
 
     @property
     def odometry_path(self) -> tuple[Pose, ...]:
-        """The odometry at the start and after each command."""
+        """Odometry at the start and after each motion."""
         return tuple(self._odometry)
 
     def view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
-        """Return what the robot believes of a camera now."""
+        """Return the assumed view of a camera with the present angles of the head."""
         return self.model.view(camera, *self._head, size=size)
 
     # --- commands ---
 
     def walk(self, distance: float) -> Motion:
-        """Walk ahead (negative: backwards).
+        """Walk ahead, or backwards for a negative distance.
 
         Parameters
         ----------
         distance : float
-            Metres, at most 10 in one command. The robot stops at the carpet's edge.
+            Distance, m; at most 10 in one command. The robot stops at the edge of the carpet.
 
         Returns
         -------
         Motion
-            What it was told to do; what it did, only the world knows.
+            Commanded motion. The true motion differs from it.
 
         Raises
         ------
@@ -271,17 +294,17 @@ class SimulatedNao:
         Parameters
         ----------
         angle : float
-            Radians, within one full turn.
+            Angle, rad; at most one full turn.
 
         Returns
         -------
         Motion
-            What it was told to do.
+            Commanded motion.
 
         Raises
         ------
         ValueError
-            If the angle is not finite or more than a full turn: degrees, probably.
+            If the angle is not finite or more than a full turn, because it is probably given in degrees.
         """
         if abs(finite("angle (rad)", angle)) > 2 * np.pi + 1e-9:
             raise ValueError(
@@ -296,14 +319,14 @@ class SimulatedNao:
         Parameters
         ----------
         yaw : float
-            Radians, positive to the left.
+            Angle, rad; positive to the left.
         pitch : float
-            Radians, positive down.
+            Angle, rad; positive down.
 
         Raises
         ------
         ValueError
-            If an angle is beyond its joint.
+            If an angle exceeds the limits of its joint.
         """
         self._head = self.model.check_head(yaw, pitch)
 
@@ -315,58 +338,58 @@ class SimulatedNao:
         Parameters
         ----------
         camera : "top" or "bottom"
-            Which camera.
+            Name of the camera.
         size : (int, int)
-            Width and height in pixels.
+            Width and height, px.
         walking : bool
-            Whether the robot walks meanwhile: the head sways, the picture smears, and its rows, read one after
-            the other, do not fit together.
+            Whether the robot is walking. The head then sways, so the picture is blurred, and it is distorted because
+            its rows are read out one after the other.
 
         Returns
         -------
         Picture
-            The pixels, and the view the robot believes.
+            Pixels, and the assumed view of the camera.
 
         Raises
         ------
         ValueError
-            For an unknown camera or an impossible size.
+            If the camera is unknown or the size impossible.
         """
-        believed = self.view(camera, size)
+        assumed = self.view(camera, size)
         world = self._world
         sway = world.rng.normal(0.0, _SWAY) * self.reality.motion if walking else np.zeros(3)
         view = self._true_view(camera, size)
         pixels, world.last = render(self.field, world.pose, view, self.reality, world.rng, sway)
-        return Picture(pixels, believed, camera)
+        return Picture(pixels, assumed, camera)
 
     def sense(self, camera: str = "bottom", max_range: float = 4.0) -> tuple[Measurement, ...]:
-        """Measure the corners and posts a camera sees, with noise: an ideal detector, in place of a student's.
+        """Measure the visible corners and posts with noise; this ideal detector replaces the student's detectors.
 
         Parameters
         ----------
         camera : "top" or "bottom"
-            Which camera.
+            Name of the camera.
         max_range : float
-            Farther landmarks are left out, metres.
+            Largest range of a measured landmark, m.
 
         Returns
         -------
         tuple of Measurement
-            From right to left; nothing says which landmark one belongs to.
+            Measurements from right to left, without the identities of the landmarks.
 
         Raises
         ------
         ValueError
-            For an unknown camera or a range that is not positive.
+            If the camera is unknown or the range not positive.
         """
         if finite("max_range (m)", max_range) <= 0:
             raise ValueError(f"max_range must be positive (m), got {max_range}")
         seen = visible_landmarks(self.field, self._world.pose, self._true_view(camera, (320, 240)))
         near = [each for each in seen if not each.occluded and each.distance <= max_range]
-        found = [self._measured(each) for each in near if each.landmark.kind != "cross"]
+        found = [self._measured(each, kind) for each in near if (kind := each.landmark.detected_as)]
         return tuple(sorted(found, key=lambda measurement: measurement.bearing))
 
-    # --- the world's part ---
+    # --- simulation ---
 
     def _true_view(self, camera: str, size: tuple[int, int]) -> CameraView:
         self.model.check_camera(camera)
@@ -374,14 +397,13 @@ class SimulatedNao:
         pitch, roll = rng.normal(0.0, [self.tilt.pitch, self.tilt.roll])
         return self.model.view(camera, *self._head, size=size, torso_pitch=pitch, torso_roll=roll)
 
-    def _measured(self, seen: VisibleLandmark) -> Measurement:
+    def _measured(self, seen: VisibleLandmark, kind: LandmarkKind) -> Measurement:
         rng, noise = self._world.rng, self.sensor_noise
-        away = seen.distance * (1 + noise.range_fraction * rng.standard_normal())
-        kind: LandmarkKind = "post" if seen.landmark.kind == "post" else "corner"
-        return Measurement(seen.bearing + noise.bearing * rng.standard_normal(), max(away, 0.0), kind)
+        distance = seen.distance * (1 + noise.range_fraction * rng.standard_normal())
+        return Measurement(seen.bearing + noise.bearing * rng.standard_normal(), max(distance, 0.0), kind)
 
     def move(self, motion: Motion) -> Motion:
-        """Move as the homework's 1.2 says: along and across the old heading with errors, then turn with an error."""
+        """Move with random errors by the model of the homework's 1.2, and return the commanded motion."""
         world = self._world
         deviations = np.sqrt(np.diag(self.odometry_noise.covariance(motion)))
         along, across, turn = world.rng.standard_normal(3) * deviations
@@ -395,17 +417,16 @@ class SimulatedNao:
         return motion
 
     def _reach(self, old: Pose, step: FloatArray) -> float:
-        """Fraction of a step that stays on the carpet: bisection, the carpet being convex."""
+        """Return the fraction of a step that stays on the carpet, by bisection, because the carpet is convex."""
         if self._on_carpet(old @ Pose(step[0], step[1], 0.0)):
             return 1.0
         low, high = 0.0, 1.0
         for _ in range(40):
-            middle = (low + high) / 2
-            low, high = (
-                (middle, high)
-                if self._on_carpet(old @ Pose(middle * step[0], middle * step[1], 0.0))
-                else (low, middle)
-            )
+            half = (low + high) / 2
+            if self._on_carpet(old @ Pose(half * step[0], half * step[1], 0.0)):
+                low = half
+            else:
+                high = half
         return low
 
     def _on_carpet(self, pose: Pose) -> bool:
@@ -415,12 +436,12 @@ class SimulatedNao:
 
 
 class Truth:
-    """What the simulator knows and the robot does not: for plots and scores, never for a student's algorithm.
+    """The ground truth of a simulation, for plots and scores. A student's algorithm must not use it.
 
     Parameters
     ----------
     nao : SimulatedNao
-        Whose truth.
+        Robot whose truth is needed.
 
     Examples
     --------
@@ -431,70 +452,35 @@ class Truth:
     """
 
     def __init__(self, nao: SimulatedNao) -> None:
-        """Look behind the scenes."""
+        """Get the true state of a robot's simulation."""
         self._world = nao._world
 
     @property
     def field(self) -> Field:
-        """The field the robot is on."""
+        """Field on which the robot is."""
         return self._world.field
 
     @property
     def pose(self) -> Pose:
-        """Where the robot is, in the world."""
+        """True pose of the robot in the world frame."""
         return self._world.pose
 
     @property
     def path(self) -> tuple[Pose, ...]:
-        """Where it was: its start, and its pose after each command."""
+        """True poses at the start and after each motion."""
         return tuple(self._world.path)
 
     @property
     def odometry_start(self) -> Pose:
-        """The odometry's origin in the world: ``truth.odometry_start @ nao.odometry`` compares with `pose`."""
+        """Origin of the odometry in the world frame: compare ``truth.odometry_start @ nao.odometry`` with `pose`."""
         return self._world.path[0]
 
     @property
     def picture(self) -> PictureTruth | None:
-        """What the latest picture really shows; None before the first."""
+        """Ground truth of the latest picture; None before the first picture."""
         return self._world.last
 
     def place(self, pose: Pose) -> None:
-        """Carry the robot to another pose; its odometry does not notice."""
+        """Put the robot at another pose without changing its odometry."""
         self._world.pose = pose
         self._world.path.append(pose)
-
-
-def repeat_drive(
-    commands: list[Motion], robots: int, rng: np.random.Generator, noise: OdometryNoise | None = None
-) -> FloatArray:
-    """Send many robots the same commands, without pictures.
-
-    Parameters
-    ----------
-    commands : list of Motion
-        M commands.
-    robots : int
-        How many robots, N.
-    rng : numpy.random.Generator
-        Their errors.
-    noise : OdometryNoise, optional
-        Its size.
-
-    Returns
-    -------
-    ndarray, shape (N, M + 1, 3)
-        Each robot's (x, y, theta) at the start and after each command, from (0, 0, 0).
-    """
-    noise = noise or OdometryNoise()
-    paths = np.zeros((robots, len(commands) + 1, 3))
-    for step, motion in enumerate(commands):
-        errors = rng.standard_normal((robots, 3)) * np.sqrt(np.diag(noise.covariance(motion)))
-        old = paths[:, step]
-        along, across = motion.distance + errors[:, 0], errors[:, 1]
-        c, s = np.cos(old[:, 2]), np.sin(old[:, 2])
-        turned = old[:, 2] + motion.turn + errors[:, 2]
-        paths[:, step + 1] = np.column_stack(
-            [old[:, 0] + c * along - s * across, old[:, 1] + s * along + c * across, turned]
-        )
-    return paths

@@ -1,4 +1,4 @@
-"""How real a picture looks: the strength of each effect, and presets of them."""
+"""The appearance of rendered pictures: strengths of the effects that make them look real, and presets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from nao_course.geometry import finite
 
-# The strongest effects that can be rendered: beyond them a picture takes minutes, or shows no more than here.
+# Largest strengths. Above them, a picture takes minutes to render, or does not change any more.
 _MOST = {
     **dict.fromkeys(("seams", "gradient", "white_balance", "exposure", "vignette"), 1.0),
     **dict.fromkeys(("grain", "mottle", "noise"), 255.0),
@@ -17,13 +17,13 @@ _MOST = {
     "specks": 200.0,
     "clutter": 5.0,
     "sheets": 5.0,
-    "motion": 5.0,  # the head may turn by 0.5 rad while a picture is read: far more than it ever sways
+    "motion": 5.0,  # rotations of up to 0.5 rad while a picture is read out, far more than a real sway
 }
 _LARGEST_SEED = 2**63 - 1
 
 
 def _strength(name: str, value: float, most: float) -> float:
-    """An effect's strength, as a float from 0 to `most`."""
+    """Return the strength of an effect as a float after checking that it is from 0 to `most`."""
     if isinstance(value, bool | np.bool_ | str):
         raise ValueError(f"Reality: {name} must be a number, got {value!r}")
     strength = finite(f"Reality: {name}", value)
@@ -34,68 +34,68 @@ def _strength(name: str, value: float, most: float) -> float:
 
 
 def _seed(value: Any) -> int:
-    """A room's seed, as an int; 3.0 is one."""
+    """Return the seed of a room as an int after checking it; a float such as 3.0 is allowed."""
     whole = isinstance(value, int | np.integer) or (isinstance(value, float | np.floating) and value % 1 == 0)
     if isinstance(value, bool) or not whole or not 0 <= value <= _LARGEST_SEED:
-        raise ValueError(f"Reality: seed must be a whole number from 0 to 2**63 - 1, got {value!r:.60}")
+        raise ValueError(f"Reality: seed must be an integer from 0 to 2**63 - 1, got {value!r:.60}")
     return int(value)
 
 
 @dataclass(frozen=True)
 class Reality:
-    """How real a picture looks: each effect has a strength, and zero switches it off.
+    """The strengths of the effects that make rendered pictures look real; a strength of 0 turns an effect off.
 
-    The defaults are the preset `lab`, fitted to the real pictures of 2013 (benchmarks/realism).
+    The defaults are the preset `lab`, which was fitted to the real pictures of 2013 (benchmarks/simulator/realism).
 
     Parameters
     ----------
     grain : float
-        Carpet: standard deviation of its brightness from fibre to fibre, in levels of 255.
+        Standard deviation of the carpet's brightness from fibre to fibre, in levels of 255.
     mottle : float
-        Carpet: the same from patch to patch, some decimetres wide.
+        Standard deviation of the carpet's brightness between patches of some decimetres, in levels of 255.
     seams : float
-        Carpet: how open the joints between its strips are, 0 to 1.
+        Visibility of the joints between the carpet's strips, 0 to 1.
     specks : float
-        Carpet: pale and dark specks a square metre.
+        Number of pale and dark specks per square metre of carpet.
     crumbs : float
-        Carpet: clusters of crumbs a square metre.
+        Number of clusters of crumbs per square metre of carpet.
     tape : float
-        Carpet: dark patches of tape a metre along the outer lines.
+        Number of dark patches of tape per metre along the outer lines.
     pile : float
-        Carpet: how much darker and greener it is seen from above than from the side; 1 is a real one.
+        How much darker and greener the carpet is when seen from above instead of from the side; a real carpet has 1.
     glare : float
-        How bright lamps and windows shine back from the ground, as a fraction of full light.
+        Brightness of the reflections of lamps and windows on the ground, as a fraction of full light.
     clutter : float
-        How crowded the room behind the field is; 1 is a laboratory.
+        Amount of furniture behind the field; a laboratory has 1.
     litter : float
-        Things that lie on the carpet beyond the lines, a metre of the outer lines.
+        Number of things on the carpet outside the lines, per metre of the outer lines.
     sheets : float
-        Sheets of paper that lie anywhere on the carpet, a square metre; in no preset but `messy`.
+        Number of sheets of paper per square metre of carpet; only the preset `messy` has any.
     gradient : float
-        How much the light falls off across the field, as a fraction.
+        Decrease of the light across the field, as a fraction.
     white_balance : float
-        Standard deviation of the colour channels' gains from room to room.
+        Standard deviation of the gains of the colour channels between rooms.
     exposure : float
-        How far the camera corrects its exposure so that every picture is equally bright on average; 1 is fully.
+        Degree to which the camera's automatic exposure makes all pictures equally bright; 1 is a full correction.
     overexposure : float
-        How far white lines lie beyond the brightest light the camera can show, as a fraction.
+        Brightness of white lines above the brightest value of the camera, as a fraction.
     vignette : float
-        How much darker the picture's corners are than its middle, as a fraction of lightness.
+        Decrease of the lightness from the centre of a picture to its corners, as a fraction.
     blur : float
-        Of lens and sensor, in units of the real camera's.
+        Blur of lens and sensor relative to the real camera.
     noise : float
-        Standard deviation of the sensor's noise in levels of 255, mean over the channels.
+        Standard deviation of the sensor noise in levels of 255, averaged over the channels.
     motion : float
-        How much the camera shakes in pictures taken while walking, in units of a NAO's.
+        Shaking of the camera in pictures that are taken during a walk, relative to a real NAO.
     seed : int
-        Which room, carpet and lamps; not an effect.
+        Seed of the room, the carpet and the lamps; it is not an effect.
 
     Raises
     ------
     ValueError
-        If a strength is no number, negative, or more than 1 for a fraction (seams, gradient, white_balance, exposure,
-        vignette), 255 for levels (grain, mottle, noise), 5 for clutter, sheets and motion, 200 for specks, and 20
-        for everything else; if the seed is no whole number from 0 to 2**63 - 1.
+        If a strength is not a number, negative or too large. The limits are 1 for fractions (seams, gradient,
+        white_balance, exposure, vignette), 255 for levels (grain, mottle, noise), 5 for clutter, sheets and motion, 200
+        for specks, and 20 for all others. Also if the seed is not an integer from 0 to 2**63 - 1.
     """
 
     grain: float = 8.2
@@ -120,29 +120,29 @@ class Reality:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse what is no strength of an effect, or a stronger one than can be rendered."""
+        """Check the strengths and the seed."""
         for name, most in _MOST.items():
             object.__setattr__(self, name, _strength(name, getattr(self, name), most))
         object.__setattr__(self, "seed", _seed(self.seed))
 
     @classmethod
     def effects(cls) -> tuple[str, ...]:
-        """Names of all effects."""
+        """Return the names of all effects."""
         return tuple(each.name for each in fields(cls) if each.name != "seed")
 
     @classmethod
     def clean(cls, seed: int = 0) -> Reality:
-        """Every effect off."""
+        """Return an appearance without any effects."""
         return cls(**dict.fromkeys(cls.effects(), 0.0), seed=seed)
 
     @classmethod
     def lab(cls, seed: int = 0) -> Reality:
-        """A laboratory like that of the real pictures: the default."""
+        """Return the default appearance: a laboratory similar to the one in the real pictures."""
         return cls(seed=seed)
 
     @classmethod
     def dark(cls, seed: int = 0) -> Reality:
-        """An evening with few lamps: uneven light and a noisy sensor."""
+        """Return the appearance of an evening with few lamps: uneven light and a noisy sensor."""
         return cls(
             gradient=0.6,
             exposure=0.5,
@@ -156,7 +156,7 @@ class Reality:
 
     @classmethod
     def harsh(cls, seed: int = 0) -> Reality:
-        """Sun through the windows of a crowded hall: glare, worn carpet, wrong colours."""
+        """Return the appearance of a crowded hall in bright sun: glare, a worn carpet and wrong colours."""
         return cls(
             glare=0.35,
             gradient=0.35,
@@ -170,5 +170,5 @@ class Reality:
 
     @classmethod
     def messy(cls, seed: int = 0) -> Reality:
-        """A laboratory in the middle of work: paper and robots lie on the carpet, and the room is full."""
+        """Return the appearance of a laboratory during work: paper and robots on the carpet, and a full room."""
         return cls(sheets=0.12, litter=0.8, clutter=1.8, seams=0.8, crumbs=0.6, glare=0.1, seed=seed)

@@ -1,8 +1,8 @@
-"""Pictures of the field with the truth beside them.
+"""Rendering of pictures of the field, with their ground truth.
 
-Every pixel's ray is held against the exact geometry (shapes.py), over a carpet and before a room (carpet.py, room.py).
-Colours are blended by the areas they cover in linear light, as a lens does, and only then given the camera's tone
-curve (light.py).
+The geometry of lines and goals is exact for the ray of each pixel (shapes.py). The carpet and the room behind it are
+textures (carpet.py, room.py). Colours are blended in linear light, in proportion to the areas that they cover, as in a
+real lens; the tone curve of the camera is applied afterwards (light.py).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, finite
 from nao_course.sim.camera import CameraView
 from nao_course.sim.carpet import TEXEL, Wear, carpet_levels
@@ -30,7 +30,7 @@ Labels = npt.NDArray[np.uint8]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 LABELS = ("other", "green", "yellow", "white")
 
-# Colours as the camera shows them (0..255): typical of the real pictures of 2013.
+# Typical colours (0..255) in the real pictures of 2013.
 SHOWN = {
     "carpet": (99, 152, 90),
     "line": (245, 248, 247),
@@ -39,10 +39,10 @@ SHOWN = {
     "floor": (240, 233, 225),
     "wall": (186, 186, 184),
 }
-# The camera's tone curve is not published; a square root is within its plausible range and quick to apply.
+# The tone curve of the camera is not published. A square root is plausible, and fast to compute.
 _LINEAR = (np.arange(256, dtype=np.float32) / 255) ** 2
 COLOURS = {name: _LINEAR[np.array(rgb)] for name, rgb in SHOWN.items()}
-# The floor around the carpet: to which distance (m), how bright. Under the furniture it is dark.
+# Margin (m) around the carpet and brightness of the floor up to there. It is dark below the furniture.
 _FLOOR = ((1.5, 1.0), (1.1, 0.75), (0.8, 0.87), (0.55, 0.95), (0.3, 1.03))
 
 
@@ -54,15 +54,15 @@ class VisibleLandmark:
     Parameters
     ----------
     landmark : Landmark
-        Which one, in the field frame.
+        Landmark, in the field frame.
     pixel : (float, float)
-        Where it is, (u, v).
+        Position (u, v) in the picture, px.
     distance : float
-        Over the ground from the robot, metres.
+        True distance from the robot on the ground, m.
     bearing : float
-        In the robot frame, radians, positive left.
+        True bearing in the robot frame, rad; positive to the left.
     occluded : bool
-        Whether a goal post, or a thing on the carpet, is before it.
+        Whether the landmark is hidden by a goal post or by a thing on the carpet.
     """
 
     landmark: Landmark
@@ -72,7 +72,7 @@ class VisibleLandmark:
     occluded: bool
 
     def __post_init__(self) -> None:
-        """Refuse what is no landmark in a picture."""
+        """Check the values."""
         if not isinstance(self.landmark, Landmark):
             raise ValueError(f"VisibleLandmark: landmark must be a Landmark, got {self.landmark!r}")
         object.__setattr__(self, "occluded", bool(self.occluded))
@@ -84,18 +84,18 @@ class VisibleLandmark:
 
 @dataclass(frozen=True, eq=False)
 class PictureTruth:
-    """What a picture really shows.
+    """The ground truth of a picture.
 
     Parameters
     ----------
     labels : ndarray of uint8, shape (H, W)
-        0 other, 1 green, 2 yellow, 3 white: what covers at least half of the pixel.
+        Class that covers at least half of each pixel: 0 other, 1 green, 2 yellow, 3 white.
     landmarks : tuple of VisibleLandmark
-        Those inside the picture, also the occluded ones.
+        Landmarks inside the picture, including occluded landmarks.
     pose : Pose
-        The robot's, in the world.
+        True pose of the robot in the world frame.
     view : CameraView
-        The camera's true view, with the torso's tilt.
+        True view of the camera, with the body tilt.
     """
 
     labels: npt.NDArray[np.uint8]
@@ -112,35 +112,35 @@ def render(
     rng: np.random.Generator | None = None,
     turning: npt.ArrayLike = (0.0, 0.0, 0.0),
 ) -> tuple[npt.NDArray[np.uint8], PictureTruth]:
-    """Take a picture of a field.
+    """Render a picture of a field.
 
     Parameters
     ----------
     field : Field
-        What stands there.
+        Field to render.
     pose : Pose
-        The robot's pose in the world.
+        True pose of the robot in the world frame.
     view : CameraView
-        The camera's true view from the robot, when the middle row is read.
+        True view of the camera in the robot frame while the middle row is read out.
     reality : Reality, optional
-        How real the picture looks; by default like the laboratory's.
+        Appearance of the picture; by default the preset `lab`.
     rng : numpy.random.Generator, optional
-        Of the sensor's noise; needed unless that is off.
+        Source of the sensor noise; required unless the noise is off.
     turning : array_like, shape (3,)
-        How the camera turns about its own axes (ahead, left, up) from the first row to the last, in rad: rolling
-        shutter, and the blur of the shutter's time.
+        Rotation of the camera about its own axes (ahead, left, up) from the first row to the last, rad. It causes the
+        distortion of a rolling shutter, and motion blur.
 
     Returns
     -------
     pixels : ndarray of uint8, shape (H, W, 3)
-        RGB.
+        RGB picture.
     truth : PictureTruth
-        What it shows; exact also for a turning camera.
+        Ground truth, which is exact also for a rotating camera.
 
     Raises
     ------
     ValueError
-        If the picture needs random numbers and there is no generator.
+        If the noise is on and `rng` is missing.
     """
     reality = Reality() if reality is None else reality
     if reality.noise and rng is None:
@@ -152,21 +152,21 @@ def render(
 
 
 def visible_landmarks(field: Field, pose: Pose, view: CameraView) -> tuple[VisibleLandmark, ...]:
-    """Landmarks of the field that fall inside a picture.
+    """Return the landmarks of the field that are inside a picture.
 
     Parameters
     ----------
     field : Field
-        What stands there.
+        Field with the landmarks.
     pose : Pose
-        The robot's pose in the world.
+        True pose of the robot in the world frame.
     view : CameraView
-        The camera's true view from the robot.
+        True view of the camera in the robot frame.
 
     Returns
     -------
     tuple of VisibleLandmark
-        In the order of ``field.landmarks``.
+        Landmarks in the order of ``field.landmarks``.
     """
     return _visible(field, Eye(_relative(field, pose), view))
 
@@ -178,7 +178,7 @@ def _visible(field: Field, eye: Eye, labels: Labels | None = None) -> tuple[Visi
     inside = eye.view.contains(pixels) & (seen[:, 0] > 1e-6)
     local = eye.seen_from.to_local(positions)
     hidden = _behind_posts(field, positions, eye.ground_position, eye.view.height)
-    if labels is not None:  # only what lies on the carpet makes a landmark's own pixel "other"
+    if labels is not None:  # because a landmark's own pixel has the label "other" only if a thing hides it
         columns, rows = np.clip(np.rint(pixels), 0, np.array(eye.view.size) - 1).astype(int).T
         hidden |= labels[rows, columns] == OTHER
     return tuple(
@@ -194,37 +194,37 @@ def _visible(field: Field, eye: Eye, labels: Labels | None = None) -> tuple[Visi
 
 
 def _relative(field: Field, pose: Pose) -> Pose:
-    """The robot's pose in the field frame, to the nanometre, so that a moved world gives the same bytes."""
+    """Return the pose in the field frame, rounded to nanometres so that a moved world gives identical pictures."""
     relative = (field.pose.inverse() @ pose).as_array()
     return Pose.from_array(np.round(relative, 9))
 
 
 def _behind_posts(field: Field, points: FloatArray, eye: FloatArray, height: float) -> npt.NDArray[np.bool_]:
-    """Whether a post stands on the straight way from the camera to each point on the ground."""
+    """Return for each point on the ground whether a post hides it from the camera."""
     hidden = np.zeros(len(points), dtype=bool)
     radius, top = field.dimensions.post_diameter / 2, field.dimensions.post_height
-    way = points - eye
+    ray = points - eye
     for post in field.posts:
-        along = ((post - eye) * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), 1e-12)
-        beside = np.hypot(*(eye + along[:, None] * way - post).T)
+        along = ((post - eye) * ray).sum(axis=1) / np.maximum((ray**2).sum(axis=1), 1e-12)
+        beside = np.hypot(*(eye + along[:, None] * ray - post).T)
         own = np.hypot(*(points - post).T) <= radius
         below_top = height * (1 - along) <= top
         hidden |= (along > 0) & (along < 1) & (beside < radius) & below_top & ~own
     return hidden
 
 
-# --- from the background forwards ---
+# --- painting, from the background to the front ---
 
 
 def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
-    """Light (H, W, 3) under even lighting, and labels (H, W)."""
+    """Return the linear light (H, W, 3) and the labels (H, W)."""
     picture = _carpet(field, eye, reality)
     mask, rim = eye.large_quad(_rectangle(eye, *field.carpet))
     behind = _room(field, eye, reality, mask)
     under, edge = (_LINEAR[each.reshape(-1, 4)[rim.rim, :3]] for each in (behind, picture))
     cv2.copyTo(behind, 1 - mask[: len(behind)], picture[: len(behind)])
     light = cv2.LUT(cv2.cvtColor(picture, cv2.COLOR_RGBA2RGB), _LINEAR)
-    flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # an inside pixel's mask is 1, the label of green
+    flat, labels = light.reshape(-1, 3), mask.reshape(-1)  # the mask inside is 1, which is the label of green
     flat[rim.rim] = under + rim.area[:, None] * (edge - under)
     labels[rim.rim[rim.area >= 0.5]] = GREEN
     lamps = Lamps(field, eye, reality)
@@ -235,7 +235,7 @@ def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
 
 
 def _room(field: Field, eye: Eye, reality: Reality, carpet: Labels) -> npt.NDArray[np.uint8]:
-    """The picture's upper rows (rows, W, 4), as far down as the carpet does not cover them, without the carpet."""
+    """Paint the room into the upper rows (rows, W, 4) of a picture, as far down as the carpet leaves pixels free."""
     rows = 1 + int(np.flatnonzero(cv2.reduce(carpet, 1, cv2.REDUCE_MIN) == 0).max(initial=0))
     behind = _plain(rows, eye.view.size[0], "wall")
     x0, y0, x1, y1 = field.carpet
@@ -250,14 +250,14 @@ def _room(field: Field, eye: Eye, reality: Reality, carpet: Labels) -> npt.NDArr
 
 
 def _paint_standing(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: Lamps) -> None:
-    """Goals and what lies on the carpet, the farthest first."""
+    """Paint the goals and the things on the carpet, the farthest first."""
     (x0, x1), (y0, y1) = field.x_range, field.y_range
     amount, d = lamps.reality.litter, field.dimensions
     things = scatter((x0, y0, x1, y1), d.border, amount, lamps.reality.seed) if amount else None
-    middles = field.bars[:, :, :2].mean(axis=1)
-    distances = np.hypot(*(middles - eye.ground_position).T)
+    centres = field.bars[:, :, :2].mean(axis=1)
+    distances = np.hypot(*(centres - eye.ground_position).T)
     beyond = np.inf
-    if sheets := lamps.reality.sheets:  # flat, so everything else stands before them
+    if sheets := lamps.reality.sheets:  # flat, so everything else is in front of them
         paper = strew(field.carpet, sheets, lamps.reality.seed)
         _paint_litter(paper, (0.0, np.inf), eye, light, labels, lamps)
     for goal in np.argsort(-distances):
@@ -272,7 +272,7 @@ def _paint_standing(field: Field, eye: Eye, light: Float32, labels: Labels, lamp
 def _paint_litter(
     things: Furniture, between: tuple[float, float], eye: Eye, light: Float32, labels: Labels, lamps: Lamps
 ) -> None:
-    """What lies on the carpet is "other", and hides what is behind it."""
+    """Paint the things on the carpet within a range of distances, with the label "other"."""
     outlines = outlines_in_view(eye, things, between)
     if not outlines:
         return
@@ -298,7 +298,7 @@ def _paint_litter(
 
 
 def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
-    """The carpet's colours (H, W, 4) wherever a ray meets the ground."""
+    """Return the colours (H, W, 4) of an endless carpet."""
     width, height = eye.view.size
     wear = Wear(*(getattr(reality, each.name) for each in fields(Wear)))
     picture = _plain(height, width, "carpet")
@@ -312,8 +312,8 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     x, y = eye.ground_position - field.carpet[:2]
     columns = (ahead * reach + np.float32(x)) / np.float32(TEXEL)
     rows = (left * reach + np.float32(y)) / np.float32(TEXEL)
-    # A pixel covers reach / focal metres across, and more along; but pile stands up, so that its grain shows from
-    # the side too: the copy is chosen hardly coarser than a pixel is across.
+    # A pixel covers reach / focal metres across, and more along. But the fibres stand upright, so their grain is also
+    # visible from the side. The resolution of the texture is therefore hardly coarser than the width of a pixel.
     middle = np.minimum(reach[:, width // 2], 30.0)
     footprint = middle / eye.view.focal[0] * np.maximum(middle / eye.view.height, 1.0) ** 0.33 / TEXEL
     level = np.clip(np.round(np.log2(np.maximum(footprint, 1.0))), 0, len(levels) - 1).astype(int)
@@ -329,7 +329,7 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
 
 
 def _plain(rows: int, columns: int, name: str) -> npt.NDArray[np.uint8]:
-    """A picture (rows, columns, 4) of one colour; filled by whole pixels, which is ten times quicker than by bytes."""
+    """Return a picture (rows, columns, 4) of one colour; whole pixels are filled ten times faster than bytes."""
     colour = np.array([*SHOWN[name], 255], dtype=np.uint8).view(np.uint32)[0]
     return np.full((rows, columns), colour).view(np.uint8).reshape(rows, columns, 4)
 
@@ -358,19 +358,21 @@ def _paint_goal(field: Field, goal: int, eye: Eye, light: Float32, labels: Label
     flat_labels[bare <= 0.5] = YELLOW if colour == "yellow" else WHITE
 
 
-# --- the field's shapes ---
+# --- shapes of the field ---
 
 
 def _rectangle(eye: Eye, x0: float, y0: float, x1: float, y1: float) -> FloatArray:
-    """Corners (4, 3) of a rectangle on the ground, in the camera's axes."""
+    """Return the corners (4, 3) of a rectangle on the ground, in the camera frame."""
     return eye.to_camera([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
 
 
 def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
-    """Every line, mark and circle."""
+    """Yield the shapes of all lines, marks and circles."""
     half = field.dimensions.line_width / 2
     x0, y0, x1, y1 = field.lines.T
-    boxes = [(x0 - half, y0 - half, x1 + half, y1 + half)]  # ends run to the crossing line's far edge
+    boxes = [
+        (x0 - half, y0 - half, x1 + half, y1 + half)
+    ]  # the ends reach to the far edge of the crossing line
     x0, y0, x1, y1 = field.mark_lines.T
     dx, dy = np.where(y0 == y1, 0.0, half), np.where(y0 == y1, half, 0.0)
     boxes.append((x0 - dx, y0 - dy, x1 + dx, y1 + dy))
@@ -388,10 +390,10 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
 
 
 def _goal_shapes(field: Field, goal: int, eye: Eye) -> Iterator[tuple[Covered, Float32, Float32]]:
-    """A goal's bar and posts, the farthest first."""
+    """Yield the crossbar and the posts of a goal, the farthest first."""
     d = field.dimensions
     bar = field.bars[goal]
-    top = d.post_height + d.bar_diameter / 2  # flush with the bar's upper side
+    top = d.post_height + d.bar_diameter / 2  # the posts end at the top of the bar
     solids = [(*eye.to_camera(bar), d.bar_diameter / 2)]
     for x, y, _ in bar:
         solids.append((*eye.to_camera([(x, y, 0.0), (x, y, top)]), d.post_diameter / 2))

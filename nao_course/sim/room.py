@@ -1,6 +1,6 @@
-"""The room around the carpet: painted once on upright planes, like a stage set, and looked up by ray.
+"""The room around the carpet, generated from a seed and painted on upright planes, from which the renderer samples.
 
-It is made from a seed. None of it needs to be exact, for it is all labelled "other".
+The room does not need to be exact, because all of it has the label "other".
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from nao_course.sim.shapes import Eye, Float32
 
 @dataclass(frozen=True, eq=False)
 class Curtain:
-    """A stage set: pieces painted on an upright plane along one side of the carpet.
+    """A texture of walls or furniture on an upright plane along one side of the carpet.
 
     Parameters
     ----------
     start, along, outwards : ndarray, shape (2,)
-        Its left end seen from outside, and the unit directions along it and away from the carpet; field frame.
+        Left end of the plane as seen from outside, m, and unit vectors along the plane and away from the carpet; field
+        frame.
     paint : tuple of ndarray of uint8, shape (rows, columns, 4)
-        Colours times the area they cover, from the upper edge down; the fourth channel is idle. Then the same at
-        half the size, for a look from afar.
+        Texture of colours times the covered area, from the top down, and the same at half the size for large
+        distances. The fourth channel is unused.
     shows : tuple of ndarray of uint8, shape (rows, columns, 4)
-        How much of what is behind shows through: 255 is all.
+        Transparency at both sizes; 255 is fully transparent.
     """
 
     start: FloatArray
@@ -40,21 +41,20 @@ class Curtain:
     shows: tuple[Bytes, Bytes]
 
 
-_PIXEL = 0.008  # metres a curtain's pixel is wide
-_TOP, _BOTTOM = 2.2, -0.06  # metres above the ground; below it, shadows fall
-_CURTAINS = (0.8, 0.3)  # metres behind the carpet at which pieces are painted, farthest first
-_EVERY = 8  # pixels between those whose rays are computed
-_GRAZING = np.float32(0.02)  # a curtain seen at a smaller slope is not seen
-_DEPTH = (
-    0.16  # what lies a metre farther back is painted so much higher, as from a NAO's eyes three metres off
-)
+_PIXEL = 0.008  # m: width of a texture's pixel
+_TOP, _BOTTOM = 2.2, -0.06  # m above the ground; the part below the ground is for shadows
+_CURTAINS = (0.8, 0.3)  # m behind the carpet: distances of the planes with furniture, the farthest first
+_EVERY = 8  # px: spacing of the rays that are computed
+_GRAZING = np.float32(0.02)  # a plane that is seen at a smaller angle (rad) is skipped
+# m of height per m of depth: a thing farther back is painted higher, as a NAO sees it from three metres away.
+_DEPTH = 0.16
 
 
 @lru_cache(maxsize=4)
 def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
-    """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); `amount` 1 is a crowded laboratory.
+    """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); an `amount` of 1 is a full laboratory.
 
-    Curtains come in the order in which they are to be painted.
+    The curtains are returned in the order in which they must be painted.
     """
     rng = np.random.default_rng([seed, 2])
     texture = 0.6 * cloud((600, 600), 0.25, rng) + 0.5 * cloud((600, 600), 0.05, rng)
@@ -68,7 +68,7 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
         canvas.add(things)
         walls.append(canvas.done())
         pieces = [Workshop(rng) for _ in _CURTAINS]
-        crowd = rng.choice([0.2, 0.5, 1.1, 2.4])  # some sides are nearly free, others dark with things
+        crowd = rng.choice([0.2, 0.5, 1.1, 2.4])  # some sides are nearly empty, others full
         for _ in range(rng.poisson(3.0 * crowd * amount * length)):
             build, between = choose_piece(rng)
             away = rng.uniform(*between)
@@ -85,7 +85,7 @@ def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
 
 
 class _Canvas:
-    """Paints polygons of a room on a curtain, shaded, with the shadows at their feet."""
+    """A curtain that is being painted with shaded polygons and their shadows."""
 
     def __init__(
         self,
@@ -102,7 +102,7 @@ class _Canvas:
         self.covered = np.zeros(shape, dtype=np.float32)
 
     def fill(self, colour: npt.ArrayLike) -> None:
-        """Cover everything, with light that fades towards the floor and to the sides."""
+        """Fill the curtain with a colour that is darker towards the floor and varies along the wall."""
         rows, columns = self.covered.shape
         fading = np.linspace(1.1, 0.95, rows, dtype=np.float32)[:, None]
         waves = cv2.resize(
@@ -131,7 +131,7 @@ class _Canvas:
             self._shape(outlines[i], furniture.colours[i])
 
     def _shadow(self, points: FloatArray) -> None:
-        """Darken the floor, and what stands behind, around a piece's foot."""
+        """Darken the surroundings of the foot of a piece."""
         low, high = points.min(axis=0), points.max(axis=0)
         half = (high[0] - low[0]) / 2 + 6
         middle, foot = (low[0] + high[0]) / 2, min(high[1], _TOP / _PIXEL)
@@ -147,7 +147,7 @@ class _Canvas:
         self._blend(part, depth.astype(np.float32), np.zeros(3, dtype=np.float32))
 
     def _shape(self, outline: FloatArray, colour: Bytes) -> None:
-        """Paint one polygon: lighter above, darker to one side, rounded if it has no corners, and never quite even."""
+        """Paint a polygon with a random shade, a rough surface, and rounded edges if it has many corners."""
         found = self._window(outline.min(axis=0) - 1, outline.max(axis=0) + 2)
         if found is None:
             return
@@ -169,7 +169,7 @@ class _Canvas:
     def _window(
         self, low: FloatArray, high: FloatArray
     ) -> tuple[tuple[int, int, int, int], tuple[slice, slice]] | None:
-        """Whole pixels between two corners, as far as they are on the canvas: x0, y0, x1, y1 and the slices."""
+        """Return the pixels between two corners that are on the canvas, as (x0, y0, x1, y1) and as slices."""
         rows, columns = self.covered.shape
         x0, y0 = np.maximum(np.floor(low), 0).astype(int).tolist()
         x1, y1 = np.minimum(np.ceil(high), (columns, rows)).astype(int).tolist()
@@ -181,7 +181,7 @@ class _Canvas:
         covered += area * (1 - covered)
 
     def done(self) -> Curtain:
-        """Return the curtain."""
+        """Return the finished curtain."""
         shows = np.repeat(cv2.convertScaleAbs(1 - self.covered, alpha=255)[..., None], 4, axis=2)
         paint = with_fourth(cv2.convertScaleAbs(self.paint))
         (paint, paint_half), (shows, shows_half) = ((each, halved(each)) for each in (paint, shows))
@@ -189,7 +189,7 @@ class _Canvas:
 
 
 def _with_rim(grid: Float32) -> Float32:
-    """Continue a grid (3, h, w) by one point on each side, linearly."""
+    """Extend a grid (3, h, w) by one linearly extrapolated point on each side."""
     for axis in (1, 2):
         n = grid.shape[axis]
         first, second, before, last = (
@@ -202,7 +202,7 @@ def _with_rim(grid: Float32) -> Float32:
 def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> None:
     """Paint a room over the upper rows of a picture (rows, W, 4).
 
-    Where a ray meets a curtain is found for every 8th pixel, and beyond the picture's rim, and between them linearly.
+    The points where rays meet a curtain are computed for every 8th pixel, and interpolated linearly between them.
     """
     rays = _with_rim(eye.field_rays(_EVERY))
     for curtain in curtains:

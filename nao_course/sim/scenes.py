@@ -1,4 +1,4 @@
-"""Standard sets of pictures with truth, to tune a detector on and to report what it does: made, not stored."""
+"""Standard sets of rendered pictures with ground truth, for tuning detectors and for reporting their results."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from nao_course.sim.render import PictureTruth, render, visible_landmarks
 SceneSet = Literal["tune", "report", "whole_tune", "whole"]
 
 _SCENES = 30  # as many as the seed paper's "random locations on the soccer field"
-_ROOMS = 5  # of each set
+_ROOMS = 5  # different rooms in each set
 _WHOLE_SCENES, _WHOLE_ROOMS, _FIRST_WHOLE_ROOM = 60, 10, 10**9
-# The real pictures' head was told -31 degrees, but they look 6.4 degrees lower than that.
+# The head of the real pictures' robot was commanded to -31 degrees, but the pictures look 6.4 degrees lower.
 _HEAD_PITCH, _PITCH_SPREAD = np.radians(-31.0 + 6.4), np.radians(1.0)
-_REACH = 4.0  # metres: a picture must show a corner or post no farther than this
+_REACH = 4.0  # m: each picture of half a field shows a corner or post within this distance
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A picture taken somewhere on the field.
+    """A picture from a random place on the field, with its ground truth.
 
     Parameters
     ----------
     pixels : ndarray of uint8, shape (H, W, 3)
-        RGB.
+        RGB picture.
     view : CameraView
-        What the robot believes of its camera: it does not know how its body leaned.
+        Assumed view of the camera. It differs from the true view, because the robot does not know its body tilt.
     truth : PictureTruth
-        What the picture really shows, and from where.
+        Ground truth of the picture, with the true pose and view.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -44,7 +44,7 @@ class Scene:
     truth: PictureTruth
 
     def __repr__(self) -> str:
-        """Name the scene, not its pixels."""
+        """Show the size and the pose."""
         width, height = self.view.size
         return f"Scene({width} x {height}, {self.truth.pose})"
 
@@ -52,31 +52,32 @@ class Scene:
 def standard_scenes(
     which: SceneSet, size: tuple[int, int] = (320, 240), reality: Reality | None = None
 ) -> tuple[Scene, ...]:
-    """Make one of the standard sets: pictures from random places on a field of 2012.
+    """Render one of the standard sets of pictures from random places on a field of 2012.
 
-    "tune" and "report" are 30 pictures each of half a field, and each shows a corner or a post near by. "whole_tune"
-    and "whole" are 60 each from anywhere on a whole field to anywhere, with paper on the carpet and a full room behind
-    it: a corner is as far away as it may be, and many pictures show none.
+    The sets "tune" and "report" have 30 pictures of half a field, and each of them shows a corner or a post nearby. The
+    sets "whole_tune" and "whole" have 60 pictures in all directions from anywhere on a whole field, with paper on the
+    carpet and a full room behind it. Their corners may be far away, and many of the pictures show no corner.
 
     Parameters
     ----------
     which : "tune", "report", "whole_tune" or "whole"
-        Tune parameters on the one, report results on the other: no two share a place or a room.
+        Name of the set. Use one set for tuning parameters and the other one for reporting results. They share no
+        places and no rooms.
     size : (int, int)
-        Width and height of the pictures; their places do not depend on it.
+        Width and height of the pictures, px. The places do not depend on it.
     reality : Reality, optional
-        How real they look; by default like the laboratory's, those of the whole field as `Reality.messy`. Its seed
-        chooses other rooms and places.
+        Appearance of the pictures; by default `Reality.lab`, and `Reality.messy` for the whole field. Its seed selects
+        other rooms and places.
 
     Returns
     -------
     tuple of Scene
-        The same at every call.
+        Pictures, which are the same at every call.
 
     Raises
     ------
     ValueError
-        If there is no such set.
+        If the name of the set is unknown.
     """
     number = _WHOLE_SCENES if which in ("whole_tune", "whole") else _SCENES
     return tuple(standard_scene(which, i, size, reality) for i in range(number))
@@ -85,7 +86,7 @@ def standard_scenes(
 def standard_scene(
     which: SceneSet, number: int, size: tuple[int, int] = (320, 240), reality: Reality | None = None
 ) -> Scene:
-    """Make one picture of a standard set, for who does not need all at once; `number` counts from 0.
+    """Render a single picture of a standard set; `number` counts from 0.
 
     Examples
     --------
@@ -93,7 +94,9 @@ def standard_scene(
     (48, 64, 3)
     """
     if which not in get_args(SceneSet):
-        raise ValueError(f'which set of scenes? "tune", "report", "whole_tune" or "whole", got {which!r}')
+        raise ValueError(
+            f'the set of scenes must be "tune", "report", "whole_tune" or "whole", got {which!r}'
+        )
     second = which in ("report", "whole")
     if which in ("tune", "report"):
         reality, take, scenes, rooms, first_room = reality or Reality(), random_scene, _SCENES, _ROOMS, 0
@@ -106,65 +109,65 @@ def standard_scene(
 
 
 def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
-    """Take a picture of some place on half a field of 2012 from another; it shows a corner or a post.
+    """Render a picture from one random place on half a field of 2012 to another, with a corner or a post in it.
 
     Parameters
     ----------
     size : (int, int)
-        Width and height.
+        Width and height of the picture, px.
     reality : Reality
-        How real it looks, and which room.
+        Appearance of the picture, and its room.
     rng : numpy.random.Generator
-        Where from and where to.
+        Source of both places.
 
     Returns
     -------
     Scene
-        With its truth.
+        Picture with its ground truth.
     """
     field = Field(2012)
     while True:
         (x, y), towards = rng.uniform((0.0, -1.9), (2.9, 1.9), (2, 2))
         yaw = rng.uniform(-0.5, 0.5)
         pose = Pose(x, y, float(np.arctan2(*(towards - (x, y))[::-1])) - yaw)
-        believed, true = _views(yaw, size, rng)
+        assumed, true = _views(yaw, size, rng)
         if _shows_something(field, pose, true):
             pixels, truth = render(field, pose, true, reality, rng)
-            return Scene(pixels, believed, truth)
+            return Scene(pixels, assumed, truth)
 
 
 def whole_field_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
-    """Take a picture from any place on a whole field of 2012 to any side, whatever it shows.
+    """Render a picture from a random place on a whole field of 2012 in a random direction.
 
     Parameters
     ----------
     size : (int, int)
-        Width and height.
+        Width and height of the picture, px.
     reality : Reality
-        How real it looks, and which room.
+        Appearance of the picture, and its room.
     rng : numpy.random.Generator
-        Where from and where to.
+        Source of the place and the direction.
 
     Returns
     -------
     Scene
-        With its truth.
+        Picture with its ground truth.
     """
     x, y, heading, yaw = rng.uniform((-2.9, -1.9, -np.pi, -0.5), (2.9, 1.9, np.pi, 0.5))
-    believed, true = _views(yaw, size, rng)
+    assumed, true = _views(yaw, size, rng)
     pixels, truth = render(Field(2012, half=False), Pose(x, y, heading), true, reality, rng)
-    return Scene(pixels, believed, truth)
+    return Scene(pixels, assumed, truth)
 
 
 def _views(yaw: float, size: tuple[int, int], rng: np.random.Generator) -> tuple[CameraView, CameraView]:
-    """The view that a robot believes in with its head turned by `yaw` (rad), and the true one: its body leans."""
-    lean = TorsoTilt()
+    """Return the assumed and the true view, with a random body tilt, if the head is turned by `yaw` (rad)."""
+    tilt = TorsoTilt()
     pitch = rng.normal(_HEAD_PITCH, _PITCH_SPREAD)
-    torso_pitch, torso_roll = rng.normal(0.0, (lean.pitch, lean.roll))
-    believed = NAO_V4.view("bottom", yaw, pitch, size)
-    return believed, NAO_V4.view("bottom", yaw, pitch, size, torso_pitch=torso_pitch, torso_roll=torso_roll)
+    torso_pitch, torso_roll = rng.normal(0.0, (tilt.pitch, tilt.roll))
+    assumed = NAO_V4.view("bottom", yaw, pitch, size)
+    return assumed, NAO_V4.view("bottom", yaw, pitch, size, torso_pitch=torso_pitch, torso_roll=torso_roll)
 
 
 def _shows_something(field: Field, pose: Pose, view: CameraView) -> bool:
     seen = visible_landmarks(field, pose, view)
-    return any(mark.landmark.kind != "cross" and mark.distance < _REACH for mark in seen)
+    return any(mark.landmark.detected_as is not None and mark.distance < _REACH for mark in seen)

@@ -1,8 +1,9 @@
-"""How much of each pixel a shape covers: exact areas, found from the edges and not by sampling.
+"""Exact areas that shapes cover in each pixel, computed from the shapes' edges without sampling.
 
-A line on the carpet is a rectangle, a post a cylinder. Seen from the camera their edges are planes and cones
-through the camera's centre, so that a pixel's ray has a signed distance to each, and the area of a unit square
-cut by a straight edge has a formula. Only pixels near an edge are computed; the inside is filled.
+A line on the carpet is a rectangle, and a post is a cylinder. As seen from the camera, their edges are planes and cones
+through the centre of the camera. The ray of a pixel therefore has a signed distance to each edge, and the area of a
+unit square that is cut by a straight edge has a closed form. Only pixels near an edge are computed; the inside is
+filled.
 """
 
 from __future__ import annotations
@@ -21,22 +22,22 @@ from nao_course.sim.camera import CameraView
 Float32 = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.intp]
 
-_EDGE_PIECES = 12  # pieces a straight edge is cut into, to follow the lens
+_EDGE_PIECES = 12  # segments of a straight edge, which the lens bends
 _INSIDE, _RIM = 1, 2
 
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """How much of which pixels a shape covers.
+    """The pixels that a shape covers.
 
     Parameters
     ----------
     inside : ndarray of int, shape (K,)
-        Flat indices of pixels that lie wholly inside.
+        Flat indices of the pixels that are covered completely.
     rim : ndarray of int, shape (M,)
-        Flat indices of pixels near the edge.
+        Flat indices of the pixels near the edge.
     area : ndarray of float32, shape (M,)
-        How much of each rim pixel is covered, 0 to 1.
+        Covered area of each rim pixel, 0 to 1.
     """
 
     inside: Indices
@@ -44,14 +45,14 @@ class Covered:
     area: Float32
 
     def add_to(self, uncovered: Float32) -> None:
-        """Multiply what is still uncovered (H * W,) by what this shape leaves of it."""
+        """Multiply the uncovered areas (H * W,) by the areas that this shape leaves uncovered."""
         uncovered[self.inside] = 0
         uncovered[self.rim] *= 1 - self.area
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Rays (1, -right, -down) of every pixel's middle, flat (H * W,), and how they change from pixel to pixel."""
+    """Rays (1, -right, -down) through the centres of all pixels, flat (H * W,), and their derivatives."""
 
     right: Float32
     down: Float32
@@ -67,7 +68,7 @@ def flat32(array: FloatArray) -> Float32:
 
 
 def _turned(grid: Grid, size: tuple[int, int], turning: FloatArray) -> Grid:
-    """Rays of a camera that turns by small angles (3,) while its rows are read."""
+    """Return the rays of a camera that rotates by small angles (3,) while its rows are read out."""
     width, height = size
     about_ahead, about_left, about_up = turning.astype(np.float32)
     left, up = -grid.right.reshape(height, width), -grid.down.reshape(height, width)
@@ -76,18 +77,21 @@ def _turned(grid: Grid, size: tuple[int, int], turning: FloatArray) -> Grid:
     right = -(left + when * (about_up - about_ahead * up)) / ahead
     down = -(up + when * (about_ahead * left - about_left)) / ahead
 
-    def slope(a: Float32, axis: int) -> FloatArray:
+    def derivative(a: Float32, axis: int) -> FloatArray:
         return np.asarray(np.gradient(a, axis=axis)) if a.shape[axis] > 1 else np.zeros_like(a)
 
-    parts = (right, down, slope(right, 1), slope(right, 0), slope(down, 1), slope(down, 0))
+    parts = (
+        *(right, down),
+        *(derivative(right, 1), derivative(right, 0), derivative(down, 1), derivative(down, 0)),
+    )
     return Grid(*(flat32(part) for part in parts))
 
 
 @lru_cache(maxsize=6)
 def _lens_grid(lens: CameraView) -> Grid:
-    """Rays of a camera at rest; `lens` has a fixed place and direction, so only size, view and lens matter."""
+    """Return the rays of a camera at rest; `lens` has a standard position and angles, so that the cache is shared."""
     width, height = lens.size
-    # One pixel more on each side, for the differences.
+    # The differences need one more pixel on each side.
     u, v = np.meshgrid(np.arange(-1.0, width + 1), np.arange(-1.0, height + 1))
     flat = (lens.undistort(np.column_stack([u.ravel(), v.ravel()])) - lens.centre) / lens.focal
     right, down = (flat[:, i].reshape(height + 2, width + 2) for i in (0, 1))
@@ -102,23 +106,23 @@ def _lens_grid(lens: CameraView) -> Grid:
 
 
 def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
-    """Area of unit squares on the positive side of straight edges.
+    """Return the area of unit squares on the positive side of straight edges.
 
     Parameters
     ----------
     distance : ndarray of float32, shape (N,)
-        A linear function's value at each square's middle.
+        Value of a linear function at the centre of each square.
     along_u, along_v : ndarray of float32, shape (N,)
-        Its gradient.
+        Gradient of the function.
 
     Returns
     -------
     ndarray of float32, shape (N,)
-        The integral of a clipped ramp, written with that ramp's antiderivative.
+        Area where the function is positive, computed as the integral of a clipped ramp.
     """
     u, v = np.abs(along_u), np.abs(along_v)
     steep = np.maximum(np.maximum(u, v), np.float32(1e-20))
-    level = np.float32(0.01)  # an edge that rises less than this across a pixel is level: no difference
+    level = np.float32(0.01)  # smaller gradients give the same area, and would divide by 0
     half = np.asarray(np.maximum(np.minimum(u, v) / steep, level) / 2, dtype=np.float32)
     middle = np.asarray(np.clip(distance / steep, -2, 2) + 0.5, dtype=np.float32)
 
@@ -130,21 +134,21 @@ def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32
 
 
 class Eye:
-    """A camera somewhere on a field, and what shapes look like from there.
+    """A camera at a pose on a field, which computes the pixels that shapes cover.
 
     Parameters
     ----------
     seen_from : Pose
-        The robot's pose in the field frame.
+        Pose of the robot in the field frame.
     view : CameraView
-        The camera's true view when the middle row is read.
+        True view of the camera while the middle row is read out.
     turning : array_like, shape (3,), optional
-        How the camera turns meanwhile, about its own axes (ahead, left, up), in radians for the time from the
-        first row to the last: a rolling shutter sees each row from another direction.
+        Rotation of the camera about its own axes (ahead, left, up) from the first row to the last, rad. With a rolling
+        shutter, each row then has another direction.
     """
 
     def __init__(self, seen_from: Pose, view: CameraView, turning: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        """Look up, or compute, the camera's rays."""
+        """Compute the rays of the camera, or take them from the cache."""
         self.seen_from, self.view = seen_from, view
         self.turning = np.asarray(turning, dtype=float)
         if self.turning.shape != (3,) or not (np.abs(self.turning) <= 0.5).all():
@@ -157,13 +161,13 @@ class Eye:
 
     @property
     def ground_position(self) -> FloatArray:
-        """The point (2,) of the ground below the camera, in the field frame."""
+        """Point (2,) on the ground below the camera, in the field frame, m."""
         return self.seen_from.to_parent([self.view.offset])[0]
 
     def field_rays(self, every: int = 1) -> Float32:
-        """Directions (3, rows, columns) of the pixels' rays in the field frame, of the middle of every n by n."""
+        """Return the directions (3, rows, columns), in the field frame, of the rays through every n-th pixel."""
         width, height = self.view.size
-        some = np.ix_(middles(height, every), middles(width, every))
+        some = np.ix_(centre_pixels(height, every), centre_pixels(width, every))
         right, down = (a.reshape(height, width)[some] for a in (self.grid.right, self.grid.down))
         c, s = np.cos(self.seen_from.theta), np.sin(self.seen_from.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self.view.rotation
@@ -171,34 +175,34 @@ class Eye:
         return np.stack([ahead[i] - left[i] * right - up[i] * down for i in range(3)])
 
     def to_camera(self, points: npt.ArrayLike) -> FloatArray:
-        """Points (..., 3) of the field frame in the camera's axes (ahead, left, up), in metres."""
+        """Transform points (..., 3) from the field frame to the camera frame (ahead, left, up), m."""
         array = np.asarray(points, dtype=float)
         flat = array.reshape(-1, 3)
         robot = np.column_stack([self.seen_from.to_local(flat[:, :2]), flat[:, 2]])
         return np.asarray((robot - self.view.position) @ self.view.rotation).reshape(array.shape)
 
-    # --- outlines: which pixels to look at ---
+    # --- outlines ---
 
     def _clip_planes(self) -> FloatArray:
-        """Half-spaces n . p >= 0 that bound the view and a little more, where the lens model holds."""
+        """Return half-spaces n . p >= 0 that bound the view with a small margin, where the lens model is valid."""
         width, height = self.view.size
         corner = self.view.undistort([[width + 3.0, height + 3.0]])[0]
         reach = (corner - self.view.centre) / self.view.focal
         reach = np.where(np.isfinite(reach), reach, self.view.lens_limit / np.sqrt(2))
-        # A turning camera sees more to the sides.
+        # A rotating camera sees a larger region.
         a, b = reach + (1 + reach**2) * np.abs(self.turning).sum() / 2
         return np.array([[1, 0, 0], [a, 1, 0], [a, -1, 0], [b, 0, 1], [b, 0, -1]], dtype=float)
 
     def reached(
         self, points: FloatArray, starts: Indices
     ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Whether each polygon may be in view, and whether it wholly is; its points (N, 3) begin at `starts` (P,)."""
+        """Return for each polygon, with points (N, 3) from `starts` (P,), whether it may be in view, or wholly is."""
         heights = points @ self._planes.T
         highest, lowest = (each.reduceat(heights, starts) for each in (np.maximum, np.minimum))
         return np.all(highest >= 0, axis=1), np.all(lowest >= 0, axis=1) & (lowest[:, 0] > 0.05)
 
     def outlines(self, polygons: Iterable[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
-        """Outlines in whole pixels of convex polygons (N, 3) in the camera's axes; None for one out of view."""
+        """Return outlines in integer pixels of convex polygons (N, 3) in the camera frame; None if out of view."""
         paths, owners = [], []
         steps = np.linspace(0, 1, _EDGE_PIECES, endpoint=False)[:, None]
         shapes = list(polygons)
@@ -206,7 +210,7 @@ class Eye:
             clipped = clip_polygon(polygon, self._planes)
             if len(clipped) < 3:
                 continue
-            if len(clipped) > 2 * _EDGE_PIECES:  # a circle: fine enough already
+            if len(clipped) > 2 * _EDGE_PIECES:  # a circle already has enough points
                 path = clipped
             else:
                 ahead = np.roll(clipped, -1, axis=0)
@@ -224,10 +228,10 @@ class Eye:
         return found
 
     def pixels(self, points: FloatArray) -> FloatArray:
-        """Pixels (N, 2) of points (N, 3) in the camera's axes; behind the camera they are far outside."""
+        """Project points (N, 3) of the camera frame to pixels (N, 2), far outside for points behind the camera."""
         uv = self._still_pixels(points)
         if self.turning.any():
-            for _ in range(3):  # the row says when it was read, and that says where the camera looked
+            for _ in range(3):  # the time depends on the row, and the row on the rotation at that time
                 when = (uv[:, 1:] - self.view.centre[1]) / max(self.view.size[1] - 1, 1)
                 uv = self._still_pixels(points - np.cross(np.clip(when, -1, 1) * self.turning, points))
         return uv
@@ -240,7 +244,7 @@ class Eye:
     def _regions(
         self, filled: Sequence[npt.NDArray[np.int32]], holes: Sequence[npt.NDArray[np.int32]] = ()
     ) -> tuple[Indices, Indices]:
-        """Flat indices of the pixels inside outlines (and outside of holes), and of those on the rims."""
+        """Return flat indices of the pixels inside outlines but outside of holes, and of the pixels on the rims."""
         width, height = self.view.size
         nothing = np.empty(0, dtype=np.intp)
         if not filled:
@@ -267,9 +271,9 @@ class Eye:
     # --- exact areas ---
 
     def side(self, normals: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
-        """Area of pixels on the positive side of planes through the camera's centre.
+        """Return the area of pixels on the positive side of planes through the centre of the camera.
 
-        One plane (3,) for all pixels, or planes (N, 3) with the plane's number for each pixel.
+        `normals` is one plane (3,) for all pixels, or planes (N, 3), of which `owner` contains an index for each pixel.
         """
         scale = np.maximum(np.hypot(normals[..., 1:2], normals[..., 2:3]), 1e-12)
         ahead, left, up = np.asarray(normals / scale, dtype=np.float32).T
@@ -282,38 +286,38 @@ class Eye:
         return cut_square(value, du, dv)
 
     def quad_area(self, corners: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
-        """Area of pixels inside quadrilaterals (N, 4, 3) of the camera's axes, given in order around each."""
+        """Return the area of pixels inside quadrilaterals (N, 4, 3) of the camera frame, with corners in order."""
         normals = np.cross(corners, np.roll(corners, -1, axis=1))
         facing = np.sign((normals[:, 0] * corners[:, 2]).sum(axis=1))
         normals *= np.where(facing == 0, 1, facing)[:, None, None]
         owner = np.zeros(len(pixels), dtype=np.intp) if owner is None else owner
         first, second, third, fourth = (self.side(normals[:, i], pixels, owner) for i in range(4))
-        # Opposite edges may cut the same pixel: a thin strip is one side less what the other leaves out.
+        # Two opposite edges may cut the same pixel. The area between them is the sum of both areas minus 1.
         return np.maximum(first + third - 1, 0) * np.maximum(second + fourth - 1, 0)
 
     def quads(self, corners: FloatArray) -> Iterator[Covered]:
-        """Pixels covered by each quadrilateral (N, 4, 3) of the camera's axes that is in view."""
+        """Yield the covered pixels of each quadrilateral (N, 4, 3) of the camera frame that is in view."""
         visible = [(i, o) for i, o in enumerate(self.outlines(corners)) if o is not None]
         regions = [self._regions([outline]) for _, outline in visible]
         if not regions:
             return
         pixels = np.concatenate([rim for _, rim in regions])
         owner = np.repeat([i for i, _ in visible], [len(rim) for _, rim in regions])
-        area = self.quad_area(corners, pixels, owner)  # all at once: the overhead is in the calls
+        area = self.quad_area(corners, pixels, owner)  # all at once, because each call has an overhead
         start = 0
         for inside, rim in regions:
             yield Covered(inside, rim, area[start : start + len(rim)])
             start += len(rim)
 
     def large_quad(self, corners: FloatArray) -> tuple[npt.NDArray[np.uint8], Covered]:
-        """Pixels covered by a quadrilateral (4, 3) that may fill the picture.
+        """Return the pixels covered by a quadrilateral (4, 3) that may fill the picture.
 
         Returns
         -------
         mask : ndarray of uint8, shape (H, W)
-            Not 0 where a pixel lies wholly inside.
+            Not 0 for pixels that are wholly inside.
         rim : Covered
-            The rest; its `inside` is empty.
+            Pixels at the rim; `inside` is empty.
         """
         outline = self.outlines([corners])[0]
         mask = np.zeros(self.view.size[::-1], dtype=np.uint8)
@@ -326,7 +330,7 @@ class Eye:
         return mask, Covered(np.empty(0, dtype=np.intp), rim, area)
 
     def disc_area(self, centre: FloatArray, normal: FloatArray, radius: float, pixels: Indices) -> Float32:
-        """Area of pixels inside a flat disc; `centre` and unit `normal` (3,) in the camera's axes."""
+        """Return the area of pixels inside a flat disc; `centre` and unit `normal` are in the camera frame."""
         g = self.grid
         right, down = g.right[pixels].astype(float), g.down[pixels].astype(float)
         depth = float(normal @ centre)
@@ -334,7 +338,7 @@ class Eye:
         def away(
             slope: FloatArray, ahead: FloatArray | float, right: FloatArray, down: FloatArray
         ) -> list[FloatArray]:
-            """From the disc's centre to where the ray meets its plane, times normal . ray."""
+            """Return the vector from the disc's centre to the ray's point on its plane, times normal . ray."""
             rays = (ahead, -right, -down)
             return [
                 np.asarray(depth * ray - slope * middle) for ray, middle in zip(rays, centre, strict=True)
@@ -360,7 +364,7 @@ class Eye:
     def ring(
         self, centre: FloatArray, up: FloatArray, radii: tuple[float, float], half: FloatArray | None
     ) -> Covered:
-        """Pixels of a flat ring between two radii, or of its half on the positive side of a plane (3,)."""
+        """Return the pixels of a flat ring between two radii, or of its half on the positive side of a plane (3,)."""
         outer, inner = (self._round(centre, up, radius, half) for radius in (max(radii), min(radii)))
         filled, holes = self.outlines([outer]), self.outlines([inner])
         inside, rim = self._regions([o for o in filled if o is not None], [o for o in holes if o is not None])
@@ -371,21 +375,21 @@ class Eye:
 
     @staticmethod
     def _round(centre: FloatArray, up: FloatArray, radius: float, half: FloatArray | None) -> FloatArray:
-        """Circle about an axis as a polygon (N, 3), or its half; all in the camera's axes."""
+        """Return a circle about an axis, or half of it, as a polygon (N, 3) in the camera frame."""
         points = circle_points(centre, up, radius, 96)
         return points if half is None else clip_polygon(points, half[None])
 
     def cylinder(self, start: FloatArray, end: FloatArray, radius: float) -> tuple[Covered, Float32, Float32]:
-        """Pixels covered by a solid cylinder, and how squarely its surface faces the camera (inside, rim; 0 to 1)."""
+        """Return the pixels covered by a cylinder, and how directly its surface faces the camera (0 to 1)."""
         nothing = Covered(*self._regions([]), np.empty(0, dtype=np.float32))
         axis = (end - start) / np.linalg.norm(end - start)
-        across = -start + (start @ axis) * axis  # from the axis to the camera, at right angles
+        across = -start + (start @ axis) * axis  # perpendicular from the axis to the camera
         distance = float(np.linalg.norm(across))
         if distance <= radius:
-            return nothing, nothing.area, nothing.area  # the camera is inside: nothing to see
+            return nothing, nothing.area, nothing.area  # the camera is inside the cylinder
         towards = across / distance
         aside = np.cross(axis, towards)
-        # The planes from the camera that touch the cylinder meet it here.
+        # The tangent planes through the camera touch the cylinder here.
         reach, wide = radius**2 / distance, radius * np.sqrt(1 - (radius / distance) ** 2)
         left, right = (reach * towards + s * wide * aside for s in (1, -1))
         corners = np.array([start + left, end + left, end + right, start + right])
@@ -405,13 +409,13 @@ class Eye:
         return Covered(inside, rim, area), facing(inside), facing(rim)
 
 
-def middles(pixels: int, every: int) -> Indices:
-    """Middles of every so many of a row of pixels, the last ones' too."""
+def centre_pixels(pixels: int, every: int) -> Indices:
+    """Return the central pixel of each group of `every` pixels in a row, including the last, incomplete group."""
     return np.minimum(np.arange(every // 2, pixels + every // 2, every), pixels - 1)
 
 
 def circle_points(centre: FloatArray, axis: FloatArray, radius: float, count: int) -> FloatArray:
-    """Points (count, 3) on a circle about a unit axis (3,)."""
+    """Return points (count, 3) on a circle about a unit axis (3,)."""
     first = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.9 else [0.0, 1.0, 0.0])
     first /= np.linalg.norm(first)
     second = np.cross(axis, first)

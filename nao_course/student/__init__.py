@@ -1,4 +1,4 @@
-"""The student's side of the course: their own functions, the robot that they drive, and how far they are."""
+"""The student's side of the course: their own functions, their robot, and their progress."""
 
 from nao_course.student.notebooks import earlier, functions
 from nao_course.student.overview import progress
@@ -9,5 +9,5 @@ __all__ = ["earlier", "functions", "my_nao", "progress", "so_far"]
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names, so that tab completion omits the modules."""
     return __all__

@@ -1,4 +1,4 @@
-"""The student's own functions, from their own earlier notebooks."""
+"""The student's own functions from earlier notebooks."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from functools import lru_cache
+from html import escape
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -23,8 +24,8 @@ from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
 from nao_course.student import verdicts
 
-SECONDS = 20.0  # wall clock of loading a notebook
-GLANCE = 0.9  # s: who has no more than this on a busy machine may not speak of endless loops
+SECONDS = 20.0  # wall clock for loading a notebook
+SHORT_TIME = 0.9  # s: a notebook that takes longer than this is not suspected of an endless loop
 _NOT_RIGHT = {
     "not attempted": "is not written yet",
     "not checked": "cannot be checked yet",
@@ -34,22 +35,22 @@ _NOT_RIGHT = {
 
 @dataclass(frozen=True)
 class StudentFunctions(Mapping[str, Callable[..., Any]]):
-    """A lesson's exercises as the student solved them: those that pass their public checks.
+    """The student's functions of one lesson that pass their public checks.
 
     Parameters
     ----------
     lesson : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
     right : mapping of str to callable
-        The functions that can be used.
+        The functions that pass.
     reports : tuple of Report
-        What the checks said of the others.
+        Reports on the exercises that do not pass.
     unwritten : tuple of str
-        Written questions without an answer.
+        Numbers of the written questions without an answer.
     remarks : mapping of str to tuple of str
-        What the checks said of the right ones, besides that they are.
+        Further remarks of the checks about functions that pass.
     problem : str
-        Why the notebook cannot be read, in a sentence; empty where it can.
+        Why the notebook cannot be read; empty if it can.
     skipped : tuple of Skipped
         Statements of the notebook that failed.
     """
@@ -68,7 +69,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         Raises
         ------
         KeyError
-            If it is missing or wrong: the message says so.
+            If the function is missing or wrong; the message explains why.
         """
         if name in self.right:
             return self.right[name]
@@ -78,24 +79,24 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         raise KeyError(f"lesson {self.lesson} has no exercise {name!r}")
 
     def __iter__(self) -> Iterator[str]:
-        """Names of the functions that can be used."""
+        """Return an iterator over the names of the functions that pass."""
         return iter(self.right)
 
     def __len__(self) -> int:
-        """How many can be used."""
+        """Return the number of functions that pass."""
         return len(self.right)
 
     @property
     def complete(self) -> bool:
-        """Whether every exercise of the lesson can be used."""
+        """Whether every exercise of the lesson passes."""
         return not self.reports
 
     def __repr__(self) -> str:
-        """Say what can be used and what cannot."""
+        """Return the numbers of ready and missing functions as text."""
         return self._message().text
 
     def _repr_html_(self) -> str:
-        """Say the same in Jupyter."""
+        """Return the same text as HTML."""
         return self._message()._repr_html_()
 
     def _message(self) -> Message:
@@ -104,7 +105,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
         missing = ", ".join(f"{report.name} ({report.state})" for report in self.reports)
         return Message(
             f"Your lesson {self.lesson}: {len(self)} functions are ready. Not usable yet: {missing}. "
-            "The lesson goes on without them, with recorded data or the simulator's ideal sensor."
+            "Without them, the lesson uses recorded data or the simulator's ideal sensor."
         )
 
 
@@ -116,16 +117,16 @@ def functions(
     Parameters
     ----------
     lesson : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
     folder : str or Path, optional
-        Where the notebooks are; by default $NAO_COURSE_NOTEBOOKS, else the working folder.
+        Folder of the notebooks; by default $NAO_COURSE_NOTEBOOKS, else the working folder.
     most_seconds : float
-        Wall clock that loading the notebook, and each case of a check, gets at most.
+        Longest wall clock for loading the notebook, and for each case of a check.
 
     Returns
     -------
     StudentFunctions
-        Those that pass their public checks; what is missing or wrong is said, never replaced by the answer.
+        The functions that pass their public checks, and reports on the others, which are never replaced by a solution.
 
     Raises
     ------
@@ -150,8 +151,8 @@ def functions(
 def earlier(use: str, folder: str | Path | None = None) -> Any:
     """Return your own function of an earlier lesson; a lesson's set-up cell calls this.
 
-    Where yours is missing or wrong, it says so once; then calling it raises that sentence, but for the checks of the
-    lesson, which have recorded what it would answer.
+    If your function is missing or wrong, a note explains why, and a call of the function raises the same explanation.
+    The checks of the lesson use recorded answers instead.
 
     Parameters
     ----------
@@ -163,32 +164,71 @@ def earlier(use: str, folder: str | Path | None = None) -> Any:
     Returns
     -------
     callable
-        The function; of a class, that class.
+        The function or class.
 
     Raises
     ------
     ValueError
         If there is no such lesson or exercise.
     """
-    if is_resolved():  # in a declaration of exercises: no student's folder is meant
+    if is_resolved():  # exercises are being declared, without a student's folder
         return stand_in(use, not_usable(use))
     find, like = _finder(notebooks_folder(folder), use)
     try:
         find()
     except EarlierNotUsable as sentence:
-        from IPython.display import display  # it takes long to import
-
-        display(Message(f"{sentence} The checks of this lesson have recorded answers for it."))
+        _Missing.show(str(sentence))
     return stand_in(use, find, like)
 
 
+class _Missing(Message):
+    """The earlier functions that a cell lacks, as one growing list: a box in Jupyter, folded if there are several."""
+
+    # Number, list and display of the running cell
+    _cell: tuple[Any, _Missing, Any] | None = None
+
+    @classmethod
+    def show(cls, sentence: str) -> None:
+        """Add a sentence to the list of the running cell."""
+        from IPython import get_ipython  # takes long to import
+        from IPython.display import display
+
+        shell = get_ipython()
+        number = None if shell is None else (id(shell), shell.execution_count)
+        if number is not None and _Missing._cell is not None and _Missing._cell[0] == number:
+            _, before, handle = _Missing._cell
+            grown = cls(f"{before.text}\n{sentence}")
+            handle.update(grown)
+        else:
+            grown = cls(sentence)
+            handle = display(grown, display_id=True) if number is not None else display(grown)
+        _Missing._cell = None if handle is None else (number, grown, handle)
+
+    def __repr__(self) -> str:
+        """Return the sentences and a note about the recorded answers."""
+        what = "them" if "\n" in self.text else "it"
+        return f"{self.text} The checks of this lesson have recorded answers for {what}."
+
+    def _repr_html_(self) -> str:
+        """Return the box as HTML; several sentences are folded under their number."""
+        sentences = self.text.split("\n")
+        if len(sentences) == 1:
+            return Message(repr(self))._repr_html_()
+        items = "".join(f"<li>{escape(each)}</li>" for each in sentences)
+        return (
+            '<details role="note" style="border-left: 4px solid #888; padding: 0.4em 0.8em; margin: 0.3em 0">'
+            f"<summary>{len(sentences)} functions of earlier lessons are not usable yet. The checks of this lesson "
+            f"have recorded answers for them.</summary><ul>{items}</ul></details>"
+        )
+
+
 def earlier_in(folder: Path) -> Callable[[str], Any]:
-    """Return what finds functions of earlier lessons in the notebooks of a folder; it says nothing by itself."""
+    """Return a function that finds functions of earlier lessons in a folder's notebooks without showing notes."""
     return lambda use: stand_in(use, *_finder(folder, use))
 
 
 def _finder(folder: Path, use: str) -> tuple[Callable[[], Any], Any]:
-    """Return what finds an earlier function, or raises why not; and the function as it is, right or not, if any."""
+    """Return a function that returns an earlier function or raises the reason, and that function, right or not."""
     lesson, exercise = _exercise(use)
     notebook = _read(folder.resolve() / f"{lesson}.ipynb")
     report, own = _report(exercise, notebook), notebook.found.get(exercise.name)
@@ -196,11 +236,11 @@ def _finder(folder: Path, use: str) -> tuple[Callable[[], Any], Any]:
 
 
 def _exercise(use: str) -> tuple[str, PublicExercise]:
-    """Name of the lesson, and the exercise, of "01:color_labels"."""
+    """Return the lesson's name and the exercise of a use such as "01:color_labels"."""
     number, name = split_use(use)
     found = meant(number, lessons())
     if len(found) != 1:
-        raise ValueError(f"{use!r}: there is no lesson {number!r} with checks; there are {lessons()}")
+        raise ValueError(f"{use!r}: there is no lesson {number!r} with checks; choose one of {lessons()}")
     for exercise in read_public(found[0]).exercises:
         if exercise.name == name:
             return found[0], exercise
@@ -208,7 +248,7 @@ def _exercise(use: str) -> tuple[str, PublicExercise]:
 
 
 def notebooks_folder(folder: str | Path | None = None) -> Path:
-    """Return where the student's notebooks are: as said, else $NAO_COURSE_NOTEBOOKS, else the working folder."""
+    """Return the student's folder of notebooks: `folder`, else $NAO_COURSE_NOTEBOOKS, else the working folder."""
     return Path(folder or os.environ.get("NAO_COURSE_NOTEBOOKS") or ".").resolve()
 
 
@@ -222,18 +262,18 @@ def own_function(
     use : str
         Lesson and function: "01:color_labels".
     given : mapping of str to object
-        Functions at hand, by name; one of them that is right is taken.
+        Functions by name, which are used first if they pass their checks.
     folder : Path
-        Of the saved notebooks, for the others.
+        Folder of the saved notebooks, for the others.
     most_seconds : float
         As in `functions`.
 
     Returns
     -------
     function : object
-        None where there is none that is right.
+        The function; None if it does not pass.
     why : str
-        Then the reason, in words: "color_labels of lesson 01 is not written yet".
+        Why it does not pass: "color_labels of lesson 01 is not written yet".
     """
     lesson, exercise = _exercise(use)
     reports = []
@@ -251,25 +291,25 @@ def own_function(
 
 
 def _lacking(lesson: str, report: Report) -> str:
-    """What an exercise that is not right lacks, in words."""
+    """Return why an exercise does not pass as a clause."""
     state = _NOT_RIGHT.get(report.state, "does not pass its check yet")
     return f"{report.name} of lesson {number_of(lesson)} {state}"
 
 
-def looked_at(use: str, folder: Path) -> str | None:
-    """Return what the student's own function lacks, by what was kept of an earlier look at the saved notebooks.
+def stored_result(use: str, folder: Path) -> str | None:
+    """Return the stored result of an earlier check of the student's own function.
 
     Parameters
     ----------
     use : str
         Lesson and function: "01:color_labels".
     folder : Path
-        Of the saved notebooks.
+        Folder of the saved notebooks.
 
     Returns
     -------
     str or None
-        Empty where it passes its public checks; None where nobody has looked since the notebooks were saved.
+        Why the function does not pass; empty if it passes, and None if the notebooks were saved after the check.
     """
     lesson, exercise = _exercise(use)
     return verdicts.kept(folder / f"{lesson}.ipynb", exercise.name)
@@ -277,7 +317,7 @@ def looked_at(use: str, folder: Path) -> str | None:
 
 @dataclass(frozen=True)
 class _Notebook:
-    """A notebook's definitions, and why some of them, or all, are missing."""
+    """The definitions of a notebook, and why some or all of them are missing."""
 
     path: Path
     found: Definitions
@@ -295,7 +335,7 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
         with alarm(seconds):
             return _Notebook(path, _definitions(path, path.stat().st_mtime_ns, times))
     except FileNotFoundError:
-        problem = f"{path.name} is not in your folder {path.parent.name}."
+        problem = f"{path.name} is not in your folder {path.parent.resolve().name or path.parent.root}."
     except OSError as error:
         problem = f"{path.name} cannot be read: {error.strerror or error}."
     except ValueError as error:  # it names the file
@@ -303,15 +343,15 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
     except TimeIsUp:
         why = (
             "is the computer busy, or does a loop outside a function never end?"
-            if seconds > GLANCE
-            else "progress() gives it more time."
+            if seconds > SHORT_TIME
+            else "run progress(), which allows more time."
         )
         problem = f"{path.name} takes longer than {seconds:g} s: {why}"
     return _Notebook(path, Definitions({}), problem)
 
 
 def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float = np.inf) -> Report:
-    """What the public checks say of an exercise in a notebook."""
+    """Return the report of the public checks on an exercise in a notebook."""
     title = f"{exercise.number} {exercise.name}"
     if notebook.problem:
         state: CheckState = "raised" if notebook.path.exists() else "not attempted"
@@ -321,13 +361,13 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
         lines = (f"{title}: not found in {notebook.path.name}.", *reasons)
         return Report(exercise.name, "raised" if reasons else "not attempted", lines)
     report = _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
-    if report.state != "interrupted" and not strict():  # a longer look may say otherwise
+    if report.state != "interrupted" and not strict():  # a check with more time may give another result
         verdicts.keep(notebook.path, exercise.name, "" if report else _lacking(notebook.path.stem, report))
     return report
 
 
 def _quietly_graded(exercise: PublicExercise, function: Any, most_seconds: float) -> Report:
-    """What the public checks say of a function; nothing that it prints is shown."""
+    """Return the report of the public checks on a function, without its printed output."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         return grade_public(exercise, function, most_seconds)
 
@@ -338,10 +378,12 @@ def _blank(answer: str) -> bool:
 
 @lru_cache(maxsize=32)
 def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitions:
-    """Definitions of a notebook as it and the others were saved; what it prints is not wanted in another one."""
+    """Return the definitions of a notebook in its saved state, without its printed output."""
 
     def before_this(use: str) -> Any:
-        if split_use(use)[0] >= number_of(path.stem):  # two lessons that use each other would never end
+        if split_use(use)[0] >= number_of(
+            path.stem
+        ):  # two lessons that use each other would recurse for ever
             return stand_in(use, not_usable(use, f"lesson {path.stem} comes first."))
         return earlier_in(path.parent)(use)
 

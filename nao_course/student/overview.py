@@ -1,4 +1,4 @@
-"""How far a student is: all lessons with what their public checks say, the points, and what to do next."""
+"""A student's progress: the results of all lessons' public checks, the points, and the next task."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from pathlib import Path
 from nao_course.exercises.checking import lessons, read_public
 from nao_course.student.notebooks import functions, notebooks_folder
 
-SECONDS = 5.0  # wall clock of loading a notebook, and of each case of a check
-HONESTLY = "These are the public checks; the grader has others, with other inputs."
+SECONDS = 5.0  # wall clock for loading a notebook, and for each case of a check
+PUBLIC_ONLY = "These are the public checks; the grader uses further checks with other inputs."
 _HEADINGS = ("lesson", "state", "exercises that pass", "points", "in your own words")
 
 
 @dataclass(frozen=True)
 class LessonProgress:
-    """How far a lesson is.
+    """Progress in one lesson.
 
     Parameters
     ----------
     lesson : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
     passed, exercises : int
-        How many exercises pass their public checks, and of how many.
+        Number of exercises that pass their public checks, and of all exercises.
     earned, points : float
-        What those are worth, and all exercises together.
+        Points of the exercises that pass, and of all exercises.
     answered, written : int
-        How many written answers are filled in, and of how many.
+        Number of written answers that are filled in, and of all written answers.
     written_points : float
-        What the written answers are worth, which a person marks.
+        Points of the written answers, which a person marks.
     problem : str
-        Why the notebook cannot be read, in a sentence; empty where it can.
+        Why the notebook cannot be read; empty if it can.
     upcoming : str
-        What to do next in it; empty when nothing is left.
+        Next task in the lesson; empty if it is complete.
     """
 
     lesson: str
@@ -50,7 +50,7 @@ class LessonProgress:
 
     @property
     def state(self) -> str:
-        """In a word or two; why its notebook cannot be read, where it cannot."""
+        """The state in a word or two, or why the notebook cannot be read."""
         if self.problem:
             return self.problem
         if not self.upcoming:
@@ -58,7 +58,7 @@ class LessonProgress:
         return "begun" if self.passed or self.answered else "○ not begun"
 
     def cells(self) -> tuple[str, ...]:
-        """Its row of the table."""
+        """Return the lesson's row of the table."""
         written = f"{self.answered} of {self.written} filled in" if self.written else "none"
         return (
             self.lesson,
@@ -71,32 +71,32 @@ class LessonProgress:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far all lessons are; shown by being a cell's last line.
+    """Progress in all lessons, shown as a table.
 
     Parameters
     ----------
     lessons : tuple of LessonProgress
-        In the course's order.
+        Lessons in the course's order.
     """
 
     lessons: tuple[LessonProgress, ...]
 
     def total(self, first: str = "") -> str:
-        """Return the sum of a lesson, if one is named, and of all; and what a sum does not say."""
+        """Return the points of the lesson `first`, if given, and of all lessons, with a note on the grader's checks."""
         sums = [f"{each.lesson}: {_sum([each])}." for each in self.lessons if each.lesson == first]
-        return " ".join([*sums, f"All lessons: {_sum(self.lessons)}.", HONESTLY])
+        return " ".join([*sums, f"All lessons: {_sum(self.lessons)}.", PUBLIC_ONLY])
 
     def upcoming(self) -> str:
-        """Say what to do next."""
+        """Return the next task as text."""
         for each in self.lessons:
             if each.problem:
                 return f"Next: {each.lesson}. {each.problem[:1].upper()}{each.problem[1:]}"
             if each.upcoming:
                 return f"Next: {each.upcoming}, in {each.lesson}."
-        return "Next: nothing is left."
+        return "Next: nothing, all lessons are complete."
 
     def __repr__(self) -> str:
-        """The table as text."""
+        """Return the table as text."""
         rows = [_HEADINGS, *(each.cells() for each in self.lessons)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
@@ -105,7 +105,7 @@ class Progress:
         return "\n".join([*(line.rstrip() for line in lines), self.total(), self.upcoming()])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook."""
+        """Return the table as HTML."""
         head = "".join(f'<th scope="col" style="text-align: left">{escape(each)}</th>' for each in _HEADINGS)
         body = "".join(f"<tr>{''.join(_html_cells(each))}</tr>" for each in self.lessons)
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
@@ -113,24 +113,24 @@ class Progress:
 
 
 def progress(folder: str | Path | None = None) -> Progress:
-    """Say how far you are in all lessons, from your saved notebooks.
+    """Return your progress in all lessons, according to your saved notebooks.
 
     Parameters
     ----------
     folder : str or Path, optional
-        Where the notebooks are; by default the one you work in.
+        Folder of the notebooks; by default the working folder.
 
     Returns
     -------
     Progress
-        Shown as a table. A notebook that is missing, broken or never ends is a sentence in it.
+        A table. For a notebook that is missing, broken or never ends it contains the reason.
     """
     where = notebooks_folder(folder)
     return Progress(tuple(lesson_progress(lesson, where, SECONDS) for lesson in lessons()))
 
 
 def lesson_progress(lesson: str, folder: Path, most_seconds: float) -> LessonProgress:
-    """Say how far a lesson's saved notebook is; `most_seconds` as in `functions`."""
+    """Return the progress in a lesson's saved notebook; `most_seconds` as in `functions`."""
     public = read_public(lesson)
     found = functions(lesson, folder, most_seconds)
     states = {report.name: report.state for report in found.reports}

@@ -1,4 +1,4 @@
-"""The student's robot: the control panel with everything in it that they have solved."""
+"""The student's robot: the control panel with the functions that the student has solved."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nao_course.student.notebooks import notebooks_folder
 from nao_course.student.stages import all_stages, readiness
 
-if TYPE_CHECKING:  # they take long to import, and the command line needs none of them
+if TYPE_CHECKING:  # these modules take long to import, and the command line does not need them
     from nao_course.sim import SimulatedNao, Truth
     from nao_course.widgets import ControlPanel
 
@@ -23,31 +23,31 @@ def my_nao(
     time_limit: float | None = None,
     **own: Callable[..., Any],
 ) -> ControlPanel:
-    """Drive your robot: the control panel with all that you have solved live in it.
+    """Return the control panel of your robot, which runs all functions that you have solved.
 
-    Your functions come from this notebook, as they are now, else from your saved notebooks. What is missing or does not
-    pass its public checks is named and left out.
+    Each function is taken from this notebook if it passes its public checks there, else from your saved notebooks. The
+    panel lists the functions that are missing or do not pass, and drives without them.
 
     Parameters
     ----------
     nao : SimulatedNao, optional
-        The robot; by default one that looks at the goal, the same each time.
+        The robot; by default a robot in front of the goal, the same each time.
     truth : Truth, optional
-        Of this robot; by default it is there where no robot is given.
+        Truth about this robot; without `nao` it is made automatically.
     time_limit : float, optional
-        Seconds for your code and one picture; then the panel goes on without it.
+        Seconds for your code and one picture; slower code is stopped, and the panel continues without it.
     **own : callable
-        Functions to use, by their names: ``my_nao(color_labels=color_labels)``.
+        Functions to use, by name: ``my_nao(color_labels=color_labels)``.
 
     Returns
     -------
     ControlPanel
-        To be a cell's last line. ``panel.view`` says whether your code's view lies over the picture.
+        The panel, shown if it is a cell's last line. ``panel.view`` is where your code's results are shown.
 
     Raises
     ------
     ValueError
-        If `nao` is no robot, or a function has a name that no stage of the robot uses.
+        If `nao` is not a robot, or no stage of the robot uses a function's name.
     """
     from nao_course.geometry import Pose
     from nao_course.sim import SimulatedNao, Truth
@@ -61,25 +61,27 @@ def my_nao(
     stages = all_stages()
     names = {use.rpartition(":")[2] for stage in stages for use in (*stage.uses, *stage.helped_by)}
     if unknown := sorted(own.keys() - names):
-        raise ValueError(f"my_nao uses {', '.join(sorted(names))}; got {', '.join(unknown)}")
+        raise ValueError(
+            f"no stage of the robot uses {', '.join(unknown)}; my_nao takes {', '.join(sorted(names))}"
+        )
     given = {**_at_hand(names), **own}
     found = readiness(stages, given, notebooks_folder())
     saved = [name for name, function in found.functions.items() if given.get(name, function) is not function]
     remarks = [
-        f"{name} as it is in this notebook does not pass its check: the saved one drives" for name in saved
+        f"{name} of this notebook does not pass its check, so the saved version is used" for name in saved
     ]
     remarks += found.remarks
     limit = PICTURE_LIMIT if time_limit is None else time_limit
     pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit, remarks)
     panel = ControlPanel(nao, truth, pipeline=pipeline)
     if found.stages:
-        panel.view = "beside"  # over the picture, good labels of green and yellow are hard to see
+        panel.view = "beside"  # green and yellow labels are hard to see over the picture
     return panel
 
 
 def _at_hand(names: set[str]) -> dict[str, Any]:
-    """What the present notebook defines under these names."""
-    ipython = sys.modules.get("IPython")  # where it is not imported, there is no notebook
+    """Return the functions that the present notebook defines under these names."""
+    ipython = sys.modules.get("IPython")  # not imported outside of notebooks
     shell = ipython.get_ipython() if ipython else None
     namespace: Mapping[str, Any] = shell.user_ns if shell else {}
     return {name: namespace[name] for name in names if callable(namespace.get(name))}

@@ -1,4 +1,4 @@
-"""Which stages the student's robot has, lesson by lesson, and which of them the student's own functions make ready."""
+"""The stages of the student's robot, and which of them the student's own functions make ready."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ import numpy as np
 
 from nao_course.exercises.checking import lessons
 from nao_course.exercises.lesson_names import number_of
-from nao_course.student.notebooks import looked_at, own_function
+from nao_course.student.notebooks import own_function, stored_result
 
-if TYPE_CHECKING:  # it brings the panels along, which take long to import
+if TYPE_CHECKING:  # the panels take long to import
     from nao_course.widgets.control_panel import Stage
 
-# What comes when, in the course's order. A lesson NN_name brings its stage as nao_course/lessons/name/stage.py: STAGE.
+# The stage of each lesson, in the course's order; lesson NN_name defines STAGE in nao_course/lessons/name/stage.py.
 PLANNED = {
     "01": "labels",
     "02": "goal posts",
     "03": "corners",
     "04": "points on the map",
+    "05": "dead reckoning",
     "06": "pose",
     "07": "the growing map",
     "08": "the map after the drive",
@@ -35,18 +36,18 @@ PLANNED = {
 
 @dataclass(frozen=True)
 class Readiness:
-    """What of the robot's stages is ready.
+    """The stages of the robot that are ready, and the reasons why others are not.
 
     Parameters
     ----------
     stages : tuple of Stage
-        Those that can run.
+        The stages that can run.
     functions : mapping of str to callable
-        The student's own, that they call.
+        The student's functions that these stages call.
     missing : mapping of str to str
-        The name of each other stage that there is, and why it cannot run, in a sentence.
+        Why each other stage cannot run, by its name.
     remarks : tuple of str
-        What ready stages do without, a sentence each.
+        Sentences about optional functions that ready stages lack.
     """
 
     stages: tuple[Stage, ...] = ()
@@ -56,7 +57,7 @@ class Readiness:
 
 
 def all_stages() -> list[Stage]:
-    """Return the stages of all lessons that there are, in the lessons' order."""
+    """Return the stages of all lessons, in the lessons' order."""
     modules = (f"nao_course.lessons.{lesson.partition('_')[2]}" for lesson in lessons())
     return [
         importlib.import_module(f"{module}.stage").STAGE
@@ -66,17 +67,17 @@ def all_stages() -> list[Stage]:
 
 
 def readiness(stages: Sequence[Stage], given: Mapping[str, Any], folder: Path) -> Readiness:
-    """Find out which stages can run.
+    """Determine which stages can run.
 
     Parameters
     ----------
     stages : sequence of Stage
-        All that there are.
+        All stages.
     given : mapping of str to object
-        Functions at hand, by name, such as those of the present notebook. One that does not pass its public checks
-        gives way to that of the saved notebook.
+        Functions by name, for example from the present notebook. If one does not pass its public checks, the
+        function of the saved notebook is used instead.
     folder : Path
-        Of the saved notebooks.
+        Folder of the saved notebooks.
     """
     found = Readiness()
     for stage in stages:
@@ -87,7 +88,7 @@ def readiness(stages: Sequence[Stage], given: Mapping[str, Any], folder: Path) -
 def add_ready(
     found: Readiness, stage: Stage, given: Mapping[str, Any], folder: Path, most_seconds: float = np.inf
 ) -> Readiness:
-    """Return what is ready with one more stage; `most_seconds` as in `nao_course.student.functions`."""
+    """Add one stage to a `Readiness`; `most_seconds` as in `nao_course.student.functions`."""
     lacking = _lacks_first(found, stage)
     functions: dict[str, Any] = {}
     remarks: list[str] = []
@@ -95,7 +96,7 @@ def add_ready(
         name = use.partition(":")[2]
         function, lacking = own_function(use, given, folder, most_seconds)
         if lacking and use in _full(stage, stage.helped_by):
-            remarks.append(f"{stage.name} goes on without {name}: {lacking}")
+            remarks.append(f"{stage.name} runs without {name}, because {lacking}")
             lacking = ""
         elif lacking:
             break
@@ -104,32 +105,32 @@ def add_ready(
     return _with(found, stage, lacking, functions, remarks)
 
 
-def add_looked_at(found: Readiness, stage: Stage, folder: Path) -> Readiness | None:
-    """Return what is ready with one more stage, without its functions, by an earlier look at the saved notebooks.
+def add_from_stored(found: Readiness, stage: Stage, folder: Path) -> Readiness | None:
+    """Add one stage, without its functions, to a `Readiness` with the stored results of earlier checks.
 
     Returns
     -------
     Readiness or None
-        None where nobody has looked since they were saved.
+        None if a notebook was saved after its last check.
     """
     lacking = _lacks_first(found, stage)
     for use in () if lacking else _full(stage, stage.uses):
-        said = looked_at(use, folder)
-        if said is None:
+        stored = stored_result(use, folder)
+        if stored is None:
             return None
-        if lacking := said:
+        if lacking := stored:
             break
     return _with(found, stage, lacking, {})
 
 
 def _full(stage: Stage, uses: Sequence[str]) -> list[str]:
-    """Exercises that a stage uses, each with the number of its lesson."""
+    """Return the exercises that a stage uses, each with the number of its lesson."""
     return [use if ":" in use else f"{number_of(stage.lesson)}:{use}" for use in uses]
 
 
 def _lacks_first(found: Readiness, stage: Stage) -> str:
-    """Which stage would come before this one and is not ready, in words; empty where all are."""
-    return next((f"{name} would come first" for name in stage.after if name in found.missing), "")
+    """Return the first stage that this stage needs and that is not ready, as a clause; empty if all are ready."""
+    return next((f"it needs {name}" for name in stage.after if name in found.missing), "")
 
 
 def _with(
@@ -139,7 +140,7 @@ def _with(
     functions: Mapping[str, Callable[..., Any]],
     remarks: Sequence[str] = (),
 ) -> Readiness:
-    """What is ready with one more stage, or with what it lacks."""
+    """Return a `Readiness` with one more stage, or with the reason why it is missing."""
     if lacking:
         return replace(found, missing={**found.missing, stage.name: lacking})
     return replace(
@@ -151,16 +152,16 @@ def _with(
 
 
 def next_planned(ready: Sequence[Stage]) -> tuple[str, str] | None:
-    """Number of the lesson, and name, of what the robot gets next; None when it has all."""
+    """Return the lesson's number and the name of the next stage; None if the robot has all stages."""
     there = {number_of(stage.lesson) for stage in ready}
     return next(((number, name) for number, name in PLANNED.items() if number not in there), None)
 
 
-def brings_nothing(number: str, stages: Sequence[Stage]) -> bool:
-    """Whether a lesson adds nothing to the robot: no stage, there or planned. Lesson 00 brings the robot itself."""
+def adds_no_stage(number: str, stages: Sequence[Stage]) -> bool:
+    """Return whether a lesson adds no stage to the robot; False for lesson 00, which introduces the robot itself."""
     return number not in {"", "00", *PLANNED, *(number_of(stage.lesson) for stage in stages)}
 
 
 def names_of(stages: Sequence[Stage]) -> list[str]:
-    """Names of stages with the numbers of their lessons: "labels (01)"."""
+    """Return the names of stages with the numbers of their lessons: "labels (01)"."""
     return [f"{stage.name} ({number_of(stage.lesson)})" for stage in stages]

@@ -1,4 +1,4 @@
-"""The line on top of a lesson: what the student's robot has so far, and what comes next."""
+"""The status line of the student's robot at the top of a lesson: its stages so far, and the next one."""
 
 from __future__ import annotations
 
@@ -17,114 +17,115 @@ from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.student.notebooks import notebooks_folder
 from nao_course.student.stages import (
     Readiness,
-    add_looked_at,
+    add_from_stored,
     add_ready,
+    adds_no_stage,
     all_stages,
-    brings_nothing,
     names_of,
     next_planned,
 )
 
-if TYPE_CHECKING:  # it brings the panels along, which take long to import
+if TYPE_CHECKING:  # the panels take long to import
     from nao_course.widgets.control_panel import Stage
 
-SECONDS = 0.45  # for looking at the notebooks: a lesson begins with this
+SECONDS = 0.45  # for checking the notebooks: every lesson begins with this line
 
 
 @dataclass(frozen=True)
-class Strip:
-    """A line about the robot.
+class RobotStatus:
+    """A line about the stages of the student's robot.
 
     Parameters
     ----------
     ready : tuple of str
-        What it has: "labels (01)".
+        Stages that are ready, such as "labels (01)".
     coming : str
-        What comes next: "goal posts (02)"; empty when nothing does.
+        Next stage, such as "goal posts (02)"; empty if there is no further stage.
     why : str
-        What that still lacks, in a sentence; empty where its lesson has not been begun.
+        Why the next stage is not ready; empty if its lesson has not been begun.
     idle : str
-        Number of the lesson that begins, where it brings nothing new to the robot; empty otherwise.
-    unseen : tuple of str
-        What nobody has looked at yet, for want of time: it may be there or not.
+        Number of the present lesson if it adds no stage to the robot, else empty.
+    unchecked : tuple of str
+        Stages that were not checked for lack of time, so that they may be ready or not.
     """
 
     ready: tuple[str, ...] = ()
     coming: str = ""
     why: str = ""
     idle: str = ""
-    unseen: tuple[str, ...] = ()
+    unchecked: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """The line as text."""
+        """Return the line as text."""
         return f"Your NAO so far: {' · '.join(self._parts())}"
 
     def _parts(self) -> Iterator[str]:
-        if self.ready or not self.unseen:
+        if self.ready or not self.unchecked:
             yield ", ".join(f"✔ {name}" for name in self.ready) or "nothing yet"
-        if self.unseen:
-            yield f"not looked at yet, which progress() does: {', '.join(self.unseen)}"
+        if self.unchecked:
+            yield f"not checked yet (run progress()): {', '.join(self.unchecked)}"
         if self.idle:
-            yield f"lesson {self.idle} adds nothing to it"
+            yield f"lesson {self.idle} adds no stage"
         if self.coming:
             yield f"next: {self.coming}{f' ({self.why})' if self.why else ''}"
-        elif not self.unseen:
-            yield "that is all the course gives it"
+        elif not self.unchecked:
+            yield "all stages are ready"
 
     def _repr_html_(self) -> str:
-        """The line in a quiet box."""
+        """Return the line as an HTML box."""
         style = "border-left: 4px solid #0b5fa5; padding: 0.2em 0.8em; margin: 0.3em 0; font-size: 90%"
         return f'<div role="note" class="nao-strip" style="{style}">{escape(repr(self))}</div>'
 
 
-def so_far(lesson: str = "", seconds: float | None = None) -> Strip:
-    """Say what your robot has so far, by your saved notebooks, and what comes next; `my_nao` lets you drive it.
+def so_far(lesson: str = "", seconds: float | None = None) -> RobotStatus:
+    """Return the stages of your robot so far, according to your saved notebooks, and the next stage.
 
-    What was looked at before and not saved since is known at once; for all else there is a moment only.
+    Notebooks that were not saved since their last check take no time. The others are checked within `seconds`. Use
+    `my_nao` to drive the robot.
 
     Parameters
     ----------
     lesson : str
-        Number of the lesson that begins: only those before it count; all by default.
+        Number of the present lesson: only earlier lessons count. By default all lessons count.
     seconds : float, optional
-        Wall clock for looking at the notebooks; by default less than half a second.
+        Wall clock for checking the notebooks; by default less than half a second.
 
     Returns
     -------
-    Strip
-        To be the last line of a set-up cell.
+    RobotStatus
+        The status, shown if it is the last line of a cell.
     """
     if seconds is None:
-        seconds = np.inf if strict() else SECONDS  # a built lesson says the same on a busy machine
+        seconds = np.inf if strict() else SECONDS  # a built lesson must not depend on the load of the machine
     every = all_stages()
     stages = [each for each in every if not lesson or number_of(each.lesson) < lesson]
-    idle = lesson if brings_nothing(lesson, every) else ""
-    found, unseen = _look(stages, notebooks_folder(), seconds)
-    ready, names = tuple(names_of(found.stages)), tuple(names_of(unseen))
+    idle = lesson if adds_no_stage(lesson, every) else ""
+    found, unchecked = _check(stages, notebooks_folder(), seconds)
+    ready, names = tuple(names_of(found.stages)), tuple(names_of(unchecked))
     number, name = next_planned(found.stages) or ("", "")
-    if not name or name in {stage.name for stage in unseen}:  # that may be there
-        return Strip(ready, idle=idle, unseen=names)
-    return Strip(ready, f"{name} ({number})", found.missing.get(name, ""), idle, names)
+    if not name or name in {stage.name for stage in unchecked}:  # that may be ready
+        return RobotStatus(ready, idle=idle, unchecked=names)
+    return RobotStatus(ready, f"{name} ({number})", found.missing.get(name, ""), idle, names)
 
 
-def _look(stages: Sequence[Stage], folder: Path, seconds: float) -> tuple[Readiness, list[Stage]]:
-    """Return what is ready, and the stages that there was no time to look at."""
-    unseen: list[Stage] = []
+def _check(stages: Sequence[Stage], folder: Path, seconds: float) -> tuple[Readiness, list[Stage]]:
+    """Return the ready stages, and the stages that were not checked for lack of time."""
+    unchecked: list[Stage] = []
     found, end = Readiness(), time.monotonic() + seconds
     for stage in stages:
-        after_unseen = any(each.name in stage.after for each in unseen)
-        more = None if after_unseen else add_looked_at(found, stage, folder)
-        if more is None and not after_unseen:
+        after_unchecked = any(each.name in stage.after for each in unchecked)
+        more = None if after_unchecked else add_from_stored(found, stage, folder)
+        if more is None and not after_unchecked:
             more = _in_time(found, stage, folder, end - time.monotonic())
         if more is None:
-            unseen.append(stage)
+            unchecked.append(stage)
         else:
             found = more
-    return found, unseen
+    return found, unchecked
 
 
 def _in_time(found: Readiness, stage: Stage, folder: Path, seconds: float) -> Readiness | None:
-    """Return what is ready with one more stage; None where that takes too long."""
+    """Add one stage to a `Readiness`; return None if that takes too long."""
     if seconds <= 0:
         return None
     began = time.monotonic()
@@ -133,7 +134,6 @@ def _in_time(found: Readiness, stage: Stage, folder: Path, seconds: float) -> Re
             more = add_ready(found, stage, {}, folder, seconds)
     except TimeIsUp:
         return None
-    in_time = (
-        time.monotonic() - began < seconds
-    )  # what was looked at last may be called too slow by this alone
+    # The last function may have been stopped by this time limit alone.
+    in_time = time.monotonic() - began < seconds
     return more if in_time else None

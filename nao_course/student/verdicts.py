@@ -1,4 +1,4 @@
-"""What the checks said of saved notebooks, kept beside them until one of these is saved again: looking up is quick."""
+"""Stored check results of saved notebooks, which are valid until one of the notebooks is saved again."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from nao_course.exercises.lesson_names import PATTERN, number_of
 
 __all__ = ["FILE", "keep", "kept"]
 
-FILE = ".nao_course.json"  # in the folder of the notebooks; who deletes it loses nothing but time
-LARGEST = 1_000_000  # bytes; what is written here has some thousand
+FILE = ".nao_course.json"  # in the folder of the notebooks; deleting it only costs time
+LARGEST = 1_000_000  # bytes; a usual file has a few thousand
 
 
 def kept(notebook: Path, exercise: str) -> str | None:
-    """Return what was kept of an exercise in a saved notebook.
+    """Return the stored result of an exercise in a saved notebook.
 
     Parameters
     ----------
     notebook : Path
-        A lesson's.
+        Notebook of a lesson.
     exercise : str
-        Its name.
+        Name of the exercise.
 
     Returns
     -------
     str or None
-        What it lacks, in words; empty where it passes its public checks. None where that is not known, as when this
-        notebook, one of an earlier lesson or a helper file was saved since.
+        Why the exercise is not ready; empty if it passes its public checks. None without a valid result, for example
+        because this notebook, an earlier lesson's notebook or a helper file was saved since.
     """
     held = _read(notebook.parent).get(notebook.stem)
     if not isinstance(held, dict) or held.get("of") != _state_of(notebook):
@@ -43,7 +43,7 @@ def kept(notebook: Path, exercise: str) -> str | None:
 
 
 def keep(notebook: Path, exercise: str, lacking: str) -> None:
-    """Keep what an exercise in a saved notebook lacks; where the folder takes no file, nothing happens."""
+    """Store why an exercise in a saved notebook is not ready; do nothing if the folder is read-only."""
     if not notebook.is_file():
         return
     every, now = _read(notebook.parent), _state_of(notebook)
@@ -72,12 +72,12 @@ def _read(folder: Path) -> dict[str, Any]:
 
 
 def _state_of(notebook: Path) -> str:
-    """A digest of all that a check of this notebook depends on: it, those before it, helpers, and the course."""
+    """Return a digest of everything that a check depends on: this and earlier notebooks, helpers, and the course."""
     number, folder = number_of(notebook.stem), notebook.parent
     lessons = [path for path in folder.glob(f"{PATTERN}.ipynb") if number_of(path.stem) <= number]
     digest = hashlib.sha256(_version().encode())
     for path in sorted([*lessons, *folder.glob("*.py")]):
-        with suppress(OSError):  # it was just taken away
+        with suppress(OSError):  # the file was just deleted
             found = path.stat()
             digest.update(f"{path.name} {_digest(path, found.st_mtime_ns, found.st_size)}\n".encode())
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""Panels to drive the robot and to try a function with; each leaves a picture and a text where no widget can live."""
+"""Panels to drive the robot and to try functions; without widgets each shows a picture and a text."""
 
 from nao_course.widgets.control_panel import ControlPanel
 from nao_course.widgets.derivation import DerivationSheet, derivation
@@ -26,5 +26,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """Return the public names, so that tab completion omits the modules."""
     return __all__

@@ -1,4 +1,4 @@
-"""A student's code at arm's length: it is given a time, what it raises becomes a sentence, what it prints is kept."""
+"""Calls of a student's code: with a time limit, with errors as messages, and with the printed text kept."""
 
 from __future__ import annotations
 
@@ -13,36 +13,37 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Generic, TextIO, TypeVar
 
+from nao_course._internal.time_limits import TooSlow, time_limit
 from nao_course.exercises.case import copied
+from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.exercises.running import own_frames
-from nao_course.time_limits import TooSlow, time_limit
 
-# s of wall clock for one call of a student's code before it is given up; a busy machine may say more.
+# s of wall clock for one call of a student's code before it is stopped; a busy machine may set more.
 TIME_LIMIT = float(os.environ.get("NAO_COURSE_TIME_LIMIT", "10"))
-KEPT_LETTERS = 1000  # of what it prints, the last ones
+KEPT_LETTERS = 1000  # last characters of the printed text
 
 Value = TypeVar("Value")
-Words = str | Callable[[], str]  # a function is asked when it is over
+Words = str | Callable[[], str]  # a function is called after the attempt
 
 
 @dataclass(frozen=True)
 class Attempt(Generic[Value]):
-    """What came of one call of a student's code.
+    """The outcome of one call of a student's code.
 
     Parameters
     ----------
     value : object
-        What it returned; None if it did not come to its end.
+        The returned value; None if the call failed.
     message : str
-        Why it did not, in a sentence; empty if it did.
+        Why the call failed, in a sentence; empty if it succeeded.
     error : BaseException or None
-        What it raised.
+        The exception that the call raised.
     unfinished : bool
-        Whether that was its NotImplementedError: an exercise that is not written yet.
+        Whether the exception is a NotImplementedError: the exercise is not written yet.
     printed : str
-        The end of what it printed.
+        The end of the printed text.
     seconds : float
-        How long it took.
+        Run time of the call.
     """
 
     value: Value | None = None
@@ -54,7 +55,7 @@ class Attempt(Generic[Value]):
 
     @property
     def done(self) -> bool:
-        """Whether it came to its end."""
+        """Whether the call succeeded."""
         return not self.message
 
 
@@ -66,62 +67,63 @@ def attempt(
     unfinished: Words | None = None,
     quiet: bool = False,
 ) -> Attempt[Value]:
-    """Call a student's code: whatever it does, except for being interrupted, nothing is raised.
+    """Call a student's code and return the outcome; only KeyboardInterrupt is raised.
 
-    Every panel asks a student's functions through this.
+    Every panel calls the student's functions in this way.
 
     Parameters
     ----------
     call : callable
-        Takes nothing; looks at what comes back, too, and raises ValueError or TypeError where that cannot be used.
+        Function without arguments. It also checks the student's result and raises ValueError or TypeError if it is
+        unusable.
     what : str or callable
-        Whose code it is, for messages: "your filter", "move()"; a function says so afterwards.
+        Name of the code in messages: "your filter", "move()"; or a function that returns the name after the call.
     limit : float
-        Seconds until it is stopped.
+        Seconds after which the call is stopped.
     unfinished : str or callable, optional
-        The message for a NotImplementedError; by default that is an error like any other.
+        The message for a NotImplementedError; by default it is reported like any other error.
     quiet : bool
-        Whether what it prints is only kept, and shown nowhere else.
+        Whether the printed text is kept without being shown.
 
     Returns
     -------
     Attempt
-        What it returned or what went wrong, what it printed, and how long it took.
+        The returned value or the error, the printed text, and the run time.
     """
-    printed = PrintedCopy(sys.stdout, quiet)
+    printed = PrintedCopy(quiet)
     value: Value | None = None
     message, error = "", None
     began = time.perf_counter()
     try:
-        with contextlib.redirect_stdout(printed), time_limit(limit):
+        with _redirected(printed), time_limit(limit):
             value = call()
-    except (Exception, SystemExit, TooSlow) as caught:  # noqa: BLE001 - its mistake is a message, never a dead panel
+    except (Exception, SystemExit, TooSlow) as caught:  # noqa: BLE001 - the student's error must not break the panel
         error = caught
     took = time.perf_counter() - began
     unwritten = unfinished is not None and isinstance(error, NotImplementedError)
     if unfinished is not None and unwritten:
         message = _said(unfinished)
     elif error is not None:
-        tell = partial(_too_slow, limit=limit) if isinstance(error, TooSlow) else complaint
-        message = tell(_said(what), error)
+        describe = partial(_too_slow, limit=limit) if isinstance(error, TooSlow) else complaint
+        message = describe(_said(what), error)
     return Attempt(value, message, error, unwritten, printed.text, took)
 
 
 class StudentCode(Mapping[str, Callable[..., Any]]):
     """A student's functions, each called with copies of arrays: ``student.paper_distance(pixels, view)``.
 
-    A function that was defined again in the notebook is used from then on.
+    If a function is defined again in the notebook, the new definition is used from then on.
 
     Attributes
     ----------
     running, last : str
-        Which is being called or did not come to its end; which did, last.
+        Name of the function that is running or that failed, and of the last function that succeeded.
     seconds : float
-        Spent in all of them since `begin`.
+        Total run time of the functions since `begin`.
     """
 
     def __init__(self, functions: Mapping[str, Callable[..., Any]]) -> None:
-        """Refuse what cannot be called."""
+        """Check that every function is callable."""
         for name, function in functions.items():
             if not callable(function):
                 raise ValueError(f"{name} must be a function, got {type(function).__name__}")
@@ -129,12 +131,12 @@ class StudentCode(Mapping[str, Callable[..., Any]]):
         self.begin()
 
     def begin(self) -> None:
-        """Forget what was called."""
+        """Reset the record of calls and run times."""
         self.running, self.last, self.seconds = "", "", 0.0
 
     @property
     def called(self) -> str:
-        """The function that failed, else the last that did not, else nothing."""
+        """Name of the function that failed, else of the last that succeeded, else an empty string."""
         return self.running or self.last
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
@@ -144,15 +146,15 @@ class StudentCode(Mapping[str, Callable[..., Any]]):
     def __getattr__(self, name: str) -> Callable[..., Any]:
         """Return a function."""
         if name.startswith("_") or name not in self._functions:
-            raise AttributeError(f"this panel was given no function {name!r}, but {list(self._functions)}")
+            raise AttributeError(f"this panel has no function {name!r}; it has {list(self._functions)}")
         return self[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Their names."""
+        """Return an iterator over the functions' names."""
         return iter(self._functions)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of functions."""
         return len(self._functions)
 
     def _call(self, name: str, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
@@ -166,7 +168,7 @@ class StudentCode(Mapping[str, Callable[..., Any]]):
 
 
 def newest_definition(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return what a function's name means today where it was defined; the function itself if it has none there."""
+    """Return the present definition under a function's name in its module, or the function itself if there is none."""
     name = getattr(function, "__qualname__", "")
     today = getattr(function, "__globals__", {}).get(name)
     same = callable(today) and getattr(today, "__qualname__", "") == name
@@ -183,37 +185,70 @@ def _too_slow(what: str, error: BaseException, limit: float) -> str:
 
 
 class PrintedCopy(io.TextIOBase):
-    """Keeps the end of what its thread prints: a button's or a slider's prints have no cell to appear under.
+    """A text stream that keeps the end of its thread's output, because callbacks have no cell to print under.
 
     Parameters
     ----------
-    out : text stream
-        Where else it goes, and what other threads print meanwhile.
     quiet : bool
-        Whether what its own thread prints is only kept.
+        Whether the output of its own thread is kept without being passed on.
+
+    Attributes
+    ----------
+    out : text stream
+        Stream that receives the output of other threads and, unless `quiet`, of its own thread.
+    over : bool
+        Whether the attempt has ended, so that no further text is kept.
     """
 
-    def __init__(self, out: TextIO, quiet: bool = False) -> None:
-        """Begin with nothing."""
-        self._out, self._quiet, self._thread = out, quiet, threading.get_ident()
-        self.text = ""
+    def __init__(self, quiet: bool = False) -> None:
+        """Begin with an empty text."""
+        self.out: TextIO = sys.stdout
+        self._quiet, self._thread = quiet, threading.get_ident()
+        self.text, self.over = "", False
 
     def write(self, text: str) -> int:
-        """Take some text."""
-        if threading.get_ident() == self._thread:
+        """Keep text of the own thread, and pass text on."""
+        if threading.get_ident() == self._thread and not self.over:
             self.text = (self.text + text)[-KEPT_LETTERS:]
             if self._quiet:
                 return len(text)
-        return self._out.write(text)
+        return self.out.write(text)
 
     def flush(self) -> None:
-        """Pass on that it should appear."""
-        self._out.flush()
+        """Pass the request on to the stream that receives the text."""
+        self.out.flush()
+
+
+_COPIES: list[PrintedCopy] = []  # each passes text on to the copy before it
+_LOCK = threading.Lock()
+
+
+@contextlib.contextmanager
+def _redirected(printed: PrintedCopy) -> Iterator[None]:
+    """Redirect standard output to a copy; attempts in several threads may overlap and end in any order.
+
+    A copy that ends while a later one is in use only passes text on, and is removed together with the later one.
+    """
+    with _LOCK:
+        printed.out, sys.stdout = sys.stdout, printed
+        _COPIES.append(printed)
+    try:
+        yield
+    finally:
+        with _LOCK:
+            printed.over = True
+            while _COPIES and _COPIES[-1].over:
+                sys.stdout = _COPIES.pop().out
 
 
 def complaint(what: str, error: BaseException) -> str:
-    """Return a sentence of at most 200 letters: which error, where in the student's code, and its message."""
+    """Return a sentence with an error's class, its line in the student's code and its message of up to 200 letters.
+
+    The message about an earlier lesson that is not usable is a sentence already.
+    """
     text = " ".join(str(error).split())
+    if isinstance(error, EarlierNotUsable):
+        return text
     text = text if len(text) <= 200 else f"{text[:199]}…"
     line, (_, earlier) = _line_of(error), own_frames(error)
     where = f"{what}, line {line}" if line else what
@@ -222,6 +257,6 @@ def complaint(what: str, error: BaseException) -> str:
 
 
 def _line_of(error: BaseException) -> int | None:
-    """Line of the student's code an exception came through last; None if it met none: a call that does not fit."""
+    """Return the last line of the student's code in a traceback; None if the traceback contains none of it."""
     theirs, _ = own_frames(error)
     return theirs[-1].lineno if theirs else None

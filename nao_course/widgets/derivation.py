@@ -1,6 +1,6 @@
-"""A sheet for what was derived with pen and paper: a field for each entry of a Jacobian, checked by SymPy.
+"""A sheet for a Jacobian that was derived with pen and paper: a field for each entry, checked by SymPy.
 
-SymPy and ipywidgets are imported where they are used: both take long.
+SymPy and ipywidgets are imported where they are used, because importing them takes long.
 """
 
 from __future__ import annotations
@@ -17,15 +17,13 @@ import numpy as np
 from nao_course.exercises.comparisons.jacobians import UNKNOWN_SLIP, Derivative, evaluated, jacobian
 from nao_course.exercises.trying import Message
 
-POINTS = 12  # at which slopes are compared
-LONGEST = 300  # letters of an entry
-LARGEST = 10**12  # of a number, and of both parts of a fraction: exact powers take for ever
-STEEPEST = 20  # power
-FIELD, SHEET = (
-    190,
-    700,
-)  # px: a field's greatest width where there are many, and that of all where there are few
-TOO_LARGE = "There is too large a number in it."
+POINTS = 12  # number of points at which derivatives are compared
+LONGEST = 300  # greatest number of characters in an entry
+LARGEST = 10**12  # greatest number, also in a fraction: exact powers of larger numbers take too long
+LARGEST_POWER = 20
+# px: the greatest width of a field, and the width that a few fields share.
+FIELD, SHEET = (190, 700)
+TOO_LARGE = "It contains too large a number."
 _FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "atan2")
 _NUMPY_NAMES = {"arctan": "atan", "arctan2": "atan2"}
 _LIBRARIES = ("np", "numpy", "math", "sympy", "sp")
@@ -58,14 +56,14 @@ _CSS = """<style>.nao-sheet input { font-family: monospace; }
 
 
 def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
-    """Read an entry as it is typed: numbers, symbols, + - * / and powers, and functions such as sin.
+    """Parse a typed entry: numbers, symbols, + - * / and powers, and functions such as sin.
 
     Parameters
     ----------
     typed : str
-        Such as "-d*sin(theta)"; both r^2 and r**2 are powers.
+        The entry, such as "-d*sin(theta)"; both r^2 and r**2 are powers.
     symbols : mapping of str to sympy.Expr
-        What may be named, and what it means.
+        Names that the entry may contain, with their meanings.
 
     Returns
     -------
@@ -75,18 +73,18 @@ def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
     Raises
     ------
     ValueError
-        If it is none; the message says what to write instead.
+        If the entry is not an expression; the message explains what to write instead.
     """
     text = typed.strip()
     for sign, meaning in _SIGNS.items():
         text = text.replace(sign, meaning)
     if len(text) > LONGEST:
-        raise ValueError(f"{text[:20]!r}... is too long: at most {LONGEST} letters.")
+        raise ValueError(f"{text[:20]!r}... is too long: write at most {LONGEST} characters.")
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ValueError(
-            f"{_short(typed)!r} cannot be read. Write it as in Python: -d*sin(theta), with a * for each product."
+            f"{_short(typed)!r} is not an expression. Write it as in Python: -d*sin(theta), with a * for each product."
         ) from None
     return _expression(tree, symbols)
 
@@ -113,7 +111,7 @@ def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
             return _expression(operand, symbols)
         case ast.BinOp(left, sign, right) if type(sign) in _OPERATORS:
             parts = _expression(left, symbols), _expression(right, symbols)
-            if isinstance(sign, ast.Pow) and parts[1].is_number and not _is_small(parts[1], STEEPEST):
+            if isinstance(sign, ast.Pow) and parts[1].is_number and not _is_small(parts[1], LARGEST_POWER):
                 raise ValueError(f"{_short(ast.unparse(right))} is too large a power.")
             return _moderate(_OPERATORS[type(sign)](*parts))
         case ast.Call(ast.Attribute(ast.Name(library), name), arguments, []) if library in _LIBRARIES:
@@ -124,63 +122,65 @@ def _expression(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
                 raise ValueError(TOO_LARGE)
             return getattr(sympy, _function(name))(*parts)
         case ast.Call(ast.Name(name)) if name in symbols:
-            raise ValueError(f"A * is missing behind {name}.")
+            raise ValueError(f"A * is missing after {name}.")
         case ast.Call(ast.Name(name)) if before := _before_function(name, symbols):
-            raise ValueError(f"A * is missing behind {before}.")
+            raise ValueError(f"A * is missing after {before}.")
         case ast.Call(ast.Constant(number)):
-            raise ValueError(f"A * is missing behind {number!r}.")
-    raise ValueError(f"{_short(ast.unparse(node))} cannot be read: use + - * / and {', '.join(_FUNCTIONS)}.")
+            raise ValueError(f"A * is missing after {number!r}.")
+    raise ValueError(
+        f"{_short(ast.unparse(node))} is not supported: use + - * / and {', '.join(_FUNCTIONS)}."
+    )
 
 
 def _moderate(value: Any) -> Any:
-    """Return a value, unless it is a number that SymPy would work at for ever."""
+    """Return a value; raise ValueError if it is a number too large for exact arithmetic."""
     if value.is_Rational and max(abs(value.p), value.q) > LARGEST:
         raise ValueError(TOO_LARGE)
     return value
 
 
 def _is_small(number: Any, limit: float) -> bool:
-    """Whether a plain number is not larger than a limit; what has to be worked out first is not asked."""
+    """Return whether an evaluated number is at most `limit`; False for a number that is not evaluated yet."""
     return bool(number.is_Number and number.is_finite and abs(number) <= limit)
 
 
 def _function(name: str) -> str:
-    """SymPy's name of a function, NumPy's and one in capitals among them; "" where there is none."""
+    """Return SymPy's name of a function, also for NumPy's name and capitals; "" for an unknown function."""
     name = _NUMPY_NAMES.get(name.lower(), name.lower())
     return name if name in _FUNCTIONS else ""
 
 
 def _before_function(name: str, symbols: Mapping[str, Any]) -> str:
-    """The symbol that stands before a function without a sign between them: d in dsin."""
+    """Return the symbol that precedes a function without an operator, such as d in dsin; "" without one."""
     return next((each for each in symbols if name.startswith(each) and _function(name[len(each) :])), "")
 
 
 def _unknown(name: str, symbols: Mapping[str, Any]) -> str:
     for function in _FUNCTIONS:
         if name.startswith(function) and name[len(function) :] in symbols:
-            return f"{function} wants brackets: {function}({name[len(function) :]})."
-    return f"{_short(name)!r} is no symbol of this model; there are {', '.join(symbols)}."
+            return f"{function} needs brackets: write {function}({name[len(function) :]})."
+    return f"{_short(name)!r} is not a symbol of this model; use {', '.join(symbols)}."
 
 
 class DerivationSheet:
-    """What a student derived of a model on paper, entry by entry, and whether these are its slopes.
+    """A sheet with a student's derivatives of a model, which checks them entry by entry.
 
     Parameters
     ----------
     title : str
-        What is derived.
+        Title of the sheet.
     model : sympy.Matrix
         The R rows of the model.
     by : sequence of sympy.Symbol
         The C symbols to differentiate by.
     zero : sequence of sympy.Symbol
-        Symbols that are 0 where the slopes are taken, such as a noise.
+        Symbols that are 0 at the point of linearisation, such as a noise.
     rows : sequence of str
-        What the model's rows are called; numbers otherwise.
+        Names of the model's rows; by default their numbers.
     known : sequence of sequences
-        (R, C) entries that stand there at first, an empty text where there is none.
+        Entries (R, C) that are filled in at first, with an empty text for each open entry.
     short : mapping of str to sympy.Expr
-        Names that may be typed for something longer: {"dx": l_x - x}; a Δ is read as d.
+        Abbreviations that may be typed: {"dx": l_x - x}; a Δ is read as d.
     """
 
     def __init__(
@@ -206,26 +206,28 @@ class DerivationSheet:
         self._view: _SheetView | None = None
 
     def write(self, entries: Any) -> Message:
-        """Check entries, and say which of them are wrong.
+        """Check entries, and return a message that names the wrong ones.
 
         Parameters
         ----------
         entries : sequence of sequences, or sympy.Matrix
-            (R, C) texts, numbers or expressions; an empty text is an entry that is not derived yet.
+            Texts, numbers or expressions (R, C); an empty text is an entry that is not derived yet.
         """
         try:
             table = [list(row) for row in (entries.tolist() if hasattr(entries, "tolist") else entries)]
         except TypeError:
             table = []
         if [len(row) for row in table] != [len(self.by)] * len(self.rows):
-            return Message(f"The matrix has {len(self.rows)} rows and {len(self.by)} columns.")
+            return Message(
+                f"The entries do not form a matrix of {len(self.rows)} rows and {len(self.by)} columns."
+            )
         said, marks = self._judged(table)
         if self._view is not None:
             self._view.show(table, marks, said)
         return Message(said)
 
     def _judged(self, table: list[list[Any]]) -> tuple[str, dict[tuple[int, int], str]]:
-        """What is said of the entries, and what is wrong with each; where nothing is, an empty text."""
+        """Return the message about all entries, and the error of each entry: an empty text if it is right."""
         import sympy
 
         read, marks = sympy.zeros(len(self.rows), len(self.by)), dict[tuple[int, int], str]()
@@ -233,12 +235,12 @@ class DerivationSheet:
             if isinstance(entry, str) and not entry.strip():
                 continue
             try:
-                read[at] = parse(entry, self.symbols) if isinstance(entry, str) else self._sympified(entry)
+                read[at] = self._parsed(entry) if isinstance(entry, str) else self._sympified(entry)
                 marks[at] = ""
             except (ValueError, TypeError, AttributeError, ZeroDivisionError) as error:
                 marks[at] = str(error)
         if not marks:
-            return "Write what you derived into the fields, then check.", marks
+            return "Write your derivatives into the fields, then check them.", marks
         with np.errstate(all="ignore"):
             try:
                 answer = jacobian(lambda: (self.model, read), self._points, self.by)
@@ -252,20 +254,29 @@ class DerivationSheet:
         marks = {at: said or faults.get(at, "") for at, said in marks.items()}
         return self._said(marks), marks
 
+    def _parsed(self, entry: str) -> Any:
+        """Return a typed entry as an expression; a symbol that is 0 at the point of linearisation raises ValueError."""
+        import sympy
+
+        expression = parse(entry, self.symbols | {name: sympy.Symbol(name) for name in self._zero})
+        for name in sorted(self._zero & set(map(str, expression.free_symbols))):
+            raise ValueError(f"{name} is 0 where this Jacobian is evaluated; set it to 0 in your entry.")
+        return expression
+
     def _sympified(self, entry: Any) -> Any:
-        """An entry that came as a number or expression, of the model's symbols only."""
+        """Return an entry that is a number or an expression in the model's symbols."""
         import sympy
 
         expression = sympy.sympify(entry, strict=True)
         if not isinstance(expression, sympy.Expr):
-            raise ValueError(f"{_short(str(entry))} is no expression.")
+            raise ValueError(f"{_short(str(entry))} is not an expression.")
         for name in sorted(map(str, expression.free_symbols)):
             if name not in self._points:
                 raise ValueError(_unknown(name, self.symbols))
         return expression
 
     def _slip(self, at: tuple[int, int], entry: Any) -> str:
-        """Name what one easily writes instead of a slope, where an entry is just that."""
+        """Return the known mistake that produces a wrong entry, if there is one."""
         import sympy
 
         likely = list(self._likely(*at))
@@ -284,47 +295,47 @@ class DerivationSheet:
         )
 
     def _likely(self, row: int, column: int) -> Iterator[tuple[str, Any]]:
-        """Expressions that are likely slips for an entry, and what each is."""
+        """Yield the likely mistakes for an entry: a description and the wrong expression."""
         import sympy
 
-        everywhere = sympy.diff(self.model[row], sympy.Symbol(self.by[column]))
+        general = sympy.diff(self.model[row], sympy.Symbol(self.by[column]))
         nothing = dict.fromkeys(self._zero, 0)
-        slope = everywhere.subs(nothing)
+        derivative = general.subs(nothing)
         for term in sympy.Add.make_args(sympy.expand(self.model[row].subs(nothing))):
-            yield "that is a term of the model itself: differentiate it", term
+            yield "it is a term of the model itself: differentiate it", term
         partner = {sympy.sin: sympy.cos, sympy.cos: sympy.sin}
-        swapped = slope.replace(
+        swapped = derivative.replace(
             lambda each: each.func in partner, lambda each: partner[each.func](*each.args)
         )
-        yield "sine and cosine have changed places", swapped
-        yield "sine and cosine have changed places, and the sign is the wrong way round", -swapped
-        for symbol in sorted(slope.free_symbols, key=str):
-            yield f"the factor {symbol} is missing", slope / symbol
-            yield f"the factor {symbol} is missing, and the sign is the wrong way round", -slope / symbol
-            yield f"{symbol} is missing in it", slope.subs(symbol, 0)
+        yield "sine and cosine are swapped", swapped
+        yield "sine and cosine are swapped, and the sign is wrong", -swapped
+        for symbol in sorted(derivative.free_symbols, key=str):
+            yield f"the factor {symbol} is missing", derivative / symbol
+            yield f"the factor {symbol} is missing, and the sign is wrong", -derivative / symbol
+            yield f"the variable {symbol} is missing", derivative.subs(symbol, 0)
         for name in sorted(self._zero):
-            yield f"it is taken where {name} is 1, not 0", everywhere.subs(nothing | {name: 1})
+            yield f"it is evaluated at {name} = 1 instead of 0", general.subs(nothing | {name: 1})
 
     def _said(self, marks: Mapping[tuple[int, int], str]) -> str:
         total, right = len(self.rows) * len(self.by), sum(not said for said in marks.values())
         if right == total:
-            return f"✔ All {total} entries are slopes of the model."
+            return f"✔ All {total} entries are correct."
         wrong = [f"{self._place(*at)}: {said.rstrip('.')}." for at, said in marks.items() if said]
-        empty = f"{total - len(marks)} to go." if len(marks) < total else ""
-        return " ".join(filter(None, [f"{right} of {total} are right.", *wrong, empty]))
+        empty = f"{total - len(marks)} still empty." if len(marks) < total else ""
+        return " ".join(filter(None, [f"{right} of {total} entries are correct.", *wrong, empty]))
 
     def _place(self, row: int, column: int) -> str:
         return f"{self.rows[row]} by {self.by[column]}"
 
     def __repr__(self) -> str:
-        """Say what to derive where there are no fields."""
+        """Return the task as text, for places without widgets."""
         return (
-            f"{self.title}: derive {len(self.rows)} x {len(self.by)} slopes, of {', '.join(self.rows)} by "
+            f"{self.title}: find the {len(self.rows)} x {len(self.by)} derivatives of {', '.join(self.rows)} by "
             f"{', '.join(self.by)}; symbols: {', '.join(self.symbols)}."
         )
 
     def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
-        """Show the fields; the text where no widget lives."""
+        """Return the fields, and the task as text for places without widgets."""
         if self._view is None:
             self._view = _SheetView(self)
             if self.known:
@@ -333,13 +344,13 @@ class DerivationSheet:
 
 
 class _SheetView:
-    """The widgets of a sheet: a grid of fields; leaving one, Enter in it, or the button checks them all."""
+    """The widgets of a sheet: a grid of fields, which are checked by Enter, by leaving a field, or by the button."""
 
     def __init__(self, sheet: DerivationSheet) -> None:
         import ipywidgets
 
         self.sheet = sheet
-        self._filling = False  # while fields are filled in from code
+        self._filling = False  # while the code fills in the fields
         self.fields = [
             [
                 ipywidgets.Text(placeholder="", tooltip=sheet._place(*at), continuous_update=False)
@@ -364,21 +375,23 @@ class _SheetView:
             [ipywidgets.HTML(), *heads, *(each for line in lines for each in line)], layout=layout
         )
         self.said = ipywidgets.HTML(
-            Message("Write what you derived into the fields, then check.")._repr_html_()
+            Message("Write your derivatives into the fields, then check them.")._repr_html_()
         )
-        button = ipywidgets.Button(description="Check", tooltip="Compare each entry with the model's slope")
+        button = ipywidgets.Button(
+            description="Check", tooltip="Compare each entry with the model's derivative"
+        )
         button.on_click(self.check)
         title = ipywidgets.HTML(f"{_CSS}<b>{escape(sheet.title)}</b>")
         self.box = ipywidgets.VBox([title, grid, button, self.said])
         self.box.add_class("nao-sheet")
 
     def check(self, _: Any = None) -> None:
-        """Check what stands in the fields."""
+        """Check the entries in the fields."""
         if not self._filling:
             self.sheet.write([[field.value for field in row] for row in self.fields])
 
     def show(self, table: list[list[Any]], marks: Mapping[tuple[int, int], str], said: str) -> None:
-        """Show entries, frame the right and the wrong ones, and say what was found."""
+        """Show entries, frame each in the colour of its result, and show the message."""
         self._filling = True
         for row, line in enumerate(self.fields):
             for column, field in enumerate(line):
@@ -389,7 +402,7 @@ class _SheetView:
         self.said.value = Message(said)._repr_html_()
 
 
-@cache  # a cell that is run again shows the sheet as it was filled in
+@cache  # a cell that is run again shows the same sheet with its entries
 def _sheet(
     title: str,
     model: Any,
@@ -412,37 +425,37 @@ def derivation(
     known: Sequence[Sequence[Any]] = (),
     short: Mapping[str, Any] | None = None,
 ) -> DerivationSheet:
-    """Return a sheet for the Jacobian of a model that is derived with pen and paper.
+    """Return a sheet that checks a Jacobian derived with pen and paper.
 
     Parameters
     ----------
     title : str
-        What is derived.
+        Title of the sheet.
     model : sympy.Matrix
         The R rows of the model.
     by : sequence of sympy.Symbol
         The C symbols to differentiate by.
     zero : sequence of sympy.Symbol
-        Symbols that are 0 where the slopes are taken, such as a noise.
+        Symbols that are 0 at the point of linearisation, such as a noise.
     rows : sequence of str
-        What the model's rows are called.
+        Names of the model's rows; by default their numbers.
     known : sequence of sequences
-        (R, C) entries that stand there at first, an empty text where there is none.
+        Entries (R, C) that are filled in at first, with an empty text for each open entry.
     short : mapping of str to sympy.Expr
-        Names that may be typed for something longer: {"dx": l_x - x}; a Δ is read as d.
+        Abbreviations that may be typed: {"dx": l_x - x}; a Δ is read as d.
 
     Returns
     -------
     DerivationSheet
-        The same one for the same question. Its `write(entries)` fills it in where no widget lives.
+        The sheet; equal arguments give the same sheet. Its `write(entries)` fills it in without widgets.
 
     Examples
     --------
     >>> from sympy import Matrix, symbols
     >>> x, y = symbols("x y")
-    >>> sheet = derivation("The slopes of x y and x + y", Matrix([x * y, x + y]), [x, y], rows=("product", "sum"))
+    >>> sheet = derivation("Derivatives of x y and x + y", Matrix([x * y, x + y]), [x, y], rows=("product", "sum"))
     >>> sheet.write([["y", "-x"], [1, ""]])
-    2 of 4 are right. product by y: its sign is the wrong way round. 1 to go.
+    2 of 4 entries are correct. product by y: its sign is wrong. 1 still empty.
     """
     return _sheet(
         title,

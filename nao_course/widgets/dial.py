@@ -1,4 +1,4 @@
-"""The reality dial: every effect that makes a picture real, on a slider of its own."""
+"""The reality dial: a slider for each effect that makes a simulated picture realistic."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import numpy.typing as npt
 from nao_course.geometry import Pose
 from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
-from nao_course.widgets.parts import LabelledImage, Newest, bundle, jpeg
+from nao_course.widgets.parts import LabelledImage, RateLimited, bundle, jpeg
 
 PRESETS = ("clean", "lab", "dark", "harsh", "messy")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
-_STANDING = tuple(name for name in Reality.effects() if name != "motion")  # nothing shakes in this picture
-_TILT_WORDS = ("tilt (degrees)", "leans the whole robot forwards or backwards")
-_GROUPS = {  # effect: its slider's label, and what it does; said where it is, and below the picture while it is moved
+_STANDING = tuple(name for name in Reality.effects() if name != "motion")  # this picture has no motion blur
+_TILT_WORDS = ("tilt (degrees)", "tilts the whole robot forwards or backwards")
+_GROUPS = {  # effect: its slider's label and explanation, which also appears below the picture while the slider moves
     "Carpet": {
         "grain": ("fibres", "the carpet's brightness from fibre to fibre"),
         "mottle": ("patches", "the carpet's brightness from patch to patch"),
@@ -30,17 +30,23 @@ _GROUPS = {  # effect: its slider's label, and what it does; said where it is, a
         "tape": ("tape", "dark tape along the outer lines"),
     },
     "Room and light": {
-        "clutter": ("behind the field", "how much stands and lies behind the field"),
+        "clutter": ("behind the field", "amount of furniture and clutter behind the field"),
         "litter": ("beside the field", "things that lie on the carpet beyond the lines"),
         "sheets": ("paper", "sheets of paper on the carpet"),
-        "glare": ("glare", "lamps and windows shine back from the ground"),
+        "glare": ("glare", "lamps and windows are reflected by the ground"),
         "gradient": ("uneven light", "one end of the field gets less light"),
     },
     "Camera": {
-        "white_balance": ("wrong colour", "the camera takes the light for redder or bluer than it is"),
+        "white_balance": (
+            "wrong colour",
+            "the camera assumes a light that is redder or bluer than the real one",
+        ),
         "exposure": ("auto exposure", "the camera makes every picture equally bright on average"),
-        "overexposure": ("too bright a white", "white is beyond the brightest that the camera can show"),
-        "vignette": ("dark corners", "corners of the picture are darker than its middle"),
+        "overexposure": (
+            "too bright a white",
+            "white is brighter than the largest value that the camera records",
+        ),
+        "vignette": ("dark corners", "corners of the picture are darker than its centre"),
         "blur": ("blur", "lens and sensor smear the picture"),
         "noise": ("noise", "the sensor adds random numbers to each pixel"),
     },
@@ -50,16 +56,16 @@ _TILT = float(np.radians(3.0))  # the largest on the slider, rad
 
 
 class RealityDial:
-    """One picture of the field, and a slider for each effect.
+    """A picture of the field with a slider for each effect.
 
     Parameters
     ----------
     field : Field, optional
-        By default half a field by the rules of 2012.
+        The field; by default half a field of 2012.
     pose : Pose, optional
-        Where the robot stands, in the world.
+        Pose of the robot in the world.
     seed : int
-        Of the noise; the picture is the same for the same sliders.
+        Seed of the noise, so that equal sliders give equal pictures.
 
     Examples
     --------
@@ -67,15 +73,15 @@ class RealityDial:
     >>> dial.preset("clean")
     >>> dial.set(noise=10.0)
     >>> dial
-    RealityDial: the robot leans by 0.0 degrees; on: noise 10
+    RealityDial: body tilt 0.0 degrees; on: noise 10
     """
 
     def __init__(self, field: Field | None = None, pose: Pose | None = None, seed: int = 0) -> None:
-        """Begin with the laboratory's picture."""
+        """Begin with the preset "lab"."""
         self.field, self.pose, self.seed = field or Field(), pose or Pose(0.6, -0.5, 0.2), seed
         self.reality, self.tilt = Reality.lab(), 0.0
-        self._moving_sliders, self._newest = False, Newest(self._show)
-        self._moved: tuple[str, str] | None = None  # words of the slider that was moved last
+        self._moving_sliders, self._newest = False, RateLimited(self._show)
+        self._moved: tuple[str, str] | None = None  # label and explanation of the last slider that was moved
         self._image = LabelledImage(format="jpeg", layout=ipywidgets.Layout(width="480px"))
         self._said = ipywidgets.HTML()
         self._sliders = {name: self._slider(name) for name in _STANDING}
@@ -105,7 +111,7 @@ class RealityDial:
         Raises
         ------
         ValueError
-            For another name.
+            If there is no such preset.
         """
         if name not in PRESETS:
             raise ValueError(f"preset must be one of {PRESETS}, got {name!r}")
@@ -117,21 +123,21 @@ class RealityDial:
         Raises
         ------
         ValueError
-            If a strength is not possible.
+            If a strength is outside its limits.
         TypeError
-            For an effect that there is not.
+            If an effect does not exist.
         """
         changes: dict[str, Any] = dict(effects)
         self._put(replace(self.reality, **changes))
 
     @property
     def view(self) -> CameraView:
-        """The camera's true view, with the tilt that is set."""
+        """The camera's true view, with the tilt of the slider."""
         return NAO_V4.view("bottom", pitch=float(np.radians(-26.0)), torso_pitch=self.tilt)
 
     @property
     def pixels(self) -> npt.NDArray[np.uint8]:
-        """The picture (240, 320, 3) as the sliders are now."""
+        """The picture (240, 320, 3) for the present sliders."""
         rng = np.random.default_rng(self.seed)
         return render(self.field, self.pose, self.view, self.reality, rng)[0]
 
@@ -140,18 +146,18 @@ class RealityDial:
         return draw_picture(self.pixels, title="The reality dial")
 
     def summary(self) -> str:
-        """Say which effects are on."""
+        """Return the body tilt and the effects that are on as text."""
         strengths = {label: getattr(self.reality, name) for name, (label, _) in _WORDS.items()}
         on = [f"{label} {strength:.3g}" for label, strength in strengths.items() if strength]
-        lean = round(float(np.degrees(self.tilt)), 1) + 0.0  # no minus before a zero
-        return f"the robot leans by {lean:.1f} degrees; on: {', '.join(on) or 'nothing'}"
+        tilt = round(float(np.degrees(self.tilt)), 1) + 0.0  # without a minus sign before 0
+        return f"body tilt {tilt:.1f} degrees; on: {', '.join(on) or 'nothing'}"
 
     def __repr__(self) -> str:
-        """Say what the dial shows."""
+        """Return the body tilt and the effects that are on as text."""
         return f"RealityDial: {self.summary()}"
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        """Show the widgets; beside them lie a picture and the summary for where they cannot live."""
+        """Return the widgets, and a picture and the summary for places without widgets."""
         return bundle(self.widget, self.drawing(), repr(self), repr(self))
 
     # --- sliders ---
@@ -168,7 +174,7 @@ class RealityDial:
             value=value,
             min=low,
             max=high,
-            step=(high - low) / 1000,  # a browser rounds to it: fine enough for every preset
+            step=(high - low) / 1000,  # a browser rounds to this step, which is fine enough for every preset
             description=label,
             readout_format=".2f",
             tooltip=f"{label}: {meaning}; from {low:g} to {high:g}",
@@ -190,7 +196,7 @@ class RealityDial:
         self._newest.ask()
 
     def _put(self, reality: Reality) -> None:
-        """Take on effects, and move the sliders without a picture for each."""
+        """Set the effects, move the sliders, and render one picture."""
         self.reality, self._moving_sliders, self._moved = reality, True, None
         for name, slider in self._sliders.items():
             slider.value = getattr(reality, name)

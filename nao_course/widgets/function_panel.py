@@ -1,4 +1,4 @@
-"""A panel from a function and a list of controls."""
+"""A panel that is made from a function and a list of controls."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from nao_course.widgets.inputs import (
     check_controls,
 )
 from nao_course.widgets.keyboard import key_field, key_names, key_sign
-from nao_course.widgets.parts import LabelledImage, Newest, box, bundle, html_line, status_box, styles
-from nao_course.widgets.shown import Shown, encoded, parts_of
+from nao_course.widgets.parts import RateLimited, box, bundle, html_line, status_box, styles
+from nao_course.widgets.picture_row import PictureRow
+from nao_course.widgets.shown import Shown, parts_of
 
-SLOW = 0.1  # s for one call of the student's code: from here on the panel says why it lags
-TALLEST = 430  # px of a picture on the page: the panel fits on a laptop's screen
+SLOW = 0.1  # s for one call of the student's code; the panel warns if a call takes longer
 _CSS = """
 .nao-function .nao-pictures { gap: 8px; flex-wrap: wrap; overflow: visible; }
 .nao-function .nao-column { flex: 1 1 0; min-width: 150px; overflow: visible; }
@@ -74,30 +74,30 @@ Show = Callable[[Values, StudentCode], Any]
 
 
 class FunctionPanel:
-    """A panel that shows what a function makes of its controls' values.
+    """A panel that shows the results of a function of its controls' values.
 
     Parameters
     ----------
     title : str
-        What the panel is, for texts and readers who cannot see it.
+        Title for texts and screen readers.
     show : callable
-        ``show(values, student)`` returns what to show, or yields several of them: a picture, a Drawing, a table, a
-        text, a Legend, or {title: picture, Drawing or table}. What was yielded before an error stays.
+        ``show(values, student)`` returns or yields the results: a picture, a Drawing, a table, a text, a Legend, or
+        {title: picture, Drawing or table}. Results that were yielded before an error are still shown.
     controls : sequence of Control
-        What can be set.
+        The controls.
     student : mapping of str to callable, optional
         The student's functions, by the names under which `show` finds them.
     unfinished : str or mapping of str to str, optional
-        What to say where one raises NotImplementedError; a mapping has a sentence for each.
+        Message for a function that raises NotImplementedError; a mapping has a message for each function.
     seed : int
-        Of ``values.rng``, which begins the same at each call.
+        Seed of ``values.rng``, which starts in the same state at each call.
     time_limit : float
-        Seconds for one call of `show`; one that takes longer is stopped, and the panel says so.
+        Seconds after which a call of `show` is stopped; the panel then shows a message.
 
     Raises
     ------
     ValueError
-        If controls share a name or a key, or a start is out of its limits.
+        If controls share a name or a key, or a start value is outside its limits.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class FunctionPanel:
     The square is 81.
     """
 
-    css = ""  # the look of a kind of panel, beside that of all
+    css = ""  # further styles of a subclass
 
     def __init__(
         self,
@@ -124,7 +124,7 @@ class FunctionPanel:
         seed: int = 0,
         time_limit: float = TIME_LIMIT,
     ) -> None:
-        """Show what the first values give, and build the widgets."""
+        """Build the widgets, and show the results for the first values."""
         check_controls(controls)
         self.title, self.time_limit, self.seed = title, time_limit, seed
         self._show, self._student, self._unfinished = show, StudentCode(student or {}), unfinished
@@ -135,31 +135,31 @@ class FunctionPanel:
         self._refused = ""
         self._moving = False
         self._one_at_a_time = threading.RLock()
-        self._newest = Newest(self._update)
+        self._newest = RateLimited(self._update)
         self._build()
         self._update()
 
     # --- from code ---
 
     def set(self, **values: Any) -> None:
-        """Set some controls, at once.
+        """Set some controls and show the results.
 
         Raises
         ------
         ValueError
-            If a value is out of its limits; nothing is set then.
+            If a value is outside its limits; then no control is changed.
         TypeError
-            For a control that there is not.
+            If a control does not exist.
         """
         self._put(self._checked(values))
 
     def reset(self) -> None:
-        """Set all controls back to where they began, but for those that stay."""
+        """Set all controls to their start values, except the choices that stay."""
         self._put(self._start() | {name: self._values[name] for name in self._staying()})
 
     @property
     def values(self) -> Values:
-        """Where the controls stand."""
+        """The controls' values."""
         presses = [
             self._values[name]
             for name, each in self._controls.items()
@@ -169,37 +169,37 @@ class FunctionPanel:
 
     @property
     def error(self) -> BaseException | None:
-        """What the student's code raised last; ``raise panel.error`` shows where it came from."""
+        """The last exception of the student's code; ``raise panel.error`` shows where it was raised."""
         return self._error
 
     @property
     def shown(self) -> Shown:
-        """What `show` gave for the present values: all it had yielded where it failed."""
+        """The results for the present values; after an error, the results that `show` had yielded before it."""
         return self._shown
 
     def say_values(self) -> str:
-        """Say where the controls stand."""
+        """Return the controls' values as text."""
         words = (self._controls[name].say(value) for name, value in self._values.items())
         return ", ".join(filter(None, words))
 
     def summary(self) -> str:
-        """Say where the controls stand and what is shown, or why there is nothing."""
+        """Return the controls' values and the results as text, or the error."""
         shown = self._shown
         failed = [] if self._latest.done else [self._latest.message]
         lines = [self.say_values(), *shown.texts, *map(repr, shown.tables.values()), *failed]
         return "\n".join(filter(None, lines))
 
     def drawing(self) -> Drawing:
-        """Return what the panel shows as a figure, for where no widget can live."""
+        """Return the panel's contents as a figure, for places without widgets."""
         marks = {self._picture_of(each): self._values[each.name] for each in self._pixels()}
         return self._shown.drawing(f"{self.title}: {'; '.join(self.summary().splitlines())}", marks)
 
     def __repr__(self) -> str:
-        """Say what the panel shows."""
+        """Return the panel's contents as text."""
         return f"{self.title}: {self.summary()}"
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        """Show the widgets; beside them lie a picture and the summary for where they cannot live."""
+        """Return the widgets, and a picture and the summary for places without widgets."""
         drawing = self.drawing()
         return bundle(self.widget, drawing, repr(self), drawing.alt)
 
@@ -217,7 +217,7 @@ class FunctionPanel:
         return self._values | {name: self._controls[name].checked(value) for name, value in values.items()}
 
     def _put(self, values: dict[str, Any]) -> None:
-        """Take on values, and move the controls without a picture for each."""
+        """Set the values, move the controls, and show the results once."""
         self._take(values)
         self._update()
 
@@ -229,15 +229,13 @@ class FunctionPanel:
         self._moving = False
 
     def _moved(self, control: Control, change: Any) -> None:
-        """Follow a control on the page."""
+        """Update the value of a control that was moved on the page."""
         if self._moving:
             return
         try:
             self._values = self._checked({control.name: control.from_widget(change["new"])})
             self._refused = ""
-        except (
-            ValueError
-        ) as error:  # typed, and not possible: a callback has nobody above it who could catch it
+        except ValueError as error:  # an impossible value was typed: no caller of a callback could catch this
             self._take(self._values)
             self._refused = str(error)
         self._newest.ask()
@@ -250,14 +248,14 @@ class FunctionPanel:
     # --- the student's code ---
 
     def _update(self) -> None:
-        """Ask the function, and show what comes of it."""
-        with self._one_at_a_time:  # a slider's thread and a cell's
+        """Call the function and show its results."""
+        with self._one_at_a_time:  # a slider and a cell may use different threads
             before, parts = self._shown, list[Any]()
             self._student.begin()
-            self._latest = Attempt(message="Interrupted.")  # unless what follows comes to its end
+            self._latest = Attempt(message="Interrupted.")  # unless the attempt below ends
             self._latest = attempt(
-                lambda: self._ask(parts),
-                self._whose,
+                lambda: self._call_show(parts),
+                self._source_of_error,
                 limit=self.time_limit,
                 unfinished=self._say_unfinished,
                 quiet=True,
@@ -267,16 +265,20 @@ class FunctionPanel:
                 self._shown = Shown.of(_showable(parts))
             self._display(before)
 
-    def _ask(self, parts: list[Any]) -> None:
+    def _call_show(self, parts: list[Any]) -> None:
         for part in parts_of(self._show(self.values, self._student)):
             parts.append(part)
         self._shown = Shown.of(parts)
 
-    def _whose(self) -> str:
+    def _source_of_error(self) -> str:
         student = self._student
         if student.running:
             return _called(student.running)
-        return f"the panel, which uses what {_called(student.last)} returned" if student.last else "the panel"
+        return (
+            f"the panel, in the code that uses the result of {_called(student.last)}"
+            if student.last
+            else "the panel"
+        )
 
     def _say_unfinished(self) -> str:
         name = self._student.called
@@ -289,42 +291,18 @@ class FunctionPanel:
     # --- showing ---
 
     def _display(self, before: Shown) -> None:
-        """Bring what is shown to the page; a picture that failed leaves its place empty."""
-        empty = {
+        """Send the results to the page; the place of a picture that failed becomes grey."""
+        missing = {
             title: np.full_like(pixels, 225)
             for title, pixels in before.pictures.items()
             if not self._latest.done and title not in self._shown.pictures
         }
-        places = {**self._shown.pictures, **empty}
-        while len(self._images) < len(places):
-            self._add_place()
-        for number, (title, pixels) in enumerate(places.items()):
-            if not _same(pixels, self._sent[number], title):
-                self._sent[number] = (title, pixels)
-                self._fill(number, title, pixels, title in empty)
-        columns = tuple(self._columns[: len(places)])
-        if self._pictures.children != columns:
-            self._pictures.children = columns
-        self._lay_pads(list(places))
+        self._row.show(self._shown.pictures, self._shown.drawings, missing)
+        self._lay_pads([*self._shown.pictures, *missing])
         self._legend.value = "".join(each._repr_html_() for each in self._shown.legends)
         self._table.value = self._shown.tables_html()
         self._table.layout.display = "" if self._shown.tables else "none"
         self._status.value = self._say_status()
-
-    def _fill(self, number: int, title: str, pixels: Any, is_empty: bool) -> None:
-        image, caption, column = self._images[number], self._captions[number], self._columns[number]
-        is_figure = title in self._shown.drawings
-        image.format, image.value = encoded(pixels, is_figure)
-        note = " (nothing yet)" if is_empty else ""
-        image.alt = image.description = image.tooltip = f"{title.strip() or self.title}{note}"
-        caption.layout.display = "" if title.strip() else "none"
-        caption.value = f"<b>{html.escape(title.strip())}</b>{note}"
-        height, width = pixels.shape[:2]
-        most = width if is_figure else max(width, 322)
-        column.layout.max_width = f"{min(most, TALLEST * width // height)}px"
-        column.layout.flex = f"{width / height:.3f} 1 {'340px' if is_figure else '0'}"
-        for name, holds in (("nao-photo", not is_figure), ("nao-small", width <= 64)):
-            (column.add_class if holds else column.remove_class)(name)
 
     def _lay_pads(self, titles: list[str]) -> None:
         """Lay each pixel's mark and pad over its picture."""
@@ -333,9 +311,7 @@ class FunctionPanel:
             pad, mark = self._pads[control.name]
             mark.value = control.mark(self._values[control.name])
             over.get(self._picture_of(control), []).extend((mark, pad))
-        for image, frame, title in zip(self._images, self._frames, titles, strict=False):
-            if frame.children != (children := (image, *over[title])):
-                frame.children = children
+        self._row.lay_over(list(over.values()))
 
     def _say_status(self) -> str:
         latest, values = self._latest, self.say_values()
@@ -348,10 +324,10 @@ class FunctionPanel:
         return status_box(texts or values, self.say_pace(self._student.seconds), printed=latest.printed)
 
     def say_pace(self, seconds: float) -> str:
-        """Say how long the student's code took."""
+        """Return the run time of the student's code as text."""
         if not self._student.called:
             return ""
-        slowly = " The panel follows slowly." if seconds > SLOW else ""
+        slowly = " This slows the panel down." if seconds > SLOW else ""
         return f"Your code took {1000 * seconds:.0f} ms.{slowly}"
 
     # --- widgets ---
@@ -367,11 +343,7 @@ class FunctionPanel:
 
     def _build(self) -> None:
         self._widgets = {name: each.widget() for name, each in self._controls.items()}
-        self._images: list[Any] = []
-        self._sent: list[tuple[str, Any]] = []  # what the page has of each, so that only news are sent
-        self._captions: list[Any] = []
-        self._frames: list[Any] = []
-        self._columns: list[Any] = []
+        self._row = PictureRow(self.title)
         self._pads = {
             each.name: (html_line(each.pad(), "nao-pad"), html_line("", "nao-pad")) for each in self._pixels()
         }
@@ -382,14 +354,14 @@ class FunctionPanel:
                 self._widgets[name].on_click(lambda pressed, action=control: self._pressed(action))
             else:
                 self._widgets[name].observe(partial(self._moved, control), "value")
-        self._pictures, self._legend = box("H", "nao-pictures"), html_line("", "nao-legend")
+        self._legend = html_line("", "nao-legend")
         self._table, self._status = html_line("", "nao-scores"), ipywidgets.HTML()
         sliders = [self._widgets[name] for name, each in self._controls.items() if _slides(each)]
         self.widget = box(
             "V",
             "nao-panel",
             styles(_CSS + self.css),
-            self._pictures,
+            self._row.widget,
             box("H", "nao-choices", *self._small_controls(), *self._key_line(), self._legend),
             box("H", "nao-below", box("V", "nao-sliders", *sliders), self._table),
             self._status,
@@ -397,8 +369,10 @@ class FunctionPanel:
         self.widget.add_class("nao-function")
 
     def _small_controls(self) -> list[Any]:
-        but = "".join(f"; {self._controls[name].label} stays" for name in self._staying())
-        again = ipywidgets.Button(description="Reset", tooltip=f"Set everything back to where it began{but}")
+        kept = "".join(f"; {self._controls[name].label} stays" for name in self._staying())
+        again = ipywidgets.Button(
+            description="Reset", tooltip=f"Set all controls to their start values{kept}"
+        )
         again.on_click(lambda pressed: self.reset())
         again.add_class("nao-do-reset")
         return [*(self._widgets[name] for name, each in self._controls.items() if not _slides(each)), again]
@@ -411,21 +385,9 @@ class FunctionPanel:
         hint = "Keys: " + ", ".join(f"{key_sign(each.key.lower())} {each.label}" for each in self._keyed())
         field = key_field(keys, html.escape(f"Keyboard: click here, then {said}"), "", html.escape(hint))
         line = html_line(field, "nao-key-line")
-        line.layout.min_width = (
-            f"min(100%, {len(hint)}ch)"  # all of it can be read, on a line of its own if need be
-        )
+        # Wide enough for the whole hint, on its own line if necessary
+        line.layout.min_width = f"min(100%, {len(hint)}ch)"
         return [line]
-
-    def _add_place(self) -> None:
-        self._images.append(LabelledImage())
-        self._sent.append(("", None))
-        self._captions.append(html_line("", "nao-caption"))
-        self._frames.append(box("", "nao-frame", self._images[-1]))
-        self._columns.append(box("V", "nao-column", self._captions[-1], self._frames[-1]))
-
-
-def _same(pixels: Any, sent: tuple[str, Any], title: str) -> bool:
-    return sent[1] is not None and title == sent[0] and np.array_equal(pixels, sent[1])
 
 
 def _slides(control: Control) -> bool:
@@ -437,12 +399,12 @@ def _only_sets(control: Control) -> bool:
 
 
 def _called(name: str) -> str:
-    """A function's name as one would call it; words as they are."""
+    """Return a function's name with brackets; return other text unchanged."""
     return f"{name}()" if name.isidentifier() else name
 
 
 def _showable(parts: Sequence[Any]) -> list[Any]:
-    """Those of the parts that can be shown."""
+    """Return the parts that can be shown."""
     good = []
     for part in parts:
         try:

@@ -1,4 +1,4 @@
-"""What a panel's reader can set: sliders, choices, toggles, a pixel of a picture, and buttons, as declarations."""
+"""Declarations of a panel's controls: sliders, choices, toggles, pixels of a picture, and buttons."""
 
 from __future__ import annotations
 
@@ -15,43 +15,46 @@ import numpy as np
 
 from nao_course.widgets.keyboard import key_names
 
-RESERVED = frozenset({"rng", "keys", "values", "items", "get"})  # what `Values` has names for
+RESERVED = frozenset({"rng", "keys", "values", "items", "get"})  # names that `Values` defines itself
 
 
 @dataclass(frozen=True)
 class Control(ABC):
-    """Something that a panel's reader can set.
+    """A control of a panel.
 
     Parameters
     ----------
     name : str
-        In code: ``values.name``, ``panel.set(name=...)``.
+        Name in code: ``values.name``, ``panel.set(name=...)``.
     label : str
-        On the panel.
+        Label on the panel.
+    tooltip : str
+        Explanation of the control.
     """
 
     name: str
     label: str
+    tooltip: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be a name or a start."""
+        """Check the name and the start value."""
         if not self.name.isidentifier() or keyword.iskeyword(self.name) or self.name.startswith("_"):
-            raise ValueError(f"a control's name must be one as variables have, got {self.name!r}")
+            raise ValueError(f"a control's name must be a valid variable name, got {self.name!r}")
         if self.name in RESERVED:
             raise ValueError(
-                f"a control cannot have the name {self.name!r}: values.{self.name} is another thing"
+                f"a control cannot have the name {self.name!r}, because values.{self.name} has another meaning"
             )
         if "start" in vars(self):
             object.__setattr__(self, "start", self.first)
 
     @property
     def first(self) -> Any:
-        """The value at first."""
+        """The start value."""
         return self.checked(vars(self).get("start", 0))
 
     @abstractmethod
     def checked(self, value: Any) -> Any:
-        """Return a value as the panel keeps it; a ValueError, with the limits, for one that cannot be set."""
+        """Return a value as the panel stores it; raise ValueError, with the limits, if it cannot be set."""
 
     @abstractmethod
     def widget(self) -> Any:
@@ -62,11 +65,11 @@ class Control(ABC):
         return f"{self.label} {value}"
 
     def to_widget(self, value: Any) -> Any:
-        """Return what the widget is to hold for a value."""
+        """Return the widget's representation of a value."""
         return value
 
     def from_widget(self, held: Any) -> Any:
-        """Return the value, not yet checked, that a widget holds."""
+        """Return the value, not yet checked, of a widget's representation."""
         return held
 
     def css_class(self, kind: str) -> str:
@@ -80,18 +83,17 @@ def _with_unit(text: str, unit: str) -> str:
 
 @dataclass(frozen=True)
 class _Scale(Control):
-    """What has limits and steps; whole numbers where all of these are whole."""
+    """A control with limits and steps; its values are integers if limits and step are."""
 
     low: float
     high: float
     step: float
     start: Any
     unit: str = field(default="", kw_only=True)
-    tooltip: str = field(default="", kw_only=True)
     look: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
-        """Refuse limits that leave nothing to slide."""
+        """Check that the limits and the step leave a range."""
         if not (self.low < self.high and 0 < self.step <= self.high - self.low):
             raise ValueError(
                 f"{self.name} must have low < high and a step between them, "
@@ -101,24 +103,24 @@ class _Scale(Control):
 
     @property
     def whole(self) -> bool:
-        """Whether its values are whole numbers."""
+        """Whether its values are integers."""
         return all(isinstance(each, int | np.integer) for each in (self.low, self.high, self.step))
 
     def rounded(self, value: Any) -> float:
-        """Return a number as a browser rounds it, to whole steps from the low end."""
+        """Return a number rounded as in a browser: to whole steps from the lower limit, halves up."""
         try:
             number = float(value)
         except (TypeError, ValueError):
             number = math.nan
         if isinstance(value, bool) or not self.low <= number <= self.high:
             raise ValueError(f"{self.name} must be from {self.limits}, got {value!r}")
-        steps = round((number - self.low) / self.step)
+        steps = math.floor(round((number - self.low) / self.step, 9) + 0.5)
         result = min(round(self.low + steps * self.step, 10), self.high)
         return int(result) if self.whole else float(result)
 
     @property
     def limits(self) -> str:
-        """Both ends in words."""
+        """Both limits in words."""
         return _with_unit(f"{self.low:g} to {self.high:g}", self.unit)
 
     def number(self, value: float) -> str:
@@ -127,7 +129,7 @@ class _Scale(Control):
 
     @property
     def digits(self) -> int:
-        """Digits after the point that tell two steps apart."""
+        """Number of decimals that distinguishes two steps."""
         return (
             0 if self.whole else next((n for n in range(6) if abs(round(self.step, n) - self.step) < 1e-9), 6)
         )
@@ -151,22 +153,20 @@ class _Scale(Control):
 
 @dataclass(frozen=True)
 class Slider(_Scale):
-    """One number.
+    """A slider for one number.
 
     Parameters
     ----------
     name, label : str
-        In code, and on the panel.
+        Name in code, and label on the panel.
     low, high, step : float
-        Limits and steps; where all three are whole, so are the values.
+        Limits and step; if all three are integers, the values are integers.
     start : float
-        At first.
+        Start value.
     unit : str
-        Shown behind the label, and behind the value in words.
-    tooltip : str
-        What it does.
+        Unit, shown after the label and after the value.
     look : str
-        A class of CSS for the widget.
+        CSS class of the widget.
 
     Examples
     --------
@@ -183,16 +183,16 @@ class Slider(_Scale):
         return self._made("Slider", self.start)
 
     def say(self, value: Any) -> str:
-        """Return it with its unit."""
+        """Return the value with its label and unit."""
         return f"{self.label} {_with_unit(self.number(value), self.unit)}"
 
 
 @dataclass(frozen=True)
 class RangeSlider(_Scale):
-    """Two numbers, the first not above the second; arguments as of `Slider`, `start` a pair."""
+    """A slider for two numbers in ascending order, with the parameters of `Slider` and a pair as `start`."""
 
     def checked(self, value: Any) -> tuple[float, float]:
-        """Return both limits, in whole steps."""
+        """Return both numbers, in whole steps."""
         if np.shape(value) != (2,):
             raise ValueError(f"{self.name} must be two numbers from {self.limits}, got {value!r}")
         first, last = map(self.rounded, value)
@@ -205,35 +205,32 @@ class RangeSlider(_Scale):
         return self._made("RangeSlider", self.start)
 
     def say(self, value: Any) -> str:
-        """Return both with their unit."""
+        """Return both numbers with the label and the unit."""
         return f"{self.label} {_with_unit(' to '.join(map(self.number, value)), self.unit)}"
 
 
 @dataclass(frozen=True)
 class Choice(Control):
-    """One of a few texts or numbers.
+    """A menu of texts or numbers.
 
     Parameters
     ----------
     name, label : str
-        In code, and on the panel.
+        Name in code, and label on the panel.
     options : sequence of str, int or float
-        What there is to choose; shown as `str` gives it.
+        The options, which are shown as `str` formats them.
     start : str, int or float, optional
-        At first; by default the first.
-    tooltip : str
-        What it does.
+        Start value; by default the first option.
     stays : bool
-        Whether Reset leaves it as it is: what is looked at, such as the picture, and not how.
+        Whether Reset keeps the choice, as it should for the choice of a picture.
     """
 
     options: Sequence[Any]
     start: Any = None
-    tooltip: str = field(default="", kw_only=True)
     stays: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        """Begin with the first if nothing else is said."""
+        """Set the start value to the first option unless it is given."""
         if not self.options:
             raise ValueError(f"{self.name} must have at least one option, got none")
         if self.start is None:
@@ -241,7 +238,7 @@ class Choice(Control):
         super().__post_init__()
 
     def checked(self, value: Any) -> Any:
-        """Return the option that is equal."""
+        """Return the option that equals a value."""
         for option in self.options:
             if type(value) in (type(option), int, float) and value == option:
                 return option
@@ -258,20 +255,17 @@ class Choice(Control):
 
 @dataclass(frozen=True)
 class Toggle(Control):
-    """Yes or no.
+    """A checkbox.
 
     Parameters
     ----------
     name, label : str
-        In code, and on the panel.
+        Name in code, and label on the panel.
     start : bool
-        At first.
-    tooltip : str
-        What it does.
+        Start value.
     """
 
     start: bool = False
-    tooltip: str = field(default="", kw_only=True)
 
     def checked(self, value: Any) -> bool:
         """Return True or False."""
@@ -280,7 +274,7 @@ class Toggle(Control):
         return bool(value)
 
     def widget(self) -> Any:
-        """Return a box to tick."""
+        """Return a checkbox."""
         box = ipywidgets.Checkbox(value=self.start, description=self.label, indent=False)
         box.tooltip = self.tooltip or self.label
         box.layout.width = "auto"
@@ -288,41 +282,38 @@ class Toggle(Control):
         return box
 
     def say(self, value: Any) -> str:
-        """Return whether it is on."""
+        """Return the label with "on" or "off"."""
         return f"{self.label} {'on' if value else 'off'}"
 
 
 @dataclass(frozen=True)
 class Pixel(Control):
-    """A pixel of a picture: clicked, dragged to, reached with the arrow keys, or typed.
+    """A pixel of a picture, chosen with a click, by dragging, with the arrow keys, or by typing.
 
     Parameters
     ----------
     name, label : str
-        In code, and on the panel.
+        Name in code, and label on the panel.
     size : (int, int)
         Width and height of the picture.
     start : (int, int), optional
-        (u, v) at first; by default the middle.
+        Start value (u, v); by default the picture's centre.
     picture : str, optional
-        Title of the picture; by default the first one.
-    tooltip : str
-        What it does.
+        Title of the picture; by default the first picture.
     """
 
     size: tuple[int, int]
     start: Any = None
     picture: str = field(default="", kw_only=True)
-    tooltip: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
-        """Begin in the middle if nothing else is said."""
+        """Set the start value to the picture's centre unless it is given."""
         if self.start is None:
             object.__setattr__(self, "start", tuple(length // 2 for length in self.size))
         super().__post_init__()
 
     def checked(self, value: Any) -> tuple[int, int]:
-        """Return (u, v), two whole numbers inside the picture."""
+        """Return (u, v), two integers inside the picture."""
         try:
             u, v = (float(each) for each in value)
         except (TypeError, ValueError):
@@ -340,11 +331,11 @@ class Pixel(Control):
         return f"{value[0]}, {value[1]}"
 
     def from_widget(self, held: Any) -> Any:
-        """Return what is typed, as numbers where it is some."""
+        """Return the parts of the typed text, not yet checked."""
         return held.strip("() ").split(",")
 
     def widget(self) -> Any:
-        """Return a line to type in; the picture writes into it, too."""
+        """Return a text field, which clicks in the picture also fill in."""
         line = ipywidgets.Text(
             value=self.to_widget(self.start), description=f"{self.label} (u, v)", continuous_update=False
         )
@@ -353,11 +344,11 @@ class Pixel(Control):
         return line
 
     def say(self, value: Any) -> str:
-        """Return (u, v)."""
+        """Return the label with (u, v)."""
         return f"{self.label} ({value[0]}, {value[1]})"
 
     def pad(self) -> str:
-        """Return HTML of what lies over the picture and takes clicks and keys."""
+        """Return the HTML of the layer over the picture that receives clicks and keys."""
         width, height = self.size
         script = _PIXEL_SCRIPT % (width, height, self.css_class("pixel"))
         words = f"{self.label}: click, or arrow keys move the pixel, with shift by ten"
@@ -369,12 +360,12 @@ class Pixel(Control):
         )
 
     def mark(self, value: tuple[int, int]) -> str:
-        """Return HTML of the mark at a pixel; it lies over the picture, whose pixels stay as they are."""
+        """Return the HTML of the mark at a pixel; it covers the picture without changing its pixels."""
         across, down = (100 * (each + 0.5) / length for each, length in zip(value, self.size, strict=True))
         return f'<i class="nao-cursor" style="left: {across:.3f}%; top: {down:.3f}%"></i>'
 
 
-# Writes "u, v" into the control's line, as if it were typed: ipywidgets' pictures have no events of their own.
+# Writes "u, v" into the control's text field as if it were typed, because the pictures of ipywidgets have no events.
 _PIXEL_SCRIPT = """const size = [%d, %d];
 const line = this.closest('.nao-panel').querySelector('.%s input');
 let pixel = line.value.split(',').map(Number);
@@ -397,25 +388,22 @@ line.dispatchEvent(new Event('change', {bubbles: true}));"""
 
 @dataclass(frozen=True)
 class Action(Control):
-    """A button: it draws again with new random numbers, or sets other controls.
+    """A button that draws again with new random numbers, or sets other controls.
 
-    Its value is how often it was pressed; it is part of the seed, so the same presses give the same.
+    Its value is the number of presses, which is part of the seed: equal presses give equal results.
 
     Parameters
     ----------
     name, label : str
-        In code, and on the panel.
+        Name in code, and label on the panel.
     key : str, optional
-        A key that presses it, as a browser names it: "n", "arrowup", " ".
+        Key that presses it, by its name in a browser: "n", "arrowup", " ".
     sets : mapping of str to object, optional
-        Values that it sets; it counts no presses then.
-    tooltip : str
-        What it does.
+        Values that it sets; such a button counts no presses.
     """
 
     key: str = field(default="", kw_only=True)
     sets: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
-    tooltip: str = field(default="", kw_only=True)
 
     def checked(self, value: Any) -> int:
         """Return a number of presses."""
@@ -431,21 +419,21 @@ class Action(Control):
         return button
 
     def say(self, value: Any) -> str:
-        """Return how often it was pressed, if it was."""
+        """Return the label with the number of presses; empty for 0."""
         return f"{self.label} × {value}" if value else ""
 
 
 class Values(Mapping[str, Any]):
-    """Where a panel's controls stand: ``values.tilt`` or ``values["tilt"]``.
+    """The values of a panel's controls: ``values.tilt`` or ``values["tilt"]``.
 
     Attributes
     ----------
     rng : numpy.random.Generator
-        Begins the same for the same seed and the same presses of buttons.
+        Random numbers, which depend only on the seed and the presses of buttons.
     """
 
     def __init__(self, values: Mapping[str, Any], rng: np.random.Generator) -> None:
-        """Keep a copy."""
+        """Copy the values."""
         self._values, self.rng = dict(values), rng
 
     def __getitem__(self, name: str) -> Any:
@@ -457,31 +445,31 @@ class Values(Mapping[str, Any]):
         try:
             return self.__dict__["_values"][name]
         except KeyError:
-            raise AttributeError(f"this panel has no control {name!r}, but {list(self)}") from None
+            raise AttributeError(f"this panel has no control {name!r}; it has {list(self)}") from None
 
     def __iter__(self) -> Iterator[str]:
-        """The controls' names."""
+        """Return an iterator over the controls' names."""
         return iter(self._values)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of controls."""
         return len(self._values)
 
     def __repr__(self) -> str:
-        """As a call with these values."""
+        """Return the call that creates these values."""
         return f"Values({', '.join(f'{name}={value!r}' for name, value in self.items())})"
 
 
 def check_controls(controls: Sequence[Control]) -> None:
-    """Refuse controls of one panel that share a name or a key, or set what is not there."""
+    """Raise ValueError if controls share a name or a key, or set a control that does not exist."""
     names = [each.name for each in controls]
     keys = [each.key.lower() for each in controls if isinstance(each, Action) and each.key]
     for what, several in (("name", names), ("key", keys)):
         if twice := {each for each in several if several.count(each) > 1}:
-            raise ValueError(f"each control needs a {what} of its own; two have {sorted(twice)[0]!r}")
+            raise ValueError(f"each control must have its own {what}; two have {sorted(twice)[0]!r}")
     by_name = {each.name: each for each in controls}
     for action in controls:
         for name, value in action.sets.items() if isinstance(action, Action) else ():
             if name not in by_name:
-                raise ValueError(f"{action.name} sets {name}, which is no control of this panel")
+                raise ValueError(f"{action.name} sets {name}, which is not a control of this panel")
             by_name[name].checked(value)

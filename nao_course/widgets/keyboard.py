@@ -1,4 +1,4 @@
-"""Keys for a panel's buttons: a text field that turns a key into a press of the button that has its class."""
+"""Keyboard control of a panel: a text field that turns a key into a press of the button with its class."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ const period = Number((panel.className.match(/%s(\\d+)/) || [0, %d])[1]), now = 
 if (event.repeat && now < (this.next || 0)) return;
 this.next = event.repeat ? Math.max(now, this.next + period) : now + period;
 button.click();"""
-_REPEAT = 350  # ms between two presses by a key that is held: what any panel can follow
-REPEAT_CLASS = (
-    "nao-repeat-"  # and the milliseconds: class of a panel in which keys that are held have its own pace
-)
+_REPEAT = 350  # ms between two presses by a key that is held, slow enough for any panel
+# A panel with the class of this prefix and a number has its own period (ms) for held keys.
+REPEAT_CLASS = "nao-repeat-"
 _SIGNS = {" ": "space", "arrowleft": "\N{LEFTWARDS ARROW}", "arrowright": "\N{RIGHTWARDS ARROW}"}
 
 
 def key_sign(key: str) -> str:
-    """A key as short as it is written on a keyboard, such as "←"."""
+    """Return the short sign of a key, such as "←"."""
     return _SIGNS.get(key, key)
 
 
 def key_names(keys: tuple[str, ...]) -> str:
-    """A button's keys in words, such as "w or arrow up"."""
+    """Return a button's keys in words, such as "w or arrow up"."""
     return " or ".join(
         "space" if key == " " else key.replace("arrow", "arrow ") if key.startswith("arrow") else key
         for key in keys
@@ -38,29 +37,29 @@ def key_names(keys: tuple[str, ...]) -> str:
 
 
 def key_field(keys: Keys, words: str, more: str, placeholder: str, once: Collection[str] = ()) -> str:
-    """HTML of a text field whose keys press the buttons of its panel.
+    """Return the HTML of a text field whose keys press the buttons of its panel.
 
-    In a text field JupyterLab leaves keys alone (elsewhere "a" or "d d" would add or delete cells). ipywidgets has
-    no key events, and arrow keys change no text: hence a handler of its own. Where a page forbids such handlers,
-    the buttons are still there for Tab and Enter.
+    JupyterLab does not act on keys in a text field (elsewhere "a" or "d d" would add or delete cells). ipywidgets has
+    no key events, and arrow keys change no text, so the field has its own handler. On a page that forbids such
+    handlers, Tab and Enter still reach the buttons.
 
     Parameters
     ----------
     keys : mapping of str to tuple of str
         The keys of each button; a button NAME has the class ``nao-do-NAME``.
     words : str
-        What the keys do, as the field's tooltip.
+        Tooltip of the field, which explains the keys.
     more : str
-        What a screen reader says after it.
+        Text that a screen reader reads after the tooltip.
     placeholder : str
-        What stands in the field.
+        Text in the empty field.
     once : collection of str
-        Buttons that a key held down presses once only.
+        Buttons that a held key presses only once.
 
     Returns
     -------
     str
-        To be the value of a widget inside a box with the class ``nao-panel``.
+        Value for an HTML widget inside a box with the class ``nao-panel``.
     """
     table = json.dumps({key: name for name, several in keys.items() for key in several})
     handler = html.escape(_HANDLER % (table, json.dumps(sorted(once)), REPEAT_CLASS, _REPEAT), quote=True)

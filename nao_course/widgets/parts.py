@@ -1,4 +1,4 @@
-"""What the panels are made of: pictures as files, boxes, a line that says what happened, and their common look."""
+"""Building blocks of the panels: encoded pictures, boxes, the status line and the common style."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ import traitlets
 from nao_course.exercises.asking import styles_that_keep_keys
 from nao_course.plotting import Drawing, image_tag
 
-PERIOD = 0.05  # s between two frames: 20 Hz, what a notebook shows without dropping any
+PERIOD = 0.05  # s between two frames: at 20 Hz a notebook drops no frame
 BREATH = 0.01  # s that every frame leaves for buttons and sliders
 JPEG_QUALITY = 90
-SHOWN_WIDTH = 640  # px; larger pictures are sent smaller, and kept as they are
+SHOWN_WIDTH = 640  # px; larger pictures are reduced before they are sent to the browser
 COMMON_CSS = """
 .nao-panel { max-width: 1000px; font-size: 13px; overflow: visible; }
 .nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
@@ -40,8 +40,8 @@ COMMON_CSS = """
 """
 
 
-# ipywidgets gives a slider's handles no name, and noUiSlider rounds the value it tells to one digit. Where a page
-# forbids such handlers, the words beside the slider and what is said below remain.
+# ipywidgets gives a slider's handles no accessible name, and noUiSlider rounds the value that it reports to one digit.
+# A page that forbids such handlers still shows the label beside the slider and the status line below.
 _SLIDER_NAMES = """const panel = this.closest('.nao-panel');
 if (!panel || panel.naoNames) return;
 const put = (each, key, words) => { if (each.getAttribute(key) !== words) each.setAttribute(key, words); };
@@ -63,47 +63,47 @@ name();"""
 
 
 class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
-    """A picture with a tooltip, its name for screen readers: ipywidgets looks for a description beside it."""
+    """A picture with a tooltip, which needs a description because ipywidgets uses it as the accessible name."""
 
     description = traitlets.Unicode("").tag(sync=True)
 
 
-class Newest:
-    """Does something for the newest wish only, however many come: at most one frame each `PERIOD`.
+class RateLimited:
+    """An action that runs at most once per `PERIOD`, however often it is requested.
 
     Parameters
     ----------
     action : callable
-        What to do; it looks up for itself what is wanted now, and raises nothing.
+        Function without arguments; it reads the present state itself and raises nothing.
     """
 
     def __init__(self, action: Callable[[], None]) -> None:
-        """Begin with nothing to do."""
+        """Begin without a request."""
         self._action = action
         self._task: asyncio.Task[None] | None = None
-        self._wanted = False
+        self._requested = False
 
     @property
     def busy(self) -> bool:
-        """Whether a wish is being followed, or just was."""
+        """Whether the action is running, or ran less than a `PERIOD` ago."""
         return self._task is not None and not self._task.done() and self._task.get_loop().is_running()
 
     def ask(self) -> None:
-        """Wish for it: soon where a kernel's loop runs, so that sliders stay live; at once elsewhere."""
-        self._wanted = True
+        """Request the action, which runs soon in a kernel's loop, and at once without a loop."""
+        self._requested = True
         if self.busy:
             return
         try:
             loop = asyncio.get_running_loop()
         except RuntimeError:  # no kernel: a plain Python program
-            self._wanted = False
+            self._requested = False
             self._action()
             return
-        self._task = loop.create_task(self._follow())
+        self._task = loop.create_task(self._run())
 
-    async def _follow(self) -> None:
-        while self._wanted:
-            self._wanted = False
+    async def _run(self) -> None:
+        while self._requested:
+            self._requested = False
             began = time.perf_counter()
             self._action()
             took = time.perf_counter() - began
@@ -111,13 +111,13 @@ class Newest:
 
 
 def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]:
-    """Return what a notebook shows of a panel: its widgets, and a picture and words for where they cannot live."""
+    """Return a panel's MIME bundle: its widgets, and a picture and a text for places without widgets."""
     still = image_tag(drawing.image("jpeg"), alt, "jpeg")
     return {**widget._repr_mimebundle_(), "text/plain": text, "text/html": still}
 
 
 def styles(own: str) -> Any:
-    """Return the look of a panel: what all have in common and its own; its keys stay in it, sliders have names."""
+    """Return the common and the own styles of a panel, and scripts that confine its keys and name its sliders."""
     return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES))
 
 
@@ -129,7 +129,7 @@ def html_line(text: str, name: str) -> Any:
 
 
 def box(kind: str, name: str, *children: Any) -> Any:
-    """Return a box with a class; its kind is "H", "V" or "" for one without a direction."""
+    """Return a box with a class; its kind is "H", "V" or "" for a box without a direction."""
     made = {"H": ipywidgets.HBox, "V": ipywidgets.VBox, "": ipywidgets.Box}[kind](children)
     made.add_class(name)
     return made
@@ -144,18 +144,18 @@ def status_box(
     printed: str = "",
     board: str = "",
 ) -> str:
-    """Return HTML that says, aloud where a screen reader listens, what happened.
+    """Return HTML with the latest message, which a screen reader also reads aloud.
 
     Parameters
     ----------
     message, facts, printed : str
-        What happened, how things stand, and what the student's code printed.
+        The latest message, the present state, and the text that the student's code printed.
     alarm : bool
-        Whether the message is a complaint.
+        Whether the message reports an error.
     shows_where : bool
-        Whether to say that ``raise panel.error`` leads to the line.
+        Whether to add that ``raise panel.error`` shows the line of the error.
     board : str
-        The fact that matters most: a line of its own.
+        The most important fact, on its own line.
     """
     words = html.escape(message)
     if shows_where:
@@ -171,7 +171,7 @@ def status_box(
 
 
 def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Make a picture (H, W, 3) into a JPEG file's bytes, at most 640 pixels wide."""
+    """Encode a picture (H, W, 3) as a JPEG file of at most 640 pixels width."""
     if pixels.shape[1] > SHOWN_WIDTH:
         height = round(pixels.shape[0] * SHOWN_WIDTH / pixels.shape[1])
         pixels = np.asarray(
@@ -181,9 +181,9 @@ def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
 
 
 def png(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Make a picture (H, W, 3) into a PNG file's bytes: each pixel keeps its colour.
+    """Encode a picture (H, W, 3) as a PNG file, which keeps the colour of each pixel.
 
-    What is painted has long runs of one colour, and run lengths are found in half the time of other compression.
+    Drawn pictures have long runs of one colour, and run-length encoding takes half the time of other compression.
     """
     return _encoded(".png", pixels, [cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_RLE])
 

@@ -1,4 +1,4 @@
-"""A panel that plays: one slider goes step by step, forwards and backwards, at speed, until somebody takes over."""
+"""A panel whose first slider can be played like a film, forwards and backwards."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ _LABELS = {"forwards": "Play", "backwards": "Backwards"}
 class PlayerPanel(FunctionPanel):
     """A panel whose first slider plays.
 
-    While it plays, its button says Pause. Whoever moves the slider, presses a button of the player or Reset takes over:
-    then it plays no longer. A key that is held goes on at the speed at which it plays.
+    While the slider plays, its button is labelled Pause. Moving the slider, pressing a button of the player or pressing
+    Reset stops it. A held key steps at the playing speed.
 
     Parameters
     ----------
     title, show
-        As of `FunctionPanel`.
+        As in `FunctionPanel`.
     slider : Slider
-        What plays: whole numbers.
+        The slider that plays; its values must be integers.
     others : sequence of Control
-        What else can be set.
+        Further controls.
     speeds : mapping of str to float
-        Steps in a second, by what the panel calls them; with a single one there is nothing to choose.
+        Steps per second, by their names on the panel; a single speed has no menu.
     speed : str, optional
-        The one at first; by default the first.
+        Name of the start value; by default the first speed.
     backwards : bool
-        Whether it plays backwards, too.
+        Whether it can also play backwards.
     **more : object
-        As of `FunctionPanel`.
+        As in `FunctionPanel`.
     """
 
     def __init__(
@@ -52,14 +52,14 @@ class PlayerPanel(FunctionPanel):
         backwards: bool = True,
         **more: Any,
     ) -> None:
-        """Show the start and build the widgets."""
+        """Build the widgets, and show the results for the first values."""
         self._played, self._speeds = slider, dict(speeds)
         self._playing: asyncio.Task[None] | None = None
         self._direction = 1
         self._pace = REPEAT_CLASS
         own = _buttons(slider, backwards=backwards)
         if len(speeds) > 1:
-            words = f"{slider.label}s in a second"
+            words = f"{slider.label}s per second"
             first = speed or next(iter(speeds))
             own.append(Choice("speed", "Speed", list(speeds), start=first, tooltip=words, stays=True))
         super().__init__(title, show, [slider, *own, *others], **more)
@@ -67,35 +67,35 @@ class PlayerPanel(FunctionPanel):
 
     @property
     def playing(self) -> bool:
-        """Whether it plays."""
+        """Whether the slider is playing."""
         return self._playing is not None and not self._playing.done()
 
     @property
     def speed(self) -> float:
-        """How many steps it plays in a second."""
+        """Steps per second."""
         return self._speeds[self._values.get("speed", next(iter(self._speeds)))]
 
     def stop(self) -> None:
-        """Stop where it is."""
+        """Stop at the present step."""
         if self._playing is not None:
             self._playing.cancel()
         self._playing = None
         self._name_buttons()
 
     def reset(self) -> None:
-        """Stop, and set all controls back to where they began, but for those that stay, such as the speed."""
+        """Stop, and set all controls to their start values, except the choices that stay, such as the speed."""
         self.stop()
         super().reset()
 
     def _moved(self, control: Control, change: Any) -> None:
-        """Follow a control on the page; who moves the slider takes over."""
+        """Update the value of a control that was moved on the page; moving the slider stops playing."""
         if control is self._played and not self._moving:
             self.stop()
         super()._moved(control, change)
         self._keep_keys_in_pace()
 
     def _pressed(self, action: Action) -> None:
-        """Go one on or back; begin to play, turn round, or stop."""
+        """Run the action of a player's button: one step, play, change the direction, or stop."""
         if action.name in _DIRECTIONS:
             direction = _DIRECTIONS[action.name]
             stops = self.playing and direction == self._direction
@@ -109,7 +109,7 @@ class PlayerPanel(FunctionPanel):
             super()._pressed(action)
 
     def _step(self, direction: int) -> None:
-        """Go one on or back, and draw it when there is time: a key that is held never runs ahead of the pictures."""
+        """Move by one step, and draw it when there is time, so that a held key never runs ahead of the pictures."""
         place = self._place + direction
         if self._played.low <= place <= self._played.high:
             self._take(self._checked({self._played.name: place}))
@@ -122,14 +122,14 @@ class PlayerPanel(FunctionPanel):
             self.set(**{self._played.name: start})
         try:
             loop = asyncio.get_running_loop()
-        except RuntimeError:  # no kernel: a plain Python program has nobody who watches
+        except RuntimeError:  # no kernel: a plain Python program shows no film
             self.set(**{self._played.name: end})
             return
         self._direction = direction
-        self._playing = loop.create_task(self._follow(direction))
+        self._playing = loop.create_task(self._run_steps(direction))
         self._name_buttons()
 
-    async def _follow(self, direction: int) -> None:
+    async def _run_steps(self, direction: int) -> None:
         try:
             began = time.perf_counter()
             while self._go(direction):
@@ -142,7 +142,7 @@ class PlayerPanel(FunctionPanel):
             self._name_buttons()
 
     def _go(self, direction: int) -> bool:
-        """Go one step, where there is one; whether there is another after it."""
+        """Move by one step if possible; return whether a further step is possible."""
         low, high, place = self._played.low, self._played.high, self._place + direction
         if low <= place <= high:
             self.set(**{self._played.name: place})
@@ -153,26 +153,26 @@ class PlayerPanel(FunctionPanel):
         return int(self._values[self._played.name])
 
     def _name_buttons(self) -> None:
-        """Say Pause on the button of the direction in which it plays."""
+        """Label the button of the playing direction Pause."""
         for name, label in _LABELS.items():
             if name in self._widgets:
                 pauses = self.playing and _DIRECTIONS[name] == self._direction
                 self._widgets[name].description = "Pause" if pauses else label
 
     def _keep_keys_in_pace(self) -> None:
-        """Let a key that is held press as often as it plays."""
+        """Let a held key step at the playing speed."""
         self.widget.remove_class(self._pace)
         self._pace = f"{REPEAT_CLASS}{round(1000 / self.speed)}"
         self.widget.add_class(self._pace)
 
 
 def _buttons(slider: Slider, *, backwards: bool) -> list[Control]:
-    """The buttons of a player."""
+    """Return the buttons of a player."""
     one = f"One {slider.label.lower()}"
     turned = [Action("backwards", _LABELS["backwards"], key="b", tooltip="Play backwards, or pause")]
     return [
         Action("forwards", _LABELS["forwards"], key=" ", tooltip="Play forwards, or pause"),
         *(turned if backwards else []),
-        Action("back", "One back", key="arrowleft", tooltip=f"{one} back"),
-        Action("on", "One on", key="arrowright", tooltip=f"{one} on"),
+        Action("back", "Step back", key="arrowleft", tooltip=f"{one} back"),
+        Action("on", "Step on", key="arrowright", tooltip=f"{one} on"),
     ]

@@ -1,4 +1,4 @@
-"""What a panel's function shows: pictures, figures, tables and words, for a browser and for a still figure."""
+"""The results of a panel's function: pictures, figures, tables and texts, for a page or for a still figure."""
 
 from __future__ import annotations
 
@@ -20,54 +20,54 @@ from nao_course.widgets.parts import jpeg, png
 
 Pixels = npt.NDArray[np.uint8]
 
-FEW_COLOURS = 32  # up to here a picture is painted and sent as PNG, which keeps each colour
+FEW_COLOURS = 32  # a picture with at most this many colours is sent as PNG, which keeps each colour
 _PARTS = "a picture, a Drawing, a table, a text, a Legend, or {title: picture, Drawing or table}"
 
 
 @dataclass(frozen=True)
 class Legend:
-    """What the colours in a picture mean.
+    """A legend: the meanings of the colours in a picture.
 
     Parameters
     ----------
     colours : mapping of str to str
-        By meaning; such as "#ff0000".
+        Colour of each meaning, such as "#ff0000".
     """
 
     colours: Mapping[str, str]
 
     def _repr_html_(self) -> str:
-        """Patches with words."""
+        """Return coloured patches with their meanings as HTML."""
         return "".join(
             f"<span>{colour_key(colour)}{html.escape(text)}</span>" for text, colour in self.colours.items()
         )
 
     def patches(self) -> list[Patch]:
-        """The same for a figure."""
+        """Return coloured patches with their meanings for a figure's legend."""
         return [
             Patch(facecolor=colour, edgecolor="#333333", label=text) for text, colour in self.colours.items()
         ]
 
 
 def colour_key(colour: str) -> str:
-    """HTML of a small patch in a colour."""
+    """Return the HTML of a small patch in a colour."""
     return f'<i class="nao-key" style="background:{colour}"></i>'
 
 
 @dataclass(frozen=True)
 class Shown:
-    """All that one call of a panel's function gave.
+    """The results of one call of a panel's function.
 
     Parameters
     ----------
     pictures : mapping of str to Pixels
-        RGB (H, W, 3) by title, in order; figures too.
+        RGB pixels (H, W, 3) by title, in order; figures are included.
     drawings : mapping of str to Drawing
-        Those of them that are figures.
+        The figures among the pictures, by title.
     tables : mapping of str to objects
-        By title, in order; with ``_repr_html_`` for a page, and `repr` for a text.
+        Tables by title, in order; each has ``_repr_html_`` for a page and `repr` for a text.
     legends : tuple of Legend
-        What colours mean.
+        Legends of the pictures.
     texts : tuple of str
         Sentences.
     """
@@ -80,12 +80,12 @@ class Shown:
 
     @classmethod
     def of(cls, parts: Iterable[Any]) -> Shown:
-        """Sort what a function gave; a title that comes again takes the place of the first.
+        """Sort a function's results by kind; a repeated title replaces the earlier result.
 
         Raises
         ------
         TypeError, ValueError
-            For what cannot be shown.
+            If a result cannot be shown.
         """
         pictures: dict[str, Any] = {}
         tables: dict[str, Any] = {}
@@ -96,7 +96,7 @@ class Shown:
             elif isinstance(part, Legend):
                 legends.append(part)
             else:
-                no_title = " " * (len(pictures) + len(tables))  # but a place of its own
+                no_title = " " * (len(pictures) + len(tables))  # unique, so that each has its own place
                 for title, each in part.items() if isinstance(part, Mapping) else [(no_title, part)]:
                     (pictures if is_picture(each) else tables)[str(title)] = each
         drawings = {title: each for title, each in pictures.items() if isinstance(each, Drawing)}
@@ -104,13 +104,14 @@ class Shown:
         return cls(seen, drawings, tables, tuple(legends), tuple(texts))
 
     def tables_html(self) -> str:
-        """The tables under their titles."""
+        """Return the tables with their titles as HTML."""
         titles = (f"<b>{html.escape(title)}</b>" if title.strip() else "" for title in self.tables)
         return "".join(
             f"<div>{title}{table._repr_html_()}</div>"
             for title, table in zip(titles, self.tables.values(), strict=True)
         )
 
+    @course_style()
     def drawing(self, words: str, marks: Mapping[str, tuple[int, int]]) -> Drawing:
         """Return it as one figure.
 
@@ -131,34 +132,37 @@ class Shown:
             return Drawing(only.figure, words, only.photo)
         shapes = [each.shape for each in self.pictures.values()] or [(40, 100, 3)]
         ratios = [width / height for height, width, _ in shapes]
-        with course_style():
-            figure = Figure(figsize=(9.6, min(9.6 / sum(ratios), 6.0) + (0.95 if self.legends else 0.4)))
-            axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
-            for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):
-                plot_picture(pixels, ax, ticks=False)
-                ax.set_title(title.strip(), fontsize=11)
-                if title in marks:
-                    ax.plot(*marks[title], "+", ms=14, mew=3.5, color="white")
-                    ax.plot(*marks[title], "+", ms=12, mew=1.5, color="#c84b00")
-            if not self.pictures:
-                axes[0].set_axis_off()
-                axes[0].text(0.5, 0.5, words, ha="center", va="center", wrap=True)
-            legend_below(figure, [key for each in self.legends for key in each.patches()], columns=2)
+        keys = [key for each in self.legends for key in each.patches()]
+        around = 0.45 + (
+            0.25 + 0.2 * -(-len(keys) // 2) if keys else 0.0
+        )  # inches: titles and the legend's rows
+        figure = Figure(figsize=(9.6, min(9.6 / sum(ratios), 6.0) + around))
+        axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
+        for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):
+            plot_picture(pixels, ax, ticks=False)
+            ax.set_title(title.strip(), fontsize=11)
+            if title in marks:
+                ax.plot(*marks[title], "+", ms=14, mew=3.5, color="white")
+                ax.plot(*marks[title], "+", ms=12, mew=1.5, color="#c84b00")
+        if not self.pictures:
+            axes[0].set_axis_off()
+            axes[0].text(0.5, 0.5, words, ha="center", va="center", wrap=True)
+        legend_below(figure, keys, columns=2)
         return Drawing(figure, words, photo=True)
 
 
 def parts_of(given: Any) -> Iterator[Any]:
-    """What a function returned or yields, one after the other."""
+    """Yield the results of a function that returns one or yields several."""
     if isinstance(given, Iterator):
         yield from given
     elif given is None:
-        raise TypeError(f"a panel shows {_PARTS}; the function returned nothing")
+        raise TypeError(f"a panel shows {_PARTS}; the function returned None")
     else:
         yield given
 
 
 def is_picture(shown: Any) -> bool:
-    """Whether it is a picture or a figure, not a table; a TypeError for what is none of these."""
+    """Return whether a result is a picture or a figure; False for a table, and TypeError for anything else."""
     if isinstance(shown, Drawing | Picture | np.ndarray):
         return True
     if not hasattr(shown, "_repr_html_"):
@@ -167,7 +171,7 @@ def is_picture(shown: Any) -> bool:
 
 
 def as_picture(shown: Any) -> Pixels:
-    """Return what is to be shown as an RGB picture (H, W, 3).
+    """Return a picture or a figure as RGB pixels (H, W, 3).
 
     Parameters
     ----------
@@ -177,7 +181,7 @@ def as_picture(shown: Any) -> Pixels:
     Raises
     ------
     TypeError, ValueError
-        For anything else.
+        If it is not a picture.
     """
     if isinstance(shown, Drawing):
         return _rendered(shown)
@@ -192,10 +196,10 @@ def as_picture(shown: Any) -> Pixels:
     return array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)
 
 
+@course_style()
 def _rendered(drawing: Drawing) -> Pixels:
     canvas: Any = FigureCanvasAgg(drawing.figure)
-    with course_style():
-        canvas.draw()
+    canvas.draw()
     return np.array(canvas.buffer_rgba())[:, :, :3]
 
 

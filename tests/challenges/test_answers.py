@@ -12,7 +12,7 @@ from nao_course.challenges.answers import as_found_points
         (None, "returns None"),
         ("feet", "got str"),
         ([1.0, 2.0], r"got shape \(2,\)"),
-        (np.zeros((2, 3)), r"none as \(0, 2\)"),
+        (np.zeros((2, 3)), r"or \(0, 2\) without any points"),
         ([(np.nan, 1.0)], "NaN or infinite"),
         (np.zeros((1001, 2)), "at most 1000"),
         ([[1, 2], [3]], "got list"),

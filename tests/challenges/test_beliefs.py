@@ -3,9 +3,16 @@
 import numpy as np
 import pytest
 
-from nao_course.challenges.beliefs import DEEPEST, as_belief, say_bits, score_belief, score_end
+from nao_course.challenges.beliefs import (
+    DEEPEST,
+    as_belief,
+    odometry_belief,
+    say_bits,
+    score_belief,
+    score_end,
+)
 from nao_course.geometry import Pose
-from nao_course.slam import Estimate
+from nao_course.slam import Estimate, Motion
 
 POSE, GOOD = np.zeros(3), np.eye(3)
 
@@ -15,8 +22,8 @@ POSE, GOOD = np.zeros(3), np.eye(3)
     ("answer", "kind", "words"),
     [
         (None, TypeError, "returns None"),
-        (3, TypeError, "two things"),
-        (("here", GOOD), TypeError, "two things"),
+        (3, TypeError, "two values"),
+        (("here", GOOD), TypeError, "two values"),
         ((np.zeros(2), np.eye(2)), ValueError, "shape"),
         ((np.zeros(5), GOOD), ValueError, "shape"),
         ((POSE + np.nan, GOOD), ValueError, "NaN"),
@@ -35,7 +42,7 @@ def test_a_map_is_left_out_where_there_may_be_one_and_refused_elsewhere():
     state, covariance = np.append(POSE, [np.nan, 9.0]), np.eye(5)
     pose, spread = as_belief((state.tolist(), covariance), with_map=True)
     assert pose.shape == (3,) and spread.shape == (3, 3)
-    with pytest.raises(ValueError, match=r"\(3,\) and \(3, 3\) are wanted"):
+    with pytest.raises(ValueError, match=r"expected \(3,\) and \(3, 3\)"):
         as_belief((state, covariance))
 
 
@@ -65,4 +72,19 @@ def test_the_end_of_a_drive_is_scored_against_odometry_and_its_band_is_said():
     assert score_end(odometry, POSE, odometry, "drive").score == pytest.approx(0.0)
     whole = score_end((np.append(POSE, [7.0, 7.0]), np.eye(5)), POSE, odometry, "drive")
     assert whole.score > 0 and whole.kept[0] == "drive" and whole.kept[1].shape == (3,)
-    assert "NEES between 2.3 and 3.8" in say_bits(40)
+    assert "NEES should be between 2.3 and 3.8" in say_bits(40)
+
+
+def test_odometrys_covariance_is_that_of_many_drives_with_small_errors(rng):
+    motions = [Motion(0.3, 0.6), Motion(0.2, -0.9), Motion(0.4, 0.2)]
+    sigmas = 1e-3 * np.array([(3.0, 1.0, 2.0), (1.0, 2.0, 4.0), (2.0, 3.0, 1.0)])
+    start, ends = Pose(0.5, -0.2, 0.4), []
+    for errors in sigmas * rng.standard_normal((1500, 3, 3)):
+        pose = start
+        for motion, (along, across, turn) in zip(motions, errors.tolist(), strict=True):
+            pose = pose @ Pose(motion.distance + along, across, motion.turn + turn)
+        ends.append(pose.as_array())
+    last, stated = odometry_belief(start, motions, [np.diag(each**2) for each in sigmas])
+    assert np.allclose(last, np.mean(ends, axis=0), atol=1e-3)
+    scale = np.sqrt(np.outer(np.diag(stated), np.diag(stated)))
+    assert np.allclose(np.cov(np.transpose(ends)) / scale, stated / scale, atol=0.12)

@@ -68,17 +68,27 @@ def test_columns_that_no_challenge_has_are_not_read(file):
 
 def test_a_folder_or_a_pipe_in_its_place_is_set_aside(file):
     file.path.mkdir()
-    assert "it is no file" in file.read()[1]
+    assert "it is not a file" in file.read()[1]
     if hasattr(os, "mkfifo"):
         os.mkfifo(file.path)
-        assert "it is no file" in file.read()[1]
+        assert "it is not a file" in file.read()[1]
     file.keep(Best(0.5, 0.1, {}))
     assert BestFile(CHALLENGE, file.path.parent).read() == (Best(0.5, 0.1, {}), "")
 
 
+def test_a_file_that_can_neither_be_read_nor_moved_is_never_written_over(file, monkeypatch):
+    def refuse(*paths):
+        raise PermissionError
+
+    file.path.write_bytes(b"no json")
+    monkeypatch.setattr(os, "rename", refuse)
+    assert "it stays unchanged" in file.keep(Best(0.5, 0.1, {}))
+    assert file.path.read_bytes() == b"no json"
+
+
 def test_where_nothing_can_be_written_it_is_said(tmp_path):
     file = BestFile(CHALLENGE, tmp_path / "nowhere")
-    assert "could not be kept" in file.keep(Best(0.5, 0.1, {}))
+    assert "could not be stored" in file.keep(Best(0.5, 0.1, {}))
 
 
 def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):

@@ -94,7 +94,7 @@ def test_a_broken_file_is_said_on_the_board_and_in_the_report(tmp_path):
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
     board = Board(CHALLENGE, tmp_path)
     for shown in (repr(board), board._repr_html_()):  # a notebook asks for both, and shows the second
-        assert "kept as 77_doubling.challenge.json.broken-1" in shown
+        assert "renamed to 77_doubling.challenge.json.broken-1" in shown
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
     assert "broken-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
 
@@ -119,7 +119,7 @@ def test_an_entry_without_any_answer_is_no_first_best(tmp_path):
     assert (
         list(tmp_path.iterdir()) == [] and np.isnan(report.score) and "It is your first" not in repr(report)
     )
-    assert "Given up after 2 of 3 scenes, with no score" in repr(report) and "must return shape" in repr(
+    assert "Stopped after 2 of 3 scenes, without a score" in repr(report) and "must return shape" in repr(
         report
     )
     board.enter(double)

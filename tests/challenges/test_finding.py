@@ -14,7 +14,9 @@ def test_a_number_or_a_name_finds_a_lessons_challenge(word):
 
 
 def test_what_is_no_lesson_with_a_challenge_is_said():
-    with pytest.raises(ValueError, match="no challenge '99'; there are 00_meet_the_nao, 01_hsl_filtering"):
+    with pytest.raises(
+        ValueError, match="no challenge '99'; choose one of 00_meet_the_nao, 01_hsl_filtering"
+    ):
         challenge("99")
 
 

@@ -21,4 +21,6 @@ def test_a_place_gives_the_first_picture_that_will_do_the_same_each_time_and_ano
     scene = place.scene(second)
     assert scene is seen[1] and (place.reality.seed, place.number) == (5, 1)
     assert (place.scene(lambda scene: True).pixels == seen[0].pixels).all()
+    before = places(ROOMS, 2)[2]  # the other one in this room
+    assert (before.scene(lambda scene: True).pixels != seen[0].pixels).any()
     assert (place.scene(lambda scene: True, stream=[2]).pixels != seen[0].pixels).any()

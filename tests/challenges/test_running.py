@@ -91,7 +91,9 @@ def test_an_entry_that_fails_twice_in_the_same_way_and_never_answered_is_given_u
 
     came = run(many, wrong_shape)
     assert len(asked) == 2 and not came.complete and np.isnan(came.score)
-    assert came.stopped.startswith("Given up after 2 of 30 scenes, with no score: no scene had an answer")
+    assert came.stopped.startswith(
+        "Stopped after 2 of 30 scenes, without a score: no scene had a usable answer"
+    )
     assert len(came.problems()) == 2 and "must return shape" in came.problems()[0]
 
 
@@ -111,7 +113,7 @@ def test_an_entry_that_answered_once_goes_on_whatever_fails_later():
 
 def test_an_entry_without_any_answer_has_no_score():
     came = run(replace(CHALLENGE, seeds=(1,)), lambda numbers: None)
-    assert not came.complete and came.stopped == "No scene had an answer that can be used: there is no score."
+    assert not came.complete and came.stopped == "No scene had a usable answer, so there is no score."
 
 
 def test_an_entry_with_too_few_arguments_is_told_so_without_a_line_of_ours():
@@ -133,7 +135,7 @@ def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_s
 def test_a_score_that_is_no_number_is_nothing():
     broken = replace(CHALLENGE, judge=lambda answer, scene: CaseScore(float("nan")))
     came = run(broken, double)
-    assert came.results[0].score == 0.0 and "no number" in came.problems()[0]
+    assert came.results[0].score == 0.0 and "not a number" in came.problems()[0]
 
 
 def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
@@ -143,19 +145,22 @@ def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
 
     came = run(replace(CHALLENGE, seeds=tuple(range(1, 31)), seconds=0.2, seconds_in_all=100.0), endless)
     assert len(came.results) == MOST_LATE and not came.complete
-    assert came.stopped.startswith(f"Given up after {MOST_LATE} of 30 scenes, with no score: Time is up")
+    assert came.stopped.startswith(f"Stopped after {MOST_LATE} of 30 scenes, without a score: Time is up")
 
 
 def test_an_entry_whose_answer_is_none_where_a_value_is_wanted_is_not_asked_for_a_function():
     came = run(replace(CHALLENGE, takes_values=True), None)
-    assert came.stopped == "An entry is the answer itself, and this one is None: was it given its name?"
+    assert (
+        came.stopped
+        == "The entry is None, but this challenge needs the answer itself: did you assign it to that name?"
+    )
 
 
 def test_the_time_for_all_cases_is_limited_too():
     hurried = replace(CHALLENGE, seeds=tuple(range(1, 40)), seconds=10.0, seconds_in_all=0.2)
     came = run(hurried, lambda numbers: time.sleep(0.15) or double(numbers))
     assert came.complete and came.results[0].score == 1.0 and came.results[-1].score == 0.0
-    assert "The 0.2 s that are for all are used up." in " ".join(came.problems())
+    assert "The 0.2 s for all cases are used up." in " ".join(came.problems())
 
 
 def test_a_case_that_takes_too_long_leaves_the_others_their_time():
@@ -195,7 +200,7 @@ def test_a_blank_exercise_stops_an_entry_at_once():
 
 def test_what_is_no_function_is_refused_unless_values_are_taken():
     assert "without brackets" in run(CHALLENGE, np.zeros(3)).stopped
-    assert "this one is None" in run(replace(CHALLENGE, takes_values=True), None).stopped
+    assert "The entry is None" in run(replace(CHALLENGE, takes_values=True), None).stopped
     one = replace(CHALLENGE, seeds=(1,), takes_values=True)
     assert run(one, [0.0]).score == 1.0
 

@@ -32,7 +32,5 @@ def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path / "nowhere"))
-    with pytest.raises(
-        FileNotFoundError, match=r"(?s)nowhere.*sets the environment variable.*amsterdam_2013"
-    ):
+    with pytest.raises(FileNotFoundError, match=r"(?s)nowhere.*set the environment variable.*amsterdam_2013"):
         data_folder()

@@ -109,12 +109,12 @@ def test_the_pose_that_fix_names_stands_first(tmp_path: Path) -> None:
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 0 10 0 100", "line 7: EDGE_SE2 needs .*got 11"),
         (7, "EDGE_SE2 7 4 1.5 0 0.25 10 1 0 10 0 100", "line 7: there is no vertex 4"),
         (6, "EDGE_SE2_XY 8 9 0.5 2 4 0 4", "line 6: there is no vertex 8"),
-        (4, "VERTEX_XY 3 2 2", "line 4: vertex 3 stands in line 3 already"),
-        (3, "VERTEX_SE2 7 1 1 1", "line 3: vertex 7 stands in line 2 already"),
+        (4, "VERTEX_XY 3 2 2", "line 4: vertex 3 is already defined in line 3"),
+        (3, "VERTEX_SE2 7 1 1 1", "line 3: vertex 7 is already defined in line 2"),
         (6, "EDGE_SE2_XY 9 3 0.5 2 4 0 4", "line 6: vertex 9 must be a pose, but it is a landmark"),
         (6, "EDGE_SE2_XY 3 7 0.5 2 4 0 4", "line 6: vertex 7 must be a landmark, but it is a pose"),
         (7, "EDGE_SE2 7 9 1.5 0 0.25 10 1 0 10 0 100", "line 7: vertex 9 must be a pose"),
-        (7, "EDGE_SE2 7 7 1.5 0 0.25 10 1 0 10 0 100", "line 7: the edge leads from vertex 7 to itself"),
+        (7, "EDGE_SE2 7 7 1.5 0 0.25 10 1 0 10 0 100", "line 7: the edge connects vertex 7 with itself"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 0 0 0 0 0 0", "line 7: the information matrix is singular"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 10 0 10 0 100", "line 7: the information matrix is singular"),
         (
@@ -129,13 +129,13 @@ def test_the_pose_that_fix_names_stands_first(tmp_path: Path) -> None:
         (6, "EDGE_SE2_XY 3 9 0.5 nan 4 0 4", "line 6: expected numbers within .*number 2"),
         (7, "EDGE_SE2 7 3 1.5 0 1e300 10 1 0 10 0 100", "line 7: expected numbers within .*number 3"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 nan 1 0 10 0 100", "line 7: expected numbers within .*number 4"),
-        (2, "VERTEX_SE2 x 0 0 0", "line 2: expected whole numbers of vertices and numbers, got 'x 0 0 0'"),
-        (2, "VERTEX_SE2 7.5 0 0 0", "line 2: expected whole numbers of vertices"),
-        (2, "VERTEX_SE2 7 0 0,5 0", "line 2: expected whole numbers of vertices"),
-        (2, "VERTEX_SE2 7 1_0 0 0", "line 2: expected whole numbers of vertices"),
-        (2, "VERTEX_SE2 -1 0 0 0", "line 2: a vertex has a number from 0"),
-        (2, f"VERTEX_SE2 {2**63} 0 0 0", "line 2: a vertex has a number from 0"),
-        (2, f"VERTEX_SE2 {'9' * 9000} 0 0 0", "line 2: expected whole numbers of vertices"),
+        (2, "VERTEX_SE2 x 0 0 0", "line 2: expected integers for the vertices and numbers, got 'x 0 0 0'"),
+        (2, "VERTEX_SE2 7.5 0 0 0", "line 2: expected integers for the vertices"),
+        (2, "VERTEX_SE2 7 0 0,5 0", "line 2: expected integers for the vertices"),
+        (2, "VERTEX_SE2 7 1_0 0 0", "line 2: expected integers for the vertices"),
+        (2, "VERTEX_SE2 -1 0 0 0", "line 2: the number of a vertex must be 0"),
+        (2, f"VERTEX_SE2 {2**63} 0 0 0", "line 2: the number of a vertex must be 0"),
+        (2, f"VERTEX_SE2 {'9' * 9000} 0 0 0", "line 2: expected integers for the vertices"),
         (5, "FIX 8", "line 5: there is no pose 8"),
         (5, "FIX 9", "line 5: there is no pose 9"),
         (5, "FIX 7 3", "line 5: FIX needs 1 vertex and 0 numbers"),
@@ -151,8 +151,67 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(
 
 
 def test_a_second_fix_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="line 9: one pose is held"):
+    with pytest.raises(ValueError, match="line 9: FIX may appear only once"):
         read_g2o(written(tmp_path, [*GOOD, "FIX 7", "FIX 7"]))
+
+
+QUARTER = np.pi / 2
+CHAIN = [  # a step of 1 m ahead and a quarter turn left each; the loop is closed wrongly on purpose
+    f"EDGE_SE2 4 5 1 0 {QUARTER} 1 0 0 1 0 1",
+    f"EDGE_SE2 2 4 1 0 {QUARTER} 1 0 0 1 0 1",
+    "EDGE_SE2 6 5 -0.5 0 0 1 0 0 1 0 1",
+    "EDGE_SE2 5 2 9 9 0 1 0 0 1 0 1",
+    "EDGE_SE2_XY 4 1 0 2 1 0 1",
+]
+
+
+def test_without_vertex_lines_the_guess_follows_the_edges_from_the_lowest_pose(tmp_path: Path) -> None:
+    graph, states = read_g2o(written(tmp_path, CHAIN[:3] + CHAIN[4:]))
+    assert graph.ids.tolist() == [2, 4, 5, 6, 1]
+    assert graph.kinds.tolist() == [POSE] * 4 + [LANDMARK]
+    assert graph.edges.tolist() == [[1, 2], [0, 1], [3, 2], [1, 4]]
+    poses, landmarks = graph.split(states)
+    assert np.allclose(poses, [(0, 0, 0), (1, 0, QUARTER), (1, 1, np.pi), (0.5, 1, np.pi)])
+    assert np.allclose(landmarks, [(-1, 0)])
+
+
+def test_without_vertex_lines_the_guess_takes_the_fewest_edges(tmp_path: Path) -> None:
+    graph, states = read_g2o(written(tmp_path, CHAIN))
+    poses, _ = graph.split(states)
+    # By the edge from 5 back to 2, not through 4
+    assert np.allclose(poses[graph.ids[:4] == 5], [(-9, -9, 0)])
+
+
+def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path: Path) -> None:
+    graph, states = read_g2o(written(tmp_path, [*CHAIN, "FIX 5"]))
+    poses, _ = graph.split(states)
+    assert graph.ids.tolist() == [5, 2, 4, 6, 1]
+    assert np.allclose(poses, [(0, 0, 0), (9, 9, 0), (0, 1, -QUARTER), (0.5, 0, 0)])
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (
+            ["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"],
+            "vertex 7 has no VERTEX line, and no chain of edges connects it with vertex 2",
+        ),
+        (
+            ["EDGE_SE2_XY 7 1 1 0 1 0 1"],
+            "vertex 7 has no VERTEX line, and no chain",
+        ),  # a landmark has no heading
+        (["EDGE_SE2 5 7 1 nan 0 1 0 0 1 0 1"], "line 6: expected numbers within .*number 2"),
+        (["EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"], "line 5: vertex 1 must be a landmark, but it is a pose"),
+        (["EDGE_SE2 5 5 1 0 0 1 0 0 1 0 1"], "line 6: the edge connects vertex 5 with itself"),
+        (["FIX 1"], "line 6: there is no pose 1"),
+        (["VERTEX_SE2 2 0 0 0"], "there is no vertex 4"),
+    ],
+)
+def test_edges_without_vertices_that_give_no_whole_guess_are_refused(
+    tmp_path: Path, more: list[str], message: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"graph\.g2o.*{message}"):
+        read_g2o(written(tmp_path, [*CHAIN, *more]))
 
 
 @pytest.mark.parametrize(
@@ -184,6 +243,7 @@ def test_a_file_that_is_missing_or_too_large_is_refused(
 def test_units_do_not_make_an_information_matrix_singular(tmp_path: Path) -> None:
     graph, _ = read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-6 0 0 1e-6 0 1e12")))
     assert graph.information[1, 2, 2] == 1e12
+    read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-14 0 0 1e-14 0 1")))
 
 
 def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, rng: np.random.Generator) -> None:

@@ -65,6 +65,7 @@ def test_what_is_written_is_read_again(tmp_path: Path, rng: np.random.Generator)
         (3, "0.1 2.0 nan 3.5", "line 3: expected a number within .*got 'nan'"),
         (4, "inf 0", "line 4: expected a number within .*got 'inf'"),
         (4, "1e7 0", "line 4: expected a number within"),
+        (4, "-1e7 0", "line 4: expected a number within .*got '-1e7'"),
         (4, "1_0 0", "line 4: expected a number within .*got '1_0'"),
         (2, "1,0 0,5", "line 2: expected a number within .*got '1,0'"),
         (5, "0.1 2.0 -0.2 -3.5", "line 5: the range of landmark 1 is negative"),
@@ -133,7 +134,7 @@ def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path: Path) -
     log = read_freiburg_log(freiburg(tmp_path, WORLD, SENSOR))
     assert log.landmarks.tolist() == [[2.0, 1.0], [0.0, 4.0]]
     assert log.odometry.tolist() == [[0.1, 1.0, 0.0], [0.0, 1.0, 0.0]]
-    first, second = log.sights
+    first, second = log.observations
     assert first.indices.tolist() == [1, 0]
     assert first.measurements.tolist() == [0.5, 4.0, -0.5, 2.0]
     assert second.indices.shape == second.measurements.shape == (0,)
@@ -143,7 +144,7 @@ def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path: Path) -
     ("file", "line", "to", "message"),
     [
         ("world.dat", 2, "7 0", "line 2: expected a landmark, x and y, got 2 numbers"),
-        ("world.dat", 2, "1 0 4", "line 2: landmark '1' stands there twice"),
+        ("world.dat", 2, "1 0 4", "line 2: landmark '1' is defined twice"),
         ("world.dat", 1, "1 nan 4", "line 1: expected a number"),
         ("sensor_data.dat", 1, "SENSOR 1 2.0 0", "line 1: a measurement before the first ODOMETRY"),
         ("sensor_data.dat", 2, "SENSOR 7 4.0", "line 2: expected ODOMETRY or SENSOR and three numbers"),
@@ -166,5 +167,5 @@ def test_a_wrong_line_of_freiburgs_is_refused_with_its_file_and_number(
 def test_freiburgs_own_log_is_read_to_its_end(data_dir: Path) -> None:
     log = read_freiburg_log(data_dir / "slam" / "freiburg")
     assert (log.landmarks.shape, log.odometry.shape) == ((9, 2), (331, 3))
-    assert sum(len(sights.indices) for sights in log.sights) == 1212
-    assert min(sights.measurements[1::2].min() for sights in log.sights) == pytest.approx(-0.0351, abs=1e-4)
+    assert sum(len(each.indices) for each in log.observations) == 1212
+    assert min(each.measurements[1::2].min() for each in log.observations) == pytest.approx(-0.0351, abs=1e-4)

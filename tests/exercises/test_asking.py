@@ -96,8 +96,8 @@ def test_a_number_is_taken_with_its_unit_or_without(ask_for, typed, value):
         ("about 2", "is not a number in m"),
         ("nan", "is not a number in m"),
         ("1 2", "is not a number in m"),
-        ("50 cm", "'cm' is another unit"),
-        ("-1", "It cannot be -1 m: it is from 0 to 4 m."),
+        ("50 cm", "'50 cm' has another unit"),
+        ("-1", "It cannot be -1 m, because it is from 0 to 4 m."),
         ("5", "It cannot be 5 m"),
     ],
 )
@@ -181,7 +181,7 @@ def test_it_can_be_changed_until_the_result_is_there(ask_for):
     guess.write("1")
     guess.write("2")
     guess.beside(3)
-    assert "The result is there already. You predicted 2" in repr(guess.write("3"))
+    assert "You have already seen the result. You predicted 2" in repr(guess.write("3"))
     assert repr(guess.beside(3)) == "You predicted 2; it is 3."  # the cell is run again
 
 

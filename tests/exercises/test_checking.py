@@ -14,17 +14,7 @@ import numpy as np
 import pytest
 import sympy
 
-from nao_course.exercises import (
-    Between,
-    Case,
-    CheckFailed,
-    Checks,
-    Close,
-    Exact,
-    Points,
-    checking,
-    running,
-)
+from nao_course.exercises import Between, Case, CheckFailed, Checks, Close, Exact, Points, checking, running
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.definitions import load_definitions
@@ -74,8 +64,8 @@ def interrupted(x, low, high):
     [
         (lambda x, low, high: np.clip(x, low, high), "right", "all 3 public checks pass"),
         (unwritten, "not attempted", "90.1 clamp: not written yet."),
-        (unwritten_in_parts, "raised", "one raises NotImplementedError: the other side"),
-        (lambda x: x, "raised", "one raises TypeError"),
+        (unwritten_in_parts, "raised", "your function raises NotImplementedError: the other side"),
+        (lambda x: x, "raised", "your function raises TypeError"),
         (lambda x, low, high: {}[x], "raised", "KeyError: 3.0 (above)"),
         (lambda x, low, high: sys.exit(), "raised", "SystemExit"),
         (
@@ -83,11 +73,7 @@ def interrupted(x, low, high):
             "wrong",
             "Nothing came back (above): your answer is None: a return may be missing",
         ),
-        (
-            lambda x, low, high: np.array([x]),
-            "wrong",
-            "Wrong shape (above): your answer has shape (1,)",
-        ),
+        (lambda x, low, high: np.array([x]), "wrong", "Wrong shape (above): your answer has shape (1,)"),
         (
             lambda x, low, high: "3",
             "wrong",
@@ -102,7 +88,7 @@ def interrupted(x, low, high):
         (
             lambda x, low, high: x,
             "wrong",
-            "1 of 3 public checks pass. Wrong value (above): your answer, 3, is off.",
+            "1 of 3 public checks pass. Wrong value (above): your answer is 3, which is not right.",
         ),
         (
             lambda x, low, high: print,
@@ -110,8 +96,8 @@ def interrupted(x, low, high):
             "Wrong kind of answer (above): a value of type builtin_function",
         ),
         (interrupted, "interrupted", "stopped by you"),
-        (3.0, "wrong", "a function is wanted, got a float"),
-        (None, "wrong", "a function is wanted, got None"),
+        (3.0, "wrong", "expected a function, got a float"),
+        (None, "wrong", "expected a function, got None"),
     ],
 )
 def test_each_state_is_told_apart(check, function, state, text):
@@ -129,9 +115,8 @@ def test_a_mistakes_message_appears_for_exactly_that_mistake(plan, check):
             assert messages & set(check(exercise.name, mistake.function).lines) == {mistake.message}
         for alternative in exercise.alternatives.values():
             assert check(exercise.name, alternative)
-    half_a_mistake = check(
-        "clamp", lambda x, low, high: x if x > low else -1.0
-    )  # one of its two wrong answers
+    # One of its two wrong answers
+    half_a_mistake = check("clamp", lambda x, low, high: x if x > low else -1.0)
     assert half_a_mistake.state == "wrong"
     assert not {each.message for each in plan["clamp"].mistakes} & set(half_a_mistake.lines)
 
@@ -291,7 +276,7 @@ def test_unknown_names_are_answered_with_the_known_ones(check):
 def test_hints_come_one_after_the_other(check):
     said = [repr(check.hint("clamp")) for _ in range(3)]
     assert said[0].startswith("Hint 1 of 2: Which of the three")
-    assert "Ask again" in said[0]
+    assert "Call hint again" in said[0]
     assert said[1] == said[2]
     assert said[1].startswith("Hint 2 of 2")
     assert repr(check.hint("mean_of_positive")).startswith("Hint 1")
@@ -356,7 +341,7 @@ def test_what_numpy_says_of_the_commonest_slips_is_said_in_a_beginners_words(che
         (lambda *_: 1 if hues > 1 else 2, "no single True or False"),
         (lambda *_: 0 < hues < 2, "no single True or False"),
         (lambda *_: hues >= 1.0 & hues, "put each comparison in brackets"),
-        (lambda *_: hues.copy().__setitem__(hues > 1, hues), "say values[mask] there, too"),
+        (lambda *_: hues.copy().__setitem__(hues > 1, hues), "write values[mask] there, too"),
         (lambda *_: hues[2], "the last of n is n - 1"),
         (lambda x: x, "Keep the function's first line"),
     ):
@@ -394,11 +379,11 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
         answer[1, 2] = 99
         return answer
 
-    assert grade_public(public, one_wrong).lines[-1] == "There the input is 18 19 20."
+    assert grade_public(public, one_wrong).lines[-1] == "The input there is 18 19 20."
     flat = replace(public, cases=[Case((wanted,), expected=wanted)])
-    assert "There the input is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    assert "The input there is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
     point = replace(public, cases=[Case((np.array([10.0, 20, 50, 20]),), expected=np.array([53.0, 20]))])
-    assert "There the input" not in repr(grade_public(point, lambda segment: segment[:2]))
+    assert "The input there" not in repr(grade_public(point, lambda segment: segment[:2]))
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
     pose = Case((np.zeros(3), np.ones(2)), expected=np.zeros(3))
     assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1
@@ -412,10 +397,10 @@ def test_of_an_answer_of_several_parts_no_input_is_shown_where_one_is_about_all(
         "f", "7.6", 1.0, 1, Close(), [Case((points,), expected=wanted)], [], [], "", False
     )
     wrong = grade_public(public, lambda given: (given + 1, np.array([[1.0, 0.0], [5.0, 1.0]])))
-    assert not wrong and not any("There the input" in line for line in wrong.lines)
+    assert not wrong and not any("The input there" in line for line in wrong.lines)
     both = replace(public, cases=[Case((points,), expected=(points + 1, points * 2))])
     report = grade_public(both, lambda given: (given + 1, given * 2 + (given == 3)))
-    assert report.lines[-1] == "There the input is 2 3."
+    assert report.lines[-1] == "The input there is 2 3."
 
 
 def test_what_a_law_says_gets_one_full_stop():
@@ -435,10 +420,10 @@ def test_of_points_the_row_is_shown_and_of_a_matrix_about_all_of_them_nothing():
         "turned", "4.1", 1.0, 1, Close(), [Case((points,), expected=points + 0)], [], [], "", False
     )
     wrong = points + np.array([[0, 0], [0, 1], [0, 0]])
-    assert grade_public(public, lambda given: wrong).lines[-1] == "There the input is 3 4."
+    assert grade_public(public, lambda given: wrong).lines[-1] == "The input there is 3 4."
     matrix = replace(public, cases=[Case((points,), expected=np.eye(6))])
     assert not any(
-        "There the input" in line for line in grade_public(matrix, lambda given: np.zeros((6, 6))).lines
+        "The input there" in line for line in grade_public(matrix, lambda given: np.zeros((6, 6))).lines
     )
 
 
@@ -468,19 +453,31 @@ def test_a_payoff_is_drawn_by_what_the_student_wrote(check):
 
 def test_a_payoff_without_its_exercises_says_which_ones_it_needs(check):
     assert repr(check.payoff(lambda clamp: clamp(5, 0, 3), clamp=unwritten)) == (
-        "This figure needs your exercise 90.1: write and check first, then run this."
+        "This figure needs your exercise 90.1, which is not written yet."
     )
 
 
 def test_a_payoff_names_the_exercises_that_it_needs_in_their_order(check):
-    blank = {"mean_of_positive": unwritten, "clamp": unwritten}
-    assert "your exercises 90.1, 90.2:" in repr(check.payoff(lambda **own: own["clamp"](5, 0, 3), **blank))
+    def blank(*given):
+        raise NotImplementedError
+
+    assert "your exercises 90.1, 90.2, which are not written" in repr(
+        check.payoff(lambda **own: own["clamp"](5, 0, 3), mean_of_positive=blank, clamp=blank)
+    )
 
 
 def test_a_payoff_that_a_wrong_function_draws_says_so_and_shows_it_all_the_same(check):
     shown = check.payoff(lambda clamp: clamp(5, 0, 3), clamp=lambda x, low, high: x)
     assert repr(shown) == "This is drawn with your exercise 90.1, which does not pass the public checks.\n5"
     assert "does not pass" in shown._repr_html_() and "<pre>5</pre>" in shown._repr_html_()
+
+
+def test_a_payoff_that_a_wrong_function_cannot_draw_says_that_it_is_wrong_and_why(check):
+    shown = repr(check.payoff(lambda clamp: 1 / clamp(5, 0, 3), clamp=lambda x, low, high: 0))
+    assert shown.startswith(
+        "This figure needs your exercise 90.1, which does not pass the public checks. Correct your"
+    )
+    assert "ZeroDivisionError" in shown and "not written" not in shown
 
 
 def test_a_payoff_that_fails_although_all_is_right_says_how(check):
@@ -492,16 +489,33 @@ def test_what_matrices_and_symbols_complain_of_gets_advice(check):
     pose = np.zeros(3)
     for slip, advice in (
         (lambda *given: np.array([[1, pose], [0, 1]]), "pose[2] is the heading"),
-        (lambda *given: np.sin(symbol), "in SymPy say sin"),
-        (lambda *given: np.arctan2(symbol, 1), "in SymPy"),
+        (lambda *given: np.sin(symbol), "use SymPy's sin"),
+        (lambda *given: np.arctan2(symbol, 1), "use SymPy's atan2"),
     ):
         assert advice in check("clamp", slip).lines[-1]
+
+
+def test_a_right_function_that_uses_a_demonstrations_values_is_warned(public):
+    check = Checks(replace(public, demonstrated=["mean", "theta", "x"]))
+    here = {"theta": sympy.Symbol("theta"), "mine": 3, "mean": 4, "np": np}
+    lines = ["def clamp(x, low, high):", "[theta for _ in 'a']", "(lambda: mine)()", "np.array(x).mean()"]
+    exec("\n    ".join([*lines, "return np.clip(x, low, high)"]), here)
+    report = check("clamp", here["clamp"])
+    assert report and "demonstrations define: theta. The grader" in repr(report)
+    assert "demonstrations" not in repr(check("clamp", np.clip))
+
+
+def test_a_name_that_is_part_of_an_argument_is_taken_from_there(check):
+    report = repr(check("clamp", lambda pose, control, high: theta))  # noqa: F821
+    assert "the function's arguments are pose, control and high" in report
+    assert "theta is a part of pose. Take it from there first: x, y, theta = pose." in report
+    assert "d is a part of control" in repr(check("clamp", lambda pose, control, high: d))  # noqa: F821
 
 
 def test_a_name_that_is_not_known_gets_advice_after_the_complaint(check):
     report = repr(check("clamp", lambda x, low, high: lowest))  # noqa: F821
     assert "name 'lowest' is not defined" in report
-    assert "since the kernel was started? The grader runs what you define" in report
+    assert "since the kernel started? The grader runs your definitions" in report
 
 
 # What is told beside
@@ -513,8 +527,7 @@ def test_a_right_function_of_which_numpy_warns_is_told_so_once_and_a_quiet_one_i
 
     for _ in range(2):  # a second check says it again
         report = check("clamp", warns)
-        assert report and repr(report).count("NumPy warns: invalid value") == 1
-        assert "in a step of your own code" in repr(report)
+        assert report and repr(report).count("but NumPy warns about a step of your code: invalid value") == 1
     assert "NumPy warns" not in repr(check("clamp", np.clip))
 
 

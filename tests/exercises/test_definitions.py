@@ -10,7 +10,7 @@ from unittest.mock import MagicMock
 import pytest
 
 from nao_course.exercises import load_definitions
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.definitions import MOST_BYTES, demonstrated
 from nao_course.exercises.running import alarm
 from tests.toy import toy
 
@@ -41,6 +41,7 @@ try:
     raise ExceptionGroup("g", [ValueError()])
 except* ValueError:
     def by_group(): return 1
+(by_walrus := lambda: SCALE)
 with open(m.__name__ + ".txt", "w") if False else memoryview(b""):
     def by_with(): return pi
 async def later(): return 1
@@ -53,7 +54,7 @@ def uses(): return SCALE + first + len(rest) + table["a"] + Thing.size
 def test_every_kind_of_definition_runs(load):
     found = load(RUN)
     assert found.skipped == ()
-    assert list(found) == ["by_if", "by_try", "by_group", "by_with", "later", "Thing", "uses"]
+    assert list(found) == ["by_if", "by_try", "by_group", "by_walrus", "by_with", "later", "Thing", "uses"]
     assert found["uses"]() == 3 + 1 + 2 + 5 + 4
     assert (found["by_if"](), found["by_try"](), found["by_with"]()) == (3, 2, math.pi)
 
@@ -158,6 +159,29 @@ def f(x):
     assert found["f"].__code__.co_firstlineno == 2
 
 
+@pytest.mark.parametrize(
+    "source",
+    [
+        "    def f(x):\n        return x\n    y = 1",
+        "\n\n  def f(x):\n    return x",
+        ">>> def f(x):\n...     return x",
+        "In [1]: def f(x):\n   ...:     return x",
+        "\n \n%matplotlib inline\ndef f(x):\n    return x",
+    ],
+)
+def test_an_indented_or_copied_cell_is_read_as_ipython_reads_it_and_its_lines_keep_their_numbers(
+    load, source
+):
+    f = load(source)["f"]
+    assert f(5) == 5
+    assert "def f" in source.split("\n")[f.__code__.co_firstlineno - 1]
+
+
+def test_an_indentation_in_the_middle_stays_an_error(load):
+    found = load("x = 1\n    def f(x):\n        return x")
+    assert list(found) == [] and "IndentationError" in found.skipped[0].reason
+
+
 PIECES = (
     "def f{n}(x):\n    return x % {n}\n",
     "if x:  # why?\n    y = 1\n# really?\nelse:\n    y = 2\n",
@@ -201,7 +225,7 @@ def test_a_remainder_at_the_beginning_of_a_line_is_no_magic(load):
         ("x = " + "(" * 500 + ")" * 500, "SyntaxError"),
         ("x = " + "-" * 100_000 + "1", "Error"),
         ("x = '\ud800'", "UnicodeEncodeError"),
-        ("  indented = 1", "IndentationError"),
+        ("x = 1\n  indented = 1", "IndentationError"),
     ],
 )
 def test_a_broken_cell_costs_itself_alone(load, source, reason):
@@ -310,6 +334,17 @@ def test_what_is_no_notebook_is_refused_with_a_reason(tmp_path, data):
         load_definitions(written(tmp_path / "bad.ipynb", data))
 
 
+def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path):
+    with pytest.raises(ValueError, match=r"format 4 \(it is nested too deeply\)$"):
+        load_definitions(written(tmp_path / "bad.ipynb", b'{"cells": ' + b"[" * 200_000))
+
+
+def test_a_number_of_any_length_in_the_metadata_costs_nothing(tmp_path):
+    made = json.loads(toy.write(tmp_path / "own.ipynb", "def f(): return 1").read_text())
+    text = json.dumps(made | {"more": "LONG"}).replace('"LONG"', "-" + "9" * 5000)
+    assert load_definitions(written(tmp_path / "long.ipynb", text.encode()))["f"]() == 1
+
+
 def test_a_table_that_is_filled_line_by_line_is_full_and_a_demonstration_does_not_run(load):
     table = "T = []\nT.append(1)\nS = set()\nS.add(2)\nD = {}\nD.update(a=T[0])\nT.sort(key=print)\nprint(T.append(5))"
     found = load(f"{table}\ndef f(): return T, S, D")
@@ -363,7 +398,7 @@ def test_a_notebook_in_another_language_is_refused_and_python_under_another_kern
 ):
     cell = {"cell_type": "code", "metadata": {}, "source": source}
     text = {"cells": [cell], "metadata": {"kernelspec": {"language": language}}}
-    with pytest.raises(ValueError, match=f"written in {language}"):
+    with pytest.raises(ValueError, match=f"in Python, got {language}"):
         load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))
     cell["source"] = "def f(): return 1"
     assert list(load_definitions(written(tmp_path / "own.ipynb", json.dumps(text).encode()))) == ["f"]
@@ -385,7 +420,7 @@ def test_a_folder_a_missing_file_and_a_huge_one_are_refused(tmp_path):
         load_definitions(tmp_path / "missing.ipynb")
     with (tmp_path / "huge.ipynb").open("wb") as file:
         file.truncate(MOST_BYTES + 1)
-    with pytest.raises(ValueError, match="larger than 50 MB"):
+    with pytest.raises(ValueError, match="at most 50 MB"):
         load_definitions(tmp_path / "huge.ipynb")
 
 
@@ -394,3 +429,17 @@ def test_a_mark_of_the_byte_order_and_lists_of_lines_are_fine(tmp_path):
     text = {"cells": [{"cell_type": "markdown", "source": "# Title"}, cell]}
     path = written(tmp_path / "own.ipynb", json.dumps(text).encode("utf-8-sig"))
     assert load_definitions(path)["f"]() == "ü"
+
+
+def test_names_that_only_cells_assign_which_the_grader_does_not_run_are_listed():
+    cells = [
+        (
+            "setup",
+            'import numpy as np\nnao = 1\ndouble = earlier("01:double")\nfor i in range(3):\n    j = i',
+        ),
+        ("display", "mean: float = 3\na, (b, *c) = 1, (2, 3)\ndef shown(x):\n    inside = 1"),
+        ("payoff", "%matplotlib inline\nwith open('x') as file:\n    !ls\n    pass"),
+        ("solution", "def mean(x):\n    return x"),
+        ("student", "nao = 2"),
+    ]
+    assert demonstrated(cells) == ["a", "b", "c", "file", "i", "j", "shown"]

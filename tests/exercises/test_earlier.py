@@ -88,7 +88,7 @@ def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, so
     report = grade_public(of(lessons, "quadruple"), found["quadruple"])
     assert report.state == "right"
     assert report.lines[-1].startswith("double of your lesson 80 is not usable yet: 80.1 double: ")
-    assert why in report.lines[-1] and report.lines[-1].endswith("Recorded answers stood in for it.")
+    assert why in report.lines[-1] and report.lines[-1].endswith("Recorded answers were used instead.")
     with pytest.raises(EarlierNotUsable, match="double of your lesson 80 is not usable yet"):
         found["quadruple"](1.5)
     shown = try_out(lambda: found["quadruple"](1.5))
@@ -100,7 +100,7 @@ def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named(tmp_path, 
     pair.write(
         tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": "def quadruple(x):\n    return 3 * x"}
     )
-    reason = "It uses quadruple, which does not pass its own check: begin with that one."
+    reason = "It uses quadruple, which does not pass its own check: correct quadruple first."
     found = student.functions(pair.SECOND, tmp_path)
     said = {report.name: report.lines for report in found.reports}
     assert said["walk"][-1] == said["Walker"][-1] == reason and reason not in said["quadruple"]
@@ -115,9 +115,9 @@ def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, le
         return stand_in("80:double", not_usable("80:double", "why."))(7 * x)
 
     report = grade_public(of(lessons, "quadruple"), quadruple)
-    assert report.state == "not checked" and "one raises" not in report.lines[0]
+    assert report.state == "not checked" and "your function raises" not in report.lines[0]
     assert (
-        "double of your lesson 80 is not usable yet: why. It is asked for something that no answer"
+        "Your code calls double of your lesson 80 with an input for which no answer was recorded."
         in report.lines[0]
     )
 
@@ -128,7 +128,7 @@ def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
     with watching(recorded) as calls:
         assert double(1.5) == double(x=1.5) == double(np.float64(1.5 + 1e-13)) == 3.0
         for wrong in (lambda: double(1.51), lambda: double(), lambda: double(1.5, 2), lambda: double(y=1.5)):
-            with pytest.raises(EarlierNotUsable, match="no answer was recorded of"):
+            with pytest.raises(EarlierNotUsable, match="for which no answer was recorded"):
                 wrong()
     assert list(calls.answered) == ["80:double"]
     with pytest.raises(EarlierNotUsable):  # nothing is left of the block
@@ -222,10 +222,10 @@ def test_an_error_inside_an_earlier_function_is_told_as_such_with_the_line_that_
     found = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
     report = grade_public(of(lessons, "quadruple"), found["quadruple"])
     assert report.lines[0].endswith(
-        "one raises ValueError: too many values to unpack (expected 2) (inside double of your lesson 80)."
+        "your function raises ValueError: too many values to unpack (expected 2) (inside double of your lesson 80)."
     )
     assert report.lines[1] == "line 3: return double(y)"
-    assert report.lines[2].startswith("double cannot work with what that line passes to it")
+    assert report.lines[2].startswith("double cannot use the arguments of that line")
     said = str(try_out(lambda: found["quadruple"](1.0)))
     assert "(inside double of your lesson 80). It is called from your line 3: return double(y)." in said
     tried = attempt(lambda: found["quadruple"](1.0), "quadruple()")
@@ -349,3 +349,32 @@ def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
         assert exercise.mistakes[0].function(3.0) == 6.0
     with pytest.raises(EarlierNotUsable):
         exercise.mistakes[0].function(3.0)
+
+
+def test_all_that_a_cell_lacks_is_one_list_that_is_folded(tmp_path, monkeypatch):
+    shown = []
+
+    class Handle:
+        def update(self, grown):
+            shown[-1] = grown
+
+    class Shell:
+        execution_count = 1
+
+    def display(what, **options):
+        shown.append(what)
+        return Handle()
+
+    monkeypatch.setattr("IPython.display.display", display)
+    shell = Shell()
+    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass", "Counter": "pass"})
+    student.earlier("80:double", tmp_path)
+    assert "<details" not in shown[0]._repr_html_()
+    student.earlier("80:Counter", tmp_path)
+    (grown,) = shown
+    assert "<summary>2 functions of earlier lessons are not usable yet" in grown._repr_html_()
+    assert "double of your lesson 80" in repr(grown) and "Counter of your lesson 80" in repr(grown)
+    shell.execution_count = 2
+    student.earlier("80:double", tmp_path)
+    assert len(shown) == 2 and "Counter" not in repr(shown[1])

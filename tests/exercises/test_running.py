@@ -119,7 +119,7 @@ def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
 def test_an_alarm_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
     (tmp_path / "never_imported.py").write_text("while True:\n    pass\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr("nao_course.time_limits.IMPORTING", 0.1)
+    monkeypatch.setattr("nao_course._internal.time_limits.IMPORTING", 0.1)
     with pytest.raises(running.TimeIsUp), running.alarm(0.05):
         importlib.import_module("never_imported")
 

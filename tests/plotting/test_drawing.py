@@ -55,7 +55,7 @@ def test_a_table_is_text_and_html_with_nothing_unescaped():
         and "<b>" not in shown._repr_html_()
         and "a &amp; b" in shown._repr_html_()
     )
-    with pytest.raises(ValueError, match="row 2 has 1 values for 2 columns"):
+    with pytest.raises(ValueError, match="row 2 has 1 values, but there are 2 columns"):
         table(["a", "b"], [[1, 2], [3]])
 
 

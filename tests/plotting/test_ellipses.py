@@ -40,6 +40,13 @@ def test_what_is_no_covariance_has_no_ellipse(wrong):
             plot_ellipse([0, 0], wrong, ax)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_what_is_a_covariance_does_not_depend_on_the_unit(unit):
+    sound, none = np.array([[1.0, 0.9], [0.9, 1.0]]), np.array([[1.0, 1.1], [1.1, 1.0]])
+    outlines = ellipse_outlines(np.zeros((2, 2)), unit**2 * np.array([sound, none]))
+    assert np.isfinite(outlines[0]).all() and np.isnan(outlines[1]).all()
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [

@@ -36,6 +36,12 @@ def test_every_key_has_words():
     assert not [key.get_label() for key in keys if is_a_name(key.get_label())]
 
 
+def test_each_kind_of_landmark_that_is_there_has_one_key():
+    keys = landmark_keys(["post", "corner", "post"], "black", "the field's")
+    assert [key.get_label() for key in keys] == ["the field's corner", "the field's post"]
+    assert landmark_keys([], "black", "the field's") == []
+
+
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_a_figures_legend_has_words(name):
     texts = [text.get_text() for legend in DRAWINGS[name]().figure.legends for text in legend.get_texts()]

@@ -44,11 +44,17 @@ def test_nothing_to_show_is_a_map_all_the_same():
     assert "landmarks: none" in drawing.alt
 
 
+def test_the_standard_deviations_are_said_in_the_order_of_the_axes():
+    none = np.empty((0, 2)), np.empty((0, 2, 2))
+    estimate = Estimate(Pose(), np.diag([0.01, 0.04, 0.0]), *none)
+    assert "(standard deviations 0.10 and 0.20 m)" in draw_map(Field(), estimate=estimate).alt
+
+
 def test_an_estimate_with_a_broken_covariance_is_drawn_and_says_so():
     broken = some_estimate()
     broken.landmark_covariances[0] = np.nan
     drawing = draw_map(Field(), estimate=broken)
-    assert "No ellipse for 1" in drawing.alt
+    assert "Without an ellipse, because the covariance is invalid: 1" in drawing.alt
 
 
 @pytest.mark.parametrize(

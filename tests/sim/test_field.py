@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.sim import DIMENSIONS, Field
+from nao_course.sim import DIMENSIONS, Field, Landmark
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,20 @@ def test_the_half_field_is_the_positive_half_of_the_whole(year):
 def test_an_unknown_year_names_those_there_are():
     with pytest.raises(ValueError, match=r"year must be one of \[2012, 2013, 2025\].*got 1999"):
         Field(1999)
+
+
+def test_detectors_report_corners_and_posts_under_their_own_kind_and_no_crossings():
+    field = Field(2012)
+    assert {mark.detected_as for mark in field.landmarks} == {"corner", "post", None}
+    assert all(mark.detected_as in (mark.kind, None) for mark in field.landmarks)
+    assert len(field.detectable) == len(field.detectable_positions) == len(field.detectable_kinds)
+    assert [[mark.x, mark.y] for mark in field.detectable] == field.detectable_positions.tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        field.detectable_positions[0] = 0.0
+
+
+def test_a_new_kind_of_landmark_is_no_corner_before_somebody_says_how_it_is_detected():
+    mark = Landmark(0.0, 0.0, "corner", "L")
+    object.__setattr__(mark, "kind", "penalty mark")
+    with pytest.raises(AssertionError, match="penalty mark"):
+        mark.detected_as  # noqa: B018

@@ -51,7 +51,7 @@ def test_what_is_no_strength_is_refused(name, value):
     "seed", [-1, 0.5, np.nan, np.inf, 2**63, 1e300, True, "0", None, [1], np.array([1, 2])]
 )
 def test_what_is_no_seed_is_refused(seed):
-    with pytest.raises(ValueError, match="Reality: seed must be a whole number from 0"):
+    with pytest.raises(ValueError, match="Reality: seed must be an integer from 0"):
         Reality(seed=seed)
 
 

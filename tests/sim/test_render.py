@@ -301,6 +301,15 @@ def test_an_overexposed_line_is_wider_than_its_paint_for_light_is_blurred_before
         assert (column[middle + 4] > half) == wider
 
 
+def test_the_carpets_grain_shows_far_away_too_but_weaker_than_near():
+    reality = replace(CLEAN, grain=12.0)
+    pixels, truth = render(Field(), Pose(0.2, 0.4, 0.2), camera(), reality, np.random.default_rng(0))
+    far, near = (
+        pixels[rows][truth.labels[rows] == GREEN][:, 1].std() for rows in (slice(145, 175), slice(190, 240))
+    )
+    assert 0.3 * near < far < 0.8 * near
+
+
 def test_another_room_has_other_furniture_and_the_same_field():
     pose, view = Pose(0.4, 0.3, 0.1), camera()
     lab = replace(Reality.lab(), litter=0.0)

@@ -80,12 +80,7 @@ def test_paper_lies_on_the_whole_field_and_on_no_other_set(realities):
         realities.clear()
         standard_scenes(which, (8, 6))
         papered[which] = {each.sheets > 0 for each in realities}
-    assert papered == {
-        "tune": {False},
-        "report": {False},
-        "whole_tune": {True},
-        "whole": {True},
-    }
+    assert papered == {"tune": {False}, "report": {False}, "whole_tune": {True}, "whole": {True}}
 
 
 def test_a_set_shows_as_many_corners_as_the_real_pictures_do(sets):

@@ -31,7 +31,7 @@ def lesson(public, monkeypatch):
 def look_around(student, nao):
     """Two points on the map, as far away as the student's functions say."""
 
-    def look(sight):
+    def look(frame):
         away = student.clamp(2.0, 0.0, 1.0)
         return Overlay(points=[(away, 0.0), (away, 0.5)], text=f"{away:.1f} m away")
 

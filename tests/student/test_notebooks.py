@@ -2,6 +2,7 @@
 
 import os
 import signal
+from pathlib import Path
 
 import pytest
 
@@ -105,10 +106,12 @@ ENDLESS = "if True:\n    for _ in iter(int, 1):\n        pass"
 def test_a_notebook_that_never_ends_is_given_up_with_a_sentence(tmp_path):
     toy.write(tmp_path / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
     assert student.functions("90_toy", tmp_path, most_seconds=0.2).problem == (
-        "90_toy.ipynb takes longer than 0.2 s: progress() gives it more time."
+        "90_toy.ipynb takes longer than 0.2 s: run progress(), which allows more time."
     )
     own = student.functions("90_toy", tmp_path, most_seconds=1.0)
-    assert own.problem.startswith("90_toy.ipynb takes longer than 1 s: is the computer busy, or does a loop outside")
+    assert own.problem.startswith(
+        "90_toy.ipynb takes longer than 1 s: is the computer busy, or does a loop outside"
+    )
     assert len(own) == 0 and "takes longer than" in own.reports[0].lines[0]
 
 
@@ -149,6 +152,21 @@ def test_why_there_is_no_right_function_is_said_in_words(tmp_path, cell, why):
     if cell is not None:
         toy.write(tmp_path / "work" / "90_toy.ipynb", cell)
     assert student.own_function("90:clamp", {}, tmp_path / "work") == (None, why)
+
+
+def test_a_check_that_took_too_long_is_not_kept_because_a_longer_one_may_pass(tmp_path):
+    toy.write(tmp_path / "90_toy.ipynb", "def clamp(x, low, high):\n    while True:\n        pass")
+    _, why = student.own_function("90:clamp", {}, tmp_path, 0.2)
+    assert why == "clamp of lesson 90 takes too long in its check"
+    assert student.stored_result("90:clamp", tmp_path) is None
+
+
+@pytest.mark.parametrize(("where", "named"), [(".", "work"), ("/", "/")])
+def test_a_folder_that_is_given_as_a_dot_or_the_root_is_named(tmp_path, monkeypatch, where, named):
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    _, why = student.own_function("90:clamp", {}, Path(where))
+    assert why == f"90_toy.ipynb is not in your folder {named}"
 
 
 def test_what_is_wrong_at_hand_is_said_where_nothing_is_saved(tmp_path):

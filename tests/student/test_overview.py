@@ -36,8 +36,8 @@ def test_a_lesson_that_is_done(tmp_path):
     row = repr(progress(tmp_path)).splitlines()[1]
     assert row.split("  ")[0] == "90_toy" and "✔ done" in row and "2 of 2" in row and "5 of 5" in row
     total, upcoming = last_lines(progress(tmp_path))
-    assert total == f"All lessons: 5 of 5 points pass their public checks. {overview.HONESTLY}"
-    assert upcoming == "Next: nothing is left."
+    assert total == f"All lessons: 5 of 5 points pass their public checks. {overview.PUBLIC_ONLY}"
+    assert upcoming == "Next: nothing, all lessons are complete."
 
 
 def test_a_lesson_that_is_begun_says_what_comes_next(tmp_path):
@@ -45,6 +45,15 @@ def test_a_lesson_that_is_begun_says_what_comes_next(tmp_path):
     found = progress(tmp_path)
     assert "begun" in repr(found) and "1 of 2" in repr(found)
     assert last_lines(found)[1] == "Next: exercise 90.2 mean_of_positive (not attempted), in 90_toy."
+
+
+def test_a_lesson_with_a_written_answer_is_begun(tmp_path, written):
+    path = toy.write(tmp_path / "90_toy.ipynb", BLANK)
+    answer(path, ANSWER_HERE)
+    assert "○ not begun" in repr(progress(tmp_path))
+    toy.write(path, BLANK)
+    answer(path, "Because.")
+    assert "begun" in repr(progress(tmp_path)) and "○ not begun" not in repr(progress(tmp_path))
 
 
 def test_written_answers_are_counted_apart_and_named_when_blank(tmp_path, written):
@@ -85,7 +94,7 @@ def test_the_sum_of_one_lesson_stands_before_that_of_all(tmp_path):
     toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
     total = progress(tmp_path).total("90_toy")
     assert total.startswith("90_toy: 2 of 5 points pass their public checks. All lessons: 2 of 5 points")
-    assert total.endswith("the grader has others, with other inputs.")
+    assert total.endswith("the grader uses further checks with other inputs.")
 
 
 def test_the_table_is_a_table_for_screen_readers_too(tmp_path):

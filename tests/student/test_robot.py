@@ -1,6 +1,7 @@
 """The student's robot: their own functions, from this notebook or a saved one, and words for what is missing."""
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -35,7 +36,7 @@ def test_saved_functions_look_along(here):
     panel = drive()
     panel.forward(0.05)
     assert "your NAO so far: ✔ distances (90)\ndistances: 1.0 m away" in panel.summary()
-    assert np.allclose(panel._contents().points, [(1.0, 0.0), (1.0, 0.5)])
+    assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
 
 
 def test_functions_of_this_notebook_need_not_be_saved(monkeypatch):
@@ -43,18 +44,30 @@ def test_functions_of_this_notebook_need_not_be_saved(monkeypatch):
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     assert "✔ distances (90)" in drive().summary()
     shell.user_ns["clamp"] = 3
-    assert "not yet: distances, for 90_toy.ipynb is not in your folder" in drive().summary()
+    assert "not yet: distances, because 90_toy.ipynb is not in your folder" in drive().summary()
 
 
 def test_functions_can_be_handed_over_by_name():
     assert "✔ distances (90)" in drive(clamp=clamp, mean_of_positive=mean_of_positive).summary()
-    with pytest.raises(ValueError, match="my_nao uses clamp, mean_of_positive; got colour_labels"):
+    with pytest.raises(
+        ValueError, match="no stage of the robot uses colour_labels; my_nao takes clamp, mean_of_positive"
+    ):
         drive(colour_labels=clamp)
+
+
+def test_a_stage_goes_on_without_a_function_that_only_helps_and_says_so(here, stage):
+    toy.write(here / "90_toy.ipynb", toy.CLAMP)
+    helped = replace(stage, uses=("clamp",), helped_by=("mean_of_positive",))
+    found = stages.add_ready(stages.Readiness(), helped, {}, here)
+    assert found.stages == (helped,) and list(found.functions) == ["clamp"] and not found.missing
+    assert found.remarks == (
+        "distances runs without mean_of_positive, because mean_of_positive of lesson 90 is not written yet",
+    )
 
 
 def test_where_a_saved_function_drives_for_a_broken_one_it_is_said(here):
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
-    said = "clamp as it is in this notebook does not pass its check: the saved one drives"
+    said = "clamp of this notebook does not pass its check, so the saved version is used"
     assert said in drive(clamp=lambda x, low, high: x).summary()
     assert said not in drive(clamp=clamp).summary()
 
@@ -70,7 +83,8 @@ def test_what_is_missing_or_wrong_is_named_and_the_robot_drives(here):
     panel = drive()
     panel.forward(0.1)
     assert (
-        "not yet: distances, for mean_of_positive of lesson 90 does not pass its check yet" in panel.summary()
+        "not yet: distances, because mean_of_positive of lesson 90 does not pass its check yet"
+        in panel.summary()
     )
     assert "Walk 0.10 m ahead: done." in panel.summary() and panel.error is None
 
@@ -87,7 +101,7 @@ def test_a_later_stage_waits_for_the_one_that_it_needs(here, stage):
     toy.write(here / "90_toy.ipynb", toy.CLAMP)
     later = Stage("map", "90_toy", ("clamp",), stage.wire, after=("distances",))
     found = stages.readiness([stage, later], {}, here)
-    assert found.stages == () and found.missing["map"] == "distances would come first"
+    assert found.stages == () and found.missing["map"] == "it needs distances"
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     assert stages.readiness([stage, later], {}, here).stages == (stage, later)
 

@@ -32,9 +32,9 @@ def test_at_the_beginning_of_a_lesson_only_those_before_it_count(here):
 def test_a_lesson_that_adds_nothing_to_the_robot_says_so(here):
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     assert repr(so_far("92", LONG)) == (
-        "Your NAO so far: ✔ distances (90) · lesson 92 adds nothing to it · next: goal posts (91)"
+        "Your NAO so far: ✔ distances (90) · lesson 92 adds no stage · next: goal posts (91)"
     )
-    assert "adds nothing" not in repr(so_far("00", LONG))
+    assert "adds no stage" not in repr(so_far("00", LONG))
 
 
 def test_it_says_why_what_comes_next_is_not_there(here):
@@ -54,7 +54,7 @@ def test_before_the_first_lesson_it_says_so():
 def test_at_the_end_of_the_course_nothing_comes_next(here, monkeypatch):
     monkeypatch.setattr(stages, "PLANNED", {"90": "distances"})
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
-    assert repr(so_far(seconds=LONG)) == "Your NAO so far: ✔ distances (90) · that is all the course gives it"
+    assert repr(so_far(seconds=LONG)) == "Your NAO so far: ✔ distances (90) · all stages are ready"
 
 
 def test_it_is_the_same_in_html_with_nothing_of_a_students_unescaped(here):
@@ -69,7 +69,7 @@ def test_it_is_the_same_in_html_with_nothing_of_a_students_unescaped(here):
 def test_a_notebook_that_never_ends_keeps_nobody_from_beginning_a_lesson(here, cell):
     toy.write(here / "90_toy.ipynb", cell, toy.MEAN)
     said = repr(so_far(seconds=0.2))
-    assert said == "Your NAO so far: not looked at yet, which progress() does: distances (90)"
+    assert said == "Your NAO so far: not checked yet (run progress()): distances (90)"
     assert "never end" not in said  # on a slow machine a quick look cannot tell
 
 
@@ -77,7 +77,7 @@ def test_a_notebook_that_never_ends_keeps_nobody_from_beginning_a_lesson(here, c
 def test_where_its_time_is_not_enough_it_says_so(here):
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     said = repr(so_far(seconds=1e-6))
-    assert said == "Your NAO so far: not looked at yet, which progress() does: distances (90)"
+    assert said == "Your NAO so far: not checked yet (run progress()): distances (90)"
     assert "next" not in said  # what was not looked at may be solved
 
 
@@ -99,23 +99,31 @@ def test_what_was_looked_at_before_is_known_at_once_until_a_notebook_is_saved(he
     toy.write(here / "91_later.ipynb", "x = 1")  # a later lesson changes nothing
     assert repr(so_far(seconds=-1)) == f"Your NAO so far: {said}"
     toy.write(here / "90_toy.ipynb", toy.CLAMP, cell, "y = 1")
-    assert "not looked at yet" in repr(so_far(seconds=-1))
+    assert "not checked yet" in repr(so_far(seconds=-1))
+
+
+def test_what_was_kept_of_a_notebook_holds_until_an_earlier_one_is_saved(here):
+    for name in ("90_toy", "91_later", "92_last"):
+        toy.write(here / f"{name}.ipynb", "x = 1")
+    verdicts.keep(here / "91_later.ipynb", "clamp", "")
+    toy.write(here / "92_last.ipynb", "x = 2")
+    assert verdicts.kept(here / "91_later.ipynb", "clamp") == ""
+    toy.write(here / "90_toy.ipynb", "x = 2")
+    assert verdicts.kept(here / "91_later.ipynb", "clamp") is None
 
 
 def test_a_stage_after_one_that_nobody_has_looked_at_is_not_looked_at_either(here, monkeypatch, stage):
     later = dataclasses.replace(stage, name="goal posts", lesson="91_posts", uses=(), after=("distances",))
     monkeypatch.setattr(strip, "all_stages", lambda: [stage, later])
     said = repr(so_far(seconds=-1))
-    assert (
-        said == "Your NAO so far: not looked at yet, which progress() does: distances (90), goal posts (91)"
-    )
+    assert said == "Your NAO so far: not checked yet (run progress()): distances (90), goal posts (91)"
 
 
 @pytest.mark.parametrize("broken", ["{", "[]", '{"90_toy": []}', '{"90_toy": {"of": 1}}'])
 def test_a_broken_file_of_what_was_kept_is_as_none(here, broken):
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     (here / verdicts.FILE).write_text(broken)
-    assert "not looked at yet" in repr(so_far(seconds=-1))
+    assert "not checked yet" in repr(so_far(seconds=-1))
     assert "✔ distances (90)" in repr(so_far(seconds=LONG)) and "✔ distances (90)" in repr(so_far(seconds=-1))
 
 

@@ -4,13 +4,25 @@ import contextlib
 import io
 import runpy
 import signal
+import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from nao_course.time_limits import TooSlow
+from nao_course._internal.time_limits import TooSlow
+from nao_course.exercises.earlier import not_usable
 from nao_course.widgets import attempts
 from nao_course.widgets.attempts import KEPT_LETTERS, attempt
+
+
+def test_an_earlier_lesson_that_is_not_usable_is_said_in_its_own_sentence():
+    def blank():
+        return not_usable("01:color_labels")()
+
+    message = attempt(blank, "your code").message
+    assert message == "color_labels of your lesson 01 is not usable yet."
 
 
 def test_a_loop_that_catches_everything_is_stopped_too():
@@ -117,3 +129,29 @@ def test_a_call_has_ten_seconds_or_what_a_busy_machine_says(monkeypatch):
     assert attempts.TIME_LIMIT == 60.0, "the tests say so"
     monkeypatch.delenv("NAO_COURSE_TIME_LIMIT")
     assert runpy.run_path(attempts.__file__)["TIME_LIMIT"] == 10.0
+
+
+def test_attempts_that_overlap_in_two_threads_leave_standard_output_as_it_was():
+    first_runs, second_runs, first_ends = threading.Event(), threading.Event(), threading.Event()
+
+    def first():
+        print("the first")
+        first_runs.set()
+        second_runs.wait(10)
+
+    def second():
+        print("the second")
+        second_runs.set()
+        first_ends.wait(10)
+        print("the end")
+
+    before = sys.stdout
+    with ThreadPoolExecutor(2) as threads:
+        one = threads.submit(attempt, first, "your code", quiet=True)
+        first_runs.wait(10)
+        other = threads.submit(attempt, second, "your code", quiet=True)
+        one.result(10)
+        first_ends.set()
+        assert one.result().printed == "the first\n"
+        assert other.result(10).printed == "the second\nthe end\n"
+    assert sys.stdout is before

@@ -21,7 +21,7 @@ from nao_course.widgets import (
     Slider,
     Toggle,
     __all__,
-    function_panel,
+    picture_row,
 )
 from nao_course.widgets.shown import encoded
 from tests.paths import PROJECT
@@ -145,7 +145,7 @@ def test_reset_leaves_what_is_looked_at():
     assert panel.values == {"level": 100, "scene": "b", "show": 1}
     assert panel._widgets["scene"].value == "b"
     button = next(each for each in all_widgets(panel.widget) if getattr(each, "description", "") == "Reset")
-    assert button.tooltip == "Set everything back to where it began; Scene stays"
+    assert button.tooltip == "Set all controls to their start values; Scene stays"
 
 
 def test_random_numbers_are_the_same_until_a_button_draws_again():
@@ -213,7 +213,7 @@ def test_a_title_that_comes_again_takes_the_place_of_the_first():
 
 def test_only_pictures_that_changed_are_encoded_and_sent(monkeypatch):
     panel, sent = make(), []
-    monkeypatch.setattr(function_panel, "encoded", lambda *given: sent.append(given[0]) or encoded(*given))
+    monkeypatch.setattr(picture_row, "encoded", lambda *given: sent.append(given[0]) or encoded(*given))
     panel.set(level=100)
     assert sent == []
     panel.set(level=110)
@@ -240,11 +240,7 @@ def test_a_picture_and_a_text_stay_where_no_widget_lives():
 
 
 def test_a_legend_says_what_colours_mean():
-    panel = FunctionPanel(
-        "Two",
-        lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]),
-        [LEVEL],
-    )
+    panel = FunctionPanel("Two", lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]), [LEVEL])
     assert "a &lt; b" in panel._legend.value and "#ff0000" in panel._legend.value
     assert "a < b" in [text.get_text() for text in panel.drawing().figure.legends[0].get_texts()]
 
@@ -252,7 +248,7 @@ def test_a_legend_says_what_colours_mean():
 @pytest.mark.parametrize(
     ("shown", "said"),
     [
-        (None, "the function returned nothing"),
+        (None, "the function returned None"),
         (3.5, "a panel shows a picture, a Drawing, a table, a text"),
         (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3) or (H, W)"),
     ],
@@ -311,7 +307,9 @@ def test_a_mistake_is_a_sentence_with_its_line_and_the_panel_goes_on():
 
 def test_what_a_function_returned_wrongly_is_said_to_be_its():
     panel = make(lambda picture, level: None)
-    assert "AttributeError in the panel, which uses what brighter() returned, line" in panel.summary()
+    assert (
+        "AttributeError in the panel, in the code that uses the result of brighter(), line" in panel.summary()
+    )
 
 
 def test_a_function_that_writes_into_the_picture_spoils_nothing():
@@ -361,7 +359,7 @@ def test_a_function_that_never_ends_is_stopped_in_any_thread():
 
 def test_how_long_the_students_code_takes_is_said():
     panel = make(lambda *given: time.sleep(0.12) or brighter(*given))
-    assert "The panel follows slowly" in panel._status.value
+    assert "This slows the panel down" in panel._status.value
     assert "ms" not in repr(panel)
     assert "Your code took" in make()._status.value
     assert "Your code" not in FunctionPanel("None", lambda values, student: "Yes.", [LEVEL])._status.value
@@ -392,11 +390,11 @@ def test_in_a_kernels_loop_only_the_newest_value_is_shown():
 
 def test_names_that_are_not_there_are_an_error_that_lists_those_that_are():
     assert (
-        "no control 'size', but ['level']"
+        "no control 'size'; it has ['level']"
         in FunctionPanel("A", lambda values, student: values.size, [LEVEL]).summary()
     )
     assert (
-        "no function 'darker', but ['brighter']"
+        "no function 'darker'; it has ['brighter']"
         in make(function=lambda values, student: student.darker()).summary()
     )
     with pytest.raises(ValueError, match="brighter must be a function, got int"):

@@ -146,7 +146,7 @@ def test_what_else_can_be_set_and_pressed_is_as_in_any_panel():
 
 
 def test_all_of_the_keys_hint_has_room():
-    hint = "Keys: space Play, b Backwards, \N{LEFTWARDS ARROW} One back, \N{RIGHTWARDS ARROW} One on"
+    hint = "Keys: space Play, b Backwards, \N{LEFTWARDS ARROW} Step back, \N{RIGHTWARDS ARROW} Step on"
     keyed = next(each for each in make().widget.children[2].children if "nao-key-line" in each._dom_classes)
     assert hint in keyed.value and keyed.layout.min_width == f"min(100%, {len(hint)}ch)"
-    assert "arrow left: One back" in keyed.value  # what a screen reader says
+    assert "arrow left: Step back" in keyed.value  # what a screen reader says

@@ -1,4 +1,4 @@
-"""How answers are compared with what is expected; a comparison that needs a driver has it beside it."""
+"""Comparisons of answers with expected answers, and the drivers that some of them need."""
 
 from nao_course.exercises.comparisons.combined import All, Each, Property, Unordered
 from nao_course.exercises.comparisons.comparison import Comparison, Verdict

@@ -1,4 +1,4 @@
-"""Comparisons that are made of others, and laws that an answer has to obey."""
+"""Comparisons that combine other comparisons, and properties that an answer must have."""
 
 from __future__ import annotations
 
@@ -9,35 +9,35 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.codec import register
+from nao_course.codec.sparse import is_sparse
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import register
-from nao_course.exercises.codec.sparse import is_sparse
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
 from nao_course.exercises.comparisons.structure import as_numbers, parts_of
 from nao_course.exercises.comparisons.values import Close, most_pairs
 
-MOST_MORE = 1000  # numbers that an answer may have beside four times those of the reference's
+MOST_MORE = 1000  # numbers that an answer may have in addition to four times the reference's
 Law = Callable[[tuple[Any, ...], dict[str, Any], Any], str]
 
 
 @register
 @dataclass(frozen=True)
 class Property(Comparison):
-    """A law that the answer has to obey, whatever the reference answers: P is symmetric, H delta = -b.
+    """A property that every right answer has, independent of the reference: P is symmetric, H delta = -b.
 
     Parameters
     ----------
     law : callable
-        ``law(args, kwargs, answer) -> str``: nothing where the answer obeys it, else what is wrong, as a public case
-        tells the student; of a hidden case no word of it is told. A function of a module, with `register` before it. It
-        gets any answer that is not far larger than the reference's, an array where the reference returns one and the
-        answer is lists of numbers; where it raises, the answer is of the wrong kind.
+        ``law(args, kwargs, answer) -> str``: an empty text if the answer obeys the law, otherwise a sentence for the
+        student, which only public cases show. It is a function of a module, decorated with `register`. It gets every
+        answer that is not far larger than the reference's; lists of numbers become an array if the reference returns
+        an array. If it raises, the answer has the wrong type.
     """
 
     law: Law
 
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Judge an answer by a law that looks at no inputs."""
+        """Judge an answer by a law that does not use the inputs."""
         return self.judge(Case((), expected=expected), got)
 
     def judge(self, case: Case, answer: Any) -> Verdict:
@@ -55,20 +55,18 @@ class Property(Comparison):
             with np.errstate(all="ignore"):
                 wrong = self.law(args, kwargs, answer)
         except Exception:  # noqa: BLE001 - what a stranger answers may be anything
-            return Verdict(
-                "type", f"your answer is {with_article(answer)} that the check can do nothing with"
-            )
+            return Verdict("type", f"your answer is {with_article(answer)} that the check cannot use")
         return Verdict("law", wrong) if wrong else RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's."""
+        """Return whether an answer is the same wrong answer as a mistake's."""
         return Close().alike(answer, got)
 
 
 @register
 @dataclass(frozen=True)
 class All(Comparison):
-    """Several comparisons of one answer; the first that it fails is told.
+    """Several comparisons of one answer; the first comparison that fails is reported.
 
     Parameters
     ----------
@@ -83,17 +81,21 @@ class All(Comparison):
         return self.judge(Case((), expected=expected), got)
 
     def judge(self, case: Case, answer: Any) -> Verdict:
-        """Judge an answer by each."""
+        """Judge an answer by each comparison."""
         return next(
             (verdict for each in self.comparisons if not (verdict := each.judge(case, answer))), RIGHT
         )
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's."""
-        return all(each.alike(answer, got) for each in self.comparisons)
+        """Return whether an answer is the same wrong answer as a mistake's: both obey a law, or neither does."""
+        laws = [each for each in self.comparisons if isinstance(each, Property)]
+        others = [each for each in self.comparisons if each not in laws]
+        return all(each.alike(answer, got) for each in others or laws) and all(
+            bool(each.compare(None, answer)) == bool(each.compare(None, got)) for each in laws
+        )
 
     def expects(self, case: Case, answer: Any) -> Any:
-        """What the first expects that takes it from the case; else the reference's answer."""
+        """Return what the first comparison takes from the case; otherwise the reference's answer."""
         found = (each.expects(case, answer) for each in self.comparisons)
         return next((each for each in found if each is not answer), answer)
 
@@ -101,12 +103,12 @@ class All(Comparison):
 @register
 @dataclass(frozen=True)
 class Each(Comparison):
-    """A comparison of its own for each value of a tuple, list, dict or dataclass.
+    """A separate comparison for each value of a tuple, list, dict or dataclass.
 
     Parameters
     ----------
     comparisons : tuple of Comparison, or dict
-        By position, or by key or field; values that it does not name are compared with Close().
+        By position, or by key or field; all other values are compared with Close().
     """
 
     comparisons: tuple[Comparison, ...] | Mapping[Any, Comparison]
@@ -120,7 +122,7 @@ class Each(Comparison):
         return next((verdict for verdict in self._verdicts(case, answer) if not verdict), RIGHT)
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's."""
+        """Return whether an answer is the same wrong answer as a mistake's."""
         parts, have = parts_of(answer), parts_of(got)
         if parts is None or have is None or set(parts) != set(have):
             return Close().alike(answer, got)
@@ -141,7 +143,7 @@ class Each(Comparison):
             yield _about(each.judge(replace(case, expected=parts[name]), have[name]), name)
 
     def _for(self, value: Any, count: int) -> list[Comparison]:
-        """The comparison of each value."""
+        """Return the comparison for each value."""
         if isinstance(self.comparisons, Mapping):
             keys: list[Any] = list(range(count))
             if isinstance(value, dict):
@@ -156,14 +158,14 @@ class Each(Comparison):
 @register
 @dataclass(frozen=True)
 class Unordered(Comparison):
-    """Values in any order: of a list or tuple, the rows of an array, the values of a dict whatever their keys.
+    """Values in any order: the items of a list or tuple, the rows of an array, or the values of a dict.
 
-    Each expected value gets one of the answer's for itself, so that as few as can be are left over.
+    The expected values and the answer's are assigned to each other so that as few as possible remain.
 
     Parameters
     ----------
     comparison : Comparison
-        Of two values.
+        Comparison of two values.
     """
 
     comparison: Comparison = field(default_factory=Close)
@@ -173,7 +175,7 @@ class Unordered(Comparison):
         return self.judge(Case((), expected=expected), got)
 
     def judge(self, case: Case, answer: Any) -> Verdict:
-        """Find as many partners as can be."""
+        """Assign as many values as possible."""
         if answer is None:
             return Verdict("nothing", "your answer is None: a return may be missing")
         wanted, have = _members(case.expected), _members(answer)
@@ -181,16 +183,20 @@ class Unordered(Comparison):
             return _not_of(case.expected, parts_of(case.expected), answer)
         shapes = [each.shape for each in (case.expected, answer) if isinstance(each, np.ndarray)]
         if len(shapes) == 2 and shapes[0][1:] != shapes[1][1:]:
-            return Verdict("shape", f"your answer has shape {shapes[1]}; rows of {shapes[0][1:]} are wanted")
+            return Verdict(
+                "shape", f"your answer has shape {shapes[1]}; expected rows of shape {shapes[0][1:]}"
+            )
         if len(have) != len(wanted):
             return Verdict("value", f"your answer has {len(have)} values, which is not the right number")
         missed = self._missed(case, wanted, have)
         if missed:
-            return Verdict("value", f"{missed} of the {len(have)} values of your answer have no right place")
+            return Verdict(
+                "value", f"{missed} of the {len(have)} values of your answer match no expected value"
+            )
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's."""
+        """Return whether an answer is the same wrong answer as a mistake's."""
         if _members(answer) is None or _members(got) is None:
             return Close().alike(answer, got)
         return bool(self.compare(answer, got))
@@ -204,7 +210,7 @@ class Unordered(Comparison):
 
 
 def _size(value: Any) -> int:
-    """How many numbers, texts and the like a value is made of; of a sparse matrix, zeros count, too."""
+    """Count the elements of a value, including the zeros of a sparse matrix."""
     if isinstance(value, np.ndarray) or is_sparse(type(value)):
         return math.prod(value.shape)
     parts = parts_of(value)
@@ -227,9 +233,9 @@ def _not_of(expected: Any, parts: dict[str, Any] | None, answer: Any) -> Verdict
     wanted = with_article(expected) + (f" of {len(parts)} values" if parts is not None else "")
     have = parts_of(answer)
     size = f" of {len(have)}" if have is not None else ""
-    return Verdict("type", f"your answer is {with_article(answer)}{size}; {wanted} is wanted")
+    return Verdict("type", f"your answer is {with_article(answer)}{size}; expected {wanted}")
 
 
 def _about(verdict: Verdict, name: str) -> Verdict:
-    """A verdict on a part, said of the whole."""
+    """Rewrite a verdict on a part so that it names the part."""
     return replace(verdict, text=verdict.text.replace("your answer", f"{name} of your answer"))

@@ -1,4 +1,4 @@
-"""What a comparison is: it makes the calls that a case needs, and says how an answer differs from what is expected."""
+"""Base class of comparisons, which make the calls of a case and compare the answer with the expected answer."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Kind = Literal["right", "nothing", "type", "shape", "nan", "value", "law", "no e
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a comparison found.
+    """The result of a comparison.
 
     Parameters
     ----------
     kind : str
-        "right", or in which way the answer differs.
+        "right", or the kind of the difference.
     text : str
-        For the student: what came out, never what was expected to.
+        Sentence for the student about the answer, which never contains the expected answer.
     at : tuple of int
-        Index of the first element of an array that differs; empty where there is none.
+        Index of the first element of an array that differs; empty if there is no such element.
     """
 
     kind: Kind
@@ -33,7 +33,7 @@ class Verdict:
     at: tuple[int, ...] = ()
 
     def __bool__(self) -> bool:
-        """Whether the answer is right."""
+        """Return whether the answer is right."""
         return self.kind == "right"
 
 
@@ -41,32 +41,32 @@ RIGHT = Verdict("right")
 
 
 class Comparison(ABC):
-    """How an exercise's answers are compared. It runs where the judging is done, never where the answers come from."""
+    """A comparison of an exercise's answers, which never runs in the process that computed them."""
 
     @abstractmethod
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare an answer with the expected one."""
 
     def judge(self, case: Case, answer: Any) -> Verdict:
-        """Compare an answer with what a case expects; a comparison that needs the case's inputs finds them there."""
+        """Compare an answer with a case's expected answer; subclasses may also use the case's inputs."""
         return self.compare(case.expected, answer)
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is the same wrong one as a mistake's."""
+        """Return whether an answer is the same wrong answer as a mistake's."""
         return bool(self.compare(answer, got))
 
     def expects(self, case: Case, answer: Any) -> Any:
-        """What a case expects, given the reference's answer to it: that answer, but for what a declaration says."""
+        """Return a case's expected answer: the reference's answer unless the declaration gives another value."""
         return answer
 
     def calls(self, case: Case) -> Sequence[Case]:
-        """The calls to make for a case: more than itself for a function whose answers are random."""
+        """Return the calls to make for a case: more than one for a function whose answers are random."""
         return (case,)
 
     def gather(self, case: Case, answers: Iterable[Any]) -> Any:
-        """What is compared: made of the answers to a case's calls, as they come. It must not raise, whatever they are.
+        """Combine the answers to a case's calls into the value that is compared. It must accept any answers.
 
-        Take all of them, and keep of each what is compared: a stranger's answers may be large, and many.
+        Consume all answers, but keep only the compared part of each, because untrusted answers may be many and large.
         """
         first = next(iterator := iter(answers))
         for _ in iterator:
@@ -75,7 +75,7 @@ class Comparison(ABC):
 
 
 def with_article(value: Any) -> str:
-    """Name a value's type, with its article."""
+    """Return the name of a value's type with its article."""
     if value is None:
         return "None"
     kind = type(value).__name__
@@ -83,7 +83,7 @@ def with_article(value: Any) -> str:
 
 
 def as_text(value: Any) -> str:
-    """Write a number as a student is told it."""
+    """Format a number for a message to the student."""
     if isinstance(value, complex | np.complexfloating):
         return f"{complex(value):.6g}"
     return str(value) if isinstance(value, np.bool_) else f"{float(value):.6g}"

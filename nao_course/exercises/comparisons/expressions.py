@@ -1,7 +1,8 @@
-"""SymPy expressions as steps: what a student's process sends of them, to be computed with NumPy where the judging is.
+"""SymPy expressions as steps, which a student's process sends and the judging process evaluates with NumPy.
 
-A step is ("symbol", name), ("number", value) or an operation with the places of the steps before it that it is made of.
-Nothing of SymPy, and no text that is code, is read by who computes them.
+A step is ("symbol", name), ("number", value), ("ratio", numerator, denominator), ("constant", "pi" or "e"), or an
+operation with the indices of its operands among the earlier steps.
+The judging process never parses SymPy objects or code.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ Floats = npt.NDArray[np.float64]
 Step = tuple[Any, ...]
 
 MOST_STEPS = 20_000
+LARGEST_INTEGER = 2**53  # of a ratio, which is exact; a larger one becomes a float
+CONSTANTS = {"pi": np.pi, "e": np.e}
 
 
 def _all_of(operation: Any) -> Callable[..., Any]:
-    """An operation of two as one of many."""
+    """Extend an operation on two values to many values."""
 
     def of_many(first: Any, *others: Any) -> Any:
         for other in others:
@@ -30,7 +33,7 @@ def _all_of(operation: Any) -> Callable[..., Any]:
 
 
 def _piecewise(*parts: Any) -> Any:
-    """The first value whose condition holds; values and conditions in turn."""
+    """Return the first value whose condition holds; the arguments are values and conditions in turn."""
     found: Any = np.nan
     for value, condition in reversed(list(zip(parts[::2], parts[1::2], strict=True))):
         found = np.where(np.asarray(condition, dtype=bool), value, found)
@@ -87,7 +90,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 
 
 class Steps:
-    """The steps of some expressions; what stands in several of them is one step."""
+    """The steps of several expressions, which share common subexpressions."""
 
     def __init__(self) -> None:
         self.steps: list[Step] = []
@@ -99,7 +102,7 @@ class Steps:
         Raises
         ------
         ValueError
-            If there is something in it that has no value, such as an integral.
+            If a part of it has no value, such as an integral.
         """
         if expression not in self._places:
             step = self._step(expression)
@@ -120,13 +123,17 @@ class Steps:
             return ("number", 1j)
         if expression in (sympy.true, sympy.false):
             return ("number", float(bool(expression)))
+        if expression in (sympy.pi, sympy.E):
+            return ("constant", "pi" if expression == sympy.pi else "e")
+        if expression.is_Rational and max(abs(expression.p), expression.q) <= LARGEST_INTEGER:
+            return ("ratio", int(expression.p), int(expression.q))
         if expression.is_number and not expression.args:
             return ("number", float(expression))
         name, parts = type(expression).__name__, expression.args
         if name not in OPERATIONS:
             raise ValueError(
                 f"{name} has no value that could be compared: write sums, products, powers and functions such as sin, "
-                "and .doit() where something is left to be done"
+                "and call .doit() on what is not evaluated yet"
             )
         if name == "Piecewise":
             parts = [each for pair in parts for each in pair.args]
@@ -134,24 +141,24 @@ class Steps:
 
 
 def compute(steps: Sequence[Step], symbols: Mapping[str, Floats]) -> list[Floats]:
-    """Compute the value of each step, which a stranger may have written.
+    """Compute the value of each step; the steps may be untrusted.
 
     Parameters
     ----------
     steps : sequence of tuple
-        As in `Steps.steps`.
+        Steps as in `Steps.steps`.
     symbols : mapping of str to ndarray, shape (N,)
-        Values of each symbol, by its name.
+        Values of each symbol, by name.
 
     Returns
     -------
     list of ndarray, shape (N,)
-        NaN where there is no real number.
+        Values; NaN if a value is not a real number.
 
     Raises
     ------
     ValueError
-        If they are no steps.
+        If the steps are not valid.
     """
     values: list[Any] = []
     if len(steps) > MOST_STEPS:
@@ -169,12 +176,26 @@ def _value(step: Step, before: Sequence[Any], symbols: Mapping[str, Floats]) -> 
             return np.asarray(symbols[name], dtype=float)
         case ("number", float() | complex() as number):
             return np.asarray(number)
+        case ("ratio", top, bottom) if _is_ratio(top, bottom):
+            return np.asarray(top / bottom)
+        case ("constant", str(name)) if name in CONSTANTS:
+            return np.asarray(CONSTANTS[name])
         case (str(name), *places) if name in OPERATIONS and all(_is_place(each, before) for each in places):
             try:
                 return OPERATIONS[name](*(before[each] for each in places))
-            except (TypeError, ValueError):  # of complex numbers, or of too few
+            except (TypeError, ValueError):  # complex numbers, or too few operands
                 return np.asarray(np.nan)
-    raise ValueError("no step of an expression")
+    raise ValueError("not a step of an expression")
+
+
+def _is_ratio(top: object, bottom: object) -> bool:
+    """Return whether both are integers of a moderate size, and the second is positive."""
+    return (
+        type(top) is int
+        and type(bottom) is int
+        and abs(top) <= LARGEST_INTEGER
+        and 0 < bottom <= LARGEST_INTEGER
+    )
 
 
 def _is_place(place: object, before: Sequence[Any]) -> bool:

@@ -1,4 +1,4 @@
-"""Large sparse matrices that refuse to be made dense: what a driver hands to code that must keep them sparse."""
+"""Large sparse matrices that cannot be converted to dense ones, for drivers of code that must keep them sparse."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ MOST_DENSE = 1000  # variables: a dense matrix of more has 8 MB and more
 
 
 class _TooLarge:
-    """A sparse matrix that refuses to be made dense, so that no computer's memory is filled by trying.
+    """A sparse matrix that raises an error instead of filling the memory with a dense copy.
 
-    What is cut out of it, or solved with it, is of its class: a few rows or columns are made dense as ever.
+    Slices and solutions have the same class, but a few rows or columns can be made dense.
     """
 
     def toarray(self, *args: Any, **kwargs: Any) -> Any:
-        """Refuse, where both sides are long."""
+        """Return a dense array; raise an error if both sides are long."""
         rows, columns = self.shape  # type: ignore[attr-defined]
         if min(rows, columns) > MOST_DENSE:
             raise MemoryError(
@@ -25,15 +25,15 @@ class _TooLarge:
         return super().toarray(*args, **kwargs)  # type: ignore[misc]
 
     def todense(self, *args: Any, **kwargs: Any) -> Any:
-        """The same."""
+        """Return a dense matrix; raise an error like `toarray`."""
         return self.toarray(*args, **kwargs)
 
 
 class _LargeArray(_TooLarge, scipy.sparse.csc_array):  # type: ignore[misc]  # scipy has no types
-    """The same as an array of scipy's."""
+    """The same for SciPy's sparse arrays."""
 
 
 def without_dense(matrix: Any) -> Any:
-    """Return a sparse matrix that refuses to be made dense where it is large; whatever else as it is."""
+    """Return a large sparse matrix that cannot be made dense; return any other value unchanged."""
     is_large = scipy.sparse.issparse(matrix) and matrix.shape[0] > MOST_DENSE
     return _LargeArray(matrix) if is_large else matrix

@@ -1,4 +1,4 @@
-"""Classes and generators: methods are called in turn, and what each call returned is compared."""
+"""Cases, drivers and comparisons for classes and generators, whose calls are compared one by one."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any
 
+from nao_course.codec import CodecError, decode, encode, register
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import CodecError, decode, encode, register
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict, with_article
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.running import Unsendable, register_driver
@@ -27,16 +27,18 @@ def calls(*turns: str | tuple[Any, ...], given: Sequence[Any] = (), name: str = 
     Parameters
     ----------
     *turns : str or tuple
-        Each a method's name, or a tuple of the name and the arguments.
+        Calls, each a method's name or a tuple of the name and the arguments. A name that begins with a dot is an
+        attribute: ".state" reads it, and (".state", value) assigns it, so that a case can test one method alone.
     given : sequence
         Arguments of the constructor.
     name : str
-        As in `Case`.
+        As in `Case`. If it begins with the part that the case tests, as in "move: a turn", the check lists the parts
+        that are right.
 
     Returns
     -------
     Case
-        The answer to it is what each call returned, in turn.
+        Case whose answer consists of the results of all calls, in turn.
 
     Examples
     --------
@@ -55,18 +57,18 @@ def over_log(
     Parameters
     ----------
     log : iterable of (Motion or None, sequence of Measurement)
-        As `run_slam` takes it: in each step move (None: it stands still), then observe.
+        Log as for `run_slam`: each step is a motion (None if the robot stands still) and its measurements.
     given : sequence
         Arguments of the constructor.
     name : str
         As in `Case`.
     every : int
-        After how many steps `estimate` is asked for.
+        Number of steps between two calls of `estimate`.
 
     Returns
     -------
     Case
-        For `Methods({"estimate": ...})`.
+        Case for `Methods({"estimate": ...})`.
 
     Examples
     --------
@@ -82,14 +84,14 @@ def over_log(
 
 
 def first_items(count: int, *args: Any, name: str = "") -> Case:
-    """Make a case for the driver `items`: the first items of a generator, at most `count`, are the answer.
+    """Make a case for the driver `items`, whose answer consists of the first `count` items of a generator.
 
     Parameters
     ----------
     count : int
-        How many are taken; a generator that ends earlier gives fewer.
+        Number of items; fewer if the generator ends earlier.
     *args : object
-        What the generator function is called with.
+        Arguments of the generator function.
     name : str
         As in `Case`.
     """
@@ -110,26 +112,26 @@ def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Cal
     given : tuple
         Arguments of its constructor.
     turns : list of (str, tuple)
-        Names and arguments of what is called.
+        Names and arguments of the calls.
 
     Returns
     -------
     list of (str, object)
-        Each call's name, and what it returned: a copy, as it was then.
+        Name of each call, and a copy of its result.
 
     Raises
     ------
     NotImplementedError
-        By the name of a method that is still blank; without a name, where all of them are.
+        If a method is still blank; the message is its name, or empty if all methods are blank.
     AttributeError
         If the class lacks a method.
     Unsendable
-        If a method returns what cannot be sent.
+        If the result of a method cannot be encoded.
     """
     title = getattr(made_by, "__name__", "it")
     if not callable(made_by):
         raise TypeError(
-            f"a class is wanted, got {with_article(made_by)}: hand over the class, without brackets"
+            f"expected a class, got {with_article(made_by)}: pass the class itself, without brackets"
         )
     for name in sorted(getattr(made_by, "__abstractmethods__", ())):
         raise AttributeError(f"{title} has no method {name}")
@@ -139,6 +141,13 @@ def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Cal
     for name, args in turns:
         count[name] += 1
         where = f"{name}, call {count[name]}"
+        if name.startswith("."):
+            if args:
+                setattr(thing, name[1:], _copy(args[0], name))
+            elif not hasattr(thing, name[1:]):
+                raise AttributeError(f"{title} has no attribute {name[1:]}")
+            answers.append((name, None if args else _copy(getattr(thing, name[1:]), name)))
+            continue
         method = getattr(thing, name, None)
         if not callable(method):
             raise AttributeError(f"{title} has no method {name}")
@@ -153,16 +162,16 @@ def items(function: Callable[..., Any], count: int, *args: Any) -> list[Any] | N
     Parameters
     ----------
     function : callable
-        The student's.
+        The student's function.
     count : int
-        How many items are taken.
+        Number of items.
     *args : object
-        What it is called with.
+        Its arguments.
 
     Returns
     -------
     list or None
-        At most `count` items; None where it returns None.
+        At most `count` items; None if the function returns None.
     """
     made = function(*args)
     if made is None:
@@ -171,7 +180,7 @@ def items(function: Callable[..., Any], count: int, *args: Any) -> list[Any] | N
 
 
 def _call(made_by: Any, name: str, function: Callable[..., Any], args: tuple[Any, ...], where: str) -> Any:
-    """Call a method; what it raises says in which call, and a blank one its name."""
+    """Call a method, and add the call to the message of an exception."""
     try:
         return function(*args)
     except NotImplementedError as error:
@@ -188,7 +197,7 @@ def _call(made_by: Any, name: str, function: Callable[..., Any], args: tuple[Any
 
 
 def is_blank(function: Any) -> bool:
-    """Whether a function is as a student gets it: whatever it does before, it ends in `raise NotImplementedError`."""
+    """Return whether a function is still unwritten: it ends in `raise NotImplementedError`."""
     code = getattr(function, "__code__", None)
     if code is None or "NotImplementedError" not in code.co_names:
         return False
@@ -196,7 +205,7 @@ def is_blank(function: Any) -> bool:
 
 
 def _copy(value: Any, where: str) -> Any:
-    """An answer as it is now: the next call may change the array that this one returned."""
+    """Copy an answer as it is now, because the next call may change the array that this call returned."""
     try:
         return decode(encode(value))
     except CodecError as error:
@@ -212,23 +221,23 @@ def _copy(value: Any, where: str) -> Any:
 @register
 @dataclass(frozen=True)
 class Methods(Comparison):
-    """What the driver `methods` brings back, compared call by call.
+    """Comparison of the results of the driver `methods`, call by call.
 
-    Where the reference returns None, nothing else is right: a procedure is judged by what later calls return.
+    If the reference returns None, only None is right. Such a method is judged by the results of later calls.
 
     Parameters
     ----------
     by : dict of str to Comparison
-        How the answers of a method are compared, by its name.
+        Comparison of each method's answers, by its name.
     default : Comparison
-        How those of all others are.
+        Comparison of all other methods' answers.
     """
 
     by: Mapping[str, Comparison] = field(default_factory=dict)
     default: Comparison = field(default_factory=Close)
 
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare (name, answer) of each call with the expected ones; the first that differs is told."""
+        """Compare (name, answer) of each call with the expected ones; the first difference is reported."""
         case = calls(*(name for name, _ in expected))
         return self.judge(replace(case, expected=expected), got)
 
@@ -239,13 +248,13 @@ class Methods(Comparison):
         turns = zip(_in_turn(case.expected, answer), case.args[1], strict=True)
         for (where, name, one, other), (_, args) in turns:
             of_call = Case(args, expected=one)
-            verdict = self._of(name).judge(of_call, other) if one is not None else _nothing(other)
+            verdict = self._of(name).judge(of_call, other) if one is not None else _nothing(name, other)
             if not verdict:
                 return replace(verdict, text=f"{where}: {verdict.text}", at=())
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether each call's answer is the same wrong one as a mistake's."""
+        """Return whether each call's answer is the same wrong answer as a mistake's."""
         return _is_of(answer, got) and all(
             self._of(name).alike(one, other) if one is not None else other is None
             for _, name, one, other in _in_turn(answer, got)
@@ -256,7 +265,7 @@ class Methods(Comparison):
 
 
 def _is_of(expected: Any, got: Any) -> bool:
-    """Whether a stranger's answers are of these calls."""
+    """Return whether the answers belong to these calls; they may not be trusted."""
     if not isinstance(got, list) or not isinstance(expected, list) or len(got) != len(expected):
         return False
     pairs = zip(expected, got, strict=True)
@@ -264,14 +273,15 @@ def _is_of(expected: Any, got: Any) -> bool:
 
 
 def _in_turn(expected: Any, got: Any) -> Iterator[tuple[str, str, Any, Any]]:
-    """For each call how it is told, the method's name, what is expected and what came."""
+    """Yield each call's description, its method's name, the expected answer and the answer."""
     count: Counter[str] = Counter()
     for (name, one), (_, other) in zip(expected, got, strict=True):
         count[name] += 1
-        yield f"{name}, call {count[name]}", name, one, other
+        yield name[1:] if name.startswith(".") else f"{name}, call {count[name]}", name, one, other
 
 
-def _nothing(got: Any) -> Verdict:
+def _nothing(name: str, got: Any) -> Verdict:
     if got is None:
         return RIGHT
-    return Verdict("type", f"your answer is {with_article(got)}; this method returns nothing")
+    wanted = f"{name[1:]} should be None here" if name.startswith(".") else "this method returns nothing"
+    return Verdict("type", f"your answer is {with_article(got)}; {wanted}")

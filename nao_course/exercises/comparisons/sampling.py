@@ -1,4 +1,4 @@
-"""Functions that draw random samples: many calls are made of one, and the mean and scatter of its answers compared."""
+"""Compare functions that draw random samples by the mean and the scatter of many answers."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.codec import register
 from nao_course.exercises.case import Case, copied
-from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import Comparison, Verdict, as_text, with_article
 from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.running import register_driver
 
-_REPEATED = 20  # seeds that are drawn with twice: the same generator has to give the same answer
+_REPEATED = 20  # seeds that are used twice, because equal generators must give equal answers
 
 
 @register_driver
 def each_seed(function: Callable[..., Any], *given: Any) -> list[Any]:
-    """Call a function that draws random samples once with each seed's generator; what it answers comes back as it is.
+    """Call a function that draws random samples once with each seed's generator, and return its answers.
 
     Parameters
     ----------
     function : callable
         ``function(..., rng) -> float``.
     *given : object
-        Its arguments, and last of all, in place of the generator, the seeds.
+        Its arguments; the last one contains the seeds in place of the generator.
 
     Returns
     -------
@@ -41,37 +41,42 @@ def each_seed(function: Callable[..., Any], *given: Any) -> list[Any]:
 @register
 @dataclass(frozen=True)
 class Sampled(Comparison):
-    """A function ``function(..., rng) -> float`` that draws random samples, judged by the law of its answers.
+    """Comparison of a function ``function(..., rng) -> float`` by the distribution of its random answers.
 
-    The last argument of a case says how many calls the driver `each_seed` makes of it; a generator takes its place. The
-    seeds are drawn here and the answers judged here, so that nothing is decided where the function runs.
+    The last argument of a case is the number of calls by the driver `each_seed`, which replaces it by a generator. The
+    seeds are drawn, and the answers are judged, outside of the process that runs the function.
 
     Parameters
     ----------
     rtol : float
-        Of the mean and the standard deviation of its answers: they are themselves sampled.
+        Relative tolerance of the mean and the standard deviation of the answers, which are themselves random.
+    chance : float
+        Probability that a right function fails the Kolmogorov-Smirnov test, which compares the distribution of its
+        answers with the reference's.
     """
 
     rtol: float = 0.25
+    chance: float = 1e-5
 
     def calls(self, case: Case) -> Sequence[Case]:
-        """The case with the seeds to call with, the first ones twice."""
+        """Return the case with its seeds, some of which are repeated."""
         *args, repeats = case.args
         seeds = [*range(repeats), *range(min(repeats, _REPEATED))]
         return [Case((*args, seeds), case.name, case.kwargs)]
 
     def gather(self, case: Case, answers: Iterable[Any]) -> dict[str, Any]:
-        """Return the law of the answers.
+        """Return the statistics of the answers.
 
         Returns
         -------
         dict
-            "law": mean, standard deviation, and whether the same seeds gave the same answers again; "calls": how many
-            there were. Where an answer is no number, "other" instead: what it is. No answer can look like this itself.
+            "law": mean, standard deviation, and whether the same seeds gave the same answers again; "drawn": the
+            answers in ascending order; "calls": their number. If an answer is not a number: "other", its type. No
+            answer can look like this itself.
         """
         (drawn_there,) = answers
         if not isinstance(drawn_there, list) or len(drawn_there) < 2:
-            return {"other": "no list of answers"}
+            return {"other": "not a list of answers"}
         other = next((each for each in drawn_there if not _is_number(each)), 0.0)
         if not _is_number(other):
             return {"other": "" if other is None else with_article(other)}
@@ -80,10 +85,11 @@ class Sampled(Comparison):
         drawn = numbers[: len(numbers) - again]
         same = bool((drawn[:again] == numbers[len(drawn) :]).all())
         with np.errstate(all="ignore"):
-            return {"law": (float(drawn.mean()), float(drawn.std()), same), "calls": len(numbers)}
+            law = (float(drawn.mean()), float(drawn.std()), same)
+        return {"law": law, "drawn": np.sort(drawn), "calls": len(numbers)}
 
     def compare(self, expected: Any, got: Any) -> Verdict:
-        """Compare the law of the answers with the expected one."""
+        """Compare the statistics of the answers with the expected statistics."""
         if "law" in got and got["calls"] != expected["calls"]:
             return Verdict("type", f"your answers are {got['calls']}, not one for each call")
         if "law" not in got:
@@ -93,21 +99,38 @@ class Sampled(Comparison):
         mean, scatter, repeatable = got["law"]
         if not repeatable:
             return Verdict(
-                "value", "the same rng gave two different answers; rng.integers or rng.choice draw from it"
+                "value", "the same rng gave two different answers: draw with rng.integers or rng.choice"
             )
         law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
         verdict = law.compare(expected["law"][:2], (mean, scatter))
         if verdict.kind == "value" and Close().compare(0.0, scatter):
-            text = f"whatever rng it gets, your answer is the same, {as_text(mean)}: draw with the rng it is given"
+            text = f"your answer is {as_text(mean)} for every rng: draw with the rng that is passed to it"
             return Verdict("value", text)
+        if verdict and self._differs(expected["drawn"], got["drawn"]):
+            return Verdict(
+                "law",
+                "the mean and the scatter of your answers are right, but not their distribution: each answer should be "
+                "the mean of values that were drawn",
+            )
         return verdict
 
+    def _differs(self, expected: Any, got: Any) -> bool:
+        """Return whether the Kolmogorov-Smirnov test tells two samples apart."""
+        values = np.concatenate([expected, got])
+        ranks = [np.searchsorted(each, values, side="right") / len(each) for each in (expected, got)]
+        critical = np.sqrt(-np.log(self.chance / 2) / 2 * (1 / len(expected) + 1 / len(got)))
+        return bool(np.abs(ranks[0] - ranks[1]).max() > critical)
+
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether both depend on the generator in the same way, and mean and scatter agree."""
+        """Return whether both depend on the generator in the same way, and mean and scatter agree."""
         if "law" not in answer or "law" not in got:
             return bool(answer == got)
         one, other = answer["law"], got["law"]
-        return one[2] is other[2] and bool(Close(rtol=self.rtol, atol=1e-6).compare(one[:2], other[:2]))
+        return (
+            one[2] is other[2]
+            and bool(Close(rtol=self.rtol, atol=1e-6).compare(one[:2], other[:2]))
+            and not self._differs(answer["drawn"], got["drawn"])
+        )
 
 
 def _is_number(answer: Any) -> bool:

@@ -1,4 +1,4 @@
-"""The way through tuples, dicts and dataclasses down to the numbers that a comparison compares."""
+"""Traversal of tuples, dicts and dataclasses down to the numbers that a comparison compares."""
 
 from __future__ import annotations
 
@@ -9,40 +9,40 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises.codec.sparse import is_sparse
+from nao_course.codec.sparse import is_sparse
 from nao_course.exercises.comparisons.comparison import RIGHT, Verdict, as_text, with_article
 
 Array = np.ndarray[Any, Any]
 Mask = Literal["", "upper", "lower", "diagonal"] | tuple[Any, ...]
 Numbers = float | tuple[float, ...]
-MOST_IN_LISTS = 2_000_000  # values of lists in lists, arrays in them included
+MOST_IN_LISTS = 2_000_000  # largest number of values in nested lists, including their arrays
 KINDS = {
     "b": "True and False",
     "i": "whole numbers",
     "u": "whole numbers",
-    "f": "numbers with a point",
+    "f": "floating-point numbers",
     "c": "complex numbers",
 }
 
 
 @dataclass(frozen=True)
 class Elements:
-    """Elements of two arrays side by side; of sparse matrices, those that are stored in either.
+    """Corresponding elements of two arrays, or the elements that are stored in one of two sparse matrices.
 
     Parameters
     ----------
     wanted, have : ndarray
-        Of one shape.
+        Expected and given elements, of the same shape.
     where : str
-        What the answer, or this part of it, is called to the student.
+        Name of the answer, or of its part, in messages.
     shape : tuple of int
-        Of the whole array.
+        Shape of the whole array.
     row, column : ndarray or None
-        Of each element in the last two axes, to be broadcast; None where there is no such axis.
+        Index of each element in the last two axes, to be broadcast; None without such an axis.
     width : int
-        How many columns there are. A number in a tuple, or in a dataclass, is a column among its numbers.
+        Number of columns. The numbers of a tuple or dataclass are columns.
     names : tuple of str
-        What columns are called.
+        Names of the columns.
     """
 
     wanted: Array
@@ -55,12 +55,12 @@ class Elements:
     names: tuple[str, ...] = ()
 
     def of_column(self, values: Numbers, name: str) -> Any:
-        """One value for all elements, or for each that of its column; a tuple is repeated along the last axis.
+        """Return one value for all elements, or each column's value; a tuple is repeated along the last axis.
 
         Raises
         ------
         ValueError
-            If there are more columns than values, and not a multiple.
+            If the number of columns is not a multiple of the number of values.
         """
         if not isinstance(values, tuple):
             return values
@@ -71,12 +71,12 @@ class Elements:
         return np.asarray(values)[self.column % len(values)]
 
     def counted(self, mask: Mask) -> npt.NDArray[np.bool_]:
-        """Which elements count.
+        """Return which elements count.
 
         Raises
         ------
         ValueError
-            If the mask is of another shape.
+            If the mask has another shape.
         """
         everywhere = np.ones(self.wanted.shape, dtype=bool)
         if isinstance(mask, tuple):
@@ -94,14 +94,14 @@ class Elements:
         return everywhere & sides[mask]
 
     def place(self, index: npt.NDArray[np.intp]) -> tuple[int, ...]:
-        """Where an element stands in the whole array."""
+        """Return the index of an element in the whole array."""
         if self.wanted.shape == self.shape:
             return tuple(int(i) for i in index)
-        assert self.row is not None and self.column is not None  # of a sparse matrix
+        assert self.row is not None and self.column is not None  # element of a sparse matrix
         return int(self.row[index[0]]), int(self.column[index[0]])
 
     def first(self, wrong: npt.NDArray[np.bool_]) -> tuple[tuple[int, ...], Any, str]:
-        """Place, value and name of the first of some elements, as the student has them."""
+        """Return index, value and name of the first selected element of the student's array."""
         index = np.argwhere(wrong)[0]
         at = self.place(index)
         named = self.names and at and self.width % len(self.names) == 0
@@ -109,16 +109,16 @@ class Elements:
         return at, self.have[tuple(index)], name
 
     def differences(self, wrong: Any, allowed: float = 0.0, size: int | None = None) -> Verdict:
-        """Say how many elements are wrong, and show the first of them as the student has it.
+        """Return how many elements are wrong as text, with the student's value of the first one.
 
         Parameters
         ----------
         wrong : ndarray of bool
-            Which they are.
+            Whether each element is wrong.
         allowed : float
-            Fraction that may be.
+            Fraction of the elements that may be wrong.
         size : int, optional
-            How many there are in all, where not all count.
+            Number of all elements, if not all of them count.
         """
         count = int(np.count_nonzero(wrong))
         size = int(np.prod(self.shape, dtype=np.int64)) if size is None else size
@@ -126,8 +126,8 @@ class Elements:
             return RIGHT
         at, value, name = self.first(np.asarray(wrong))
         if self.shape == ():
-            return Verdict("value", f"{self.where}, {as_text(value)}, is off")
-        share = f"{count} of {size} elements of {self.where} are off"
+            return Verdict("value", f"{self.where} is {as_text(value)}, which is not right")
+        share = f"{count} of {size} elements of {self.where} are wrong"
         return Verdict("value", f"{share}, the first at {list(at)}{name}: you have {as_text(value)}", at)
 
 
@@ -137,30 +137,32 @@ Compare = Callable[[Elements], Verdict]
 def compare_structure(
     expected: Any, got: Any, compare: Compare, where: str = "your answer", names: tuple[str, ...] = ()
 ) -> Verdict:
-    """Walk through tuples, lists, dicts and dataclasses down to numbers and arrays.
+    """Compare tuples, lists, dicts and dataclasses down to their numbers and arrays.
 
     Parameters
     ----------
     expected, got : object
-        As they come out of the codec.
+        Values as decoded by the codec.
     compare : callable
-        Compares the elements of arrays of one shape and kind; numbers are arrays of no dimension.
+        Function that compares the elements of arrays of the same shape and kind; a number is an array without axes.
     where : str
-        What the answer is called.
+        Name of the answer in messages.
     names : tuple of str
-        What the values of a tuple, or the columns of an array, are called.
+        Names of the values of a tuple, or of the columns of an array.
     """
     if got is None and expected is not None:
         return Verdict("nothing", f"{where} is None: a return may be missing")
     of_a_kind = expected is None or isinstance(expected, str | bytes | dict) or is_dataclass(expected)
     if of_a_kind and type(got) is not type(expected):
-        return Verdict("type", f"{where} is {with_article(got)}; {with_article(expected)} is wanted")
+        return Verdict("type", f"{where} is {with_article(got)}; expected {with_article(expected)}")
     if expected is None:
         return RIGHT
     if isinstance(expected, str | bytes):
-        return RIGHT if got == expected else Verdict("value", f"{where}, {got[:40]!r}, is another text")
+        return (
+            RIGHT if got == expected else Verdict("value", f"{where}, {got[:40]!r}, is not the expected text")
+        )
     if callable(expected):
-        return RIGHT if got is expected else Verdict("value", f"{where} is another function")
+        return RIGHT if got is expected else Verdict("value", f"{where} is not the expected function")
     parts = parts_of(expected)
     if parts is None:
         elements = _elements(expected, got, where, names)
@@ -179,7 +181,7 @@ def _compare_parts(
         wanted = "other keys" if isinstance(expected, dict) else f"{len(parts)} values"
         if names:
             wanted += f" ({', '.join(names)})"
-        return Verdict("type", f"{where} is {with_article(got)}{size}; {wanted} are wanted")
+        return Verdict("type", f"{where} is {with_article(got)}{size}; expected {wanted}")
     called = dict(zip(parts, names, strict=False))
     numbers = [name for name, part in parts.items() if _is_number(part)]
     for name in parts:
@@ -192,7 +194,7 @@ def _compare_parts(
 
 
 def parts_of(value: Any) -> dict[str, Any] | None:
-    """The values that a value is made of, by what they are called; None for numbers and arrays of them."""
+    """Return the parts of a value by name; None for numbers and arrays of numbers."""
     if isinstance(value, dict):
         return {f"[{key!r}]": each for key, each in value.items()}
     if is_dataclass(value):
@@ -207,7 +209,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _as_column(compare: Compare, column: int, width: int) -> Compare:
-    """Compare a number as one of a row of them."""
+    """Compare a number as a column of a row of numbers."""
 
     def one(elements: Elements) -> Verdict:
         return compare(
@@ -218,10 +220,10 @@ def _as_column(compare: Compare, column: int, width: int) -> Compare:
 
 
 def _elements(expected: Any, got: Any, where: str, names: tuple[str, ...]) -> Elements | Verdict:
-    """Numbers, arrays or sparse matrices side by side, if they are of one kind and shape."""
+    """Pair the elements of numbers, arrays or sparse matrices that have the same kind and shape."""
     sparse = is_sparse(type(expected))
     if sparse and not is_sparse(type(got)):
-        return Verdict("type", f"{where} is {with_article(got)}; a sparse matrix is wanted")
+        return Verdict("type", f"{where} is {with_article(got)}; expected a sparse matrix")
     wanted, have = (expected, got) if sparse else (np.asarray(expected), as_numbers(got, where, "c"))
     if isinstance(have, Verdict):
         return have
@@ -229,7 +231,7 @@ def _elements(expected: Any, got: Any, where: str, names: tuple[str, ...]) -> El
     if (kinds[0] == "b") != (kinds[1] == "b") or (kinds[1] == "c" and kinds[0] != "c"):
         return Verdict("type", f"{where} holds {KINDS[kinds[1]]}, not {KINDS[kinds[0]]}")
     if wanted.shape != have.shape:
-        return Verdict("shape", f"{where} has shape {have.shape}; shape {wanted.shape} is wanted")
+        return Verdict("shape", f"{where} has shape {have.shape}; expected shape {wanted.shape}")
     return _stored(wanted, have, where, names) if sparse else _dense(wanted, have, where, names)
 
 
@@ -241,7 +243,7 @@ def _dense(wanted: Array, have: Array, where: str, names: tuple[str, ...]) -> El
 
 
 def _stored(wanted: Any, have: Any, where: str, names: tuple[str, ...]) -> Elements:
-    """Elements that are stored in one of two sparse matrices; the others are zero in both."""
+    """Return the elements that are stored in one of two sparse matrices; the others are zero in both."""
     one, other = wanted.tocoo(), have.tocoo()
     width = int(one.shape[1])
     keys = np.concatenate([each.row.astype(np.int64) * width + each.col for each in (one, other)])
@@ -254,23 +256,22 @@ def _stored(wanted: Any, have: Any, where: str, names: tuple[str, ...]) -> Eleme
 
 
 def as_numbers(got: Any, where: str, also: str = "") -> Array | Verdict:
-    """Turn an answer into an array of numbers, or say why it is none.
+    """Convert an answer to an array of numbers, or return why that is not possible.
 
     Parameters
     ----------
     got : object
-        As it came out of the codec.
+        Answer as decoded by the codec.
     where : str
-        What it is called.
+        Its name in messages.
     also : str
-        "c" where complex numbers are numbers, too.
+        "c" if complex numbers are allowed.
     """
     if got is None:
         return Verdict("nothing", f"{where} is None: a return may be missing")
     if isinstance(got, list | tuple) and (count := _how_many(got)) > MOST_IN_LISTS:
         return Verdict(
-            "type",
-            f"{where} is {with_article(got)} of {count} values; return an array where there are so many",
+            "type", f"{where} is {with_article(got)} of {count} values; return an array if there are so many"
         )
     try:
         if _only_numbers(got) and (array := np.asarray(got)).dtype.kind in "biuf" + also:
@@ -281,14 +282,14 @@ def as_numbers(got: Any, where: str, also: str = "") -> Array | Verdict:
 
 
 def _how_many(got: Any) -> int:
-    """Count values: a row of one type among rows of a smaller one makes numpy widen them all."""
+    """Count the values of nested lists, because NumPy would convert all of them to the largest type."""
     if isinstance(got, list | tuple):
         return sum(map(_how_many, got))
     return got.size if isinstance(got, np.ndarray) else 1
 
 
 def _only_numbers(got: Any) -> bool:
-    """Whether there are numbers only: numpy would make room for the longest text of a list in each element."""
+    """Return whether there are only numbers, because NumPy would reserve the longest text's size for each element."""
     if isinstance(got, list | tuple):
         return all(map(_only_numbers, got))
     return _is_number(got) or isinstance(got, np.ndarray)

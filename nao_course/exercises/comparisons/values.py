@@ -1,6 +1,6 @@
-"""How a student's numbers are held against the expected ones: close, exact, points in any order, within bounds.
+"""Compare a student's numbers with the expected numbers: close, exact, points in any order, within bounds.
 
-Both are plain, as they come out of the codec: no class of a student's own has a say in a comparison.
+Both are plain values, as decoded by the codec, so that a student's own class cannot influence a comparison.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.codec import register
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import register
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict
 from nao_course.exercises.comparisons.structure import (
     KINDS,
@@ -24,28 +24,29 @@ from nao_course.exercises.comparisons.structure import (
     compare_structure,
 )
 
-_NEARLY = 20.0  # times the tolerances: so near a wrong answer is one that was rounded
-_FINE = 0.01  # relative: a coarser tolerance is for what scatters
+_NEARLY = 20.0  # times the tolerances: a wrong answer within this distance was probably rounded
+_FINE = 0.01  # relative tolerance; coarser tolerances are for random answers
 
 
 @register
 @dataclass(frozen=True)
 class Close(Comparison):
-    """Numbers and arrays that agree within tolerances; tuples, dicts and dataclasses item by item.
+    """Comparison of numbers and arrays within tolerances; tuples, dicts and dataclasses are compared item by item.
 
     Parameters
     ----------
     rtol, atol : float or tuple of float
-        As in numpy.isclose; loose enough for float32. A tuple has one for each column, repeated along the last axis:
-        (bearing, range) for (N, 2) measurements and vectors of 2 N. The numbers of a tuple or dataclass are columns.
+        Tolerances as in numpy.isclose, which are coarse enough for float32. A tuple has a value for each column and is
+        repeated along the last axis: (bearing, range) for measurements (N, 2) and vectors (2 N,). The numbers of a
+        tuple or dataclass are columns.
     period : float or tuple of float
-        Where not 0, values are compared on a circle: 360 for hues in degrees, 2 pi for angles.
+        Period of values on a circle: 360 for hues in degrees, 2 pi for angles; 0 for other values.
     allowed : float
         Fraction of an array's elements that may differ.
     names : tuple of str
-        What the values of a tuple, or the columns of an array, are called to the student: "your hue".
+        Names of the values of a tuple, or of the columns of an array, in messages: "your hue".
     mask : str or tuple
-        Which elements count: "upper", "lower" or "diagonal" of matrices, or True and False in tuples.
+        Elements that are compared: "upper", "lower" or "diagonal" of matrices, or tuples of True and False.
     """
 
     rtol: Numbers = 1e-4
@@ -61,12 +62,12 @@ class Close(Comparison):
         Raises
         ------
         ValueError
-            If tolerances or mask do not fit what is expected.
+            If the tolerances or the mask do not fit the expected answer.
         """
         return compare_structure(expected, got, self._elements, names=self.names)
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is a mistake's, which may be of another shape than the tolerances are for."""
+        """Return whether an answer is a mistake's, whose shape may differ from the shape of the tolerances."""
         try:
             return bool(self.compare(answer, got))
         except ValueError:
@@ -88,21 +89,21 @@ class Close(Comparison):
         tolerance = self._say_tolerance()
         if verdict or not tolerance or (self._wrong(elements, wanted, have, _NEARLY) & counted).any():
             return verdict
-        return replace(verdict, text=f"{verdict.text}; it is close, and has to be right to {tolerance}")
+        return replace(verdict, text=f"{verdict.text}; it is close, but must be right within {tolerance}")
 
     def _say_tolerance(self) -> str:
-        """How far off an answer may be, where that is one small number; else nothing."""
+        """Return the tolerance in words if it is one small number; otherwise an empty text."""
         if isinstance(self.rtol, tuple) or isinstance(self.atol, tuple) or self.rtol > _FINE:
             return ""
         return f"{100 * self.rtol:g} %" if self.rtol else f"{self.atol:g}"
 
     def _wrong(self, elements: Elements, wanted: Array, have: Array, times: float = 1.0) -> Any:
-        """Which elements are neither within so many times the tolerances nor equal."""
+        """Return which elements are neither equal nor within a multiple of the tolerances."""
         near = self._near(elements, wanted, have, times)
         return ~(near | (have == wanted) | (np.isnan(wanted) & np.isnan(have)))
 
     def _near(self, elements: Elements, wanted: Array, have: Array, times: float) -> Any:
-        """Which elements are finite and within so many times the tolerances."""
+        """Return which elements are finite and within a multiple of the tolerances."""
         rtol, atol = elements.of_column(self.rtol, "rtol"), elements.of_column(self.atol, "atol")
         period = np.asarray(elements.of_column(self.period, "period"), dtype=float)
         with np.errstate(all="ignore"):
@@ -117,7 +118,7 @@ class Close(Comparison):
 @register
 @dataclass(frozen=True)
 class Exact(Comparison):
-    """Whole numbers, booleans and text that are equal; of an array, all but a fraction of the elements.
+    """Comparison of integers, booleans and texts for equality; a fraction of an array's elements may differ.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ class Exact(Comparison):
         return compare_structure(expected, got, self._elements)
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether an answer is a mistake's, which may be of another shape than the tolerances are for."""
+        """Return whether an answer is a mistake's, whose shape may differ from the shape of the mask."""
         try:
             return bool(self.compare(answer, got))
         except ValueError:
@@ -146,20 +147,20 @@ class Exact(Comparison):
         if wanted.dtype.kind in "iu" and have.dtype.kind not in "iu":
             held = f"{elements.where} holds {KINDS[have.dtype.kind]} (dtype {have.dtype}), not whole numbers"
             return Verdict(
-                "type", f"{held}: say which where the array is made, as in np.zeros(shape, dtype=int)"
+                "type", f"{held}: give the dtype where you make the array, as in np.zeros(shape, dtype=int)"
             )
         counted = elements.counted(self.mask)
         size = int(np.count_nonzero(counted)) if self.mask else None
         return elements.differences((wanted != have) & counted, self.allowed, size)
 
 
-_NOWHERE = 1e9  # stands for a coordinate that is no number: it is near to nothing else
+_NOWHERE = 1e9  # replaces a coordinate that is NaN, because it is far from every other coordinate
 
 
 @register
 @dataclass(frozen=True)
 class Points(Comparison):
-    """Points in any order: each expected one has its own within a distance, and there is none besides.
+    """Comparison of points in any order, with exactly one point within a distance of each expected point.
 
     Parameters
     ----------
@@ -177,12 +178,11 @@ class Points(Comparison):
             return have
         if have.ndim != 2 or have.shape[1] != wanted.shape[1]:
             columns = wanted.shape[1]
-            text = (
-                f"your answer has shape {have.shape}; N points have shape (N, {columns}), none (0, {columns})"
-            )
+            expected_shape = f"(N, {columns}) for N points, or (0, {columns}) without points"
+            text = f"your answer has shape {have.shape}; expected {expected_shape}"
             return Verdict("shape", text)
         if np.isnan(have).any():
-            return Verdict("nan", "your answer has NaN in it")
+            return Verdict("nan", "your answer contains NaN")
         if len(have) != len(wanted):
             points = "1 point" if len(have) == 1 else f"{len(have)} points"
             return Verdict("value", f"your answer has {points}, which is not the right number")
@@ -191,13 +191,13 @@ class Points(Comparison):
         missed = len(have) - most_pairs(near)
         if missed:
             if len(have) == 1:
-                return Verdict("value", "your point is at no right place")
+                return Verdict("value", "your point is in the wrong place")
             points = f"{len(have)} points {'is' if missed == 1 else 'are'}"
-            return Verdict("value", f"{missed} of your {points} at no right place")
+            return Verdict("value", f"{missed} of your {points} in the wrong place")
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """As above; a mistake's answer may be no points at all, or have NaN among them."""
+        """Return whether an answer is a mistake's, which may not be points at all or may contain NaN."""
         if getattr(answer, "ndim", 0) != 2 or getattr(got, "dtype", np.dtype(object)).kind not in "iuf":
             return bool(Close().compare(answer, got))
         return bool(
@@ -208,7 +208,7 @@ class Points(Comparison):
 @register
 @dataclass(frozen=True)
 class Between(Comparison):
-    """Numbers between two, for what is random: a case brings ``expected=(low, high)``, numbers or arrays."""
+    """Comparison of random numbers with an interval, ``expected=(low, high)`` of a case; numbers or arrays."""
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare a number, or an array, with (low, high)."""
@@ -218,32 +218,32 @@ class Between(Comparison):
         if isinstance(have, Verdict):
             return have
         if have.shape != low.shape:
-            wanted = f"shape {low.shape} is wanted" if low.shape else "one number is wanted"
+            wanted = f"expected shape {low.shape}" if low.shape else "expected one number"
             return Verdict("shape", f"your answer has shape {have.shape}; {wanted}")
         if have.dtype.kind == "b":
-            return Verdict("type", "your answer is True or False; a number is wanted")
+            return Verdict("type", "your answer is True or False; expected a number")
         if np.isnan(have).any():
-            return Verdict("nan", "your answer has NaN in it" if have.shape else "your answer is NaN")
+            return Verdict("nan", "your answer contains NaN" if have.shape else "your answer is NaN")
         elements = Elements(low, have, "your answer", have.shape)
         return elements.differences(~((low <= have) & (have <= high)))
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Whether a number is about the same: of a wrong one no interval is known."""
+        """Return whether two numbers are about the same, because a wrong answer has no interval."""
         return bool(Close(rtol=0.02).compare(answer, got))
 
     def expects(self, case: Case, answer: Any) -> Any:
-        """What the case brings."""
+        """Return the interval, which the case itself contains."""
         return case.expected
 
 
 def most_pairs(fits: npt.NDArray[np.bool_]) -> int:
-    """How many pairs can be made at most, where each row and each column may be used once.
+    """Return the largest number of pairs in which each row and each column is used once.
 
     Parameters
     ----------
     fits : ndarray of bool, shape (N, M)
         Which rows and columns make a pair.
     """
-    from scipy.optimize import linear_sum_assignment  # takes long to import: workers start without it
+    from scipy.optimize import linear_sum_assignment  # takes long to import, so workers start without it
 
     return int(fits[linear_sum_assignment(~fits)].sum())

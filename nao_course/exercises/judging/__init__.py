@@ -1,11 +1,29 @@
-"""The judging of a function's answers: whether a case is right, and what a check tells of all of them."""
+"""Judge a function's answers, case by case, and report the result to the student."""
 
 from nao_course.exercises.judging.cases import answer, judge
-from nao_course.exercises.judging.report import AT_FAULT, CheckState, Report, explain, with_the_reason
+from nao_course.exercises.judging.report import (
+    AT_FAULT,
+    CheckState,
+    Report,
+    explain,
+    is_unstable,
+    same_answer,
+    with_the_reason,
+)
 
-__all__ = ["AT_FAULT", "CheckState", "Report", "answer", "explain", "judge", "with_the_reason"]
+__all__ = [
+    "AT_FAULT",
+    "CheckState",
+    "Report",
+    "answer",
+    "explain",
+    "is_unstable",
+    "judge",
+    "same_answer",
+    "with_the_reason",
+]
 
 
 def __dir__() -> list[str]:
-    """What tab completion shows: not the modules these names come from."""
+    """List the public names, without the modules that define them."""
     return __all__

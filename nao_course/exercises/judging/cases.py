@@ -1,4 +1,4 @@
-"""The judging of a case: the calls that it takes, and whether what came of them is right."""
+"""Judge one case: make its calls, and compare the answers with what is expected."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from nao_course.exercises.running import Outcome
 
 
 def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) -> Outcome:
-    """Make the calls of a case, one by one, and let the comparison gather what they answer.
+    """Make the calls of a case, one by one, and let the comparison gather the answers.
 
     Parameters
     ----------
     comparison : Comparison
-        That says which calls.
+        Comparison, which determines the calls.
     call : callable
-        Makes one.
+        Function that makes one call.
     case : Case
-        Any.
+        The case.
 
     Returns
     -------
     Outcome
-        Of the first call that gave no value; else with what is compared as its value.
+        Outcome of the first call without a value; otherwise an outcome whose value is compared.
     """
     last = Outcome("value")
     changed = False
@@ -50,24 +50,27 @@ def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) 
 
 
 class _NoAnswer(Exception):  # noqa: N818 - no error: a call gave no value
-    """Ends the gathering of a case's answers."""
+    """Raised to end the gathering of a case's answers."""
 
 
 def judge(comparison: Comparison, case: Case, outcome: Outcome) -> Verdict | None:
-    """Judge what came of a case.
+    """Judge the outcome of a case.
 
     Returns
     -------
     Verdict or None
-        None where there is no answer, but an exception that the case does not ask for, or worse.
+        None if there is no answer but, for example, an exception that the case does not expect.
     """
     if case.raises:
         if outcome.status == "value":
             return Verdict(
-                "no error", f"it returns {with_article(outcome.value)} and has to raise {case.raises}"
+                "no error",
+                f"your function returns {with_article(outcome.value)}, but it should raise {case.raises}",
             )
         return RIGHT if outcome.status == "raised" and case.raises in outcome.errors else None
     if outcome.status != "value":
         return None
-    with np.errstate(all="ignore"):  # a stranger's numbers; what NumPy warned of in the call was said there
+    with np.errstate(
+        all="ignore"
+    ):  # untrusted numbers; warnings of NumPy during the call were reported there
         return comparison.judge(case, outcome.value)

@@ -1,4 +1,4 @@
-"""What a check found, told to a student: the first thing that is wrong, and the mistake that it looks like."""
+"""The report of a check: the first wrong case, and the known mistake that gives these answers."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
+from operator import or_
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable
-from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.exercise import Exercise, PublicExercise
 from nao_course.exercises.judging.cases import judge
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import advice_on
@@ -33,7 +34,7 @@ _WRONG = {
     "shape": "Wrong shape",
     "nan": "Not a number",
     "value": "Wrong value",
-    "law": "Not as it has to be",
+    "law": "Wrong property",
     "no error": "No exception",
 }
 _SIGNS = {
@@ -44,23 +45,24 @@ _SIGNS = {
     "raised": "✘",
     "interrupted": "■",
 }
+TWO_ERRORS = "Your function seems to have two errors."
 ENDS_PYTHON = "it ends Python itself"
-SMALL = 9  # numbers of an array that is a pose, a point or a covariance, and no picture
-AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that somebody has begun
+SMALL = 9  # numbers: an array of at most this size is a pose, a point or a covariance, not a picture
+AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that a student has begun
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a check found; shown by being a cell's last line.
+    """The result of a check; a notebook shows it if it is a cell's last line.
 
     Parameters
     ----------
     name : str
-        Of the exercise.
+        Name of the exercise.
     state : str
-        right, not attempted, not checked (by what an earlier lesson lacks), wrong, raised or interrupted.
+        right, not attempted, not checked (an earlier lesson is not usable), wrong, raised or interrupted.
     lines : tuple of str
-        What to say, the most important first.
+        The sentences of the report, the most important first.
     """
 
     name: str
@@ -68,7 +70,7 @@ class Report:
     lines: tuple[str, ...]
 
     def __bool__(self) -> bool:
-        """Whether the exercise is right, as far as the public checks can tell."""
+        """Return whether all public checks pass."""
         return self.state == "right"
 
     def __repr__(self) -> str:
@@ -76,7 +78,7 @@ class Report:
         return "\n".join((f"{_SIGNS[self.state]} {self.lines[0]}", *(f"  {line}" for line in self.lines[1:])))
 
     def _repr_html_(self) -> str:
-        """Return the lines in a box whose colour is also said by a sign."""
+        """Return the lines as HTML in a coloured box with a sign."""
         first, *rest = (escape(line) for line in self.lines)
         colour = _COLOURS[self.state]
         body = "".join(f"<div>{line}</div>" for line in rest)
@@ -88,40 +90,42 @@ class Report:
 
 
 def with_the_reason(exercise: PublicExercise, report: Report, others: Mapping[str, Report]) -> Report:
-    """Say of an exercise that is not right which exercise of the same lesson, one that it uses, is wrong itself.
+    """Add to a report that an exercise of the same lesson, which this exercise uses, is wrong itself.
 
     Parameters
     ----------
     exercise : PublicExercise
-        Whose report it is.
+        The exercise that was checked.
     report : Report
-        What its check found.
+        Its report.
     others : mapping of str to Report
-        What the checks of other exercises of the lesson found, by name, in the lesson's order.
+        The reports of other exercises of the lesson, by name, in the lesson's order.
     """
     if report.state not in AT_FAULT:
         return report
     wrong = [name for name, other in others.items() if name in exercise.uses and other.state in AT_FAULT]
-    lines = [f"It uses {name}, which does not pass its own check: begin with that one." for name in wrong[:1]]
+    lines = [
+        f"It uses {name}, which does not pass its own check: correct {name} first." for name in wrong[:1]
+    ]
     return replace(report, lines=(*report.lines, *lines))
 
 
 def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
-    """Say what an exercise's public cases came to.
+    """Report the outcomes of an exercise's public cases.
 
     Parameters
     ----------
     exercise : PublicExercise
-        What is asked for.
+        The exercise, with the expected answers.
     outcomes : sequence of Outcome
-        One for each case; fewer where the last one ended it all: not attempted, out of time or a dead process.
+        One for each case; fewer if the last outcome ended the run: not attempted, out of time or a dead process.
     stopped : str
-        How a function that takes too long was stopped.
+        Clause about how a function that takes too long was stopped.
 
     Returns
     -------
     Report
-        For the student.
+        Report for the student.
     """
     title = f"{exercise.number} {exercise.name}"
     last = outcomes[-1]
@@ -133,7 +137,7 @@ def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str)
         return Report(exercise.name, "raised", (f"{title}: {ENDS_PYTHON}; {last.text}.",))
     if last.status in ("interrupted", "timed out"):
         how = "stopped by you" if last.status == "interrupted" else stopped
-        text = f"{title}: {how}. Does it have a loop that never ends?"
+        text = f"{title}: {how}. Does it have a loop that never ends, or a method that is too slow for a large case?"
         return Report(exercise.name, "interrupted", (text,))
     verdicts = [
         judge(exercise.comparison, case, outcome)
@@ -144,13 +148,13 @@ def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str)
     if not wrong and not (changed and exercise.in_place):
         lines = [
             f"{title}: {_passed(len(verdicts), len(verdicts))}.",
-            "The grader has others, with other inputs.",
+            "The grader checks your function with other inputs.",
         ]
         if changed:
-            lines.append("One thing: your function changes its input. Return a new array instead.")
+            lines.append("However, your function changes its input. Return a new array instead.")
         return Report(exercise.name, "right", tuple(lines))
     if not wrong:
-        text = f"{title}: right answers, but the function changes its input. Return a new array instead."
+        text = f"{title}: your answers are right, but your function changes its input. Return a new array instead."
         return Report(exercise.name, "wrong", (text, *_recognised(exercise, outcomes, wrong)))
     return _explain(exercise, title, outcomes, verdicts, wrong)
 
@@ -162,7 +166,7 @@ def _explain(
     verdicts: list[Verdict | None],
     wrong: list[int],
 ) -> Report:
-    """Tell about the first case that is wrong, and the mistake that all of them look like."""
+    """Describe the first wrong case, and the mistake that explains all wrong cases."""
     first = wrong[0]
     outcome, verdict = outcomes[first], verdicts[first]
     about = f" ({exercise.cases[first].name})" if exercise.cases[first].name else ""
@@ -178,32 +182,48 @@ def _explain(
     else:
         state, lines = "raised", [f"{title}: {passed}; {_raises(outcome.text)}{about}."]
         lines += [outcome.line] if outcome.line else []
-        lines += [f"Here {wanted} has to be raised."] if (wanted := exercise.cases[first].raises) else []
+        lines += (
+            [f"In this case your function should raise {wanted}."]
+            if (wanted := exercise.cases[first].raises)
+            else []
+        )
         lines += advice_on(outcome.text)
         if re.search(rf"[ .](?:{exercise.name}(?:\.\w+)?|<lambda>)\(\) .*positional argument", outcome.text):
             lines.append(
-                "Keep the function's first line as it was given: the check calls it with those arguments."
+                "Keep the function's first line as the lesson gives it: the check calls it with those arguments."
             )
-    return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong)))
+    parts = _right_parts(exercise, wrong)
+    return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong), *parts))
+
+
+def _right_parts(exercise: PublicExercise, wrong: list[int]) -> list[str]:
+    """List the parts of a class that pass; a case's name says which part it tests: "move: a turn"."""
+    if exercise.driver != "methods":
+        return []
+    parts = [case.part for case in exercise.cases]
+    failing = {parts[i] for i in wrong}
+    right = dict.fromkeys(part for part in parts if part and part not in failing)
+    return [f"These parts are right: {', '.join(right)}."] if right else []
 
 
 def _sentence(text: str) -> str:
-    """A text with a full stop, where it has none."""
+    """Add a full stop to a text that has no final punctuation."""
     return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
 def _raises(text: str) -> str:
-    """What a case raises; a part that is still blank by its name."""
+    """Describe the exception of a case, or name the part that is not written yet."""
     unwritten = re.fullmatch(r"NotImplementedError: ([\w.]+ is not written yet)", text)
-    return unwritten[1] if unwritten else f"one raises {text}"
+    return unwritten[1] if unwritten else f"your function raises {text}"
 
 
 def _input_at(case: Case, verdict: Verdict) -> list[str]:
-    """Show what of the first argument the first wrong element of the answer was made from.
+    """Show the element of the first argument that the first wrong element of the answer was computed from.
 
-    That is the element at the same place; where both are rows of a few numbers, such as points, the row. An answer of
-    another shape, such as a matrix about all rows, was made from no one of them; nor is that of a pose of three numbers
-    beside another array. Of an answer of several parts nobody knows in which the place is: then all are as the input.
+    It is the element at the same index, or the row at the same index if both are rows of a few numbers, such as points.
+    Nothing is shown if the answer has another shape, such as a matrix that depends on all rows, or if the argument is
+    a pose beside another array. If the answer has several parts, all of them need the argument's shape, because the
+    index does not say which part it belongs to.
     """
     given, wanted = (case.args[0] if case.args else None), case.expected
     place = len(verdict.at)
@@ -215,7 +235,7 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
     if any(isinstance(part, np.ndarray) and part.shape[:1] != given.shape[:1] for part in parts):
         return []
     if given.ndim == place == 2 and given.shape[1] <= 3:
-        return [f"There the input is {' '.join(f'{float(value):g}' for value in given[verdict.at[0]])}."]
+        return [f"The input there is {' '.join(f'{float(value):g}' for value in given[verdict.at[0]])}."]
     if isinstance(wanted, np.ndarray) and wanted.shape[:place] != given.shape[:place]:
         return []
     if (
@@ -223,7 +243,7 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
         or given[verdict.at].size > 4
     ):
         return []
-    return [f"There the input is {' '.join(f'{float(value):g}' for value in given[verdict.at].ravel())}."]
+    return [f"The input there is {' '.join(f'{float(value):g}' for value in given[verdict.at].ravel())}."]
 
 
 def _passed(right: int, checks: int) -> str:
@@ -233,17 +253,45 @@ def _passed(right: int, checks: int) -> str:
 
 
 def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:
-    """The message of the first mistake that gives all the wrong answers and no others."""
+    """Return the message of the mistake whose answers these are, or both messages if two mistakes give them together.
+
+    A mistake has to be wrong in the same cases and give the same answers there. An unstable answer matches any wrong
+    answer, so several mistakes may match. Then the mistake with the most answers that are really the same is chosen,
+    and among equals the first one.
+    """
+    best, most = [], -1
     for mistake in exercise.mistakes:
-        if sorted(map(int, mistake.answers)) == wrong and all(
-            _same(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong
-        ):
-            return [mistake.message]
-    return []
+        if sorted(map(int, mistake.answers)) != wrong:
+            continue
+        same = [same_answer(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong]
+        may_differ = [is_unstable(mistake.answers[str(i)]) for i in wrong]
+        if all(map(or_, same, may_differ)) and sum(same) > most:
+            best, most = [mistake.message], sum(same)
+    return best or _recognised_pair(exercise, outcomes, wrong)
 
 
-def _same(exercise: PublicExercise, answer: Any, outcome: Outcome) -> bool:
-    """Whether an outcome is a mistake's; where that raises or gives no answer, `answer` says {"raises": what}."""
+def _recognised_pair(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:
+    """Return the messages of the two mistakes that give these answers together; nothing if two pairs match."""
+    found = [
+        pair
+        for pair in exercise.pairs
+        if pair.wrong == wrong
+        and all(same_answer(exercise, answer, outcomes[int(i)]) for i, answer in pair.answers.items())
+    ]
+    if len(found) != 1:
+        return []
+    return [TWO_ERRORS, *(exercise.mistakes[number].message for number in found[0].mistakes)]
+
+
+def is_unstable(answer: Any) -> bool:
+    """Return whether a mistake's answer is a rounding error, so that any wrong answer may be the same mistake."""
+    return isinstance(answer, dict) and set(answer) == {"unstable"}
+
+
+def same_answer(exercise: Exercise | PublicExercise, answer: Any, outcome: Outcome) -> bool:
+    """Return whether an outcome equals a mistake's answer, which has one of the forms of `PublicMistake`."""
+    if is_unstable(answer):
+        return same_answer(exercise, answer["unstable"], outcome)
     if isinstance(answer, dict) and set(answer) == {"raises"}:
         return outcome.status != "value" and outcome.text.split(":")[0] == answer["raises"]
     return outcome.status == "value" and exercise.comparison.alike(answer, outcome.value)

@@ -1,4 +1,4 @@
-"""What happens on each command to the robot: the control panel without its buttons."""
+"""The commands of the control panel and their effects, without its buttons."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ LONGEST_NAME = 14  # letters in the map's legend
 NOTHING: tuple[Measurement, ...] = ()
 
 
-def pieces(motion: Motion) -> Iterator[Motion]:
-    """Cut a motion into equal small steps: first the way, then the turn.
+def small_steps(motion: Motion) -> Iterator[Motion]:
+    """Divide a motion into equal small steps: first the distance, then the turn.
 
     Parameters
     ----------
     motion : Motion
-        Metres, radians.
+        Distance in metres, turn in radians.
 
     Yields
     ------
     Motion
-        Steps of at most `STEP` metres or `TURN_STEP` radians; together they are the motion.
+        Steps of at most `STEP` metres or `TURN_STEP` radians, which add up to the motion.
 
     Examples
     --------
-    >>> len(list(pieces(Motion(0.2, 0.0))))
+    >>> len(list(small_steps(Motion(0.2, 0.0))))
     4
     """
     drives = int(np.ceil(abs(motion.distance) / STEP - 1e-9))
@@ -52,49 +52,49 @@ def pieces(motion: Motion) -> Iterator[Motion]:
 
 
 class Cockpit:
-    """A robot, its pictures, its paths, and a slot for a SLAM algorithm.
+    """A robot with its pictures and paths and, optionally, a SLAM algorithm.
 
-    Whatever the student's code does, a command ends with a message, never with an exception.
+    An error in the student's code becomes a message; a command never raises it.
 
     Parameters
     ----------
     nao : SimulatedNao
         The robot.
     truth : Truth, optional
-        Of the same robot, for the map.
+        Truth about the same robot, for the map.
     slam : SlamAlgorithm, optional
-        Gets every motion, and the measurements when `observe` is called.
+        Algorithm that is given every motion, and the measurements of each call of `observe`.
     measure : callable, optional
-        ``measure(pixels, view)`` gives a picture's measurements; by default ``nao.sense()`` does.
+        ``measure(pixels, view)`` returns a picture's measurements; by default ``nao.sense()`` is used.
     start : Pose, optional
-        The odometry's origin in the world; by default where the truth says, else the field frame's.
+        The odometry's origin in the world; by default the true start, and the field frame's origin without `truth`.
     frame : Pose, optional
-        In the world, of the frame that `slam` maps in; by default `start`, as in both seeds.
+        Pose in the world of the frame that `slam` maps in; by default `start`, so that the map begins at zeros.
     time_limit : float
-        Seconds for each call of the student's code before it is stopped.
+        Seconds after which a call of the student's code is stopped.
 
     Attributes
     ----------
     odometry, estimated : list of Pose
-        Paths in the world: the commands added up; what `slam` estimated after each.
+        Paths in the world: the accumulated commands, and the poses that `slam` estimated.
     estimate : Estimate or None
-        The latest one, in the world.
+        The latest estimate, in world coordinates.
     seen : tuple of Measurement
-        What was measured from where the robot stands now.
+        Measurements from the robot's present pose.
     pictures : dict of str to Picture
-        The latest of each camera.
+        The latest picture of each camera.
     album : deque of Picture
-        What `take_picture` took, the newest last.
+        Pictures that `take_picture` kept, the newest last.
     frames : int
-        Pictures taken in all, live ones too.
+        Number of all pictures taken, including live ones.
     message : str
-        What there is to say.
+        The latest message.
     printed : str
-        The end of what the student's code printed during the latest command.
+        The end of the text that the student's code printed during the latest command.
     alarm : bool
-        Whether the message is a complaint.
+        Whether the message reports an error.
     error : BaseException or None
-        What the student's code raised last.
+        The last exception of the student's code.
     """
 
     def __init__(
@@ -128,40 +128,40 @@ class Cockpit:
         self._truths: dict[str, PictureTruth | None] = {}
         for camera in CAMERAS:
             self.photograph(camera)
-        self._ask_estimate()
+        self._update_estimate()
         if not self.alarm:
             self.say("Ready.")
 
     # --- commands ---
 
     def move(self, motion: Motion) -> bool:
-        """Do one small step and tell `slam` about it.
+        """Move the robot by one small step and pass the motion to `slam`.
 
         Returns
         -------
         bool
-            Whether the student's code went along; the robot has moved in any case.
+            Whether the student's code succeeded; the robot has moved in any case.
         """
         done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
         self.odometry.append(self.start @ self.nao.odometry)
         self.seen = NOTHING
         if self.slam is None:
             return True
-        return self._try("move", lambda: self._slam.move(done)).done and self._ask_estimate()
+        return self._try("move", lambda: self._slam.move(done)).done and self._update_estimate()
 
     def turn_head(self, yaw: float, pitch: float) -> None:
-        """Turn the head by so much (rad, positive left and down), as far as its joints go."""
-        wanted = np.add(self.nao.head, (yaw, pitch))
+        """Turn the head by `yaw` and `pitch` (rad, positive left and down), within its joint limits."""
+        target = np.add(self.nao.head, (yaw, pitch))
         limits = (self.nao.model.yaw_limits, self.nao.model.pitch_limits)
-        reached = [float(np.clip(angle, *limit)) for angle, limit in zip(wanted, limits, strict=True)]
+        reached = [float(np.clip(angle, *limit)) for angle, limit in zip(target, limits, strict=True)]
         self.nao.look(*reached)
         self.seen = NOTHING
         words = f"yaw {np.degrees(reached[0]):z.0f}°, pitch {np.degrees(reached[1]):z.0f}°"
-        stuck = not np.allclose(wanted, reached, atol=1e-6)
-        self.say(f"Head at {words}: a joint is at its limit." if stuck else f"Head at {words}.")
+        limited = not np.allclose(target, reached, atol=1e-6)
+        self.say(f"Head at {words}: a joint is at its limit." if limited else f"Head at {words}.")
 
     def photograph(self, camera: str, size: tuple[int, int] = LIVE_SIZE) -> Picture:
-        """Take a live picture: shown, counted, not kept."""
+        """Take a live picture, which is shown and counted but not kept."""
         picture = self.nao.take_picture(camera, size)
         self.pictures[camera] = picture
         self._truths[camera] = None if self.truth is None else self.truth.picture
@@ -169,19 +169,19 @@ class Cockpit:
         return picture
 
     def take_picture(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> Picture:
-        """Take a picture and keep it."""
+        """Take a picture and keep it in the album."""
         picture = self.photograph(camera, size)
         self.album.append(picture)
         self.say(f"Picture taken: {camera} camera, {size[0]} × {size[1]}. It is panel.picture.")
         return picture
 
     def observe(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> tuple[Measurement, ...]:
-        """Measure what a camera sees and give it to `slam`.
+        """Measure the landmarks that a camera sees, and pass the measurements to `slam`.
 
         Returns
         -------
         tuple of Measurement
-            What was measured; empty if the student's code failed.
+            The measurements; empty if the student's code failed.
         """
         self.seen, self.printed = NOTHING, ""
         seen = self._measured(camera, size)
@@ -191,54 +191,54 @@ class Cockpit:
         found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
         if self.slam is None:
             self.say(f"{found} with the {camera} camera.")
-        elif self._try("observe", lambda: self._slam.observe(seen)).done and self._ask_estimate():
-            known = 0 if self.estimate is None else len(self.estimate.landmarks)
-            self.say(f"{found}; {type(self.slam).__name__} knows {known}.")
+        elif self._try("observe", lambda: self._slam.observe(seen)).done and self._update_estimate():
+            mapped = 0 if self.estimate is None else len(self.estimate.landmarks)
+            self.say(f"{found}; the map of {type(self.slam).__name__} contains {mapped}.")
         return self.seen
 
     def picture_truth(self, camera: str) -> PictureTruth | None:
-        """What a camera's latest picture really shows; None without `truth`."""
+        """Return the true contents of a camera's latest picture; None without `truth`."""
         return self._truths.get(camera)
 
     # --- words ---
 
     def say(self, message: str) -> None:
-        """Say something that is no complaint."""
+        """Show a message that does not report an error."""
         self.message, self.alarm = message, False
 
     def complain(self, what: str, error: Exception) -> None:
-        """Say what went wrong, and where."""
+        """Show an error: the code that raised it and its message."""
         self.error, self.alarm = error, True
         self.message = complaint(what, error)
 
-    def names(self, source: str, believed: bool) -> dict[str, str]:
-        """What each path on the map is called, by its source; `believed`: your code estimates."""
+    def names(self, source: str, pipeline_estimates: bool) -> dict[str, str]:
+        """Return the legend's name of each path on the map, by its source."""
         names = {"truth": "truth"} if self.truth is not None else {}
         names["odometry"] = "odometry"
         if self.slam is not None:
             name = type(self.slam).__name__
             names[source] = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
-        elif believed:
+        elif pipeline_estimates:
             names[source] = "your estimate"
         return names
 
     def facts(self, show_truth: bool = False) -> list[str]:
-        """Return where the robot is and what it has seen, in short; the truth only if asked for."""
+        """Return short facts about the poses, the map and the pictures; the true pose only with `show_truth`."""
         yaw, pitch = np.degrees(self.nao.head)
         facts = [f"odometry {_place(self.odometry[-1])}"]
         if show_truth and self.truth is not None:
             facts.append(f"truth {_place(self.truth.pose)}")
         if self.slam is not None:
-            facts.append(f"{type(self.slam).__name__} {_knows(self.estimate)}")
+            facts.append(f"{type(self.slam).__name__} {_described(self.estimate)}")
         facts.append(f"head yaw {yaw:z.0f}°, pitch {pitch:z.0f}°")
         facts.append(f"{say_count(len(self.album), 'picture') if self.album else 'no picture'} kept")
         return facts
 
     def summary(self, show_truth: bool = False) -> str:
-        """Return the facts and what was said last, a line each."""
+        """Return the facts and the latest message, one per line."""
         return "\n".join([self.nao.model.name, *self.facts(show_truth), f"status: {self.message}"])
 
-    # --- the student's code, at arm's length ---
+    # --- calls of the student's code, whose errors become messages ---
 
     @property
     def _slam(self) -> SlamAlgorithm:
@@ -246,14 +246,14 @@ class Cockpit:
         return self.slam
 
     def _measured(self, camera: str, size: tuple[int, int]) -> tuple[Measurement, ...] | None:
-        """What a camera sees from here; None if the student's code failed."""
+        """Return a camera's measurements from the present pose; None if the student's code failed."""
         measure = self.measure
         if measure is None:
             return self.nao.sense(camera)
         picture = self.photograph(camera, size)
         return self._try("measure", lambda: _checked(measure(picture.pixels.copy(), picture.view))).value
 
-    def _ask_estimate(self) -> bool:
+    def _update_estimate(self) -> bool:
         if self.slam is None:
             return True
         placed = self._try("estimate", self._placed_estimate).value
@@ -264,13 +264,13 @@ class Cockpit:
         return True
 
     def _placed_estimate(self) -> Estimate:
-        believed = self._slam.estimate()
-        if not isinstance(believed, Estimate):
-            raise TypeError(f"it must return an Estimate, got {type(believed).__name__}")
-        return place_estimate(believed, self.frame)
+        estimate = self._slam.estimate()
+        if not isinstance(estimate, Estimate):
+            raise TypeError(f"it must return an Estimate, got {type(estimate).__name__}")
+        return place_estimate(estimate, self.frame)
 
     def _try(self, what: str, call: Callable[[], Value]) -> Attempt[Value]:
-        """Run a student's code; what goes wrong becomes the message."""
+        """Call the student's code; an error becomes the message."""
         tried = attempt(call, f"{what}()", limit=self.time_limit)
         self.printed = (self.printed + tried.printed)[-KEPT_LETTERS:]
         if not tried.done:
@@ -279,13 +279,13 @@ class Cockpit:
 
 
 def _checked(found: object) -> tuple[Measurement, ...]:
-    """What a student's `measure` returned, if it is what it must be."""
+    """Return the result of a student's `measure` as a tuple; raise TypeError if it is not a list of Measurement."""
     if isinstance(found, Measurement) or not isinstance(found, Iterable):
         raise TypeError(f"it must return a list of Measurement, got {type(found).__name__}")
     seen = tuple(found)
     for each in seen:
         if not isinstance(each, Measurement):
-            raise TypeError(f"its list must hold Measurement only, got {type(each).__name__}")
+            raise TypeError(f"its list must contain only Measurement, got {type(each).__name__}")
     return seen
 
 
@@ -293,20 +293,22 @@ def _place(pose: Pose) -> str:
     return f"({pose.x:z.2f}, {pose.y:z.2f}) m, heading {np.degrees(pose.theta):z.0f}°"
 
 
-def _knows(estimate: Estimate | None) -> str:
+def _described(estimate: Estimate | None) -> str:
     return (
         "no estimate" if estimate is None else f"{_place(estimate.pose)}, {len(estimate.landmarks)} landmarks"
     )
 
 
 def _check_parts(nao: object, truth: object, slam: object, measure: object) -> None:
-    """Refuse what cannot work, in words."""
+    """Raise ValueError if an argument has the wrong type."""
     if not hasattr(nao, "take_picture"):
         raise ValueError(f"nao must be a SimulatedNao, got {type(nao).__name__}")
     if truth is not None and not isinstance(truth, Truth):
         raise ValueError(f"truth must be Truth(nao) or None, got {truth!r}")
     if isinstance(slam, type):
-        raise ValueError(f"slam must be an algorithm, not its class: write {slam.__name__}(...)")
+        raise ValueError(
+            f"slam must be an instance of {slam.__name__}, got the class: write {slam.__name__}(...)"
+        )
     if slam is not None and not all(
         callable(getattr(slam, name, None)) for name in ("move", "observe", "estimate")
     ):

@@ -1,4 +1,4 @@
-"""The control panel's widgets: cameras, map, buttons, menus; what a press does is the panel's business."""
+"""The control panel's widgets: cameras, map, buttons and menus. The panel defines what each button does."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SIZES = {"320 × 240": (320, 240), "640 × 480": (640, 480), "1280 × 960": (128
 STEPS = {"5 cm": 0.05, "10 cm": 0.1, "20 cm": 0.2, "50 cm": 0.5, "1 m": 1.0}
 TURNS = {"5°": 5.0, "15°": 15.0, "30°": 30.0, "45°": 45.0, "90°": 90.0}
 
-# Letters for hands on the keyboard, arrows for the rest.
+# Letters for touch typists, arrow keys for everybody else.
 KEYS = {
     "forward": ("w", "arrowup"),
     "back": ("s", "arrowdown"),
@@ -30,8 +30,8 @@ KEYS = {
     "picture": (" ",),
     "slam": ("m",),
 }
-VIEW_KEYS = {"view": ("v",)}  # only where the student's code looks along
-ITSELF_KEYS = {"itself": ("g",)}  # only where the student's code says where to go
+VIEW_KEYS = {"view": ("v",)}  # only if functions of the student are ready
+ITSELF_KEYS = {"itself": ("g",)}  # only if the student's code chooses motions
 _KEY_WORDS = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
 _MORE_KEY_WORDS = ", M measures, X stops, H looks ahead"
 _VIEW_KEY_WORDS = ", V changes the view"
@@ -64,35 +64,35 @@ _CSS = """
 
 
 class Controls:
-    """All that the control panel shows, in one box.
+    """The control panel's widgets in one box.
 
     Parameters
     ----------
     actions : mapping of str to callable
-        What each button does, by the names of `KEYS`.
+        Action of each button, by the names in `KEYS`.
     has_slam, has_truth : bool
-        Whether there is an algorithm to run, and a truth to show.
+        Whether the panel has a SLAM algorithm, and a truth to show.
     show_truth : bool
-        Whether the truth is shown at first, if there is one.
+        Whether the truth is shown at first, if the panel has it.
     heading : str
-        HTML of a line above all.
+        HTML of a line above the other widgets.
     has_views : bool
-        Whether there is something to lay over the picture.
+        Whether functions of the student can draw over the picture.
     drives : bool
-        Whether there is something that says where to go.
+        Whether a function of the student chooses the robot's motions.
 
     Attributes
     ----------
     widget : ipywidgets.Box
-        To be displayed.
+        The box with all widgets.
     camera, size, step, turn, show_truth : widgets with a value
-        What is chosen: a camera, pixels (width, height), metres, degrees, whether the map shows the truth.
+        The settings: a camera, pixels (width, height), metres, degrees, and whether the map shows the truth.
     images, captions : dict of str to widget
-        Of each camera.
+        Widgets of each camera.
     map, status : widgets with a value
-        The map as a PNG file, what happened as HTML.
+        The map as a PNG file, and the status as HTML.
     view : ipywidgets.Button or None
-        Whose label says how the picture is shown.
+        Button whose label is the present view.
     """
 
     def __init__(
@@ -115,9 +115,7 @@ class Controls:
             camera: _image(camera, "jpeg", f"Live picture of the {camera} camera") for camera in CAMERAS
         }
         self.captions = {camera: html_line("", "nao-caption") for camera in CAMERAS}
-        self.map = _image(
-            "map", "png", "Map of the field from above; what it shows stands in words beside it"
-        )
+        self.map = _image("map", "png", "Map of the field from above; the text beside it describes it")
         self.map.add_class("nao-map")
         self._camera_boxes = {
             camera: box("V", "nao-camera", self.captions[camera], self.images[camera]) for camera in CAMERAS
@@ -138,7 +136,7 @@ class Controls:
         self._mark_camera()
 
     def disable(self) -> None:
-        """Switch all of them off."""
+        """Disable all buttons and menus."""
         for control in self._controls:
             control.disabled = True
 
@@ -183,7 +181,9 @@ class Controls:
     def _settings(self) -> Any:
         cameras = [(camera.capitalize(), camera) for camera in CAMERAS]
         self.camera = self._choice("Camera", cameras, "bottom", "Which camera takes pictures and measures")
-        self.size = self._choice("Size", list(SIZES.items()), SIZES["320 × 240"], "Of pictures that are kept")
+        self.size = self._choice(
+            "Size", list(SIZES.items()), SIZES["320 × 240"], "Size of pictures that are kept"
+        )
         self.step = self._choice("Step", list(STEPS.items()), 0.2, "How far one press walks")
         self.turn = self._choice("Turn", list(TURNS.items()), 15.0, "How far one press turns")
         return box("V", "nao-settings", self.camera, self.size, self.step, self.turn)
@@ -201,7 +201,7 @@ class Controls:
         )
         self.show_truth.layout.width = "auto"
         self.show_truth.tooltip = (
-            "Draw where the robot really is" if has_truth else "This panel knows no truth"
+            "Draw the robot's true pose" if has_truth else "This panel was made without the truth"
         )
         self._controls.append(self.show_truth)
         has_views, drives = "view" in self._keys, "itself" in self._keys

@@ -1,4 +1,4 @@
-"""A map that is redrawn many times a second: the field once, what moves by blit."""
+"""A map that is redrawn many times a second: the field is drawn once, and moving parts are drawn over a copy of it."""
 
 from __future__ import annotations
 
@@ -29,28 +29,28 @@ from nao_course.slam import KINDS, Estimate, Measurement, measured_points
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
-_MEASURED = "measured"  # key of what was measured, beside those of sources
-HEADING = 0.32  # m, length of the line that shows where a robot looks
-POINT_MARKER = "*"  # of what the student's code found; landmarks have others
+_MEASURED = "measured"  # key of the measurements in the legend, beside the sources' keys
+HEADING = 0.32  # m, length of the line that shows a robot's heading
+POINT_MARKER = "*"  # for points that the student's code found; landmarks have other markers
 _NO_POINTS = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
 class MapContents:
-    """What a map shows at one time.
+    """The contents of a map at one time.
 
     Parameters
     ----------
     paths : mapping of str to sequence of Pose
-        In the world, by source; the robot is drawn at the last pose.
+        Paths in world coordinates, by source. The robot is drawn at the last pose.
     estimate : Estimate or None
-        In the world; its landmarks and ellipses are drawn.
+        Estimate in world coordinates; its landmarks and ellipses are drawn.
     seen : sequence of Measurement
-        Drawn from the robot of `observer`.
+        Measurements, drawn from the robot of `observer`.
     observer : str
-        Which source's robot measured.
+        Source whose robot measured.
     points : ndarray, shape (N, 2)
-        In the frame of that robot, m: what the student's own code found.
+        Points that the student's code found, in the frame of that robot, m.
     """
 
     paths: Mapping[str, Sequence[Pose]]
@@ -61,36 +61,38 @@ class MapContents:
 
 
 class LiveMap:
-    """The field from above.
+    """A map of the field from above.
 
     Parameters
     ----------
     field : Field
-        The ground.
+        The field.
     sources : mapping of str to str
-        Whose paths may appear, in the order they are drawn, with their names for the legend. The last one's
-        colours are the estimate's.
+        Names for the legend of the sources whose paths may appear, in drawing order. The estimate has the colours of
+        the last source.
     """
 
+    @course_style()
     def __init__(self, field: Field, sources: Mapping[str, str]) -> None:
-        """Draw the field once, and make what will move."""
-        with course_style():
-            figure = Figure(figsize=_size(field), dpi=DPI)
-            self._canvas = _agg(figure)
-            self._ax = figure.add_subplot()
-            self._ax.tick_params(labelsize=9)
-            plot_field(field, self._ax)
-            self._keys: dict[str, Any] = {name: source_key(name, label) for name, label in sources.items()}
-            self._keys[_MEASURED] = _measured_key()
-            self._legend = self._made_legend(figure, tuple(self._keys))
-            self._canvas.draw()
-        figure.set_layout_engine("none")  # the largest legend has its place
+        """Draw the field, and create the artists of everything that moves."""
+        figure = Figure(figsize=_size(field), dpi=DPI)
+        self._canvas = _agg(figure)
+        self._ax = figure.add_subplot()
+        self._ax.tick_params(labelsize=9)
+        plot_field(field, self._ax)
+        self._keys: dict[str, Any] = {name: source_key(name, label) for name, label in sources.items()}
+        self._keys[_MEASURED] = _measured_key()
+        self._legend = self._made_legend(figure, tuple(self._keys))
+        self._canvas.draw()
+        figure.set_layout_engine("none")  # the layout has room for the largest legend
         self._backgrounds: dict[tuple[str, ...], Any] = {}
         self._estimate = _EstimateArtists(style_of(list(sources)[-1]).colour)
         self._robots = {source: _RobotArtists(source) for source in sources}
-        self._sight = _SightArtists()
+        self._measurements = _MeasurementArtists()
         self._artists = (
-            self._estimate.all + [a for each in self._robots.values() for a in each.all] + self._sight.all
+            self._estimate.all
+            + [a for each in self._robots.values() for a in each.all]
+            + self._measurements.all
         )
         for artist in self._artists:
             artist.set_animated(True)
@@ -102,30 +104,29 @@ class LiveMap:
         Parameters
         ----------
         contents : MapContents
-            What to show.
+            The map's contents.
 
         Returns
         -------
         ndarray of uint8, shape (H, W, 3)
-            RGB.
+            The map's pixels.
         """
         self._estimate.show(contents.estimate)
         for source, robot in self._robots.items():
             robot.show(as_path(list(contents.paths.get(source, ()))))
         observer = contents.paths.get(contents.observer) or [Pose()]
-        self._sight.show(contents.seen, observer[-1], contents.observer)
-        self._sight.show_points(contents.points, observer[-1], contents.observer)
-        believed = (
-            list(self._robots)[-1] if contents.estimate is not None else None
-        )  # may have points and no path
-        shown = [source for source in self._robots if contents.paths.get(source) or source == believed]
+        self._measurements.show(contents.seen, observer[-1], contents.observer)
+        self._measurements.show_points(contents.points, observer[-1], contents.observer)
+        # The estimating source belongs into the legend even before it has a path
+        estimated = list(self._robots)[-1] if contents.estimate is not None else None
+        shown = [source for source in self._robots if contents.paths.get(source) or source == estimated]
         self._canvas.restore_region(self._background((*shown, *([_MEASURED] if contents.seen else ()))))
         for artist in self._artists:
             self._ax.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())[:, :, :3]
 
     def _background(self, keys: tuple[str, ...]) -> Any:
-        """What stands still, with a legend of what is shown; drawn once for each legend."""
+        """Return the still part of the map with a legend for the keys; it is drawn once for each legend."""
         if keys not in self._backgrounds:
             figure = self._canvas.figure
             self._legend.remove()
@@ -148,18 +149,24 @@ class LiveMap:
 
 
 def _measured_key() -> Line2D:
-    """The key of what was measured: open markers, which no map has."""
-    look: Any = {"color": "#4b5563", "lw": 0.8, "marker": LANDMARK_MARKERS["post"], "mfc": "none", "mew": 1.4}
-    return Line2D([], [], label="measured from here", **look)
+    """Return the legend's key for measurements: an open marker, unlike a landmark's."""
+    style: Any = {
+        "color": "#4b5563",
+        "lw": 0.8,
+        "marker": LANDMARK_MARKERS["post"],
+        "mfc": "none",
+        "mew": 1.4,
+    }
+    return Line2D([], [], label="measured from here", **style)
 
 
 def _agg(figure: Figure) -> Any:
-    """A canvas in memory; matplotlib gives its methods no types."""
+    """Return a canvas in memory, untyped because matplotlib's methods have no types."""
     return FigureCanvasAgg(figure)
 
 
 def _size(field: Field) -> tuple[float, float]:
-    """Inches that hold the carpet, the axes' labels and the legend."""
+    """Return the figure's width and height (inches) with room for the carpet, the axes' labels and the legend."""
     x0, y0, x1, y1 = field.carpet
     scale = min((LARGEST[0] - 0.55) / (x1 - x0), (LARGEST[1] - 0.85) / (y1 - y0))
     return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 1.05, 2)
@@ -185,7 +192,7 @@ class _RobotArtists:
         self.all: list[Any] = [self._path, self._heading, self._body]
 
     def show(self, path: FloatArray) -> None:
-        """Show poses (N, 3); none of them hides everything."""
+        """Show poses (N, 3); an empty path hides the robot."""
         x, y, theta = path[-1:].T
         self._path.set_data(path[:, 0], path[:, 1])
         self._heading.set_data(
@@ -208,7 +215,7 @@ class _EstimateArtists:
         self.all: list[Any] = [self._shapes, *self._marks.values()]
 
     def show(self, estimate: Estimate | None) -> None:
-        """Show an estimate, or none."""
+        """Show an estimate; None hides it."""
         outlines = np.empty((0, 1, 2)) if estimate is None else estimate_outlines(estimate)
         self._shapes.set_verts(list(outlines[np.isfinite(outlines).all(axis=(1, 2))]))
         for kind, marks in self._marks.items():
@@ -216,8 +223,8 @@ class _EstimateArtists:
             marks.set_data(chosen[:, 0], chosen[:, 1])
 
 
-class _SightArtists:
-    """Rays to what was measured, open markers at their ends."""
+class _MeasurementArtists:
+    """Rays from the robot to the measured landmarks, with open markers at their ends."""
 
     def __init__(self) -> None:
         self._rays = Line2D([], [], lw=0.8, alpha=0.7)
@@ -229,7 +236,7 @@ class _SightArtists:
         self.all: list[Any] = [self._rays, *self._ends.values(), self._points]
 
     def show(self, seen: Sequence[Measurement], pose: Pose, source: str) -> None:
-        """Show measurements taken at `pose`, in their observer's colour."""
+        """Show measurements taken at `pose`, in the colour of their source."""
         ends, colour = measured_points(seen, pose), style_of(source).colour
         rays = np.full((len(ends), 3, 2), np.nan)  # robot, landmark, gap
         rays[:, 0], rays[:, 1] = (pose.x, pose.y), ends
@@ -238,5 +245,5 @@ class _SightArtists:
             marks.set(data=_of_kind(ends, [each.kind for each in seen], kind).T, markeredgecolor=colour)
 
     def show_points(self, points: FloatArray, pose: Pose, source: str) -> None:
-        """Show points (N, 2) of the robot frame at `pose`, in their observer's colour."""
+        """Show points (N, 2) of the robot frame at `pose`, in the colour of their source."""
         self._points.set(data=pose.to_parent(points).T, markerfacecolor=style_of(source).colour)

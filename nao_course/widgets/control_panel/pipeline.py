@@ -1,7 +1,7 @@
-"""The student's vision, stage by stage: what their own functions make of each camera picture while the robot drives.
+"""The student's functions, run stage by stage on each camera picture while the robot drives.
 
-A lesson adds one `Stage`. The control panel runs all stages that are ready on the chosen camera's picture, lays what
-they paint over it, and puts what they measure on the map. Whatever a stage does, the drive goes on.
+A lesson adds one `Stage`. The control panel runs every stage that is ready on the picture of the chosen camera. It
+draws the stages' results over the picture and their points on the map. An error in a stage never stops the drive.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import to_rgb
 
+from nao_course._internal.time_limits import TooSlow
 from nao_course.exercises.lesson_names import number_of
 from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import Picture, SimulatedNao
 from nao_course.slam import Estimate, Motion
-from nao_course.time_limits import TooSlow
 from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, attempt
 
 Pixels = npt.NDArray[np.uint8]
@@ -29,40 +29,42 @@ View = Literal["picture", "over", "beside"]
 VIEWS: Mapping[View, str] = MappingProxyType(
     {"picture": "View: picture", "over": "View: yours over it", "beside": "View: yours beside"}
 )
-PICTURE_LIMIT = 3.0  # s for one stage and one picture: some hundred times what lesson 01's labels take
-SLOW = 0.1  # s a picture, from which on the panel says how long it takes
+PICTURE_LIMIT = (
+    3.0  # s for one stage and one picture: about a hundred times as long as the labels of lesson 01
+)
+SLOW = 0.1  # s for one picture; the panel warns if the student's code takes longer
 _NONE = np.empty((0, 2))
-_STRENGTH = 0.6  # of what is painted over a picture
+_STRENGTH = 0.6  # opacity of an image that is laid over the picture
 _MARK = tuple(round(255 * each) for each in to_rgb("#ff3b81"))
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """What a stage makes of a picture, and how it is shown.
+    """The result of a stage for one picture, and how the panel shows it.
 
     Parameters
     ----------
     result : object
-        For the stages after it: ``sight.results["labels"]``.
+        Value for later stages, which read it as ``frame.results["labels"]``.
     painted : ndarray of uint8, shape (H, W, 3), optional
-        RGB, of the picture's size, to be laid over it or beside it.
+        RGB image of the picture's size. The panel shows it over the picture or beside it.
     where : ndarray of bool, shape (H, W), optional
-        Where it is laid over; by default everywhere.
+        Pixels where `painted` covers the picture; by default all.
     pixels : array_like, shape (N, 2)
         Points (u, v) to mark in the picture.
     points : array_like, shape (N, 2)
         Points in the robot frame, m (x ahead, y left), to mark on the map.
     text : str
-        What came of it, in a few words: "green 62 %, yellow 3 %".
+        A summary of the result in a few words: "green 62 %, yellow 3 %".
     estimate : Estimate, optional
-        Where the robot is believed to be, in the world, for the map.
+        Estimate of the robot's pose in world coordinates, for the map.
     motion : Motion, optional
-        What the robot would do next, if it were to drive by itself.
+        The next motion of the robot while it drives by itself.
 
     Raises
     ------
     ValueError
-        For another shape, or a point that is not finite.
+        If a shape is wrong, or a point is not finite.
     """
 
     result: Any = None
@@ -75,7 +77,7 @@ class Overlay:
     motion: Motion | None = None
 
     def __post_init__(self) -> None:
-        """Refuse points that are none."""
+        """Check that all points are finite."""
         for name in ("pixels", "points"):
             points = as_points(getattr(self, name), name=name)
             if not np.isfinite(points).all():
@@ -84,54 +86,54 @@ class Overlay:
 
 
 @dataclass(frozen=True)
-class Sight:
-    """What a stage is given.
+class Frame:
+    """The input of a stage.
 
     Parameters
     ----------
     picture : Picture
-        Of the chosen camera: its `pixels`, the `view` that the robot believes, and which `camera` it is.
+        Picture of the chosen camera: its `pixels`, its estimated `view` and the name of its `camera`.
     results : mapping of str to object
-        What the stages before made of the same picture, by their names.
+        Results of the earlier stages for the same picture, by the stages' names.
     """
 
     picture: Picture
     results: Mapping[str, Any]
 
 
-Look = Callable[[Sight], Overlay]
+StageFunction = Callable[[Frame], Overlay]
 
 
 @dataclass(frozen=True)
 class Stage:
-    """What a lesson adds to the student's robot.
+    """One step of the student's perception, which a lesson adds to the robot.
 
     Parameters
     ----------
     name : str
-        Of what it finds: "labels".
+        Name of its result: "labels".
     lesson : str
-        Such as "01_hsl_filtering".
+        Name of the lesson, such as "01_hsl_filtering".
     uses : tuple of str
-        The student's functions that it calls: exercises of this lesson, or "01:rgb_to_hsl" of an earlier one.
+        The student's functions that it calls: exercises of this lesson, or "01:rgb_to_hsl" for an earlier lesson.
     wire : callable
-        ``wire(student, nao)`` is called once; it may calibrate, and returns ``look(sight) -> Overlay``, which is called
-        for each picture. The student's functions are `student`'s: ``student.color_labels(...)``.
+        ``wire(student, nao)`` is called once. It may calibrate, and it returns the function from a `Frame` to an
+        `Overlay` that is called for each picture. The student's functions are attributes of `student`:
+        ``student.color_labels(...)``.
     after : tuple of str
         Names of the stages whose results it needs.
     estimates : bool
-        Whether its overlays have an estimate: then the map has a place for it.
+        Whether its overlays contain an estimate, which the map then shows.
     helped_by : tuple of str
-        The student's functions that it calls where they are ready, and does without where they are not:
-        ``"measure" in student``.
+        The student's functions that it calls only if they are ready: ``"measure" in student``.
     drives : bool
-        Whether its overlays have a motion: then the panel can let the robot drive by itself.
+        Whether its overlays contain a motion, so that the robot can drive by itself.
     """
 
     name: str
     lesson: str
     uses: tuple[str, ...]
-    wire: Callable[[StudentCode, SimulatedNao], Look]
+    wire: Callable[[StudentCode, SimulatedNao], StageFunction]
     after: tuple[str, ...] = ()
     estimates: bool = False
     helped_by: tuple[str, ...] = ()
@@ -140,20 +142,20 @@ class Stage:
 
 @dataclass(frozen=True)
 class Seen:
-    """What all stages made of a picture.
+    """The results of all stages for one picture.
 
     Parameters
     ----------
     overlays : mapping of str to Overlay
-        By the stage's name, of those that came to their end.
+        Overlay of each stage that succeeded, by the stage's name.
     complaints : tuple of str
-        Why the others did not, a sentence each.
+        Why each of the other stages failed, in one sentence each.
     error : BaseException or None
-        What the student's code raised last.
+        The last exception of the student's code.
     printed : str
-        The end of what it printed.
+        The end of the text that the student's code printed.
     seconds : float
-        How long the student's code took.
+        Run time of the student's code.
     """
 
     overlays: Mapping[str, Overlay] = field(default_factory=dict)
@@ -169,41 +171,41 @@ class Seen:
 
     @property
     def estimate(self) -> Estimate | None:
-        """The last stage's estimate, of those that have one."""
+        """The estimate of the last stage that has one; None without an estimate."""
         found = [each.estimate for each in self.overlays.values() if each.estimate is not None]
         return found[-1] if found else None
 
     @property
     def motion(self) -> Motion | None:
-        """What the last stage that drives would do next."""
+        """The next motion, given by the last stage that drives; None without a motion."""
         found = [each.motion for each in self.overlays.values() if each.motion is not None]
         return found[-1] if found else None
 
     @property
     def names(self) -> str:
-        """Names of the stages that show something in the picture."""
+        """Names of the stages that draw in the picture, joined by commas."""
         shown = [
             name for name, each in self.overlays.items() if each.painted is not None or np.size(each.pixels)
         ]
         return ", ".join(shown)
 
     def lines(self) -> list[str]:
-        """What came of each stage, in words."""
+        """Return a line of text for each stage that has a text."""
         return [f"{name}: {each.text}" for name, each in self.overlays.items() if each.text]
 
     @property
     def board(self) -> str:
-        """The line of the stage whose estimate the map shows; empty without one."""
+        """The line of the stage whose estimate the map shows; empty without an estimate."""
         names = [name for name, each in self.overlays.items() if each.estimate is not None]
         return f"{names[-1]}: {self.overlays[names[-1]].text}" if names else ""
 
     def pace(self) -> list[str]:
-        """How long it took, where that is long; it differs from machine to machine, and from time to time."""
-        slow = f"your code took {1000 * self.seconds:.0f} ms for this picture: the drive follows slowly"
+        """Return a warning if the student's code was slow, else nothing; the run time depends on the machine."""
+        slow = f"your code took {1000 * self.seconds:.0f} ms for this picture, which slows the drive down"
         return [slow] if self.seconds > SLOW else []
 
     def over(self, pixels: Pixels) -> Pixels:
-        """Lay everything over a picture (H, W, 3)."""
+        """Return a picture (H, W, 3) with all overlays drawn over it."""
         shown = pixels.copy()
         for each in self.overlays.values():
             if each.painted is not None:
@@ -213,7 +215,7 @@ class Seen:
         return self._marked(shown)
 
     def alone(self, pixels: Pixels) -> Pixels:
-        """What is painted, without the picture (H, W, 3) under it; marks on the picture in grey where nothing is."""
+        """Return the last painted overlay with all marks; without one, draw the marks on the picture in grey."""
         painted = [each.painted for each in self.overlays.values() if each.painted is not None]
         grey = np.repeat(pixels.mean(axis=2, keepdims=True), 3, axis=2).astype(np.uint8)
         return self._marked((painted[-1] if painted else grey).copy())
@@ -228,25 +230,25 @@ class Seen:
 
 
 class Pipeline:
-    """Runs stages on pictures, each at arm's length.
+    """A sequence of stages that is run on each picture; the stages' errors become messages.
 
-    A stage that raises or returns nonsense is left out for this picture. One that takes too long, or cannot be wired,
-    is left out until `wake` is called.
+    A stage that raises an exception or returns an unusable value is skipped for this picture. A stage that takes too
+    long, or whose `wire` fails, is skipped until `retry` is called.
 
     Parameters
     ----------
     stages : sequence of Stage
-        In the order in which they run.
+        Stages in the order in which they run.
     functions : mapping of str to callable
-        The student's, by name: at least those that the stages use.
+        The student's functions by name: at least the functions that the stages use.
     nao : SimulatedNao
         The robot, for stages that calibrate.
     missing : mapping of str to str
-        Stages that are not ready, and why, in a sentence.
+        Why each stage that is not ready is missing, by the stage's name.
     time_limit : float
-        Seconds for one stage and one picture.
+        Longest run time of one stage for one picture, seconds.
     remarks : sequence of str
-        What else is to be known of the functions, a sentence each.
+        Further sentences about the functions, such as a warning.
     """
 
     def __init__(
@@ -258,48 +260,48 @@ class Pipeline:
         time_limit: float = PICTURE_LIMIT,
         remarks: Sequence[str] = (),
     ) -> None:
-        """Begin with nothing wired."""
+        """Store the stages; each is wired at its first picture."""
         self.stages, self.nao = tuple(stages), nao
         self.missing, self.time_limit = dict(missing or {}), time_limit
         self.remarks = tuple(remarks)
         self._student = StudentCode(functions)
-        self._looks: dict[str, Look] = {}
-        self._left_out: dict[str, str] = {}
+        self._wired: dict[str, StageFunction] = {}
+        self._skipped: dict[str, str] = {}
 
     @property
     def estimates(self) -> bool:
-        """Whether a stage says where the robot is."""
+        """Whether a stage estimates the robot's pose."""
         return any(stage.estimates for stage in self.stages)
 
     @property
     def drives(self) -> bool:
-        """Whether a stage says what the robot would do next."""
+        """Whether a stage chooses the robot's next motion."""
         return any(stage.drives for stage in self.stages)
 
-    def wake(self) -> None:
-        """Try stages again that were left out."""
-        self._left_out.clear()
+    def retry(self) -> None:
+        """Run the skipped stages again from the next picture on."""
+        self._skipped.clear()
 
-    def look(self, picture: Picture) -> Seen:
+    def process(self, picture: Picture) -> Seen:
         """Run all stages on a picture.
 
         Returns
         -------
         Seen
-            What came of it; nothing is raised but KeyboardInterrupt.
+            The results of all stages. KeyboardInterrupt is the only exception that is raised.
         """
         overlays: dict[str, Overlay] = {}
         complaints, printed, seconds = [], "", 0.0
         error: BaseException | None = None
         for stage in self.stages:
-            if why := self._left_out.get(stage.name) or _not_before(stage, overlays):
+            if why := self._skipped.get(stage.name) or _lacks_results(stage, overlays):
                 complaints.append(why)
                 continue
             results = {name: each.result for name, each in overlays.items()}
             self._student.begin()
             tried = attempt(
-                lambda stage=stage, results=results: self._run(stage, Sight(picture, results)),  # type: ignore[misc]
-                lambda stage=stage: self._whose(stage),  # type: ignore[misc]
+                lambda stage=stage, results=results: self._run(stage, Frame(picture, results)),  # type: ignore[misc]
+                lambda stage=stage: self._source_of_error(stage),  # type: ignore[misc]
                 limit=self.time_limit,
                 quiet=True,
             )
@@ -312,39 +314,41 @@ class Pipeline:
         return Seen(overlays, tuple(complaints), error, printed, seconds)
 
     def summary(self) -> list[str]:
-        """Say which stages run and which do not, a line each."""
+        """Return a line that lists the stages that run, and a line for each stage that does not."""
         running = ", ".join(f"✔ {stage.name} ({number_of(stage.lesson)})" for stage in self.stages)
         return [
             f"your NAO so far: {running or 'nothing yet'}",
-            *(f"not yet: {name}, for {why}" for name, why in self.missing.items()),
+            *(f"not yet: {name}, because {why}" for name, why in self.missing.items()),
             *self.remarks,
         ]
 
-    def _run(self, stage: Stage, sight: Sight) -> Overlay:
-        if stage.name not in self._looks:
-            self._looks[stage.name] = stage.wire(self._student, self.nao)
-        overlay = self._looks[stage.name](sight)
-        shape = sight.picture.pixels.shape
+    def _run(self, stage: Stage, frame: Frame) -> Overlay:
+        if stage.name not in self._wired:
+            self._wired[stage.name] = stage.wire(self._student, self.nao)
+        overlay = self._wired[stage.name](frame)
+        shape = frame.picture.pixels.shape
         if overlay.painted is not None and overlay.painted.shape != shape:
             raise ValueError(f"shape {overlay.painted.shape[:2]} does not fit the picture's, {shape[:2]}")
         return overlay
 
-    def _whose(self, stage: Stage) -> str:
+    def _source_of_error(self, stage: Stage) -> str:
         student = self._student
         if student.running:
             return f"{student.running}()"
         return (
-            f"the panel, which uses what {student.last}() returned" if student.last else f"the {stage.name}"
+            f"the panel, in the code that uses the result of {student.last}()"
+            if student.last
+            else f"the {stage.name}"
         )
 
     def _complaint(self, stage: Stage, message: str, took_too_long: bool) -> str:
-        if took_too_long or stage.name not in self._looks:
-            message = f"{message} Mend it and press V: until then the drive goes on without {stage.name}."
-            self._left_out[stage.name] = f"Without {stage.name}: {message}"
+        if took_too_long or stage.name not in self._wired:
+            message = f"{message} The robot drives on without {stage.name}. Correct your code, then press V."
+            self._skipped[stage.name] = f"Without {stage.name}: {message}"
         return f"Without {stage.name}: {message}"
 
 
-def _not_before(stage: Stage, there: Iterable[str]) -> str:
-    """Why a stage cannot run, where one that it needs did not."""
-    lacking = [name for name in stage.after if name not in there]
-    return f"Without {stage.name}: {' and '.join(lacking)} would come first." if lacking else ""
+def _lacks_results(stage: Stage, available: Iterable[str]) -> str:
+    """Return why a stage cannot run if the result of an earlier stage is missing, else an empty string."""
+    missing = [name for name in stage.after if name not in available]
+    return f"Without {stage.name}: it needs {' and '.join(missing)}." if missing else ""

@@ -1,4 +1,4 @@
-"""The control panel as a figure, for where no widget can live."""
+"""The control panel as a figure, for places without widgets."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from nao_course.sim import Field
 from nao_course.widgets.control_panel.live_map import POINT_MARKER, MapContents
 
 
+@course_style()
 def draw_still(
     pictures: Mapping[str, Any], field: Field, contents: MapContents, names: Mapping[str, str], alt: str
 ) -> Drawing:
@@ -31,28 +32,27 @@ def draw_still(
     Parameters
     ----------
     pictures : mapping of str to ndarray of uint8, shape (H, W, 3)
-        What each place shows, by its title.
+        Pixels of each place, by its title.
     field : Field
-        The ground.
+        The field.
     contents : MapContents
-        What is on it.
+        The map's contents.
     names : mapping of str to str
-        For the legend, by source; the last one's colours are the estimate's.
+        Names for the legend, by source. The estimate has the colours of the last source.
     alt : str
-        All of it in words.
+        Text alternative of the figure.
     """
-    with course_style():
-        figure = Figure(figsize=(9.6, 5.4))
-        grid = figure.add_gridspec(len(pictures), 2, width_ratios=(1.0, 1.25))
-        for row, (title, pixels) in enumerate(pictures.items()):
-            ax = figure.add_subplot(grid[row, 0])
-            plot_picture(pixels, ax, ticks=False)
-            ax.set_title(title, fontsize=11)
-        ax = figure.add_subplot(grid[:, 1])
-        plot_field(field, ax)
-        _plot_contents(contents, list(names)[-1], ax)
-        keys = [source_key(source, names[source]) for source in contents.paths]
-        legend_below(figure, keys, columns=3)
+    figure = Figure(figsize=(9.6, 5.4))
+    grid = figure.add_gridspec(len(pictures), 2, width_ratios=(1.0, 1.25))
+    for row, (title, pixels) in enumerate(pictures.items()):
+        ax = figure.add_subplot(grid[row, 0])
+        plot_picture(pixels, ax, ticks=False)
+        ax.set_title(title, fontsize=11)
+    ax = figure.add_subplot(grid[:, 1])
+    plot_field(field, ax)
+    _plot_contents(contents, list(names)[-1], ax)
+    keys = [source_key(source, names[source]) for source in contents.paths]
+    legend_below(figure, keys, columns=3)
     return Drawing(figure, alt, photo=True)
 
 

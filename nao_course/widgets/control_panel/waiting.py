@@ -1,4 +1,4 @@
-"""Commands that wait while the robot still drives: a few, in the order in which they came."""
+"""A short queue of motions that wait while the robot still drives."""
 
 from __future__ import annotations
 
@@ -10,50 +10,60 @@ import numpy as np
 
 from nao_course.slam import Motion
 
-MOST_WAITING = 6  # commands; more are no quick taps any longer
+MOST_WAITING = 6  # motions; a longer queue would be a key that is held, not quick taps
 
 
 class WaitingMotions:
-    """A queue of motions that says what is in it."""
+    """A queue of motions that can describe its contents.
 
-    def __init__(self, by_itself: Callable[[], Motion | None] = lambda: None) -> None:
-        """Begin with none; `by_itself` says what comes where none waits, while `itself` is set."""
+    Attributes
+    ----------
+    by_itself : bool
+        Whether the robot drives by itself: an empty queue then takes the next motion from the student's code.
+    """
+
+    def __init__(self, next_motion: Callable[[], Motion | None] = lambda: None) -> None:
+        """Create an empty queue; ``next_motion()`` returns the next motion while the robot drives by itself."""
         self._motions: deque[Motion] = deque()
         self._refused = False
-        self._by_itself, self.itself = by_itself, False
+        self._next_motion, self.by_itself = next_motion, False
 
     def add(self, motion: Motion) -> None:
-        """Let a motion wait its turn; where too many do, it is left out, and `said` says so."""
+        """Append a motion; if the queue is full, discard the motion, and `text` reports that."""
         self._refused = len(self._motions) >= MOST_WAITING
         if not self._refused:
             self._motions.append(motion)
 
     def take(self) -> Motion | None:
-        """Take the oldest out; None where there is none, and the robot does not go by itself."""
+        """Take the oldest motion from the queue; None if it is empty and the robot does not drive by itself."""
         self._refused = False
         if self._motions:
             return self._motions.popleft()
-        motion = self._by_itself() if self.itself else None
-        self.itself = motion is not None and bool(motion.distance or motion.turn)
-        return motion if self.itself else None
+        motion = self._next_motion() if self.by_itself else None
+        self.by_itself = motion is not None and bool(motion.distance or motion.turn)
+        return motion if self.by_itself else None
 
     def clear(self) -> None:
-        """Forget them all, and go by itself no longer."""
+        """Discard all motions, and stop driving by itself."""
         self._motions.clear()
-        self._refused = self.itself = False
+        self._refused = self.by_itself = False
 
-    def said(self) -> str:
-        """Say what waits, equal motions in a row at once; empty where nothing does."""
+    def text(self) -> str:
+        """Return a sentence that lists the waiting motions; empty if none waits."""
         if not self._motions:
             return ""
         runs = [(in_words(motion), len(list(run))) for motion, run in groupby(self._motions)]
         words = "; ".join(f"{text} ({times} times)" if times > 1 else text for text, times in runs)
-        full = f" No more than {MOST_WAITING} can wait: the last press was left out." if self._refused else ""
+        full = (
+            f" At most {MOST_WAITING} commands can wait, so the last press was ignored."
+            if self._refused
+            else ""
+        )
         return f"Then: {words}.{full}"
 
 
 def in_words(motion: Motion) -> str:
-    """A command in a few words.
+    """Describe a motion in a few words.
 
     Examples
     --------

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
+from nao_course.codec import decode, encode, register
 from nao_course.exercises.case import Case
-from nao_course.exercises.codec import decode, encode, register
 from nao_course.exercises.comparisons import All, Between, Close, Each, Exact, Property, Unordered
 
 nan = np.nan
@@ -109,6 +109,9 @@ def test_all_comparisons_count_and_the_first_that_fails_is_told():
     assert both.compare(wanted, np.array([[2.0, 1.0], [0.0, 3.0]])).text == "your answer is not symmetric"
     assert both.compare(wanted, np.array([[2.0, 0.0], [0.0, 3.0]])).kind == "value"
     assert both.alike(wanted, wanted) and not both.alike(wanted, 2 * wanted)
+    near = All((Property(symmetric), Close(atol=0.1)))
+    assert near.alike(wanted, wanted + 0.05), "both obey the law"
+    assert not near.alike(wanted, wanted + [[0.0, 0.05], [0.0, 0.0]]), "only one does"
     for law in (All((Close(mask="diagonal"), Close())), All((Close(), Close(mask="diagonal")))):
         assert not law.alike(wanted, wanted - [[0.0, 1.0], [0.0, 0.0]])
 
@@ -165,7 +168,7 @@ def test_as_few_as_can_be_are_without_a_partner():
     law = Unordered(Close(rtol=0.0, atol=1.0))
     assert law.compare([0.0, 0.9], [1.8, 0.8])  # the nearest partner would leave 1.8 for 0.0
     assert law.compare([0.0, 10.0, 20.0], [20.0, 3.0, 0.0]).text == (
-        "1 of the 3 values of your answer have no right place"
+        "1 of the 3 values of your answer match no expected value"
     )
     assert law.compare([1.0, 1.0], [1.0, 2.5]).kind == "value"
 

@@ -5,7 +5,7 @@ import pytest
 import sympy
 from sympy import Abs, Max, Min, Mod, Piecewise, Rational, atan2, cos, exp, log, pi, sign, sin, sqrt, tan
 
-from nao_course.exercises.codec import decode, encode
+from nao_course.codec import decode, encode
 from nao_course.exercises.comparisons import expressions
 from nao_course.exercises.comparisons.expressions import OPERATIONS, Steps, compute
 
@@ -88,3 +88,10 @@ def test_no_operation_raises_whatever_it_is_given(name, count):
     for start in range(len(first)):
         places = [(start + each) % len(first) for each in range(count)]
         assert compute([*first, (name, *places)], symbols)[-1].shape == (3,)
+
+
+def test_at_its_edge_a_strict_condition_does_not_hold_and_a_loose_one_does():
+    for condition, holds in ((x < 0, False), (x <= 0, True), (x > 0, False), (x >= 0, True)):
+        steps = Steps()
+        place = steps.place(Piecewise((1, condition), (2, True)))
+        assert compute(steps.steps, {"x": np.zeros(1)})[place] == (1 if holds else 2)

@@ -5,9 +5,9 @@ import pytest
 import sympy
 from sympy import Matrix, Mod, atan, atan2, cos, pi, sin, sqrt
 
+from nao_course.codec import decode, encode
 from nao_course.exercises import Case, Derivative, Exercise, Mistake, call, judging
 from nao_course.exercises.checking import grade_public
-from nao_course.exercises.codec import decode, encode
 from nao_course.exercises.comparisons.jacobians import evaluated, jacobian
 from nao_course.instructor.authoring.plans import publish_exercise
 
@@ -57,7 +57,7 @@ def test_the_right_one_is_right_however_it_is_written():
     ("derived", "text"),
     [
         (changed(0, 2, d * sin(theta)), "row 1, column 3 (by theta)"),
-        (changed(0, 2, d * sin(theta)), "its sign is the wrong way round"),
+        (changed(0, 2, d * sin(theta)), "its sign is wrong"),
         (changed(0, 2, 0), "it is zero, but your model does change"),
         (changed(0, 2, cos(theta)), "a small change of that variable"),
         (changed(1, 0, y + 1), "row 2, column 1 (by x)"),
@@ -69,7 +69,7 @@ def test_the_right_one_is_right_however_it_is_written():
         (changed(0, 0, sympy.nan), "row 1, column 1"),
         (changed(0, 0, sympy.zoo), "row 1, column 1"),
         (RIGHT.T, "transposed: rows belong to the model"),
-        (RIGHT[:2, :], "is 2x3; for your model it has to be 3x3"),
+        (RIGHT[:2, :], "is 2x3; expected 3x3 for your model"),
     ],
 )
 def test_the_wrong_entry_and_the_likely_slip_are_named(derived, text):
@@ -84,7 +84,7 @@ def test_a_transposed_shape_is_named():
 
 def test_a_derivative_of_another_model_is_told_apart():
     other = MODEL.subs(theta, theta + pi / 2)
-    assert "the model is not the one" in verdict(other, other.jacobian([x, y, theta])).text
+    assert "your model is not the model of the exercise" in verdict(other, other.jacobian([x, y, theta])).text
     assert "not a number" in verdict(MODEL + Matrix([sqrt(-1 - x**2), 0, 0]), RIGHT).text
 
 
@@ -92,7 +92,7 @@ def test_every_wrong_entry_is_named_in_reading_order():
     both = changed(0, 2, d * sin(theta))
     both[2, 2] = 2 * theta
     assert LAW.faults(answer(MODEL, both)) == {
-        (0, 2): "its sign is the wrong way round",
+        (0, 2): "its sign is wrong",
         (2, 2): "it is 2 times as large as it should be",
     }
     assert LAW.faults(answer(MODEL, RIGHT)) == {}
@@ -125,17 +125,19 @@ def test_a_model_that_looks_to_the_other_side_has_the_same_slopes_and_is_told_by
     for model in (Matrix([atan2(-y, -x), theta, x]), Matrix([atan(y / x), theta, x])):
         got = answer(model, model.jacobian([x, y, theta]))
         assert loose.compare(wanted, got) and loose.alike(wanted, got)
-        assert "the model is not the one" in strict.compare(wanted, got).text
+        assert "your model is not the model of the exercise" in strict.compare(wanted, got).text
         assert not strict.alike(wanted, got) and strict.alike(got, got)
     round_once = answer(right + Matrix([2 * pi, 0, 0]), slopes)
     assert strict.compare(wanted, round_once) and strict.alike(wanted, round_once)
     assert not strict.compare(wanted, answer(right + Matrix([0, 2 * pi, 0]), slopes)), "a length has no turns"
+    for rounding in (1e-9, -1e-9):
+        assert strict.compare(wanted, {**wanted, "model": wanted["model"] + rounding})
     assert not strict.compare(wanted, {**round_once, "model": None})
     assert strict.compare(wanted, answer(right.T, slopes)), "a row of expressions is a model, too"
 
 
 def test_an_unknown_symbol_is_named():
-    with pytest.raises(ValueError, match=r"yours has \['phi'\]"):
+    with pytest.raises(ValueError, match=r"contain \['phi'\]"):
         answer(MODEL + Matrix([sympy.Symbol("phi"), 0, 0]), RIGHT)
 
 
@@ -267,3 +269,90 @@ def test_a_model_that_divides_by_0_is_wrong_and_warns_of_nothing():
     with np.errstate(all="warn"):
         got = evaluated(sent(Matrix([x / d, y, theta]), RIGHT), {**points(), "d": np.zeros(8)}, BY)
     assert not LAW.compare(answer(MODEL, RIGHT), got)
+
+
+def gathered(model, derived):
+    """What the judge makes of an answer, with the test for difference quotients."""
+    return LAW.gather(Case((points(), BY)), [sent(model, derived)])
+
+
+def quotients(model, h, weights=None):
+    """A "derivative" from central differences, or from more differences with these weights."""
+    weights = weights or {1: sympy.Rational(1, 2)}
+    columns = [
+        sum(
+            ((model.subs(v, v + n * h) - model.subs(v, v - n * h)) * w / h for n, w in weights.items()),
+            sympy.zeros(3, 1),
+        )
+        for v in (x, y, theta)
+    ]
+    return Matrix.hstack(*columns)
+
+
+WIDE = {
+    1: sympy.Rational(4, 5),
+    2: -sympy.Rational(1, 5),
+    3: sympy.Rational(4, 105),
+    4: -sympy.Rational(1, 280),
+}
+
+
+@pytest.mark.parametrize(
+    "derived",
+    [
+        quotients(MODEL, 1e-6),
+        quotients(MODEL, sympy.Rational(1, 10**5)),
+        quotients(MODEL, sympy.Rational(1, 10**7)),
+        quotients(MODEL, sympy.Rational(1, 100), WIDE),  # its error is 1e-17, less than that of a float
+        changed(
+            0, 2, -d * (sin(theta + 1e-6) - sin(theta - 1e-6)) / 2e-6 * 0 - 0.9999999999 * d * sin(theta)
+        ),
+        changed(0, 2, d * sympy.im(cos(theta + sympy.I * sympy.Rational(1, 10**6))) * 10**6),
+    ],
+    ids=["float step", "exact step", "small step", "eighth order", "rounded", "complex step"],
+)
+def test_a_difference_quotient_is_not_a_derivative(derived):
+    assert verdict(MODEL, derived), "with floats it is as good as the derivative"
+    said = LAW.compare(answer(MODEL, RIGHT), gathered(MODEL, derived))
+    assert not said and "A difference quotient is not a derivative" in said.text
+
+
+@pytest.mark.parametrize(
+    ("model", "derived"),
+    [
+        (MODEL, RIGHT),
+        (MODEL, changed(0, 2, -d * sqrt(1 - cos(theta) ** 2) * sympy.sign(sin(theta)))),
+        (MODEL, changed(0, 2, d * cos(theta + pi / 2))),
+        (MODEL, changed(0, 2, d * sympy.Add(cos(theta), -sin(theta) - cos(theta), evaluate=False))),
+        (MODEL, MODEL.diff(x).row_join(MODEL.diff(y)).row_join(MODEL.diff(theta))),
+        (MODEL + Matrix([0, 0, x**3 / 3]), RIGHT + Matrix([[0, 0, 0], [0, 0, 0], [x**2, 0, 0]])),
+        (
+            MODEL + Matrix([0, 0, sympy.exp(x / 7)]),
+            (MODEL + Matrix([0, 0, sympy.exp(x / 7)])).jacobian([x, y, theta]),
+        ),
+        (MODEL + Matrix([0, 0, sympy.Max(x, -9)]), RIGHT + Matrix([[0, 0, 0], [0, 0, 0], [1, 0, 0]])),
+    ],
+)
+def test_a_derivative_is_exact_in_whatever_form_it_is_written(model, derived):
+    assert gathered(model, derived)["exact"].all()
+
+
+def test_model_and_jacobian_in_the_wrong_order_are_named():
+    assert "the model first" in LAW.compare(answer(MODEL, RIGHT), gathered(RIGHT, MODEL)).text
+
+
+def test_what_is_too_long_or_too_large_is_not_exact():
+    assert not gathered(MODEL + Matrix([0, 0, sympy.exp(40)]), RIGHT)["exact"].any()
+    padding = Matrix([0, 0, sympy.Add(*(cos(n * x) / n for n in range(1, 900)))])
+    assert not gathered(MODEL + padding, RIGHT + padding.jacobian([x, y, theta]))["exact"].any()
+
+
+def test_a_ratio_that_makes_no_sense_is_no_answer():
+    for forged in (
+        ("ratio", 1, 0),
+        ("ratio", 1.0, 2),
+        ("ratio", 2**60, 1),
+        ("constant", "tau"),
+        ("ratio", True, 1),
+    ):
+        assert LAW.gather(Case((points(), BY)), [RAW | {"steps": [*RAW["steps"], forged]}]) == {}

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nao_course.codec import register
 from nao_course.exercises import (
     Case,
     Close,
@@ -19,7 +20,6 @@ from nao_course.exercises import (
     over_log,
 )
 from nao_course.exercises.checking import grade_public, pack, unpack
-from nao_course.exercises.codec import register
 from nao_course.exercises.running import call
 from nao_course.instructor.authoring.plans import publish
 from nao_course.instructor.authoring.proving.plan_checks import check_plan
@@ -129,7 +129,7 @@ def test_each_call_is_compared_as_it_was_when_it_was_made(public):
 
 def test_the_message_says_which_method_and_which_call(public):
     state, line = said(public, NoGain)
-    assert state == "wrong" and "(once): estimate, call 3: 1 of 1 elements of your answer are off" in line
+    assert state == "wrong" and "(once): estimate, call 3: 1 of 1 elements of your answer are wrong" in line
     assert "Weigh what you see." in grade_public(public, NoGain).lines
     assert (
         "(twice): estimate, call 1" in said(public, Forgets)[1]
@@ -195,7 +195,7 @@ def test_a_missing_method_a_constructor_that_raises_and_a_call_that_raises_say_s
     assert "in estimate, call 3 (once)" in said(public, Later)[1]
     few = type("Few", (), {"__init__": lambda self: None})
     assert said(public, few)[0] == "raised" and "in making one" in said(public, few)[1]
-    assert "hand over the class, without brackets" in said(public, Filter(0.0, 1.0))[1]
+    assert "pass the class itself, without brackets" in said(public, Filter(0.0, 1.0))[1]
 
 
 def test_an_abstract_method_that_is_not_there_is_named():
@@ -286,3 +286,35 @@ def test_the_input_of_a_call_must_stay_as_it_is():
 
     assert call(Greedy, calls(("take", [2])), "methods").changed
     assert not call(Greedy, Case(((), [])), "methods").changed
+
+
+# --- attributes, and the parts of a class ---
+
+PARTS = [
+    calls((".mean", np.array([2.0])), ("move", 1.0), ".mean", given=(0.0, 0.5), name="move: forwards"),
+    calls((".mean", np.array([2.0])), ("observe", 4.0), ".mean", given=(0.0, 0.5), name="observe: halfway"),
+]
+
+
+def parts_of(made_by):
+    exercise = replace(EXERCISE, public=lambda: PARTS, mistakes=[], alternatives={})
+    (public,) = publish("02_filters", LessonPlan([exercise]), {"Filter": Filter}).exercises
+    return grade_public(public, made_by)
+
+
+def test_an_attribute_is_assigned_and_read_so_that_a_method_is_tested_alone():
+    assert parts_of(Filter)
+    report = parts_of(NoGain)
+    assert "1 of 2 public checks pass" in report.lines[0] and "(observe: halfway): mean: " in report.lines[0]
+    assert report.lines[-1] == "These parts are right: move."
+
+
+def test_a_missing_attribute_is_named():
+    outcome = call(Filter, calls(".variance", given=(0.0, 0.5)), "methods")
+    assert outcome.status == "raised" and "Filter has no attribute variance" in outcome.text
+
+
+def test_an_attribute_that_should_be_none_is_said_so():
+    case = calls(".heading")
+    verdict = Methods().judge(replace(case, expected=[(".heading", None)]), [(".heading", 1.0)])
+    assert not verdict and "heading should be None here" in verdict.text

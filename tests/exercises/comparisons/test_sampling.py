@@ -28,10 +28,10 @@ def sample(values, n_samples, rng):
             lambda v, n, rng: np.random.default_rng().choice(v.ravel(), n).mean(),
             "the same rng gave two different",
         ),
-        (lambda v, n, rng: v.mean(), "whatever rng it gets"),
+        (lambda v, n, rng: v.mean(), "for every rng"),
         (
             lambda v, n, rng: v.ravel()[np.random.default_rng(7).integers(0, v.size, n)].mean(),
-            "whatever rng it gets",
+            "for every rng",
         ),
         (lambda v, n, rng: rng.choice(v.ravel()), "the scatter of your answers"),
         (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
@@ -42,6 +42,24 @@ def sample(values, n_samples, rng):
 )
 def test_a_random_sample_is_judged_by_its_law(function, said):
     assert said in LAW.compare(law(sample), law(function)).text
+
+
+def test_noise_of_the_right_size_around_the_mean_is_not_a_sample():
+    def noisy(v, n, rng):
+        return v.mean() + rng.normal(0, v.std() / np.sqrt(n))
+
+    for _ in range(3):
+        assert LAW.compare(law(sample), law(noisy)), "forty values have nearly a normal mean"
+    verdict = LAW.compare(law(sample_of_two, 1), law(noisy_two, 1))
+    assert verdict.kind == "law" and "not their distribution" in verdict.text
+
+
+def sample_of_two(v, n, rng):
+    return float(rng.choice([0.0, 250.0], n).mean())
+
+
+def noisy_two(v, n, rng):
+    return rng.normal(125, 125)
 
 
 def test_another_way_to_draw_the_same_sample_is_right():

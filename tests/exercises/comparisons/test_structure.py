@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.exercises.comparisons import Between, Close, Exact
 
 TURN = 2 * np.pi
@@ -150,7 +150,7 @@ def test_values_of_every_kind_are_told_apart(expected, got, kind):
 
 
 def test_a_complex_number_is_told_as_one():
-    assert "1+2j, is off" in Close().compare(1j, 1 + 2j).text
+    assert "1+2j, which is not right" in Close().compare(1j, 1 + 2j).text
 
 
 @settings(deadline=None)

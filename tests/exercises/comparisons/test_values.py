@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from nao_course.exercises.codec import register
+from nao_course.codec import register
 from nao_course.exercises.comparisons.values import Between, Close, Exact, Points
 
 nan, inf = np.nan, np.inf
@@ -119,10 +119,17 @@ def test_one_long_text_among_many_takes_no_memory():
 def test_angles_are_compared_on_their_circle():
     hues, turn = Close(period=360.0, atol=0.1), Close(period=2 * np.pi)
     assert hues.compare(np.array([359.99, 0.0, 90.0]), np.array([-0.01, 360.0, 450.0]))
+    assert hues.compare(np.array([0.0, 359.95]), np.array([359.95, 0.0]))
     assert not hues.compare(10.0, 190.0)
     assert not hues.compare(10.0, 11.0)
     assert turn.compare(np.pi, -np.pi)
     assert hues.compare(10.0, inf).kind == "value"
+
+
+def test_one_point_is_not_right_at_two_places():
+    law = Points(tolerance=1.0)
+    assert not law.compare(np.array([(0.0, 0.0), (0.5, 0.0)]), np.array([(0.2, 0.0), (9.0, 9.0)]))
+    assert not law.compare(np.array([(0.0, 0.0), (9.0, 9.0)]), np.array([(0.2, 0.0), (0.5, 0.0)]))
 
 
 def test_a_fraction_of_labels_may_differ_and_no_more():
@@ -132,7 +139,7 @@ def test_a_fraction_of_labels_may_differ_and_no_more():
     assert Exact(allowed=0.05).compare(labels, wrong)
     wrong.flat[5] = 3
     verdict = Exact(allowed=0.05).compare(labels, wrong)
-    assert verdict.text == "6 of 100 elements of your answer are off, the first at [0, 0]: you have 3"
+    assert verdict.text == "6 of 100 elements of your answer are wrong, the first at [0, 0]: you have 3"
     assert not Exact().compare(labels, wrong)
 
 
@@ -241,8 +248,8 @@ def test_an_expected_value_is_never_said(comparison, expected):
 
 def test_values_of_a_tuple_are_called_by_their_names():
     comparison = Close(names=("your hue", "your saturation"))
-    assert "of your saturation are off" in comparison.compare((1.0, np.zeros(3)), (1.0, np.ones(3))).text
-    assert "2 values (your hue, your saturation) are wanted" in comparison.compare((1.0, 2.0), 3.0).text
+    assert "of your saturation are wrong" in comparison.compare((1.0, np.zeros(3)), (1.0, np.ones(3))).text
+    assert "expected 2 values (your hue, your saturation)" in comparison.compare((1.0, 2.0), 3.0).text
     assert comparison.compare((1.0, np.zeros(2)), (1.0, np.array([0.0, np.nan]))).at == (1,)
 
 
@@ -253,26 +260,26 @@ def test_labels_are_whole_numbers():
 
 
 def test_an_answer_that_was_rounded_hears_how_exact_it_has_to_be_and_one_that_is_far_off_does_not():
-    assert "is close, and has to be right to 0.01 %" in Close().compare(np.pi / 2, 3.14 / 2).text
+    assert "is close, but must be right within 0.01 %" in Close().compare(np.pi / 2, 3.14 / 2).text
     assert "is close" not in Close().compare(np.pi / 2, 3 / 2).text
-    assert "is close, and has to be right to 0.02" in Close(rtol=0, atol=0.02).compare(350.0, 350.1).text
+    assert "is close, but must be right within 0.02" in Close(rtol=0, atol=0.02).compare(350.0, 350.1).text
     assert "is close" not in Close(rtol=0.25).compare(1.0, 1.5).text  # what scatters has a coarse tolerance
     assert "is close" not in Close().compare(np.array([1.0, 2.0]), np.array([1.0002, 3.0])).text
 
 
 def test_whole_numbers_that_came_with_a_point_hear_where_to_say_it():
     text = Exact().compare(np.zeros(3, dtype=np.uint8), np.zeros(3)).text
-    assert "numbers with a point (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text
+    assert "floating-point numbers (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text
 
 
 def test_points_are_counted_in_words_of_their_number():
     one, two = np.array([[0.0, 0.0]]), np.array([[0.0, 0.0], [9.0, 9.0]])
     assert "has 1 point, which" in Points().compare(two, one).text
     assert "has 2 points, which" in Points().compare(one, two).text
-    assert "your point is at no right place" in Points().compare(one, one + 5).text
-    assert "1 of your 2 points is at" in Points().compare(two, two + [[5, 0], [0, 0]]).text
-    assert "2 of your 2 points are at" in Points().compare(two, two + 5).text
+    assert "your point is in the wrong place" in Points().compare(one, one + 5).text
+    assert "1 of your 2 points is in" in Points().compare(two, two + [[5, 0], [0, 0]]).text
+    assert "2 of your 2 points are in" in Points().compare(two, two + 5).text
 
 
 def test_where_nothing_is_wanted_none_is_said_and_not_its_type():
-    assert Close().compare(None, np.zeros(2)).text == "your answer is a ndarray; None is wanted"
+    assert Close().compare(None, np.zeros(2)).text == "your answer is a ndarray; expected None"

@@ -6,7 +6,7 @@ import pytest
 from nao_course.geometry import Pose
 from nao_course.sim import Truth
 from nao_course.slam import Motion
-from nao_course.widgets.control_panel.cockpit import STEP, TURN_STEP, Cockpit, pieces
+from nao_course.widgets.control_panel.cockpit import STEP, TURN_STEP, Cockpit, small_steps
 from tests.widgets.robots import Recorder, clean_nao
 
 
@@ -14,7 +14,7 @@ from tests.widgets.robots import Recorder, clean_nao
     "motion", [Motion(0.2), Motion(-0.33, 1.0), Motion(0.0, -np.pi), Motion(), Motion(1e-9)]
 )
 def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
-    parts = list(pieces(motion))
+    parts = list(small_steps(motion))
     assert sum(part.distance for part in parts) == pytest.approx(motion.distance)
     assert sum(part.turn for part in parts) == pytest.approx(motion.turn)
     assert all(abs(part.distance) <= STEP + 1e-9 and abs(part.turn) <= TURN_STEP + 1e-9 for part in parts)

@@ -9,10 +9,10 @@ import nbformat
 import numpy as np
 import pytest
 
+from nao_course._internal.time_limits import TooSlow
 from nao_course.geometry import Pose
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import DeadReckoning, Estimate, Measurement, SlamAlgorithm
-from nao_course.time_limits import TooSlow
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel.cockpit import STEP
 from tests.widgets.robots import Failing, Recorder, clean_nao, in_a_loop, press, until_it_stands
@@ -93,7 +93,7 @@ def test_a_hidden_truth_is_neither_in_words_nor_in_the_map():
     panel.forward(0.3)
     before = panel._controls.map.value
     truth.place(Pose(2.0, 1.0, 2.0))
-    panel._show_map()
+    panel._screen._show_map()
     assert panel._controls.map.value == before
     assert "truth" not in panel.summary()
     assert "truth" not in repr(panel._repr_mimebundle_()["text/html"])
@@ -256,7 +256,7 @@ def test_code_that_never_ends_is_stopped_and_the_panel_lives(where):
     assert panel.cockpit.nao.odometry.x == pytest.approx(before + 0.2)
     assert panel.cockpit.message == "Walk 0.20 m ahead: done."
     press(panel, "slam")
-    assert "Measured 1 landmark; Endless knows 0" in panel.cockpit.message
+    assert "Measured 1 landmark; the map of Endless contains 0" in panel.cockpit.message
     assert "nao-alarm" not in panel._controls.status.value
 
 

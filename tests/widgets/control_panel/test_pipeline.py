@@ -22,9 +22,9 @@ def brightest(picture):
 def paint(student, nao):
     """A stage that paints what is bright in pink, and hands on where that is."""
 
-    def look(sight):
-        pixels = student.brightest(sight.picture.pixels)
-        painted = np.full(sight.picture.pixels.shape, (255, 0, 200), np.uint8)
+    def look(frame):
+        pixels = student.brightest(frame.picture.pixels)
+        painted = np.full(frame.picture.pixels.shape, (255, 0, 200), np.uint8)
         return Overlay(pixels, painted, pixels=pixels, text=f"{len(pixels)} bright")
 
     return look
@@ -33,8 +33,8 @@ def paint(student, nao):
 def ahead(student, nao):
     """A stage that puts two points on the map: what a later lesson makes of the pixels of an earlier one."""
 
-    def look(sight):
-        points = student.to_ground(sight.results["bright"], sight.picture.view)
+    def look(frame):
+        points = student.to_ground(frame.results["bright"], frame.picture.view)
         return Overlay(points=points, text=f"{len(points)} on the ground")
 
     return look
@@ -117,7 +117,7 @@ def test_in_the_view_of_the_picture_alone_the_students_code_is_not_asked():
     panel.view = "picture"
     calls.clear()
     panel.forward(0.1)
-    assert calls == [] and panel._contents().points.shape == (0, 2)
+    assert calls == [] and panel._screen.contents().points.shape == (0, 2)
 
 
 def test_each_step_of_a_drive_is_looked_at_once_with_the_picture_that_is_shown():
@@ -133,9 +133,9 @@ def test_points_of_a_later_stage_stand_on_the_map_in_front_of_the_odometrys_robo
     panel = make(pose=Pose(0.5, 0.0, np.pi / 2))
     bare = make(pose=Pose(0.5, 0.0, np.pi / 2))
     bare.view = "picture"
-    assert np.allclose(panel._contents().points, [(1.0, 0.0), (1.0, 0.5)])
+    assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
     assert not np.array_equal(decoded(image(panel, "map")), decoded(image(bare, "map")))
-    (marks,) = [each for each in panel._map._artists if getattr(each, "get_marker", str)() == "*"]
+    (marks,) = [each for each in panel._screen._map._artists if getattr(each, "get_marker", str)() == "*"]
     assert np.allclose(np.transpose(marks.get_data()), [(0.5, 1.0), (0.0, 1.0)])
 
 
@@ -153,7 +153,7 @@ def test_the_text_and_the_still_picture_say_what_was_seen():
     panel.forward(0.05)
     for line in (
         "your NAO so far: ✔ bright (90), ✔ points (91)",
-        "not yet: corners, for find_corners of lesson 03 is not written yet",
+        "not yet: corners, because find_corners of lesson 03 is not written yet",
         "bright: 3 bright",
         "points: 2 on the ground",
         "status: Walk 0.05 m ahead: done.",
@@ -180,23 +180,23 @@ def test_the_stage_of_the_documentation_is_made_of_ten_lines_and_marks_what_is_f
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
     room = {"Overlay": Overlay, "Stage": Stage}
     exec(example, room)
-    labels = Stage("labels", "01_hsl_filtering", (), lambda *_: lambda sight: Overlay(result="labels"))
+    labels = Stage("labels", "01_hsl_filtering", (), lambda *_: lambda frame: Overlay(result="labels"))
     functions = {"find_goalposts": lambda labels: [(5.0, 6.0), (7.0, 8.0)]}
-    seen = pipeline_of(labels, room["STAGE"], **functions).look(PICTURE)
+    seen = pipeline_of(labels, room["STAGE"], **functions).process(PICTURE)
     assert seen.complaints == () and seen.lines() == ["goal posts: 2 found"]
     assert np.array_equal(seen.overlays["goal posts"].pixels, [(5, 6), (7, 8)]) and seen.names == "goal posts"
 
 
 def test_the_last_stage_that_has_an_estimate_says_where_the_robot_is():
-    def believing(x):
+    def estimating(x):
         estimate = Estimate(Pose(x, 0.0, 0.0), np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
-        look = lambda *_: lambda sight: Overlay(estimate=estimate)  # noqa: E731
+        look = lambda *_: lambda frame: Overlay(estimate=estimate)  # noqa: E731
         return Stage(f"at {x}", "01_hsl_filtering", (), look, estimates=True)
 
-    silent = Stage("silent", "01_hsl_filtering", (), lambda *_: lambda sight: Overlay())
-    both = pipeline_of(believing(1.0), believing(2.0), silent)
-    assert both.estimates and both.look(PICTURE).estimate.pose == Pose(2.0, 0.0, 0.0)
-    assert not pipeline_of(silent).estimates and pipeline_of(silent).look(PICTURE).estimate is None
+    silent = Stage("silent", "01_hsl_filtering", (), lambda *_: lambda frame: Overlay())
+    both = pipeline_of(estimating(1.0), estimating(2.0), silent)
+    assert both.estimates and both.process(PICTURE).estimate.pose == Pose(2.0, 0.0, 0.0)
+    assert not pipeline_of(silent).estimates and pipeline_of(silent).process(PICTURE).estimate is None
 
 
 # --- at arm's length ---
@@ -218,16 +218,16 @@ def pipeline_of(*stages, time_limit=60.0, **functions):
     ("function", "said"),
     [
         (failing, "Without bright: IndexError in brightest(), line"),
-        (lambda picture: None, "the panel, which uses what brightest() returned"),
-        (lambda picture: "nonsense", "the panel, which uses what brightest() returned"),
+        (lambda picture: None, "the panel, in the code that uses the result of brightest()"),
+        (lambda picture: "nonsense", "the panel, in the code that uses the result of brightest()"),
         (lambda picture: [(np.nan, 1.0)], "pixels must be finite numbers"),
         (lambda picture: np.zeros((2, 3)), "pixels must have shape (N, 2), got (2, 3)"),
     ],
 )
 def test_what_a_stage_does_wrong_is_said_and_those_after_it_are_named(function, said):
-    seen = pipeline_of(brightest=function).look(PICTURE)
+    seen = pipeline_of(brightest=function).process(PICTURE)
     assert said in seen.complaints[0] and seen.error is not None
-    assert seen.complaints[1] == "Without points: bright would come first."
+    assert seen.complaints[1] == "Without points: it needs bright."
     assert not seen.overlays and np.array_equal(seen.over(PICTURE.pixels), PICTURE.pixels)
 
 
@@ -241,9 +241,9 @@ def test_a_drive_goes_on_without_what_fails():
 
 def test_a_painting_of_another_size_is_refused_in_words():
     small = Stage(
-        "small", "90_toy", (), lambda *_: lambda sight: Overlay(painted=np.zeros((2, 2, 3), np.uint8))
+        "small", "90_toy", (), lambda *_: lambda frame: Overlay(painted=np.zeros((2, 2, 3), np.uint8))
     )
-    (said,) = pipeline_of(small).look(PICTURE).complaints
+    (said,) = pipeline_of(small).process(PICTURE).complaints
     assert "shape (2, 2) does not fit the picture's, (240, 320)" in said
 
 
@@ -256,8 +256,8 @@ def test_one_bad_picture_costs_that_picture_only():
         return brightest(picture)
 
     pipeline = pipeline_of(brightest=sometimes)
-    assert "Without bright" in pipeline.look(PICTURE).complaints[0]
-    assert pipeline.look(PICTURE).complaints == ()
+    assert "Without bright" in pipeline.process(PICTURE).complaints[0]
+    assert pipeline.process(PICTURE).complaints == ()
 
 
 def test_a_function_that_never_ends_is_left_out_until_the_view_is_changed():
@@ -271,7 +271,7 @@ def test_a_function_that_never_ends_is_left_out_until_the_view_is_changed():
 
     panel = make(brightest=endless, time_limit=1.0)
     assert "Time is up: brightest()" in panel.summary() and "press V" in panel.summary()
-    panel._pipeline.time_limit = 60.0
+    panel._own._pipeline.time_limit = 60.0
     panel.forward(0.1)
     assert len(calls) == 1 and "Walk 0.10 m ahead: done." in panel.summary()
     press(panel, "view")
@@ -286,10 +286,10 @@ def test_a_calibration_that_fails_is_not_repeated_with_each_picture():
         raise ValueError("no carpet")
 
     pipeline = pipeline_of(Stage("bright", "90_toy", (), wire))
-    first, second = (pipeline.look(PICTURE).complaints for _ in range(2))
+    first, second = (pipeline.process(PICTURE).complaints for _ in range(2))
     assert len(tried) == 1 and first == second and "Without bright: ValueError in the bright" in first[0]
-    pipeline.wake()
-    pipeline.look(PICTURE)
+    pipeline.retry()
+    pipeline.process(PICTURE)
     assert len(tried) == 2
 
 
@@ -298,7 +298,7 @@ def test_a_stage_cannot_change_the_picture_that_is_shown():
         picture[:] = 0
         return []
 
-    assert not pipeline_of(brightest=vandal).look(PICTURE).complaints and PICTURE.pixels.min() == 250
+    assert not pipeline_of(brightest=vandal).process(PICTURE).complaints and PICTURE.pixels.min() == 250
 
 
 def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(capsys):
@@ -309,7 +309,7 @@ def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(caps
 def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prints(monkeypatch):
     monkeypatch.setattr(module, "SLOW", -1.0)
     panel = make()
-    assert "the drive follows slowly" in status(panel) and " ms " not in panel.summary()
+    assert "which slows the drive down" in status(panel) and " ms " not in panel.summary()
 
 
 def test_the_board_is_the_line_of_the_last_stage_that_has_an_estimate():
@@ -330,7 +330,7 @@ def wander(least):
         "92_toy",
         (),
         lambda student, nao: (
-            lambda sight: Overlay(motion=Motion(0.05) if nao.odometry.x < least - 1e-9 else None)
+            lambda frame: Overlay(motion=Motion(0.05) if nao.odometry.x < least - 1e-9 else None)
         ),
         drives=True,
     )

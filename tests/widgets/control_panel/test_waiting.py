@@ -9,20 +9,20 @@ def test_motions_come_out_as_they_went_in():
     motions = [Motion(0.2, 0.0), Motion(0.2, 0.0), Motion(0.0, 0.5)]
     for motion in motions:
         waiting.add(motion)
-    assert waiting.said() == "Then: Walk 0.20 m ahead (2 times); Turn 29° left."
+    assert waiting.text() == "Then: Walk 0.20 m ahead (2 times); Turn 29° left."
     assert [waiting.take() for _ in range(4)] == [*motions, None]
-    assert waiting.said() == ""
+    assert waiting.text() == ""
 
 
 def test_one_too_many_is_left_out_and_said_until_there_is_room():
     waiting = WaitingMotions()
     for _ in range(MOST_WAITING):
         waiting.add(Motion(0.2, 0.0))
-    assert "left out" not in waiting.said()
+    assert "ignored" not in waiting.text()
     waiting.add(Motion(-0.2, 0.0))
-    assert "the last press was left out" in waiting.said() and "back" not in waiting.said()
+    assert "the last press was ignored" in waiting.text() and "back" not in waiting.text()
     waiting.take()
-    assert "left out" not in waiting.said()
+    assert "ignored" not in waiting.text()
     waiting.clear()
     assert waiting.take() is None
 
@@ -31,10 +31,10 @@ def test_by_itself_it_takes_what_the_code_says_after_what_waits_and_ends_with_no
     said = [Motion(0.3, 0.0), Motion(0.0, 0.0), Motion(0.3, 0.0)]
     waiting = WaitingMotions(lambda: said.pop(0))
     assert waiting.take() is None and len(said) == 3  # nobody asked for it
-    waiting.itself = True
+    waiting.by_itself = True
     waiting.add(Motion(0.0, 0.5))
     assert [waiting.take() for _ in range(2)] == [Motion(0.0, 0.5), Motion(0.3, 0.0)]
-    assert waiting.take() is None and not waiting.itself  # a motion of nothing would never end
-    waiting.itself = True
+    assert waiting.take() is None and not waiting.by_itself  # a motion of nothing would never end
+    waiting.by_itself = True
     waiting.clear()
     assert waiting.take() is None and len(said) == 1

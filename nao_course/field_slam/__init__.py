@@ -1,0 +1,20 @@
+"""SLAM on the field from camera pictures: measurements with their covariance, data association, and whole drives.
+
+Each picture becomes an `Observation`: bearings and ranges of corners and posts (`lines`, `observation`), the body tilt
+and the heading from the field's lines (`compass`), and the centre circle (`circle`). `association` assigns measurements
+to landmarks. `joint_update` and `pruning` wrap a SLAM algorithm. `drives` and `walk` provide simulated and real
+pictures. `demo` runs everything together: the robot drives over the field and maps it (``nao-course demo``).
+"""
+
+__all__ = [
+    "association",
+    "circle",
+    "compass",
+    "demo",
+    "drives",
+    "joint_update",
+    "lines",
+    "observation",
+    "pruning",
+    "walk",
+]

@@ -1,0 +1,101 @@
+"""The results of a demo: errors and computing times as numbers and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+import numpy as np
+
+from nao_course.field_slam.demo.drive import Story
+from nao_course.geometry import Pose, pose_errors, wrap_angle
+from nao_course.plotting.style import style_of
+from nao_course.sim import Field
+from nao_course.slam import Estimate
+
+UNITS = "way, position, landmarks_median: m; heading: degrees; times: ms per picture. Errors are those at the end."
+
+
+def results(story: Story, field_: Field) -> dict[str, Any]:
+    """Return all errors and times as values for a JSON file, in m, degrees and milliseconds."""
+    places = np.array([(mark.x, mark.y) for mark in field_.landmarks])
+    found: dict[str, Any] = {
+        "units": UNITS,
+        "pictures": len(story.poses),
+        "way": way_of(story.poses),
+        "odometry": errors_of(story.odometry[-1], story.poses[-1]),
+        "vision_ms": _milliseconds(story.vision),
+    }
+    for name, estimates in story.estimates.items():
+        last = estimates[-1]
+        away = np.linalg.norm(last.landmarks[:, None] - places, axis=2)
+        found[name] = {
+            **errors_of(last.pose, story.poses[-1]),
+            "nees": _nees(last, story.poses[-1]),
+            "landmarks": len(last.landmarks),
+            "landmarks_median": float(np.median(away.min(axis=1))) if len(away) else None,
+            "slam_ms": _milliseconds(story.slam[name]),
+            "position_at_each_picture": [
+                round(errors_of(each.pose, true)["position"], 4)
+                for each, true in zip(estimates, story.poses, strict=True)
+            ],
+        }
+    return found
+
+
+def in_words(story: Story, field_: Field) -> list[str]:
+    """Return the errors at the end as text, with a line for odometry and a line for each algorithm."""
+    found = results(story, field_)
+    lines = [
+        f"{found['pictures']} pictures, {found['way']:.1f} m; odometry ends {found['odometry']['position']:.2f} m off"
+    ]
+    for name in story.estimates:
+        each = found[name]
+        spent = found["vision_ms"]["median"] + each["slam_ms"]["median"]
+        lines.append(
+            f"{style_of(name).label}: {each['position']:.3f} m and {each['heading']:.2f} degrees off, "
+            f"NEES {each['nees']:.1f}, {each['landmarks']} landmarks, {spent:.0f} ms per picture"
+        )
+    return lines
+
+
+def way_of(poses: Sequence[Pose]) -> float:
+    """Return the length of a path, m."""
+    path = np.array([(pose.x, pose.y) for pose in poses])
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def errors_of(pose: Pose, true: Pose) -> dict[str, float]:
+    """Return the error of a pose: of its position in m, and of its heading in degrees."""
+    return {
+        "position": float(np.hypot(pose.x - true.x, pose.y - true.y)),
+        "heading": float(np.degrees(abs(wrap_angle(pose.theta - true.theta)))),
+    }
+
+
+def _nees(estimate: Estimate, true: Pose) -> float:
+    away = pose_errors(estimate.pose.as_array(), true.as_array())
+    return float(away @ np.linalg.pinv(estimate.covariance) @ away)
+
+
+def _milliseconds(seconds: Sequence[float]) -> dict[str, float]:
+    each = 1000 * np.array(seconds)
+    return {"median": float(np.median(each)), "95 %": float(np.quantile(each, 0.95))}
+
+
+def make_folder(folder: Path) -> Path:
+    """Make a folder and check that files can be written there, before a long calculation starts.
+
+    Raises
+    ------
+    ValueError
+        If the folder cannot be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        raise ValueError(f"--out {folder}: nothing can be written there ({error.strerror})") from None

@@ -1,0 +1,190 @@
+"""Simulated drives over the half field: a driver who knows the true pose steers, and the robot takes pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nao_course.codec import register
+from nao_course.geometry import FloatArray, Pose, rotation_2d
+from nao_course.sim import (
+    Field,
+    OdometryNoise,
+    Picture,
+    PictureTruth,
+    Reality,
+    SimulatedNao,
+    TorsoTilt,
+    Truth,
+)
+from nao_course.slam import Motion
+
+MOVES = 60  # of a drive
+STEP, SHARPEST = 0.25, float(np.radians(50))  # m and rad: longest step and sharpest turn of a move
+YAWS = (0.8, 0.0, -0.8)  # rad: three pictures of 61 degrees each, which overlap a little
+HEAD_PITCH = float(
+    np.radians(-31.0)
+)  # the head is raised, because the bottom camera itself looks down by 39.7 degrees
+# Standard deviations of the body tilt, as measured on real pictures (docs/real_data.md).
+TILT = TorsoTilt(float(np.radians(1.3)), float(np.radians(0.8)))
+INSIDE = (
+    (0.25, -1.75),
+    (2.75, 1.75),
+)  # m: lower left and upper right corner of the area where the robot drives
+NEAREST_GOAL, SMALLEST_TURN = 1.2, float(np.radians(30))  # m and rad: a new goal is at least this far away
+GOAL_LINE = 3.0  # m: x of the goal line on the half field of 2012
+LEAST_SIGMA = 0.001  # m: also a robot that only turns moves a little
+
+
+@register
+@dataclass(frozen=True)
+class OdometryNoisePerMove(OdometryNoise):
+    """Odometry noise with a standard deviation in proportion to each move.
+
+    The variances of `OdometryNoise` grow in proportion to the distance. Here, the standard deviations do: 10 % of the
+    distance along, 5 % across, and 1 degree plus 10 % of the turn.
+
+    Parameters
+    ----------
+    along, across : float
+        Standard deviations along and across the motion, m per m.
+    turn : float
+        Constant part of the standard deviation of the turn, rad.
+    turn_per_turn : float
+        Part of the standard deviation of the turn that grows with the turn, rad per rad.
+    factor : float
+        Factor for all standard deviations.
+    """
+
+    along: float = 0.10
+    across: float = 0.05
+    turn: float = float(np.radians(1.0))
+    turn_per_turn: float = 0.10
+    factor: float = 1.0
+
+    def covariance(self, motion: Motion) -> FloatArray:
+        """Return the covariance (3, 3) of the errors along, across and in turn, robot frame, m^2 and rad^2."""
+        distance = abs(motion.distance)
+        turn = self.turn + self.turn_per_turn * abs(motion.turn)
+        sigmas = np.array([self.along * distance + LEAST_SIGMA, self.across * distance + LEAST_SIGMA, turn])
+        return np.diag((self.factor * sigmas) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A picture of a drive, with the ground truth.
+
+    Parameters
+    ----------
+    motion : Motion or None
+        Commanded motion before the picture; None if the robot only turned its head.
+    picture : Picture
+        Pixels and the assumed view of the camera.
+    pose : Pose
+        True pose of the robot in the field frame.
+    truth : PictureTruth
+        True view of the camera, and the landmarks in the picture.
+    """
+
+    motion: Motion | None
+    picture: Picture
+    pose: Pose
+    truth: PictureTruth
+
+
+def start_of(seed: int) -> Pose:
+    """Return the first pose of a drive in the field frame: near the halfway line, facing the goal."""
+    x, y, turn = np.random.default_rng([seed, 11]).uniform((0.3, -1.0, -0.3), (0.7, 1.0, 0.3))
+    return Pose(float(x), float(y), float(np.arctan2(-y, GOAL_LINE - x) + turn))
+
+
+def drive_over_field(
+    seed: int,
+    *,
+    factor: float = 1.0,
+    moves: int = MOVES,
+    yaws: Sequence[float] = YAWS,
+    reality: Reality | None = None,
+) -> Iterator[Shot]:
+    """Drive over the half field and yield the pictures of each stop, which are rendered one at a time.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the start, the goals, the odometry, the tilt and the room. The same seed gives the same drive.
+    factor : float
+        Factor for the standard deviations of `OdometryNoisePerMove`.
+    moves : int
+        Number of moves.
+    yaws : sequence of float
+        Yaw angles of the head at each stop, rad.
+    reality : Reality, optional
+        Appearance of the pictures; by default the preset `lab` in a room that depends on the seed.
+
+    Yields
+    ------
+    Shot
+        A picture for each yaw angle at each of the (moves + 1) stops.
+    """
+    nao = SimulatedNao(
+        Field(2012),
+        start_of(seed),
+        np.random.default_rng([seed, 12]),
+        odometry_noise=OdometryNoisePerMove(factor=factor),
+        tilt=TILT,
+        reality=reality or Reality.lab(seed),
+    )
+    world, driver = Truth(nao), Driver(np.random.default_rng([seed, 13]))
+    for stop in range(moves + 1):
+        motion = driver.next(world.pose) if stop else None
+        if motion is not None:
+            nao.move(motion)
+        for yaw in yaws:
+            nao.look(yaw, HEAD_PITCH)
+            picture = nao.take_picture()
+            assert world.picture is not None
+            yield Shot(motion, picture, world.pose, world.picture)
+            motion = None
+
+
+class Driver:
+    """A driver who knows the true pose of the robot and steers it from goal to goal inside the field.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of the random goals.
+    """
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        """Start without a goal."""
+        self._rng = rng
+        self._goal: FloatArray | None = None
+
+    def next(self, pose: Pose) -> Motion:
+        """Return the next motion: a step ahead that stays inside the field, then a turn towards the goal."""
+        step = room_ahead(pose.as_array(), STEP)
+        there = pose @ Pose(step, 0.0, 0.0)
+        if self._goal is None or np.hypot(*there.to_local(self._goal)[0]) < STEP:
+            self._goal = self._new_goal(there)
+        ahead, left = there.to_local(self._goal)[0]
+        return Motion(step, float(np.clip(np.arctan2(left, ahead), -SHARPEST, SHARPEST)))
+
+    def _new_goal(self, pose: Pose) -> FloatArray:
+        """Return a random goal that is neither too near nor straight ahead."""
+        while True:
+            goal = self._rng.uniform(*INSIDE)
+            ahead, left = pose.to_local(goal)[0]
+            if np.hypot(ahead, left) >= NEAREST_GOAL and abs(np.arctan2(left, ahead)) > SMALLEST_TURN:
+                return goal
+
+
+def room_ahead(pose: FloatArray, step: float) -> float:
+    """Return how far the robot can walk ahead from a pose (3,) without leaving `INSIDE`, m; at most one step."""
+    position, heading = pose[:2], rotation_2d(float(pose[2]))[:, 0]
+    to_edge = np.where(heading > 0, INSIDE[1] - position, INSIDE[0] - position)
+    # The robot never reaches an edge that is parallel to its heading.
+    room = np.divide(to_edge, heading, out=np.full(2, np.inf), where=heading != 0)
+    return float(np.clip(room.min(), 0.0, step))

@@ -1,0 +1,343 @@
+"""A joint update with everything that a picture shows: landmarks, the compass, lines and the centre circle.
+
+A tilt of the body moves everything that a picture shows on the ground, and it turns the lines. The errors of landmarks,
+lines and compass are therefore correlated, and each of them improves the others. A line is a landmark with one
+coordinate, because the field has two directions: it is either x = c or y = c. A robot that sees no corner often sees a
+line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Final, Literal, NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import block_diag
+
+from nao_course.field_slam.association import landmark_jacobian
+from nao_course.field_slam.circle import Circle, find_circle
+from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
+from nao_course.field_slam.lines import to_ground
+from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
+from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
+from nao_course.sim import CameraView
+from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlgorithm
+
+# Two in three lines below 0.3 m are arcs of the centre circle or stand upright (`python -m benchmarks compass`).
+LEAST_LENGTH = 0.45  # m
+LEAST_PIXELS = 20.0  # px at 320: pixel noise turns a shorter line by more than AGREES
+# m, to a line's nearest point: there one degree of tilt is as much as the goal area's depth, 0.6 m.
+FARTHEST = 4.0
+LINE_SIGMA = 1.2  # px at 320, perpendicular to the line; found on seeds 300 to 399 of `benchmarks field_slam`
+CENTRE_SIGMA = 0.025  # m: half of a line's width, because an arc may be seen at either of its edges
+# A line of the picture is matched with a line of the map that is at most KNOWN sigma away, if all others are farther
+# than OTHER. An ambiguous line is not used. A line that is farther than NEW sigma and APART metres from all lines of
+# the map becomes a new one. In between it is ignored, because a second copy of a line would bend the map.
+KNOWN, OTHER, NEW = 3.0, 4.0, 6.0
+APART = 0.3  # m: half of the smallest distance between two parallel lines of the field
+SURE = 0.12  # m: a new line is added only where it can be recognised again
+CENTRE_GATE = 4.0  # sigma
+CENTRE_SURE = 0.25  # m: there is one centre circle, so it may be added with less certainty than a line
+UNKNOWN = 100.0  # m^2: variance that a new landmark has before its first update
+# The kind that lines and the circle's centre have on the filter's map; estimates leave them out.
+INTERNAL: Final = "internal"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(Observation):
+    """An observation with the lines and the centre circle of its picture.
+
+    Parameters
+    ----------
+    shared : ndarray, shape (2,)
+        Covariance of pitch and roll with the lines' direction, rad^2.
+    lines : ndarray, shape (N, 3)
+        Of each line, the visible point (x, y) that is nearest to the robot, m, and the direction, rad; robot frame.
+    circle : Circle, optional
+        Centre circle, if it was found.
+    """
+
+    shared: FloatArray = field(default_factory=lambda: np.zeros(2))
+    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    circle: Circle | None = None
+
+
+def scene(seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraView) -> Scene:
+    """Add the lines and the centre circle to the landmarks of a picture.
+
+    Parameters
+    ----------
+    seen : Observation
+        Landmarks, and the compass that was computed with this tilt.
+    tilt : BodyTilt
+        Tilt of the body, estimated from the lines.
+    lines : ndarray, shape (N, 4)
+        Lines as returned by `read_lines`, px.
+    level : CameraView
+        View of the camera, corrected by the tilt.
+
+    Returns
+    -------
+    Scene
+        Observation without lines if there is no compass, because it is then unknown which of the field's two directions
+        each line has.
+    """
+    own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
+    found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
+    return Scene(**own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level))
+
+
+def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatArray:
+    """Return the lines that have one of the field's two directions, as `Scene.lines`."""
+    ends = np.asarray(lines, dtype=float).reshape(-1, 4)
+    ground = to_ground(ends.reshape(-1, 2), level).reshape(-1, 2, 2) + level.offset
+    along = ground[:, 1] - ground[:, 0]
+    length = np.maximum(np.hypot(*along.T), 1e-9)
+    share = np.clip(-(ground[:, 0] * along).sum(axis=1) / length**2, 0, 1)
+    nearest = ground[:, 0] + share[:, None] * along
+    direction = np.arctan2(along[:, 1], along[:, 0])
+    pixels = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]) * 320 / level.size[0]
+    with np.errstate(invalid="ignore"):  # points at the horizon have no position
+        kept = (length >= LEAST_LENGTH) & (pixels >= LEAST_PIXELS) & (np.hypot(*nearest.T) < FARTHEST)
+        kept &= np.abs(wrap_quarter(direction - tilt.direction)) < AGREES
+    return np.column_stack([nearest, direction])[kept]
+
+
+class JointFilter(Protocol):
+    """The interface of a filter that `JointUpdate` wraps; lesson 11's EkfSlam has it."""
+
+    state: FloatArray
+    covariance: FloatArray
+    kinds: list[LandmarkKind | Literal["internal"]]
+    indices: npt.NDArray[np.int64]
+
+    def move(self, motion: Motion) -> None:
+        """Predict the state after a motion."""
+        ...
+
+    def use_compass(self, direction: float, sigma: float) -> None:
+        """Update the heading with the direction of the field's lines."""
+        ...
+
+    def number(self, seen: Observation) -> None:
+        """Associate the measurements with landmarks, and add new landmarks to the map."""
+        ...
+
+    def estimate(self) -> Estimate:
+        """Return the current estimate."""
+        ...
+
+
+class LinearisedMeasurement(NamedTuple):
+    """Measurements linearised at the current estimate.
+
+    Parameters
+    ----------
+    innovation : ndarray, shape (m,)
+        Measurements minus expected measurements.
+    H : ndarray, shape (m, n)
+        Jacobian of the expected measurements with respect to the state.
+    own : ndarray, shape (m, m)
+        Covariance of the measurement noise without the part that the tilt causes.
+    tilt_jacobian : ndarray, shape (m, 2)
+        Jacobian of the innovation with respect to the errors of pitch and roll.
+    """
+
+    innovation: FloatArray
+    H: FloatArray
+    own: FloatArray
+    tilt_jacobian: FloatArray
+
+
+class JointUpdate(SlamAlgorithm):
+    """A filter that also uses lines and the centre circle, and the tilt that all measurements of a picture share.
+
+    Lines and the circle's centre are landmarks of another kind on the filter's own map. A line's c is the first of its
+    two coordinates; the second one has no meaning. The update is exact to first order. The gates before it ignore that
+    the compass has already reduced the uncertainty of the tilt, so they are slightly too wide.
+
+    Parameters
+    ----------
+    inner : JointFilter
+        Filter that predicts, updates with the compass, and associates landmarks. Nobody else may use it.
+    """
+
+    def __init__(self, inner: JointFilter) -> None:
+        """Start with the state of the filter, and with no lines on the map."""
+        self.inner = inner
+        # By the number of a line's landmark: 0 if the line is x = c, 1 if it is y = c.
+        self._axes: dict[int, int] = {}
+        self._circle: int | None = None
+
+    def move(self, motion: Motion) -> None:
+        """Predict the state after a motion."""
+        self.inner.move(motion)
+
+    def observe(self, measurements: Sequence[Measurement]) -> None:
+        """Update with a picture."""
+        seen = as_observation(measurements)
+        self.inner.use_compass(seen.direction, seen.direction_sigma)
+        self.inner.number(seen)
+        found = [self._landmarks(seen)]
+        if isinstance(seen, Scene):
+            used: set[int] = set()
+            known = len(self.inner.kinds)
+            found += [self._line(line, seen.tilt, known, used) for line in seen.lines]
+            found += [self._centre(seen.circle, seen)] if seen.circle else []
+        self._correct([each for each in found if each is not None], seen)
+
+    def estimate(self) -> Estimate:
+        """Return the estimate of the robot's pose and of the corners and posts."""
+        found = self.inner.estimate()
+        kept = np.array([kind != INTERNAL for kind in self.inner.kinds], dtype=bool)
+        return replace(
+            found,
+            landmarks=np.asarray(found.landmarks).reshape(-1, 2)[kept],
+            landmark_covariances=np.asarray(found.landmark_covariances).reshape(-1, 2, 2)[kept],
+            kinds=tuple(kind for kind in self.inner.kinds if kind != INTERNAL),
+        )
+
+    def _landmarks(self, seen: Observation) -> LinearisedMeasurement | None:
+        """Linearise the bearings and ranges of the associated landmarks."""
+        used = np.flatnonzero(np.asarray(self.inner.indices) >= 0)
+        if not len(used):
+            return None
+        numbers, part, state = np.asarray(self.inner.indices)[used], seen.part(used), self.inner.state
+        offset = state[3:].reshape(-1, 2)[numbers] - state[:2]
+        distance = np.maximum(np.hypot(*offset.T), 1e-6)
+        values, R = part.linearised_at(distance)
+        bearing = wrap_angle(values[::2] - np.arctan2(offset[:, 1], offset[:, 0]) + state[2])
+        scale = np.column_stack([np.ones(len(used)), (distance / part.values[:, 1]) ** 2]).ravel()
+        J = scale[:, None] * tilt_jacobian(part.values)
+        H = landmark_jacobian(offset, distance, numbers, len(state))
+        innovation = np.column_stack([bearing, values[1::2] - distance]).ravel()
+        return LinearisedMeasurement(innovation, H, R - J @ part.tilt @ J.T, J)
+
+    def _line(
+        self, line: FloatArray, tilt: FloatArray, known: int, used: set[int]
+    ) -> LinearisedMeasurement | None:
+        """Linearise the measurement of one line.
+
+        It is matched with a line among the first `known` landmarks that is not in `used`, or added to the map. None is
+        returned if the match is ambiguous.
+        """
+        axis = int(abs(np.cos(line[2] + self.inner.state[2])) > np.sqrt(0.5))
+        positions, H, range_jacobian = self._on_the_field(line[:2])
+        position, h, J = positions[axis], H[axis], range_jacobian[axis] @ tilt_jacobian(_polar(line[:2]))[1:]
+        pixels = _pixel_noise(line[:2], self.inner.state[2])[axis] ** 2
+        own = pixels + J @ tilt @ J
+        P = self.inner.covariance
+        numbers = [number for number, which in self._axes.items() if which == axis]
+        residuals = {number: self.inner.state[3 + 2 * number] - position for number in numbers}
+        rows = {
+            number: _minus_landmark(h[None], number, np.eye(1, 2)) for number in numbers if number < known
+        }
+        sigmas = {n: abs(residuals[n]) / np.sqrt((row @ P @ row.T).item() + own) for n, row in rows.items()}
+        nearest = sorted(sigmas, key=sigmas.__getitem__)
+        if nearest and sigmas[nearest[0]] < KNOWN and all(sigmas[other] > OTHER for other in nearest[1:]):
+            number = nearest[0]
+            if number in used:  # a longer segment of the same line has been used
+                return None
+        else:
+            far = all(each > NEW for each in sigmas.values()) and all(
+                abs(each) > APART for each in residuals.values()
+            )
+            if not far or h @ P @ h + own >= SURE**2:
+                return None
+            number = self._put_on_map([position, 0.0], [UNKNOWN, 1e-6])
+            self._axes[number], residuals[number] = axis, 0.0
+            rows[number] = _minus_landmark(np.pad(h, (0, 2))[None], number, np.eye(1, 2))
+        used.add(number)
+        return LinearisedMeasurement(
+            np.array([residuals[number]]), rows[number], np.array([[pixels]]), -J[None]
+        )
+
+    def _centre(self, circle: Circle, seen: Observation) -> LinearisedMeasurement | None:
+        """Linearise the measurement of the circle's centre; None if it fails the gate."""
+        centre, H, _ = self._on_the_field(circle.centre)
+        J = rotation_2d(self.inner.state[2]) @ circle.tilt_jacobian
+        own = CENTRE_SIGMA**2 * np.eye(2)
+        noise = own + J @ seen.tilt @ J.T
+        if self._circle is None:
+            no_compass = np.isinf(seen.direction_sigma)  # without a compass the arcs may belong to anything
+            if no_compass or np.trace(H @ self.inner.covariance @ H.T + noise) >= CENTRE_SURE**2:
+                return None
+            self._circle = self._put_on_map(centre, [UNKNOWN, UNKNOWN])
+            H = np.pad(H, ((0, 0), (0, 2)))
+        H = _minus_landmark(H, self._circle, np.eye(2))
+        residual = self.inner.state[3 + 2 * self._circle : 5 + 2 * self._circle] - centre
+        S = H @ self.inner.covariance @ H.T + noise
+        if residual @ np.linalg.solve(S, residual) >= CENTRE_GATE**2:
+            return None
+        return LinearisedMeasurement(residual, H, own, -J)
+
+    def _on_the_field(self, point: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return a point of the robot frame on the map (2,), with its Jacobians: state (2, n) and range (2, 1)."""
+        R, (x, y) = rotation_2d(self.inner.state[2]), point
+        H = np.zeros((2, len(self.inner.state)))
+        H[:, :2], H[:, 2] = np.eye(2), R @ [-y, x]
+        return self.inner.state[:2] + R @ point, H, (R @ point / max(np.hypot(x, y), 1e-9))[:, None]
+
+    def _put_on_map(self, position: Sequence[float] | FloatArray, variances: Sequence[float]) -> int:
+        """Append a landmark to the state, and return its number."""
+        self.inner.state = np.concatenate([self.inner.state, position])
+        self.inner.covariance = block_diag(self.inner.covariance, np.diag(variances))
+        self.inner.kinds.append(INTERNAL)
+        return len(self.inner.kinds) - 1
+
+    def _correct(self, found: list[LinearisedMeasurement], seen: Observation) -> None:
+        """Update with all measurements at once.
+
+        The filter has been updated with the compass before. Its error is correlated with the errors here through the
+        tilt, so the measurements are first decorrelated from it.
+        """
+        if not found:
+            return
+        size = len(self.inner.state)
+        nu, J = (
+            np.concatenate([each.innovation for each in found]),
+            np.vstack([each.tilt_jacobian for each in found]),
+        )
+        H = np.vstack([np.pad(each.H, ((0, 0), (0, size - each.H.shape[1]))) for each in found])
+        R = block_diag(*(each.own for each in found)) + J @ seen.tilt @ J.T
+        if np.isfinite(seen.direction_sigma) and isinstance(seen, Scene):
+            # The sign: a tilt that was estimated too small makes the innovation too large.
+            shared = -J @ seen.shared
+            share = shared / seen.direction_sigma**2
+            nu = nu - share * wrap_quarter(seen.direction + self.inner.state[2])
+            H[:, 2] += share  # the measured direction decreases as the heading increases
+            R = R - np.outer(share, shared)
+        P = self.inner.covariance
+        with_rows = P @ H.T
+        S = R + H @ with_rows
+        K = np.linalg.solve(S, with_rows.T).T
+        self.inner.state = self.inner.state + K @ nu
+        self.inner.state[2] = wrap_angle(self.inner.state[2])
+        P = P - K @ S @ K.T
+        self.inner.covariance = (P + P.T) / 2
+
+
+def _minus_landmark(H: FloatArray, number: int, J: FloatArray) -> FloatArray:
+    """Return the Jacobian of a point minus a landmark, from the point's (m, n) and the landmark's (m, 2)."""
+    H = H.copy()
+    H[:, 3 + 2 * number : 5 + 2 * number] = -J
+    return H
+
+
+def _polar(point: FloatArray) -> FloatArray:
+    """Return the bearing and range (1, 2) of a point (2,) in the robot frame."""
+    x, y = point
+    return np.array([[np.arctan2(y, x), np.hypot(x, y)]])
+
+
+def _pixel_noise(point: FloatArray, heading: float) -> FloatArray:
+    """Return the standard deviations (2,) in metres that pixel noise gives a point, along the field's two axes."""
+    bearing, distance = _polar(point)[0]
+    bearing = bearing + heading
+    toward = CAMERA_HEIGHT + distance**2 / CAMERA_HEIGHT
+    across = np.hypot(distance, CAMERA_HEIGHT)
+    along = np.hypot(np.cos(bearing) * toward, np.sin(bearing) * across)
+    aside = np.hypot(np.sin(bearing) * toward, np.cos(bearing) * across)
+    return LINE_SIGMA / FOCAL * np.array([along, aside])

@@ -1,0 +1,146 @@
+"""The walk of a real robot as a drive: its pictures, and its true steps with simulated errors of odometry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.datasets import PointKind, RealPicture
+from nao_course.datasets.pictures import shape_on_ground
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.geometry import FloatArray, Pose
+from nao_course.sim import NAO_V4, CameraView, Field
+from nao_course.slam import Motion
+
+# The recordings have two known errors (docs/real_data.md). The camera looks lower than its joints report: the offset
+# follows from the marked points of the walk's first picture, where the robot knows its pose. The first pictures were
+# taken one stop farther back than was written down.
+PITCH_OFFSET = float(np.radians(6.9))
+BEFORE_THE_GAP, STOP = 7, 0.2  # number of these first pictures; distance between two stops, m
+FIELD = Field(2012, half=False)
+FARTHEST = 9.0  # m: the robot can see the goal from the other end of the field
+# Differences from the written heading that are tried, because the robot was put down by hand; rad.
+TURNS = np.radians(np.arange(-8.0, 8.1, 0.25))
+OUTLIER = (
+    20.0  # px: largest cost of a marked point, because a point that is farther off shows no known landmark
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A picture with the motion before it and the assumed view of the camera; the true pose serves for scores only.
+
+    Parameters
+    ----------
+    motion : Motion or None
+        Motion before the picture, as commanded or measured by odometry; None if the robot only turned its head.
+    pixels : ndarray of uint8, shape (H, W, 3)
+        RGB picture.
+    view : CameraView
+        Assumed view of the camera.
+    pose : Pose
+        True pose in the field frame.
+    farthest : float
+        Largest range of a measurement that is used, m.
+    """
+
+    motion: Motion | None
+    pixels: npt.NDArray[np.uint8]
+    view: CameraView
+    pose: Pose
+    farthest: float = 6.0
+
+
+def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool = True) -> Iterator[Frame]:
+    """Yield the pictures of a real walk; the odometry is the true steps with errors of `OdometryNoisePerMove`.
+
+    Parameters
+    ----------
+    pictures : sequence of RealPicture
+        Pictures of a walk, as returned by `read_pictures`.
+    seed : int
+        Seed of the odometry's errors.
+    marked_headings : bool
+        Whether the true headings are computed from the marked points; otherwise they are those written down.
+
+    Yields
+    ------
+    Frame
+        A frame for each picture.
+    """
+    rng, odometry = np.random.default_rng([seed, 31]), OdometryNoisePerMove()
+    before: Pose | None = None
+    for number, picture in enumerate(pictures):
+        back = STOP if number < BEFORE_THE_GAP else 0.0
+        pose, view = replace(picture.pose, x=picture.pose.x - back), walk_view(picture)
+        if marked_headings:
+            pose = replace(pose, theta=marked_heading(picture, view, pose))
+        yield Frame(_step(before, pose, odometry, rng), picture.pixels, view, pose, FARTHEST)
+        before = pose
+
+
+def walk_view(picture: RealPicture) -> CameraView:
+    """Return the assumed view of the camera, corrected by the known offset in pitch."""
+    view = NAO_V4.view("bottom", picture.head_yaw, picture.head_pitch)
+    return replace(view, pitch=view.pitch + PITCH_OFFSET)
+
+
+@lru_cache(maxsize=128)
+def marked_heading(picture: RealPicture, view: CameraView, pose: Pose) -> float:
+    """Return the heading that fits the marked points of a picture best, or the written one if no point is usable.
+
+    Parameters
+    ----------
+    picture : RealPicture
+        Picture with marked points.
+    view : CameraView
+        View of its camera.
+    pose : Pose
+        Pose that was written down.
+
+    Returns
+    -------
+    float
+        Heading in the field frame, rad.
+    """
+    if not any(_landmarks(point.kind) for point in picture.points):
+        return pose.theta
+    residuals = [_residuals(picture, view, replace(pose, theta=pose.theta + turn)) for turn in TURNS]
+    costs = [np.minimum(np.hypot(*each.T), OUTLIER).sum() for each in residuals]
+    best = int(np.argmin(costs))
+    right = float(np.median(residuals[best][:, 0]))
+    # A turn to the left moves all points in the picture to the right.
+    return float(pose.theta + TURNS[best] - right / view.focal[0])
+
+
+def _residuals(picture: RealPicture, view: CameraView, pose: Pose) -> FloatArray:
+    """Return the offset of the nearest landmark of its kind from each marked point on the ground, (N, 2) px."""
+    found = []
+    for point in picture.points:
+        if places := _landmarks(point.kind):
+            offset = np.nan_to_num(view.project(places, pose) - (point.u, point.v), nan=1e6)
+            found.append(offset[np.hypot(*offset.T).argmin()])
+    return np.array(found)
+
+
+@cache
+def _landmarks(kind: PointKind) -> list[tuple[float, float]]:
+    """Return the positions of the field's landmarks of this kind, m; an empty list for points above the ground."""
+    shape = shape_on_ground(kind)
+    return [(mark.x, mark.y) for mark in FIELD.landmarks if mark.shape == shape]
+
+
+def _step(
+    before: Pose | None, pose: Pose, odometry: OdometryNoisePerMove, rng: np.random.Generator
+) -> Motion | None:
+    """Return the true step between two poses with the errors of odometry; None for the first pose."""
+    if before is None:
+        return None
+    step = before.inverse() @ pose
+    true = Motion(step.x, step.theta)
+    errors = rng.standard_normal(3) * np.sqrt(np.diag(odometry.covariance(true)))
+    return Motion(true.distance + errors[0], true.turn + errors[2])

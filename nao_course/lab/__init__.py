@@ -1,0 +1,62 @@
+"""JupyterLab with the course's settings, which are given to this one server and installed nowhere."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+__all__ = ["command", "environment"]
+
+HERE = Path(__file__).parent
+# Bytes of one message: a phone's photo comes in one. Of more than 10 MB, its own limit, JupyterLab's server says
+# nothing and closes the connection.
+LARGEST_MESSAGE = 60_000_000
+
+
+def command(folder: Path, arguments: Sequence[str] = ()) -> list[str]:
+    """Return the command that opens a folder in JupyterLab.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder of the notebooks.
+    arguments : sequence of str
+        Further arguments of JupyterLab, such as ``--no-browser``.
+
+    Returns
+    -------
+    list of str
+        The program and its arguments.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If JupyterLab is not installed.
+    """
+    if find_spec("jupyterlab") is None:
+        raise ModuleNotFoundError("JupyterLab is not installed", name="jupyterlab")
+    return [
+        *(sys.executable, "-m", "jupyterlab", str(folder)),
+        f"--LabApp.app_settings_dir={HERE / 'settings'}",
+        f"--ServerApp.tornado_settings={{'websocket_max_message_size': {LARGEST_MESSAGE}}}",
+        *arguments,
+    ]
+
+
+def environment(inherited: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return the environment of JupyterLab, in which each kernel begins with the course's startup file.
+
+    Parameters
+    ----------
+    inherited : mapping of str to str
+        The variables to begin with. A startup file of the user's own is kept.
+
+    Returns
+    -------
+    dict of str to str
+        All variables.
+    """
+    return {"PYTHONSTARTUP": str(HERE / "startup.py"), **inherited}

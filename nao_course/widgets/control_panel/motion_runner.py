@@ -1,0 +1,137 @@
+"""The robot's motions in small steps: code runs them to the end, and buttons run them as a task in the background."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator
+
+from nao_course.slam import Motion
+from nao_course.widgets.control_panel.cockpit import Cockpit, small_steps
+from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
+from nao_course.widgets.parts import BREATH, PERIOD
+
+
+class MotionRunner:
+    """Runs the motions of a panel's robot, one after the other.
+
+    Parameters
+    ----------
+    cockpit : Cockpit
+        The robot and the status message.
+    by_itself : callable
+        Returns the next motion while the robot drives by itself, or None.
+    refresh : callable
+        Called after each small step: takes new pictures and shows everything.
+    show_status : callable
+        Called when only the message has changed.
+    """
+
+    def __init__(
+        self,
+        cockpit: Cockpit,
+        by_itself: Callable[[], Motion | None],
+        refresh: Callable[[], None],
+        show_status: Callable[[], None],
+    ) -> None:
+        """Begin while the robot stands still."""
+        self._cockpit, self._refresh, self._show_status = cockpit, refresh, show_status
+        self._waiting = WaitingMotions(by_itself)
+        self._task: asyncio.Task[None] | None = None
+        self._stopping = False
+        self.closed = False
+
+    @property
+    def going(self) -> bool:
+        """Whether a drive that a button started is still running."""
+        return self._task is not None and not self._task.done()
+
+    def waiting_text(self) -> str:
+        """Return a sentence about the waiting motions; empty if none waits."""
+        return self._waiting.text()
+
+    def run(self, motion: Motion) -> None:
+        """Run a motion to its end.
+
+        Raises
+        ------
+        ValueError
+            If the panel is closed.
+        """
+        if self.closed:
+            raise ValueError(
+                "this panel is closed, because a newer panel drives this robot: use the newer panel"
+            )
+        for _ in self._steps(motion):
+            pass
+
+    def press(self, motion: Motion) -> None:
+        """Run a motion as a task of the kernel's loop, so that the buttons still respond; later motions wait."""
+        if self.going:
+            self._waiting.add(motion)
+            self._show_status()
+            return
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:  # no kernel: a plain Python program
+            self.run(motion)
+            return
+        self._stopping = False
+        self._task = loop.create_task(self._go(motion))
+
+    def go_by_itself(self) -> None:
+        """Run the motions that the student's code chooses until the drive is stopped."""
+        self._waiting.by_itself = True
+        if not self.going and (motion := self._waiting.take()) is not None:
+            self.press(motion)
+
+    def stop(self) -> None:
+        """Stop after the present step, and discard the waiting motions."""
+        self._waiting.clear()
+        self._stopping = self.going
+
+    def close(self) -> None:
+        """Stop, and refuse further motions."""
+        self.stop()
+        self.closed = True
+
+    def report_panel_error(self, error: Exception) -> None:
+        """Show an error of the panel itself."""
+        self._cockpit.complain("the panel", error)
+        self._show_status()
+
+    async def _go(self, motion: Motion) -> None:
+        """Run a drive as a task, and report its errors."""
+        try:
+            await self._go_on(motion)
+        except Exception as error:  # noqa: BLE001 - no caller of a task could catch this
+            self.report_panel_error(error)
+
+    async def _go_on(self, motion: Motion) -> None:
+        """Run a motion and then the waiting ones, with at most one step per `PERIOD`."""
+        upcoming: Motion | None = motion
+        while upcoming is not None:
+            began = time.perf_counter()
+            for _ in self._steps(upcoming):
+                await asyncio.sleep(max(BREATH, PERIOD - (time.perf_counter() - began)))
+                began = time.perf_counter()
+                if self._stopping:
+                    if not self.closed:
+                        self._cockpit.say("Stopped.")
+                    self._show_status()
+                    return
+            upcoming = self._waiting.take()
+
+    def _steps(self, motion: Motion) -> Iterator[None]:
+        """Run a motion step by step, with new pictures and a new map after each step; end if `slam` fails."""
+        self._cockpit.say(f"{in_words(motion)} …")
+        self._cockpit.printed = ""
+        for part in small_steps(motion):
+            succeeded = self._cockpit.move(part)
+            self._refresh()
+            if not succeeded:
+                return
+            yield
+        if not self._cockpit.alarm:
+            self._cockpit.say(f"{in_words(motion)}: done.")
+            self._show_status()

@@ -1,0 +1,66 @@
+"""The robot's new commands and the simulator's measurements, for stages with known landmark correspondences."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from nao_course.geometry import FloatArray
+from nao_course.sim import CameraView, SimulatedNao, Truth, visible_landmarks
+from nao_course.slam import Motion
+
+
+class NamedMeasurements(NamedTuple):
+    """The landmarks in a picture, measured by the simulator.
+
+    Parameters
+    ----------
+    numbers : list of int
+        Index of each landmark in the field's `detectable` landmarks.
+    measurements : ndarray, shape (n, 2)
+        Bearing (rad) and range (m) of each landmark.
+    covariances : ndarray, shape (n, 2, 2)
+        Covariance of each measurement.
+    pixels : list of (float, float)
+        Pixel (u, v) of each landmark in the picture.
+    """
+
+    numbers: list[int]
+    measurements: FloatArray
+    covariances: FloatArray
+    pixels: list[tuple[float, float]]
+
+
+def new_motions(nao: SimulatedNao, done: int) -> list[Motion]:
+    """Return the robot's commands after the first `done`."""
+    path = nao.odometry_path[done:]
+    steps = [before.inverse() @ after for before, after in pairwise(path)]
+    return [Motion(step.x, step.theta) for step in steps]
+
+
+def new_commands(nao: SimulatedNao, done: int) -> list[tuple[FloatArray, FloatArray]]:
+    """Return the commands (2,) after the first `done`, with the covariances (3, 3) of their errors."""
+    return [
+        (np.array([motion.distance, motion.turn]), nao.odometry_noise.covariance(motion))
+        for motion in new_motions(nao, done)
+    ]
+
+
+def measure_by_name(
+    nao: SimulatedNao, view: CameraView, reach: float, rng: np.random.Generator
+) -> NamedMeasurements:
+    """Measure the visible landmarks within `reach` (m), with the noise of the robot's sensor."""
+    marks = nao.field.detectable
+    seen = [
+        each
+        for each in visible_landmarks(nao.field, Truth(nao).pose, view)
+        if each.landmark in marks and not each.occluded and each.distance <= reach
+    ]
+    exact = np.array([(each.bearing, each.distance) for each in seen]).reshape(-1, 2)
+    measured = nao.sensor_noise.disturbed(exact, rng.standard_normal(exact.shape))
+    numbers = [marks.index(each.landmark) for each in seen]
+    return NamedMeasurements(
+        numbers, measured, nao.sensor_noise.covariances(measured), [each.pixel for each in seen]
+    )

@@ -1,0 +1,98 @@
+"""The view of the student's functions: their results for the chosen camera's picture, and how the panel shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from nao_course.geometry import Pose
+from nao_course.sim import Picture
+from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, View
+
+
+class StudentView:
+    """The results of the student's functions for the pictures, and where the panel shows them.
+
+    Parameters
+    ----------
+    pipeline : Pipeline or None
+        The student's functions; None without any.
+
+    Attributes
+    ----------
+    seen : Seen
+        Results for the latest picture.
+    path : list of Pose
+        The estimated poses, oldest first.
+    """
+
+    def __init__(self, pipeline: Pipeline | None) -> None:
+        """Begin with the view "over" if a function is ready, else with the picture alone."""
+        self._pipeline = pipeline
+        self._view: View = "over" if self.available else "picture"
+        self.seen = Seen()
+        self.path: list[Pose] = []
+
+    @property
+    def available(self) -> bool:
+        """Whether any function is ready."""
+        return self._pipeline is not None and bool(self._pipeline.stages)
+
+    @property
+    def estimates(self) -> bool:
+        """Whether one of the functions estimates the robot's pose."""
+        return self._pipeline is not None and self._pipeline.estimates
+
+    @property
+    def drives(self) -> bool:
+        """Whether one of the functions chooses where the robot goes."""
+        return self._pipeline is not None and self._pipeline.drives
+
+    @property
+    def view(self) -> View:
+        """Where the results are shown: "over" the picture, "beside" it, or not at all ("picture")."""
+        return self._view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        if view not in VIEWS:
+            raise ValueError(f"view must be one of {list(VIEWS)}, got {view!r}")
+        if self._pipeline is None or not self._pipeline.stages:
+            raise ValueError(
+                "this panel has none of your functions, so it can show only the picture: make it with my_nao()"
+            )
+        self._view = view
+        self._pipeline.retry()
+
+    @property
+    def next_view(self) -> View:
+        """The view that the button switches to."""
+        views = list(VIEWS)
+        return views[(views.index(self._view) + 1) % len(views)]
+
+    def perceive(self, picture: Picture) -> BaseException | None:
+        """Run the functions on a picture, unless only the picture is shown; return the last exception."""
+        if self._pipeline is None or self._view == "picture":
+            self.seen = Seen()
+            return None
+        self.seen = self._pipeline.process(picture)
+        if self.seen.estimate is not None:
+            self.path.append(self.seen.estimate.pose)
+        return self.seen.error
+
+    def hides(self, camera: str, chosen: str) -> bool:
+        """Return whether the results replace a camera's picture."""
+        return self._view == "beside" and camera != chosen and bool(self.seen.names)
+
+    def shown(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
+        """Return the pixels for a camera's place, and a caption if they show more than its picture."""
+        pixels, names = pictures[camera].pixels, self.seen.names
+        if names and self._view == "over" and camera == chosen:
+            return self.seen.over(pixels), f"{camera} camera, your {names}"
+        if self.hides(camera, chosen):
+            return self.seen.alone(pictures[chosen].pixels), f"your {names}"
+        return pixels, ""
+
+    def ready(self) -> list[str]:
+        """Return lines that list the functions that run and those still missing."""
+        return [] if self._pipeline is None else self._pipeline.summary()

@@ -1,0 +1,83 @@
+"""Code that runs too long is stopped, in any thread, but not in the middle of an import."""
+
+import importlib
+import sys
+import threading
+import time
+
+import pytest
+
+from nao_course._internal import time_limits
+from nao_course._internal.time_limits import TooSlow, time_limit
+
+
+def endless():
+    while True:
+        pass
+
+
+def stopped(seconds=0.05, **more):
+    with pytest.raises(TooSlow), time_limit(seconds, **more):
+        endless()
+    return True
+
+
+def test_a_time_limit_that_was_kept_is_forgotten():
+    before = threading.active_count()
+    with time_limit(0.05):
+        pass
+    time.sleep(0.1)
+    assert threading.active_count() == before
+    assert stopped()
+
+
+def test_it_works_in_a_thread_that_signals_do_not_reach():
+    done = []
+    thread = threading.Thread(target=lambda: done.append(stopped()), daemon=True)
+    thread.start()
+    thread.join(30)  # where it is not stopped
+    assert done == [True]
+
+
+@pytest.mark.parametrize("in_main", [True, False])
+def test_it_rings_after_an_import_not_within_it(tmp_path, monkeypatch, in_main):
+    (tmp_path / "slowly_imported.py").write_text(
+        "import time\nend = time.monotonic() + 0.3\nwhile time.monotonic() < end:\n    pass\nENDED = True\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    sys.modules.pop("slowly_imported", None)
+
+    def import_it():
+        importlib.import_module("slowly_imported")
+        endless()
+
+    def import_and_go_on():
+        with pytest.raises(TooSlow), time_limit(0.05):
+            import_it()
+
+    if in_main:
+        import_and_go_on()
+    else:
+        thread = threading.Thread(target=import_and_go_on, daemon=True)
+        thread.start()
+        thread.join(30)
+    assert sys.modules["slowly_imported"].ENDED
+
+
+def test_it_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
+    (tmp_path / "never_ends.py").write_text("while True:\n    pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(time_limits, "IMPORTING", 0.1)
+    with pytest.raises(TooSlow), time_limit(0.05):
+        importlib.import_module("never_ends")
+
+
+def test_who_watches_can_end_it_sooner():
+    seen = []
+
+    def sooner(frame):
+        seen.append(frame.f_code.co_name)
+        return len(seen) == 2
+
+    assert stopped(1e9, sooner=sooner)
+    assert seen == ["endless", "endless"]

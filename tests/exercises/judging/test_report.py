@@ -1,0 +1,70 @@
+"""Which mistake a wrong answer is taken for, also where a mistake's own answers are rounding errors."""
+
+import numpy as np
+import pytest
+
+from nao_course.exercises import Case, Close
+from nao_course.exercises.exercise import PublicExercise, PublicMistake
+from nao_course.exercises.judging import explain
+from nao_course.exercises.running import Outcome
+
+ANY = {"unstable": np.array([1e16, -3e15])}
+TABLE = {
+    "exact": {"0": 1.0, "1": 2.0},
+    "unstable": {"0": 1.0, "1": ANY},
+    "unstable in both": {"0": ANY, "1": ANY},
+    "unstable in one": {"0": ANY},
+    "another formula": {"0": {"unstable": 4.0}},
+    "raises, or not": {"1": {"unstable": {"raises": "LinAlgError"}}},
+}
+
+
+def told(*answers, mistakes=tuple(TABLE)):
+    """The message for these answers to two cases whose right answers are 0."""
+    exercise = PublicExercise(
+        name="solve",
+        number="1.1",
+        points=1.0,
+        stars=1,
+        comparison=Close(),
+        cases=[Case((), expected=0.0), Case((), expected=0.0)],
+        mistakes=[PublicMistake(each, TABLE[each]) for each in mistakes],
+        hints=[],
+        driver="",
+        in_place=False,
+    )
+    outcomes = [each if isinstance(each, Outcome) else Outcome("value", each) for each in answers]
+    return set(explain(exercise, outcomes, "").lines) & set(TABLE)
+
+
+RAISED = Outcome("raised", text="LinAlgError: Singular matrix")
+
+
+@pytest.mark.parametrize("other", [5.0, np.array([2e12, 1.0]), np.nan, None, RAISED])
+def test_any_wrong_outcome_matches_an_unstable_case(other):
+    assert told(1.0, other) == {"unstable"}
+    assert told(other, 0.0) == {"unstable in one"}
+    assert told(0.0, other) == {"raises, or not"}
+
+
+def test_a_right_answer_matches_no_unstable_case():
+    assert told(1.0, 0.0, mistakes=["unstable", "unstable in both", "raises, or not"]) == set()
+
+
+def test_the_stable_cases_of_a_mistake_still_have_to_match():
+    assert told(7.0, 5.0, mistakes=["exact", "unstable"]) == set()
+    assert told(7.0, 5.0) == {"unstable in both"}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_mistake_with_the_most_answers_that_are_the_same_is_told(order):
+    mistakes = list(TABLE)[::order]
+    assert told(1.0, 2.0, mistakes=mistakes) == {"exact"}
+    assert told(1.0, 3.0, mistakes=mistakes) == {"unstable"}
+    assert told(1.1, 2.0, mistakes=mistakes) == {"unstable in both"}
+
+
+def test_an_unstable_answer_that_is_the_same_counts_as_such():
+    """The author's own processor tells mistakes apart that others cannot."""
+    assert told(4.0, 0.0) == {"another formula"}
+    assert told(5.0, 0.0) == {"unstable in one"}

@@ -1,0 +1,105 @@
+"""The demo of lesson 11: a drive without a hand in it, on two pictures."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from nao_course.cli import app
+from nao_course.field_slam.demo import drive, film, report
+from nao_course.field_slam.walk import Frame
+from nao_course.geometry import Pose
+from nao_course.plotting import style_of
+from nao_course.plotting.marks import rgb
+from nao_course.sim import NAO_V4, Field
+from nao_course.slam import DeadReckoning, Motion
+from tests.paths import PROJECT
+
+
+class Blind(DeadReckoning):
+    """A student's class that believes every command."""
+
+    def __init__(self, start, odometry, gate, association):
+        super().__init__(start)
+
+
+FUNCTIONS = {
+    "color_labels": lambda picture, green, yellow, threshold: np.zeros(picture.shape[:2], np.uint8),
+    "white_threshold": lambda mean: 200.0,
+    "find_goalposts": lambda labels: np.zeros((0, 2)),
+    "measurements_from_pixels": lambda posts, corners, view: [],
+    "EkfSlam": Blind,
+}
+
+
+def frames():
+    view, picture = NAO_V4.view("bottom", 0.0, -0.54), np.zeros((240, 320, 3), np.uint8)
+    yield Frame(None, picture, view, Pose(1.0, 0.0, 0.0))
+    yield Frame(Motion(0.5, 0.2), picture, view, Pose(1.4, 0.0, 0.1))
+
+
+def test_the_demo_drives_and_says_how_far_off_it_ends():
+    story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
+    found = report.results(story, Field(2012))
+    assert found["ekf"]["position"] == pytest.approx(0.1) == found["odometry"]["position"]
+    assert found["ekf"]["heading"] == pytest.approx(np.degrees(0.1))
+    assert found["way"] == pytest.approx(0.4)
+    json.dumps(found, allow_nan=False)
+    assert "0.100 m" in report.in_words(story, Field(2012))[1]
+
+
+def test_a_place_where_nothing_can_be_written_is_refused_before_the_drive(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="--out .*file: nothing can be written there"):
+        report.make_folder(tmp_path / "file")
+    assert report.make_folder(tmp_path / "a" / "b").is_dir()
+
+
+def test_all_functions_that_are_missing_are_named_at_once_with_what_to_do(tmp_path):
+    with pytest.raises(ValueError, match="start the demo again") as told:
+        drive.demo_functions(["ekf"], tmp_path)
+    for name in ("01_hsl_filtering", "02_goalposts", "11_slam_on_the_field"):
+        assert str(told.value).count(f"{name}.ipynb is not in your folder {tmp_path.name}") == 1
+
+
+@pytest.mark.slow
+def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(PROJECT)
+    monkeypatch.setattr(drive, "MOVES", 2)
+    done = CliRunner().invoke(app, ["demo", "--slam", "both", "--seed", "3", "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    found = json.loads((tmp_path / "demo.json").read_text())
+    assert found["pictures"] == 9 and found["ekf"]["landmarks"] >= 2
+    assert max(found[name]["position"] for name in ("ekf", "graph")) < 0.1
+    assert {path.name for path in tmp_path.iterdir()} == {"demo.json", "demo.png", "demo.gif"}
+
+
+def test_a_frame_of_the_film_keeps_the_colours_of_the_paths_exactly():
+    wanted = [rgb(style_of(name).colour) for name in ("ekf", "odometry", "truth")]
+    # A picture of many colours
+    frame = np.random.default_rng(0).integers(0, 256, (120, 160, 3), dtype=np.uint8)
+    frame[0, :3] = wanted
+    shown = film._few_colours(Image.fromarray(frame)).convert("RGB")
+    assert [shown.getpixel((u, 0)) for u in range(3)] == wanted
+
+
+@pytest.mark.slow
+def test_the_film_has_each_chosen_picture_and_the_paths_keep_their_colours(tmp_path):
+    story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
+    path = film.write_film(story, Field(2012), tmp_path / "film.gif", frames=2)
+    with Image.open(path) as shown:
+        assert shown.n_frames == 2
+        shown.seek(1)
+        colours = {colour for _, colour in shown.convert("RGB").getcolors(1 << 20)}
+    assert {rgb(style_of(name).colour) for name in ("ekf", "odometry", "truth")} <= colours
+
+
+@pytest.mark.slow
+def test_figure_film_and_errors_are_written(tmp_path):
+    story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
+    for path in film.write_all(story, Field(2012), tmp_path / "new"):
+        assert path.stat().st_size > 100

@@ -1,0 +1,60 @@
+"""Drives over the half field: their odometry and the way they take."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nao_course.field_slam.drives import INSIDE, STEP, Driver, OdometryNoisePerMove, room_ahead, start_of
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.slam import Motion
+
+
+def test_odometry_is_a_tenth_of_the_way_and_of_the_turn():
+    sd = np.sqrt(np.diag(OdometryNoisePerMove().covariance(Motion(1.0, 0.5))))
+    assert sd == pytest.approx([0.101, 0.051, 0.05 + np.radians(1)])
+    assert np.allclose(
+        OdometryNoisePerMove(factor=2.0).covariance(Motion(1.0)),
+        4 * OdometryNoisePerMove().covariance(Motion(1.0)),
+    )
+
+
+def test_a_drive_is_long_turns_and_stays_on_the_field():
+    for seed in range(5):
+        pose, driver, motions = start_of(seed), Driver(np.random.default_rng([seed, 13])), []
+        for _ in range(60):
+            motions.append(driver.next(pose))
+            pose = pose @ motions[-1].as_pose()
+            assert 0 < pose.x < 3 and -2 < pose.y < 2
+        assert sum(motion.distance for motion in motions) >= 12
+        assert np.degrees(sum(abs(motion.turn) for motion in motions)) >= 720
+        assert abs(wrap_angle(start_of(seed).theta)) < np.pi / 2
+
+
+def test_room_ends_at_the_edge():
+    assert room_ahead(np.array([1.0, 0.0, 0.0]), 0.3) == 0.3
+    assert room_ahead(np.array([INSIDE[1][0] - 0.1, 0.0, 0.0]), 0.3) == pytest.approx(0.1)
+    assert room_ahead(np.array([1.0, INSIDE[0][1], -np.pi / 2]), 0.3) == pytest.approx(0)
+    assert room_ahead(np.array([1.0, INSIDE[1][1] + 0.2, np.pi / 2]), 0.3) == 0  # beyond the edge, outwards
+    slanted = room_ahead(np.array([1.0, INSIDE[1][1] - 0.1, np.pi / 6]), 0.3)
+    assert slanted == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("degrees", [0, 90, 180, -90, 45])
+def test_a_robot_with_room_ahead_walks_a_whole_step_in_every_direction(degrees):
+    pose = Pose(1.5, 0.0, np.radians(degrees))
+    assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(STEP)
+
+
+def test_a_robot_stops_at_the_edge():
+    for pose, room in (
+        (Pose(2.65, 0.0, 0.0), 0.1),
+        (Pose(1.0, -1.75, -np.pi / 2), 0.0),
+        (Pose(0.35, 1.0, np.pi), 0.1),
+    ):
+        assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(room, abs=1e-9)
+
+
+def test_odometry_errs_alike_to_both_sides_ahead_and_back():
+    covariances = [OdometryNoisePerMove().covariance(Motion(d, t)) for d in (0.5, -0.5) for t in (0.7, -0.7)]
+    assert np.allclose(covariances, covariances[0])

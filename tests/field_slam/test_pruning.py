@@ -1,0 +1,172 @@
+"""The pruning filter: the estimated noise of the odometry, and which landmarks are kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.observation import Observation
+from nao_course.field_slam.pruning import PATIENCE, SIGHTINGS, LearntOdometry, PruningSlam, SurestFirst
+from nao_course.geometry import Pose
+from nao_course.slam import Estimate, Motion
+
+TURN, KNOWN = Motion(0.2, 0.5), np.radians(1.0) ** 2
+NOTHING = np.zeros((0, 0))
+
+
+class Scripted:
+    """A filter that moves as commanded and observes landmarks in the order of a script."""
+
+    def __init__(self, script=()):
+        self.state, self.covariance, self.kinds = np.zeros(3), np.zeros((3, 3)), []
+        self.indices, self.odometry, self.script = (
+            np.zeros(0, dtype=int),
+            OdometryNoisePerMove(),
+            list(script),
+        )
+
+    def move(self, motion):
+        self.state = self.state + np.pad([motion.distance, 0, motion.turn], (0, len(self.state) - 3))
+        noise = np.zeros_like(self.covariance)
+        noise[:3, :3] = self.odometry.covariance(motion)
+        self.covariance = self.covariance + noise
+
+    def observe(self, measurements):
+        self.indices = np.array(self.script.pop(0) if self.script else [], dtype=int)
+        for number in range(len(self.kinds), self.indices.max(initial=-1) + 1):
+            self.state = np.append(self.state, [number, -number])
+            self.covariance = np.pad(self.covariance, (0, 2)) + np.diag(
+                [0.0] * (3 + 2 * number) + [1 + number] * 2
+            )
+            self.kinds.append("corner")
+
+    def estimate(self):
+        n = len(self.kinds)
+        own = np.array([self.covariance[3 + 2 * i : 5 + 2 * i, 3 + 2 * i : 5 + 2 * i] for i in range(n)])
+        return Estimate(
+            Pose.from_array(self.state[:3]),
+            self.covariance[:3, :3],
+            self.state[3:].reshape(-1, 2),
+            own.reshape(-1, 2, 2),
+            tuple(self.kinds),
+        )
+
+
+@pytest.mark.parametrize("factor", [1.0, 2.0, 3.0])
+def test_the_factor_of_the_odometrys_noise_is_estimated_from_compass_readings(factor):
+    learnt, rng = LearntOdometry(OdometryNoisePerMove()), np.random.default_rng(3)
+    sigma = np.sqrt(factor**2 * OdometryNoisePerMove().covariance(TURN)[2, 2] + KNOWN)
+    for error in rng.normal(0, sigma, 60):
+        learnt.learn(error, KNOWN, TURN)
+    assert learnt.factor == pytest.approx(factor, rel=0.2)
+
+
+def test_a_few_wrong_compass_readings_do_not_change_the_factor():
+    learnt, rng = LearntOdometry(OdometryNoisePerMove()), np.random.default_rng(4)
+    sigma = np.sqrt(OdometryNoisePerMove().covariance(TURN)[2, 2] + KNOWN)
+    for error in [*rng.normal(0, sigma, 60), 0.6, -0.7]:
+        learnt.learn(error, KNOWN, TURN)
+    assert learnt.factor == pytest.approx(1.0, abs=0.2)
+
+
+def test_the_factor_scales_all_standard_deviations():
+    learnt = LearntOdometry(OdometryNoisePerMove(), (2.0,))
+    assert np.allclose(learnt.covariance(TURN), OdometryNoisePerMove(factor=2.0).covariance(TURN))
+
+
+def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_shows():
+    pruning = PruningSlam(Scripted())
+    before = pruning.odometry.factor
+    pruning.move(TURN)
+    pruning.observe(Observation((), NOTHING, direction=-0.5 - 0.4, direction_sigma=0.01))  # 23 degrees more
+    inner, after = pruning.inner, pruning.odometry.factor
+    assert after > before and np.allclose(inner.state, [0.2, 0, 0.5])
+    assert np.allclose(inner.covariance, after**2 * OdometryNoisePerMove().covariance(TURN))
+
+
+def test_a_landmark_that_is_not_seen_again_is_removed_and_the_others_stay():
+    script = [[0, 1, 2], [1, 2], [1, 2]]  # 0 is seen once
+    pruning = PruningSlam(Scripted(script))
+    for _ in range(PATIENCE):
+        pruning.observe([])
+    assert len(pruning.inner.kinds) == 3
+    pruning.observe([])
+    pruning.observe([])
+    inner = pruning.inner
+    assert len(inner.kinds) == 2 and np.allclose(inner.state[3:], [1, -1, 2, -2])
+    assert np.allclose(np.diag(inner.covariance)[3:], [2, 2, 3, 3]) and inner.covariance.shape == (7, 7)
+
+
+def test_a_landmark_is_in_the_estimate_once_it_was_seen_often_enough():
+    pruning = PruningSlam(Scripted([[0, 1]] + [[0]] * (SIGHTINGS - 1)))
+    counts = []
+    for _ in range(SIGHTINGS):
+        pruning.observe([])
+        counts.append(len(pruning.estimate().landmarks))
+    assert counts == [0] * (SIGHTINGS - 1) + [1]
+
+
+def test_without_pruning_and_learning_it_is_the_plain_filter():
+    script = [[0, 1], [], [2]] + [[]] * (PATIENCE + 2)
+    plain, pruning = Scripted(script), PruningSlam(Scripted(script), sightings=1, factors=(1.0,))
+    for _ in script:
+        for each in (plain, pruning):
+            each.move(TURN)
+            each.observe(Observation((), NOTHING, direction=0.1, direction_sigma=0.02))
+    for name in ("landmarks", "covariance", "landmark_covariances", "kinds"):
+        assert np.array_equal(getattr(plain.estimate(), name), getattr(pruning.estimate(), name))
+
+
+class Noted(Scripted):
+    """Notes in which order pictures and commands come."""
+
+    def __init__(self):
+        super().__init__()
+        self.came = []
+
+    def move(self, motion):
+        self.came.append("move")
+
+    def observe(self, measurements):
+        self.came.append((measurements.direction, measurements.direction_sigma))
+
+
+def frames(*sigmas):
+    return [Observation((), NOTHING, 0.1 * number, sigma) for number, sigma in enumerate(sigmas)]
+
+
+@pytest.mark.parametrize("asked", [0, 1, 2, 3])
+def test_a_stops_surest_compass_comes_first_however_often_an_estimate_is_asked_for(asked):
+    slam = SurestFirst(Noted())
+    for number, each in enumerate(frames(np.inf, 0.02, 0.01)):
+        slam.observe(each)
+        if number < asked:
+            slam.estimate()
+    slam.move(TURN)
+    assert slam.inner.came == [(0.2, 0.01), (0.1, 0.02), (0.0, np.inf), "move"]
+
+
+def test_no_picture_waits_for_the_next_stop():
+    slam = SurestFirst(Noted())
+    for sigma in (0.02, 0.01):
+        slam.observe(*frames(sigma))
+        slam.estimate()
+        slam.move(TURN)
+    assert slam.inner.came == [(0.0, 0.02), "move", (0.0, 0.01), "move"]
+
+
+def test_an_estimate_holds_all_pictures_so_far():
+    slam = SurestFirst(Scripted([[0], [1]]))
+    for count, each in enumerate(frames(0.02, 0.01), start=1):
+        slam.observe(each)
+        assert len(slam.estimate().landmarks) == count
+        assert len(slam.estimate().landmarks) == count  # asking again changes nothing
+
+
+def test_pictures_without_a_compass_keep_their_order():
+    slam = SurestFirst(Noted())
+    for each in frames(np.inf, np.inf, np.inf):
+        slam.observe(each)
+    slam.move(TURN)
+    assert [direction for direction, _ in slam.inner.came[:3]] == [0.0, 0.1, 0.2]

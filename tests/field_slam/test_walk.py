@@ -1,0 +1,112 @@
+"""The real walk as a drive: headings from marked points, odometry that errs as it says, and where it is read from."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks import RESULTS
+from nao_course.datasets import AnnotatedPoint, RealPicture
+from nao_course.field_slam import walk
+from nao_course.field_slam.demo import drive as demo
+from nao_course.geometry import Pose
+from tests.paths import PROJECT
+
+MARKS = {"X": (0.0, 0.6), "T": (3.0, 1.1), "L": (2.4, -1.1), "post_foot": (3.0, 0.7)}
+
+
+def picture(pose=Pose(-1.0, 0.0, 0.0), kinds=(), turned=0.0):
+    """A picture of the walk in which points are marked where a robot that is turned sees them."""
+    bare = RealPicture("walk_001.png", Path("walk_001.png"), pose, 0.0, -0.55, ())
+    view = walk.walk_view(bare)
+    points = []
+    for kind in kinds:
+        u, v = view.project([MARKS[kind]], replace(pose, theta=turned))[0].tolist()
+        points.append(AnnotatedPoint(kind, u, v))
+    return replace(bare, points=tuple(points))
+
+
+@pytest.mark.parametrize("degrees", [-4.4, 0.1, 3.0])
+def test_marked_points_tell_where_a_robot_looked(degrees):
+    seen = picture(kinds=tuple(MARKS), turned=np.radians(degrees))
+    found = walk.marked_heading(seen, walk.walk_view(seen), seen.pose)
+    assert np.degrees(found) == pytest.approx(degrees, abs=0.1)
+
+
+def test_a_point_marked_wrongly_does_not_turn_the_robot():
+    seen = picture(kinds=tuple(MARKS), turned=np.radians(2.0))
+    wrong = replace(seen, points=(*seen.points, AnnotatedPoint("X", 10.0, 230.0)))
+    found = walk.marked_heading(wrong, walk.walk_view(wrong), wrong.pose)
+    assert np.degrees(found) == pytest.approx(2.0, abs=0.3)
+
+
+def test_without_a_marked_point_on_the_ground_the_heading_is_as_written():
+    high = replace(picture(), points=(AnnotatedPoint("post_top", 100.0, 20.0),))
+    for seen in (picture(), high):
+        assert walk.marked_heading(seen, walk.walk_view(seen), Pose(0.0, 0.0, 0.3)) == 0.3
+
+
+def test_odometry_is_the_true_steps_with_the_errors_it_states(monkeypatch):
+    monkeypatch.setattr(RealPicture, "pixels", np.zeros((240, 320, 3), np.uint8))
+    pictures = [replace(picture(Pose(-2.8 + 0.2 * i, 0.0, 0.0)), name=str(i)) for i in range(10)]
+    walks = [list(walk.real_walk(pictures, seed)) for seed in range(60)]
+    assert walks[0][0].motion is None and walks[0][0].pose.x == pytest.approx(-3.0)
+    way = np.array([[sight.motion.distance for sight in each[1:]] for each in walks])
+    turn = np.array([[sight.motion.turn for sight in each[1:]] for each in walks])
+    steps = np.full(9, 0.2)
+    steps[walk.BEFORE_THE_GAP - 1] = 0.4  # the stop without a picture
+    assert way.mean(axis=0) == pytest.approx(steps, abs=0.02)
+    assert (way - steps)[:, :6].std() == pytest.approx(0.021, rel=0.15)
+    assert np.degrees(turn.std()) == pytest.approx(1.0, rel=0.15)
+
+
+def test_a_step_back_is_a_negative_distance(monkeypatch):
+    monkeypatch.setattr(RealPicture, "pixels", np.zeros((240, 320, 3), np.uint8))
+    pictures = [replace(picture(Pose(-0.2 * i, 0.0, 0.0)), name=str(i)) for i in range(5)]
+    assert all(-0.3 < sight.motion.distance < -0.1 for sight in [*walk.real_walk(pictures, 1)][1:])
+
+
+def test_the_walk_is_read_from_its_own_folder_or_from_the_one_above_all(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(demo, "read_pictures", lambda name, folder: asked.append((name, folder)) or ())
+    own = tmp_path / "amsterdam_2013" / "straightwalk"
+    own.mkdir(parents=True)
+    (own / "annotations.json").write_text("[]", encoding="utf-8")
+    for folder in (tmp_path, own):
+        demo.route(0, folder)
+    assert asked == [("straightwalk", tmp_path.resolve())] * 2
+
+
+def test_lesson_and_docs_state_what_the_walk_says():
+    found = json.loads((RESULTS / "field_walk.json").read_text(encoding="utf-8"))
+    of = found["ways"]
+    text = (PROJECT / "solutions" / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    off = {name: f"{100 * of[name]['position']:.0f} cm" for name in ("odometry alone", "EKF", "graph")}
+    shown = {name: f"{100 * position:.0f}" for name, position in found["shown"].items()}
+    for words in (
+        f"ends {shown['odometry alone']} centimetres off",
+        f"end {shown['EKF']} and {shown['graph']} centimetres off",
+        f"odometry ends {off['odometry alone']} off (median), the filter {off['EKF']} and the graph {off['graph']}",
+        f"the filter's error is {100 * of['EKF']['across rms']:.0f} cm",
+        f"Along the path it is {100 * of['EKF']['along rms']:.0f} cm, no better than odometry",
+    ):
+        assert words in text, words
+    assert of["odometry alone"]["along rms"] == pytest.approx(of["EKF"]["along rms"], abs=0.02)
+    docs = (PROJECT / "docs" / "real_data.md").read_text(encoding="utf-8")
+    keys = ("position", "position 95 %", "position worst", "along rms", "across rms")
+    for name, row in of.items():
+        line = f"| {name} | {' | '.join(f'{row[key]:.2f}' for key in keys)} |"
+        assert line in docs, line
+
+
+@pytest.mark.slow
+def test_the_camera_looks_as_low_as_the_walks_first_picture_says(data_dir, monkeypatch):
+    from benchmarks.field import field_walk
+    from nao_course.datasets import read_pictures
+
+    offset = field_walk.calibration(read_pictures("straightwalk", data_dir))
+    assert np.degrees(walk.PITCH_OFFSET) == pytest.approx(offset, abs=0.1)

@@ -1,0 +1,166 @@
+"""The drive: buttons and code alike, one motion after the other, and what stops it."""
+
+import asyncio
+import time
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.sim import SimulatedNao
+from nao_course.widgets import ControlPanel
+from nao_course.widgets.control_panel.cockpit import STEP
+from nao_course.widgets.parts import PERIOD
+from tests.widgets.robots import clean_nao, in_a_loop, press, until_it_stands
+
+
+def test_buttons_and_code_drive_alike():
+    by_code, by_button = (ControlPanel(SimulatedNao(rng=3)) for _ in range(2))
+
+    async def scenario():
+        press(by_button, "forward")
+        assert by_button.driving
+        assert by_button.cockpit.nao.odometry == Pose()
+        await until_it_stands(by_button)
+
+    in_a_loop(scenario)
+    by_code.forward()
+    assert by_code.summary() == by_button.summary()
+    assert np.array_equal(by_code.cockpit.pictures["top"].pixels, by_button.cockpit.pictures["top"].pixels)
+
+
+def test_without_a_loop_buttons_drive_to_the_end():
+    panel = ControlPanel(clean_nao())
+    press(panel, "forward")
+    assert not panel.driving
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+
+
+def test_a_drive_is_paced():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        began = time.perf_counter()
+        press(panel, "forward")
+        await until_it_stands(panel)
+        return time.perf_counter() - began
+
+    assert in_a_loop(scenario) >= 4 * PERIOD * 0.95
+
+
+def test_stop_stops_after_the_present_step_and_forgets_what_was_to_come():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        press(panel, "left")
+        await asyncio.sleep(0)
+        press(panel, "stop")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(STEP)
+    assert panel.cockpit.nao.odometry.theta == 0
+    assert panel.cockpit.message == "Stopped."
+
+
+def test_stop_while_standing_stops_no_later_drive():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "stop")
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+
+
+def test_during_a_drive_commands_wait_in_their_order_and_the_head_obeys_at_once():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        await asyncio.sleep(0)
+        press(panel, "forward")
+        press(panel, "forward")
+        press(panel, "left")
+        press(panel, "look-up")
+        assert np.degrees(panel.cockpit.nao.head[1]) == pytest.approx(-36)
+        assert panel.cockpit.nao.odometry.theta == 0
+        press(panel, "forward")
+        shown = panel._controls.status.value
+        assert "Then: Walk 0.20 m ahead (2 times); Turn 15° left; Walk 0.20 m ahead." in shown
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    end = Pose(0.6, 0.0, np.radians(15)) @ Pose(0.2, 0.0, 0.0)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(end.x)
+    assert panel.cockpit.nao.odometry.y == pytest.approx(end.y)
+    assert "Then" not in panel._controls.status.value
+
+
+def test_a_picture_can_be_taken_during_a_drive():
+    panel = ControlPanel(clean_nao())
+
+    async def scenario():
+        press(panel, "forward")
+        await asyncio.sleep(0.01)
+        press(panel, "picture")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert len(panel.pictures) == 1
+
+
+def test_a_newer_panel_closes_the_older_and_leaves_no_task():
+    nao = clean_nao()
+
+    async def scenario():
+        older = ControlPanel(nao)
+        press(older, "forward")
+        await asyncio.sleep(0)
+        newer = ControlPanel(nao)
+        await until_it_stands(older)
+        assert asyncio.all_tasks() == {asyncio.current_task()}
+        return older, newer
+
+    older, newer = in_a_loop(scenario)
+    moved = nao.odometry.x
+    assert moved == pytest.approx(STEP)
+    press(older, "forward")
+    assert nao.odometry.x == moved
+    assert older.closed and not newer.closed
+    assert "newer panel" in older.cockpit.message
+    with pytest.raises(ValueError, match="closed"):
+        older.forward()
+
+
+def test_a_panel_of_another_robot_stops_what_still_drives_but_closes_nothing():
+    async def scenario():
+        older = ControlPanel(clean_nao())
+        press(older, "forward")
+        await asyncio.sleep(0)
+        ControlPanel(clean_nao())
+        await until_it_stands(older)
+        return older
+
+    older = in_a_loop(scenario)
+    assert older.cockpit.nao.odometry.x == pytest.approx(STEP)
+    assert not older.closed
+
+
+def test_a_mistake_of_the_panel_itself_is_a_message_too(monkeypatch):
+    panel = ControlPanel(clean_nao())
+    monkeypatch.setattr(panel._own, "perceive", lambda picture: 1 / 0)
+    press(panel, "forward")
+    press(panel, "look-up")
+    assert "ZeroDivisionError in the panel" in panel.cockpit.message
+
+    async def scenario():
+        panel.cockpit.say("")
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert "ZeroDivisionError in the panel" in panel.cockpit.message
