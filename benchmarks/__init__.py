@@ -1,4 +1,7 @@
-"""Measurements that the course's claims rest on: ``python -m benchmarks`` runs every module with a `main`."""
+"""Measurements that the course's claims rest on: ``python -m benchmarks`` runs all of them.
+
+Each folder holds the benchmarks of one subject and the modules that they share.
+"""
 
 from __future__ import annotations
 

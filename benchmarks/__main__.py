@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import pkgutil
 import sys
 from collections.abc import Sequence
 
@@ -12,19 +11,34 @@ from rich.console import Console
 
 import benchmarks
 
-
-def names() -> list[str]:
-    """Return the modules of this package that may be benchmarks."""
-    return sorted(
-        module.name for module in pkgutil.iter_modules(benchmarks.__path__) if module.name != "__main__"
-    )
+BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with a `main`
+    "pictures": ("colour_filter", "corners", "distance", "experiments", "pipeline", "posts", "tilt"),
+    "simulator": ("realism", "reality", "rendering"),
+    "ekf": ("ekf_consistency", "ekf_ideas", "ekf_logs", "ekf_speed"),
+    "graphs": ("ekf_and_graph", "linear_graphs", "pose_graphs"),
+    "field": (
+        "association",
+        "compass",
+        "field_ideas",
+        "field_slam",
+        "field_speed",
+        "field_tails",
+        "field_walk",
+    ),
+    "beyond": ("beyond_cameras", "beyond_exploring", "beyond_moves", "beyond_particles"),
+    "course": ("grading", "panel", "slow_students"),
+    "": ("challenges",),
+}
+MODULES = {
+    name: ".".join(filter(None, ("benchmarks", folder, name)))
+    for folder, names in BENCHMARKS.items()
+    for name in names
+}
 
 
 def run(name: str, console: Console) -> bool:
-    """Run one benchmark, if the module is one; show and save its result. False: its data is not here."""
-    module = importlib.import_module(f"benchmarks.{name}")
-    if not hasattr(module, "main"):
-        return True
+    """Run one benchmark, show and save its result. False: its data is not here."""
+    module = importlib.import_module(MODULES[name])
     try:
         result: benchmarks.Result = module.main()
     except FileNotFoundError as error:
@@ -38,13 +52,15 @@ def run(name: str, console: Console) -> bool:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run what the command line names; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Run the course's benchmarks.")
-    parser.add_argument("name", nargs="*", help=f"one or more of: {', '.join(names())}; all of them without")
+    parser.add_argument(
+        "name", nargs="*", help=f"one or more of: {', '.join(sorted(MODULES))}; all of them without"
+    )
     chosen: list[str] = parser.parse_args(arguments).name
-    if unknown := sorted(set(chosen) - set(names())):
-        parser.error(f"there is no benchmark {', '.join(unknown)}; there are: {', '.join(names())}")
+    if unknown := sorted(set(chosen) - set(MODULES)):
+        parser.error(f"there is no benchmark {', '.join(unknown)}; there are: {', '.join(sorted(MODULES))}")
     console = Console()
     console.width = max(console.width, 110)  # a file or a narrow window: rather long lines than broken tables
-    done = [run(name, console) for name in chosen or names()]
+    done = [run(name, console) for name in chosen or sorted(MODULES)]
     return 0 if all(done) else 1
 
 

@@ -50,7 +50,7 @@ DRAWS = 10_000  # of the bootstrap
 
 
 def row(name: str, came: Run) -> dict[str, Any]:
-    """What a board needs of a run, rounded to what it can show."""
+    """Return the values of a run for the board, rounded to the precision that the board shows."""
     if problems := came.problems():
         raise ValueError(f"{came.challenge.lesson}, {name}: {problems[0]}")
     columns = {key: round(value, 4) for key, value in came.columns.items()}
@@ -59,13 +59,13 @@ def row(name: str, came: Run) -> dict[str, Any]:
 
 
 def rows_file(challenge: Challenge) -> Path:
-    """Where a challenge's rows are read from."""
+    """Return the path of the file with a challenge's rows."""
     folder = challenge.lesson.partition("_")[2]
     return ROOT / "nao_course" / "lessons" / folder / "challenge.json"
 
 
 def margin(better: list[float], worse: list[float]) -> tuple[float, float, float]:
-    """Mean difference of two entries' cases, with a 95 % bootstrap interval over the cases, in pairs."""
+    """Return the mean difference of two entries over the cases, with a 95 % paired bootstrap interval."""
     difference = np.subtract(better, worse)
     draws = np.random.default_rng(0).choice(difference, (DRAWS, len(difference))).mean(axis=1)
     low, high = np.quantile(draws, [0.025, 0.975])

@@ -22,17 +22,17 @@ CONTRAST, PART = 15.0, 0.4  # levels; part of the 99.5 % quantile
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution."""
+    """Return the functions of the lesson's solution."""
     return load_definitions(ROOT / "solutions" / "01_hsl_filtering.ipynb")
 
 
 def nothing(picture: Pixels) -> Labels:
-    """All pixels are other."""
+    """Return the label "other" for all pixels."""
     return np.zeros(picture.shape[:2], dtype=np.uint8)
 
 
 def reference(picture: Pixels, min_saturation: float = 0.16) -> Any:
-    """The lesson's labels."""
+    """Return the labels of the lesson's solution."""
     if not check_picture(picture).size:
         return nothing(picture)
     own = lesson_functions()
@@ -41,12 +41,12 @@ def reference(picture: Pixels, min_saturation: float = 0.16) -> Any:
 
 
 def paper(picture: Pixels) -> Any:
-    """Aliyev et al. 2014, section 4.1: equation 4.1 with beta 120, and hue alone."""
+    """Label by Aliyev et al. 2014, section 4.1: equation 4.1 with beta 120, and the hue alone."""
     return reference(picture, min_saturation=0.0)
 
 
 def better(picture: Pixels) -> Labels:
-    """White stands out from what is around it; yellow and green are looked for where noise was taken out.
+    """Label white relative to its surroundings, and yellow and green after removing noise.
 
     All numbers were chosen in rooms 900 to 917, none of them the board's.
     """
@@ -64,7 +64,7 @@ def better(picture: Pixels) -> Labels:
 
 
 def stands_out(picture: Pixels, field: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Pixels (H, W) whose darkest channel is brighter than the mean around, by a part of what the brightest do."""
+    """Return the pixels (H, W) whose darkest channel exceeds its local mean by a share of the brightest excesses."""
     darkest = picture.min(axis=2).astype(np.float32)
     chroma = picture.max(axis=2) - darkest
     contrast = darkest - cv2.blur(darkest, (LINES, LINES))

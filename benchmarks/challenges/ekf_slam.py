@@ -52,7 +52,7 @@ def _placed(pose: Array, measured: Array) -> tuple[Array, Array, Array]:
 
 
 def odometry(log: list[Any]) -> Belief:
-    """Nothing is seen."""
+    """Ignore all measurements."""
     pose, covariance = np.zeros(3), np.zeros((3, 3))
     for control, Q, *_ in log:
         F, G = _motion_slopes(pose, control)
@@ -85,7 +85,7 @@ def _updated(state: Array, P: Array, indices: list[int], z: Array, R: Array) -> 
 
 
 def _filter(joined: bool) -> Callable[[list[Any]], Belief]:
-    """An EKF; a new landmark is joined to the rest, or put beside it as the homework does."""
+    """Run an EKF; a new landmark is correlated with the state, or added without correlations as in the homework."""
 
     def entry(log: list[Any]) -> Belief:
         state, P, known = np.zeros(3), np.zeros((3, 3)), list[int]()
@@ -111,7 +111,7 @@ def _filter(joined: bool) -> Callable[[list[Any]], Belief]:
 
 
 def better(log: list[Any]) -> Belief:
-    """All poses and landmarks at once, linearised again and again where they are most probable; then the last pose."""
+    """Estimate all poses and landmarks at once by repeated linearisation, and return the last pose."""
     poses, landmarks, known = _first_guess(log)
     for _ in range(ITERATIONS):
         H, b = _normal_equations(log, poses, landmarks, known)
@@ -131,7 +131,7 @@ def better(log: list[Any]) -> Belief:
 
 
 def _first_guess(log: list[Any]) -> tuple[Array, Array, dict[int, int]]:
-    """Poses and landmarks as an EKF believes them on its way."""
+    """Return the poses and landmarks that an EKF estimates during the drive."""
     state, P, known, poses = np.zeros(3), np.zeros((3, 3)), dict[int, int](), list[Array]()
     for control, Q, numbers, measurements, R in log:
         state, P = _predicted(state, P, control, Q)

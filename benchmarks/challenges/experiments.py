@@ -27,32 +27,32 @@ NOTHING_CLAIM, PAPER_CLAIM, BEST_CLAIM, BETTER_CLAIM = (1.8, 2.8), (1.4, 3.2), (
 
 @cache
 def lesson_functions() -> Definitions:
-    """Lesson 03's own solution."""
+    """Return the functions of lesson 03's solution."""
     return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
 
 
 def with_setting(beta: float, gap: float, length: float) -> Detector:
-    """The lesson's detector with a setting."""
+    """Return the lesson's detector with a setting."""
     return lambda picture: lesson_functions()["find_corners"](labels_of(picture, beta=beta), gap, length)
 
 
 def nothing(pictures: Rooms) -> Any:
-    """No corner at all: then a room costs as much as there are corners in a picture."""
+    """Find no corner; a room then costs as much as there are corners in a picture."""
     return [np.zeros((0, 2)) for _ in pictures], *NOTHING_CLAIM
 
 
 def paper(pictures: Rooms) -> Any:
-    """The setting that is the paper's best."""
+    """Use the best setting of the paper."""
     return [with_setting(*PAPER)(picture) for picture in pictures], *PAPER_CLAIM
 
 
 def reference(pictures: Rooms) -> Any:
-    """The setting with the lowest mean in the lesson."""
+    """Use the setting with the lowest mean in the lesson."""
     return [with_setting(*BEST)(picture) for picture in pictures], *BEST_CLAIM
 
 
 def better(pictures: Rooms) -> Any:
-    """Lesson 03's better detector."""
+    """Use lesson 03's better detector."""
     return [find_corners_better(picture) for picture in pictures], *BETTER_CLAIM
 
 

@@ -26,17 +26,17 @@ def _lesson() -> Any:
 
 
 def nothing(graph: Graph, states: FloatArray) -> FloatArray:
-    """Believe the odometry, and no closure."""
+    """Use the odometry alone, without closures."""
     return states
 
 
 def plain(graph: Graph, states: FloatArray) -> FloatArray:
-    """Believe every edge, as the paper does."""
+    """Use all edges with their stated information, as the paper does."""
     return np.asarray(_lesson()["gauss_newton"](graph, states, 15)[0])
 
 
 def kernel(graph: Graph, states: FloatArray) -> FloatArray:
-    """Weigh all edges anew before each of twenty steps, from the odometry on."""
+    """Reweight all edges before each of twenty steps, starting with the odometry."""
     gauss_newton, reweight = (_lesson()[name] for name in ("gauss_newton", "reweight"))
     for _ in range(20):
         states = gauss_newton(reweight(graph, states, WIDTH), states, 1)[0]
@@ -63,7 +63,7 @@ def tested_one_by_one(graph: Graph, states: FloatArray) -> FloatArray:
 
 
 def _part(graph: Graph, kept: npt.NDArray[np.bool_]) -> Graph:
-    """The graph with some of its edges."""
+    """Return the graph with some of its edges."""
     return replace(
         graph,
         edges=graph.edges[kept],
@@ -75,7 +75,7 @@ def _part(graph: Graph, kept: npt.NDArray[np.bool_]) -> Graph:
 def _innovations(
     graph: Graph, waiting: Sequence[int], known: Graph, states: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """How far closures are from what is known (C, 3), and the covariance of that (C, 3, 3)."""
+    """Return the residuals (C, 3) of closures at the current estimate, and their covariances (C, 3, 3)."""
     lesson, poses, ends = _lesson(), graph.split(states)[0], graph.edges[waiting]
     pairs = poses[ends[:, 0]], poses[ends[:, 1]], graph.measurements[waiting]
     rows = (3 * ends[:, :, None] + np.arange(3)).reshape(-1, 6)
@@ -86,7 +86,7 @@ def _innovations(
 
 
 def _covariances(H: Any, rows: npt.NDArray[np.int64]) -> FloatArray:
-    """Blocks of the covariance (C, 6, 6) with the first pose held: it is known exactly."""
+    """Return blocks of the covariance (C, 6, 6), with the first pose known exactly."""
     every, where = np.unique(rows, return_inverse=True)
     units = np.zeros((H.shape[0], len(every)))
     units[every, np.arange(len(every))] = 1.0

@@ -12,16 +12,12 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from benchmarks import ROOT
-from nao_course.challenges.beliefs import odometry_covariance
+from nao_course.challenges.beliefs import odometry_belief
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.observation import CAMERA_HEIGHT, TILT_SIGMAS, picture_covariance
 from nao_course.geometry import wrap_angle
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.slam_on_the_field.system.association import associate_jointly
-from nao_course.lessons.slam_on_the_field.system.drives import FieldOdometry
-from nao_course.lessons.slam_on_the_field.system.observation import (
-    CAMERA_HEIGHT,
-    TILT_SIGMAS,
-    picture_covariance,
-)
 
 Array = npt.NDArray[Any]
 Belief = tuple[Array, Array]
@@ -29,19 +25,14 @@ Belief = tuple[Array, Array]
 
 @cache
 def _solution() -> Mapping[str, Any]:
-    """The lesson's own functions and classes."""
+    """Return the functions and classes of the lesson's solution."""
     return load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
 
 
 def odometry(start: Any, log: list[Any]) -> Belief:
-    """Nothing is seen."""
+    """Ignore all measurements."""
     motions = [motion for motion, _ in log if motion is not None]
-    told = [start]
-    for motion in motions:
-        told.append(told[-1] @ motion.as_pose())
-    noise = np.array([FieldOdometry().covariance(motion) for motion in motions])
-    path = np.array([each.as_array() for each in told])
-    return path[-1], odometry_covariance(path, noise)
+    return odometry_belief(start, motions, [OdometryNoisePerMove().covariance(motion) for motion in motions])
 
 
 def _entry(name: str, **chosen: Any) -> Callable[..., Belief]:
@@ -83,7 +74,7 @@ class _Whole:
     errors: Array
 
     def split(self, x: Array) -> tuple[Array, Array, Array]:
-        """Poses (M + 1, 3), leans (P, 2) and landmarks (K, 2)."""
+        """Split the unknowns into poses (M + 1, 3), tilts (P, 2) and landmarks (K, 2)."""
         m, n = 3 * len(self.moves), 2 * (self.picture.max(initial=-1) + 1)
         poses = np.vstack([self.start, x[:m].reshape(-1, 3)])
         return poses, x[m : m + n].reshape(-1, 2), x[m + n :].reshape(-1, 2)
@@ -108,14 +99,14 @@ class _Whole:
 
 
 def better(start: Any, log: list[Any]) -> Belief:
-    """The reference says which landmark is which; then all is solved at once, each picture's lean as two unknowns."""
+    """Take the associations of the reference, and solve for all poses, landmarks and tilts at once."""
     slam = _solution()["EkfSlam"](start, association=associate_jointly)
     poses, moves, sigmas, rows = [start.as_array()], [], [], []
     for number, (motion, seen) in enumerate(log):
         if motion is not None:
             slam.move(motion)
             moves.append(motion.as_pose().as_array())
-            sigmas.append(np.sqrt(np.diag(FieldOdometry().covariance(motion))))
+            sigmas.append(np.sqrt(np.diag(OdometryNoisePerMove().covariance(motion))))
             poses.append(slam.state[:3])
         slam.observe(seen)
         poses[-1] = slam.state[:3]

@@ -19,13 +19,13 @@ ENDLESS = 1e9  # px
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution."""
+    """Return the functions of the lesson's solution."""
     return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
 
 
 @finds_points
 def paper(picture: Pixels) -> Any:
-    """Aliyev et al. 2014, section 4.3, with hue alone; "intersections of these lines" read as lines without ends."""
+    """Detect corners by Aliyev et al. 2014, section 4.3, with the hue alone and intersections of infinite lines."""
     own, labels = lesson_functions(), labels_of(picture, 0.0)
     white = own["line_picture"](own["erase_background"](labels))
     pairs = combinations(own["hough_segments"](white), 2)
@@ -37,7 +37,7 @@ def paper(picture: Pixels) -> Any:
 
 @finds_points
 def reference(picture: Pixels) -> Any:
-    """The lesson's detector: a floor under saturation, and segments 5 pixels longer."""
+    """Use the lesson's detector, with a least saturation and segments that are 5 pixels longer."""
     return lesson_functions()["find_corners"](labels_of(picture))
 
 

@@ -19,18 +19,18 @@ _DIGITS = 4  # to which two values are the same
 
 @cache
 def told(name: str, entry: Entry) -> float:
-    """What a Jacobian with a mistake tells of an entry; with no name, the right one."""
+    """Return the value of an entry in a Jacobian with a mistake, or in the right one if there is no name."""
     matrix = with_mistake(name, POSE, LANDMARK) if name else jacobian_at(POSE, LANDMARK)
     return round(float(matrix[entry]), _DIGITS) + 0.0
 
 
 def left(names: Iterable[str], entry: Entry, value: float) -> list[str]:
-    """Which mistakes would tell this."""
+    """Return the mistakes with which the entry would have this value."""
     return [name for name in names if told(name, entry) == value]
 
 
 def no_name(ask: Ask) -> str:
-    """The first of the catalogue, whatever it is."""
+    """Return the first mistake of the catalogue in every case."""
     return next(iter(MISTAKES))
 
 
@@ -53,7 +53,7 @@ def one_after_the_other(ask: Ask) -> str:
 
 
 def best_question(names: tuple[str, ...]) -> Entry:
-    """The entry whose value leaves the fewest mistakes on average."""
+    """Return the entry whose value leaves the fewest mistakes on average."""
 
     def remaining(entry: Entry) -> float:
         return sum(count**2 for count in Counter(told(name, entry) for name in names).values())

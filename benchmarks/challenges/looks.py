@@ -1,4 +1,4 @@
-"""Entries to lesson 06's challenge: no look, near landmarks, the surest by the filter's word, an honest one."""
+"""Entries to lesson 06's challenge: no measurement, near landmarks, the smallest covariance, a consistent filter."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ITERATIONS = 8
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution, with that of lesson 05."""
+    """Return the functions of the solutions of lessons 05 and 06."""
     return load_solution(ROOT / "solutions" / "06_localization.ipynb")
 
 
@@ -41,22 +41,22 @@ def _noise(distance: float) -> Array:
     return np.diag([BEARING**2, (RANGE * distance) ** 2])
 
 
-def no_look(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
-    """What it was given."""
+def no_measurement(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
+    """Return the given estimate without any measurement."""
     return pose, covariance
 
 
-def nearest(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
-    """The three landmarks that are nearest to where the robot believes to be."""
+def nearest(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
+    """Measure the three landmarks that are nearest to the estimated pose."""
     localize = lesson_functions()["localize"]
     for number in np.argsort(np.hypot(*(landmarks - pose[:2]).T))[:3]:
-        measured, noise = looks.at(int(number))
+        measured, noise = sensor.measure(int(number))
         pose, covariance = localize(pose, covariance, measured, landmarks[number], noise)
     return pose, covariance
 
 
-def greedy(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
-    """Each time the landmark after which the filter would be surest, by the determinant of its covariance."""
+def greedy(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
+    """Choose each time the landmark after which the determinant of the filter's covariance is smallest."""
     localize = lesson_functions()["localize"]
     for _ in range(3):
         left = []
@@ -64,26 +64,26 @@ def greedy(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
             expected = _expected(pose, landmark)
             left.append(np.linalg.det(localize(pose, covariance, expected, landmark, _noise(expected[1]))[1]))
         number = int(np.argmin(left))
-        measured, noise = looks.at(number)
+        measured, noise = sensor.measure(number)
         pose, covariance = localize(pose, covariance, measured, landmarks[number], noise)
     return pose, covariance
 
 
-def better(pose: Array, covariance: Array, landmarks: Array, looks: Any) -> Any:
-    """The same choice by the mean over sampled poses; all looks fitted together, again and again."""
+def better(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
+    """Choose by the mean over sampled poses, and fit all measurements together."""
     rng = np.random.default_rng(0)
     prior, information = pose.copy(), np.linalg.inv(covariance)
     taken: list[tuple[Array, Array, Array]] = []
     for _ in range(3):
         samples = rng.multivariate_normal(pose, covariance, SAMPLES)
         number = int(np.argmax([_gain(samples, covariance, landmark) for landmark in landmarks]))
-        taken.append((landmarks[number], *looks.at(number)))
+        taken.append((landmarks[number], *sensor.measure(number)))
         pose, covariance = _fit(prior, information, taken)
     return pose, covariance
 
 
 def _gain(samples: Array, covariance: Array, landmark: Array) -> float:
-    """Expected logarithm by which a look shrinks the covariance, H at each sample."""
+    """Return the expected logarithm by which a measurement shrinks the covariance, with H at each sample."""
     gains = []
     for sample in samples:
         slopes = _jacobian(sample, landmark)
@@ -93,7 +93,7 @@ def _gain(samples: Array, covariance: Array, landmark: Array) -> float:
 
 
 def _fit(prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
-    """Most probable pose after all looks, by Gauss-Newton from several starts, and its covariance there."""
+    """Return the most probable pose after all measurements, by Gauss-Newton from several starts, and its covariance."""
     fits = [
         _descend(prior + np.array([0.0, 0.0, turn]), prior, information, taken) for turn in (0.0, 0.5, -0.5)
     ]
@@ -129,7 +129,7 @@ def _normal_equations(
 
 
 LOOK_ENTRIES = {
-    "no look": no_look,
+    "no measurement": no_measurement,
     "the three nearest": nearest,
     "the reference": greedy,
     "a better filter": better,

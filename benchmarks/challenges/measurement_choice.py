@@ -1,4 +1,4 @@
-"""Entries to lesson 08's challenge: none, the nearest, what is known worst, most information, the smallest trace."""
+"""Entries to lesson 08's challenge: none, the nearest, the least certain, most information, the smallest trace."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def nearest(omega: FloatArray, xi: FloatArray, candidates: Candidates) -> int:
 
 
 def _spread(omega: FloatArray, candidates: Candidates) -> FloatArray:
-    """Variance of each candidate's difference, as the graph knows it."""
+    """Return the variance of each candidate's difference in the graph."""
     p = np.linalg.inv(omega)
     return np.array([p[i, i] + p[j, j] - 2 * p[i, j] for i, j, _ in candidates])
 
@@ -51,7 +51,7 @@ def smallest_trace(omega: FloatArray, xi: FloatArray, candidates: Candidates) ->
 CHOICE_ENTRIES: dict[str, Callable[..., int]] = {
     "nothing, as in the paper": nothing,
     "the nearest": nearest,
-    "what is known worst": least_known,
+    "the least certain difference": least_known,
     "the reference: most information": most_information,
-    "a better one: the smallest sum": smallest_trace,
+    "a better one": smallest_trace,
 }

@@ -17,25 +17,25 @@ from nao_course.exercises import Definitions, load_definitions
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution."""
+    """Return the functions of the lesson's solution."""
     return load_definitions(ROOT / "solutions" / "02_goalposts.ipynb")
 
 
 def labels_of(picture: Pixels, min_saturation: float = 0.16, beta: float = 120.0) -> Any:
-    """The lesson's labels."""
+    """Return the labels of the lesson's solution."""
     own = colour_functions()
     threshold = own["white_threshold"](mean_lightness(picture), beta)
     return own["color_labels"](picture, GREEN, YELLOW, threshold, min_saturation)
 
 
 def nothing(picture: Pixels) -> Any:
-    """No foot at all."""
+    """Find no foot."""
     return np.zeros((0, 2))
 
 
 @finds_points
 def paper(picture: Pixels) -> Any:
-    """Aliyev et al. 2014, section 4.2, with hue alone; "some green" of "a few pixels" read as 3 of 5; 15 percent."""
+    """Find posts by Aliyev et al. 2014, section 4.2, with the hue alone; "some" of "a few pixels" is 3 of 5."""
     own = lesson_functions()
     candidates = own["post_candidates"](labels_of(picture, 0.0), 3, 5, 0.15)
     return own["cluster_points"](candidates, 20.0)
@@ -43,13 +43,13 @@ def paper(picture: Pixels) -> Any:
 
 @finds_points
 def reference(picture: Pixels) -> Any:
-    """The lesson's detector."""
+    """Use the lesson's detector."""
     return lesson_functions()["find_goalposts"](labels_of(picture))
 
 
 @finds_points
 def better(picture: Pixels) -> Any:
-    """Noise taken out first, a wider yellow that must be more saturated, and a longer linkage.
+    """Remove noise first, use a wider but more saturated yellow, and a longer linkage.
 
     All numbers were chosen in rooms 930 to 935, none of them the board's.
     """

@@ -10,7 +10,7 @@ from nao_course.slam import Motion
 
 
 def plan_through(points: npt.ArrayLike) -> list[Motion]:
-    """Commands that lead from (0, 0, 0) straight from each point (N, 2) to the next, in metres."""
+    """Return commands that lead from (0, 0, 0) in straight lines through points (N, 2), m."""
     way = np.diff(np.vstack([np.zeros((1, 2)), np.asarray(points, dtype=float)]), axis=0)
     headings = np.arctan2(way[:, 1], way[:, 0])
     turns = np.diff(headings, prepend=0.0, append=headings[-1])

@@ -56,7 +56,7 @@ class Alignment:
 
 
 def tilt_from_lines(segments: npt.ArrayLike, view: CameraView) -> tuple[float, float, float]:
-    """Tell how a camera leans from middles of the field's lines.
+    """Estimate the tilt of a camera from centre lines of the field's lines.
 
     Before it looks, the robot knows its lean by 1.3 degrees in pitch and 0.8 degrees in roll (standard deviations):
     where lines cannot tell, the answer is the view's own tilt and that uncertainty.
@@ -87,7 +87,7 @@ def tilt_from_lines(segments: npt.ArrayLike, view: CameraView) -> tuple[float, f
 def align(
     segments: npt.ArrayLike, view: CameraView, pitch_sd: float = PITCH_SD, roll_sd: float = ROLL_SD
 ) -> Alignment:
-    """Lean a camera so that lines lie on the ground in two perpendicular directions; see `tilt_from_lines`.
+    """Estimate the tilt at which lines on the ground are perpendicular or parallel; see `tilt_from_lines`.
 
     `pitch_sd` and `roll_sd` (rad) are how well the view's own are known before.
     """
@@ -111,7 +111,7 @@ def align(
 def to_ground(
     pixels: FloatArray, view: CameraView, pitch: npt.ArrayLike = 0.0, roll: npt.ArrayLike = 0.0
 ) -> FloatArray:
-    """Points on the ground below a camera that leans by `pitch` and `roll` more than it believes.
+    """Return the points on the ground below a camera that is tilted by `pitch` and `roll` from its assumed view.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def to_ground(
 
 
 def _as_segments(segments: npt.ArrayLike) -> FloatArray:
-    """Segments (N, 4), checked."""
+    """Return segments (N, 4) after checking them."""
     lines = np.asarray(segments, dtype=float)
     if lines.size == 0:
         return np.zeros((0, 4))
@@ -175,7 +175,7 @@ def _angle_sd(lines: FloatArray, view: CameraView) -> FloatArray:
 
 
 def _loss(away: FloatArray) -> FloatArray:
-    """Cost (...) of lines that lie `away` (..., N) standard deviations aside: a square that flattens out."""
+    """Return the robust cost (...) of lines that are off by `away` (..., N) standard deviations."""
     square = np.where(np.isnan(away), OUTLIER, away) ** 2
     return np.asarray(OUTLIER**2 * np.log1p(square / OUTLIER**2).sum(axis=-1))
 
@@ -183,7 +183,7 @@ def _loss(away: FloatArray) -> FloatArray:
 def _modes(
     lines: FloatArray, sd: FloatArray, view: CameraView, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Mean (3,) and covariance (3, 3) of pitch, roll and heading over the best places of a search."""
+    """Return the mean (3,) and covariance (3, 3) of pitch, roll and heading over the best local minima."""
     start = _starts(lines, sd, view, prior)
     if not len(start):
         return None
@@ -201,7 +201,7 @@ def _modes(
 def _starts(
     lines: FloatArray, sd: FloatArray, view: CameraView, prior: FloatArray, most: int = 3
 ) -> FloatArray:
-    """The cheapest states (K, 3) of a grid that are not near a cheaper one; the heading is one of the lines'."""
+    """Return the states (K, 3) of a grid with the lowest costs, none near a better one."""
     pitch, roll = (each.ravel() for each in np.meshgrid(*(GRID * each for each in prior), indexing="ij"))
     direction = _directions(lines, view, pitch, roll)  # (grid, N)
     heading = direction[:, :CANDIDATES]
@@ -222,7 +222,7 @@ def _starts(
 def _refined(
     lines: FloatArray, sd: FloatArray, view: CameraView, states: FloatArray, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """States (K, 3), covariances (K, 3, 3) and costs (K,) where Gauss-Newton with robust weights leads from states."""
+    """Refine states by robust Gauss-Newton; return states (K, 3), covariances (K, 3, 3) and costs (K,)."""
     held = np.diag([*prior**-2.0, 1e-6])
     moves = STEP * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)])
     for _ in range(STEPS):

@@ -1,4 +1,4 @@
-"""Entries to lesson 04's challenge: the tilt as believed, the lesson's steps, and lines weighed by what each knows."""
+"""Entries to lesson 04's challenge: the assumed tilt, the lesson's steps, and a standard deviation for each line."""
 
 from __future__ import annotations
 
@@ -15,25 +15,24 @@ from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView
 
 PITCH_SIGMA, ROLL_SIGMA = float(np.radians(1.3)), float(np.radians(0.8))
-ANGLE_SIGMA = float(
-    np.radians(3.0)
-)  # of a direction on the ground: the same for all lines, chosen on other pictures
+# of a direction on the ground: the same for all lines, chosen on other pictures.
+ANGLE_SIGMA = float(np.radians(3.0))
 PITCHES, ROLLS = PITCH_SIGMA * np.linspace(-2.6, 2.6, 21), ROLL_SIGMA * np.linspace(-2.4, 2.4, 9)
 
 
 @cache
 def lesson_functions() -> Definitions:
-    """The lesson's own solution."""
+    """Return the functions of the lesson's solution."""
     return load_definitions(ROOT / "solutions" / "04_distance.ipynb")
 
 
 def nothing(segments: FloatArray, view: CameraView) -> Any:
-    """The tilt as believed."""
+    """Return the assumed tilt."""
     return view.pitch, view.roll, PITCH_SIGMA
 
 
 def reference(segments: FloatArray, view: CameraView) -> Any:
-    """The lesson's steps: each lean of a grid is weighed by how near to right angles it brings the lines."""
+    """Weigh each tilt of a grid by how near to right angles it brings the lines, as the lesson suggests."""
     leans = np.array([(p, r) for p in PITCHES for r in ROLLS])
     costs = np.array(
         [_cost(segments, replace(view, pitch=view.pitch + p, roll=view.roll + r)) for p, r in leans]
@@ -47,7 +46,7 @@ def reference(segments: FloatArray, view: CameraView) -> Any:
 
 
 def _cost(segments: FloatArray, view: CameraView) -> float:
-    """Sum of squares of how far, in standard deviations, lines are from their common right angles."""
+    """Return the sum of squared deviations of lines from right angles, in standard deviations."""
     ground = lesson_functions()["pixel_to_ground"](segments.reshape(-1, 2), view).reshape(-1, 2, 2)
     way = ground[:, 1] - ground[:, 0]
     way = way[np.isfinite(way).all(axis=1)]
@@ -58,12 +57,8 @@ def _cost(segments: FloatArray, view: CameraView) -> float:
 
 
 def better(segments: FloatArray, view: CameraView) -> Any:
-    """Each line weighed by how well its own direction is known."""
+    """Weigh each line by the standard deviation of its own direction."""
     return tilt_from_lines(segments, view)
 
 
-TILT_ENTRIES = {
-    "the tilt as believed": nothing,
-    "the reference": reference,
-    "a better weighing": better,
-}
+TILT_ENTRIES = {"the assumed tilt": nothing, "the reference": reference, "a sigma for each line": better}

@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from benchmarks import ROOT
 from nao_course.exercises import Definitions
+from nao_course.field_slam.drives import INSIDE
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.beyond.particles import NamedEkf
 from nao_course.lessons.beyond.planning import in_a_circle
-from nao_course.lessons.beyond.worlds import AHEAD, FIELD, INSIDE, ODOMETRY, noise_of
+from nao_course.lessons.beyond.worlds import AHEAD, FIELD, ODOMETRY, SENSOR
+from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion, range_and_bearing
 
 Array = npt.NDArray[np.float64]
@@ -35,13 +36,13 @@ WAYS = np.array(  # turn, walk, turn
 
 @cache
 def lesson_functions() -> tuple[Definitions, Definitions]:
-    """The solutions of lessons 07 and 12."""
+    """Return the functions of the solutions of lessons 07 and 12."""
     folder = ROOT / "solutions"
     return load_solution(folder / "07_ekf_slam.ipynb"), load_solution(folder / "12_beyond.ipynb")
 
 
 def _filter(robot: Any) -> NamedEkf:
-    """Lesson 07's filter at a robot's start, after the first look."""
+    """Return lesson 07's filter at a robot's start, after the first measurements."""
     ekf, _ = lesson_functions()
     slam = NamedEkf(robot.start, *(ekf[name] for name in ("predict", "update_landmarks", "add_landmark")))
     _look(robot, slam)
@@ -49,8 +50,7 @@ def _filter(robot: Any) -> NamedEkf:
 
 
 def _look(robot: Any, slam: NamedEkf) -> None:
-    numbers, measurements, _ = robot.look()
-    slam.observe(numbers, measurements)
+    slam.observe(*robot.look())
 
 
 def _said(slam: NamedEkf) -> Belief:
@@ -58,7 +58,7 @@ def _said(slam: NamedEkf) -> Belief:
 
 
 def stand_still(robot: Any) -> Belief:
-    """One look from the start."""
+    """Measure once at the start."""
     return _said(_filter(robot))
 
 
@@ -92,7 +92,7 @@ def _cells() -> Array:
 
 
 def better(robot: Any) -> Belief:
-    """Each time the move after which the map has most bits: what is known is surer, and what is new comes on it."""
+    """Choose each time the move after which the map contains the most bits."""
     ekf, _ = lesson_functions()
     slam, cells = _filter(robot), _cells()
     unseen = ~AHEAD.sees(slam.state[:3], cells)
@@ -124,7 +124,7 @@ def _best(
 
 
 def _shown(pose: Array, unseen: npt.NDArray[np.bool_], cells: Array) -> float:
-    """Most unseen cells that a turn, a walk and another turn show, for each move that this takes."""
+    """Return the most unseen cells that a turn, a walk and another turn can show, per move."""
     turn, distance, last = WAYS.T
     heading = pose[2] + turn
     there = pose[:2] + distance[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
@@ -142,7 +142,7 @@ def _after(pose: Array, distance: float, turn: float) -> Array:
 
 
 def _certainty(ekf: Definitions, slam: NamedEkf, distance: float, turn: float, after: Array) -> float:
-    """Bits of what is on the map, after a move and a look, as the filter foresees them."""
+    """Return the bits of the map after a move and new measurements, as predicted by the filter."""
     noise = ODOMETRY.covariance(Motion(distance, turn))
     belief = ekf["predict"](slam.state, slam.covariance, np.array([distance, turn]), noise, len(slam.known))
     seen = (
@@ -150,8 +150,9 @@ def _certainty(ekf: Definitions, slam: NamedEkf, distance: float, turn: float, a
     )
     if len(seen):
         expected = range_and_bearing(after, slam.state[3:].reshape(-1, 2)[seen])
-        noises = np.array([noise_of(each) for each in expected])
-        belief = ekf["update_landmarks"](*belief, seen.tolist(), expected.ravel(), noises)
+        belief = ekf["update_landmarks"](
+            *belief, seen.tolist(), expected.ravel(), SENSOR.covariances(expected)
+        )
     covariance = belief[1][3:, 3:] + 1e-9 * np.eye(len(belief[0]) - 3)
     return -0.5 * float(np.linalg.slogdet(covariance)[1]) / float(np.log(2))
 

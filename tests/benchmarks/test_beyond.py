@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.beyond_cameras import LOOKS, SEED
-from benchmarks.beyond_exploring import MOVES as ROOM_MOVES
-from benchmarks.beyond_moves import saving
-from benchmarks.beyond_particles import QuickFastSlam, median_band
+from benchmarks.beyond.beyond_cameras import COUNT, SEED
+from benchmarks.beyond.beyond_exploring import MOVES as ROOM_MOVES
+from benchmarks.beyond.beyond_moves import saving
+from benchmarks.beyond.beyond_particles import QuickFastSlam, median_band
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond import recorded
 from nao_course.lessons.beyond.exploring import explore, nearest_frontier
@@ -53,13 +53,13 @@ def test_a_recorded_journey_is_what_the_solution_drives(own):
     seven = load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
     ekf = [seven[name] for name in ("predict", "update_landmarks", "add_landmark")]
     end = journey(own["choose_move"], ekf, 3)
-    of = recorded.read(recorded.MOVES)["ways"]["what tells most"]
-    assert end.doubts[-1] == pytest.approx(of["doubt"][3], abs=1e-3)
-    assert end.off == pytest.approx(of["off"][3], abs=1e-3)
+    of = recorded.read(recorded.MOVES)["variants"]["smallest variance"]
+    assert end.sigmas[-1] == pytest.approx(of["sigma"][3], abs=1e-3)
+    assert end.error == pytest.approx(of["error"][3], abs=1e-3)
 
 
 def test_a_recorded_room_is_what_the_solution_explores(own):
-    enough = recorded.read(recorded.EXPLORING)["ways"]["nearest frontier"]["enough"]
+    enough = recorded.read(recorded.EXPLORING)["variants"]["nearest frontier"]["enough"]
     parts = [
         known.part
         for known in explore(own["travel_steps"], nearest_frontier(own["find_frontiers"]), 2, ROOM_MOVES)
@@ -70,10 +70,10 @@ def test_a_recorded_room_is_what_the_solution_explores(own):
 @pytest.mark.slow
 def test_a_recorded_distance_is_what_the_cameras_measure(own):
     pixel_to_ground = load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
-    looks = measure_again(own["intersect_rays"], pixel_to_ground, 2.0, (640, 480), looks=LOOKS, seed=SEED)
+    distances = measure_again(own["intersect_rays"], pixel_to_ground, 2.0, (640, 480), count=COUNT, seed=SEED)
     row = next(
         each
         for each in recorded.read(recorded.CAMERAS)["rows"]
         if each["width"] == 640 and each["distance"] == 2
     )
-    assert looks.sigmas == pytest.approx((row["one"], row["both"]), abs=1e-3)
+    assert distances.sigmas == pytest.approx((row["one"], row["both"]), abs=1e-3)

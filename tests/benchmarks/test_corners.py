@@ -232,9 +232,8 @@ def test_pieces_on_one_line_are_merged_and_others_are_not():
         (10, 10, 50, 18), (60, 20, 110, 30), (10, 30, 50, 38), (200, 48, 240, 56), (10, 10, 18, 50)
     )
     lines = merge(pieces, 1.0, LineSettings(), 0.0)
-    assert (
-        len(lines) == 4
-    )  # the first two are one; a gap of 90 px keeps another apart, though it is on the line
+    # The first two are one; a gap of 90 px keeps another apart, though it is on the line.
+    assert len(lines) == 4
     np.testing.assert_allclose(lines.ends[0], (10, 10, 110, 30), atol=1e-6)
     assert len(merge(pieces, 1.0, replace(LineSettings(), merged=False), 0.0)) == 5
     long_enough = merge(pieces, 1.0, LineSettings(), 45.0)

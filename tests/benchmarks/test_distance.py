@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import distance
+from benchmarks.pictures import distance
 from nao_course.lessons.distance.calibration import REAL, Marked, by_distance
 
 MOST = {"1-2 m": 0.12, "2-3 m": 0.25}  # m, median of the exact way's error

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks import ekf_ideas, ekf_speed
-from benchmarks.ekf_ideas import Compressed, Forgetful, Whole, go_round
-from benchmarks.ekf_in_place import InPlaceFilter
-from benchmarks.ekf_logs import COURSE, aligned, freiburg_values
+from benchmarks.ekf import ekf_ideas, ekf_speed
+from benchmarks.ekf.ekf_ideas import Compressed, Forgetful, Whole, go_round
+from benchmarks.ekf.ekf_in_place import InPlaceFilter
+from benchmarks.ekf.ekf_logs import COURSE, aligned, freiburg_values
 from nao_course.datasets import read_freiburg_log
 from nao_course.lessons.ekf_slam.costs import draw_costs
 
@@ -21,23 +21,23 @@ def ring():
 
 def test_on_a_long_way_round_a_large_map_the_covariance_stays_a_covariance(ring):
     own = Whole()
-    go_round(own, *ring)
-    assert len(own.on_map) == 100
+    go_round(own, ring)
+    assert len(own.known) == 100
     assert np.abs(own.covariance - own.covariance.T).max() < 1e-12 * own.covariance.max()
     assert np.linalg.eigvalsh(own.covariance).min() > 0
 
 
 def test_the_compressed_filter_moves_on_and_believes_the_same(ring):
-    whole, compressed = go_round(Whole(), *ring), Compressed()
-    loop = go_round(compressed, *ring)
+    whole, compressed = go_round(Whole(), ring), Compressed()
+    loop = go_round(compressed, ring)
     assert compressed.moves > 3 and len(compressed.on_map) == 100
     assert np.abs(loop.errors - whole.errors).max() < 1e-9
 
 
 def test_what_is_forgotten_is_not_found_again(ring):
     own = Forgetful()
-    forgetful, whole = go_round(own, *ring), go_round(Whole(), *ring)
-    assert len(own.on_map) < 40
+    forgetful, whole = go_round(own, ring), go_round(Whole(), ring)
+    assert len(own.known) < 40
     assert np.hypot(*forgetful.errors[-1, :2]) > 2 * np.hypot(*whole.errors[-1, :2])
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from benchmarks import paper_detector as paper
-from benchmarks import realism
-from benchmarks.realism import Geometry, Picture, measure
+from benchmarks.pictures import paper_detector as paper
+from benchmarks.simulator import realism
+from benchmarks.simulator.realism import Geometry, Picture, measure
 from nao_course.datasets import data_folder
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
@@ -100,9 +100,8 @@ def test_correlated_noise_shows_its_correlation_and_independent_channels_none() 
     pixels, geometry = plain()
     rng = np.random.default_rng(4)
     grain = rng.normal(0, 6.0, (240, 320))
-    along = (grain + np.roll(grain, 1, axis=1)) / np.sqrt(
-        2
-    )  # correlation .5 with the next column, 0 with the next row
+    # Correlation .5 with the next column, 0 with the next row
+    along = (grain + np.roll(grain, 1, axis=1)) / np.sqrt(2)
     found = measure(as_picture(pixels + along[..., None]), geometry)
     assert found["correlation next column"] == pytest.approx(0.5, abs=0.05)
     assert found["correlation next row"] == pytest.approx(0.0, abs=0.05)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import reality
-from benchmarks.reality import Case, Freedom, errors_of, fit_residuals, fit_set, run_case, summary
+from benchmarks.simulator import reality
+from benchmarks.simulator.reality import Case, Freedom, errors_of, fit_residuals, fit_set, run_case, summary
 from nao_course.datasets import AnnotatedPoint, RealPicture, read_pictures
 from nao_course.geometry import Pose
 from nao_course.sim.camera import NAO_V4

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.challenges.tilt import PITCH_SD, align, tilt_from_lines, to_ground
-from benchmarks.tilt import Tilts, simulated
+from benchmarks.pictures.tilt import Tilts, simulated
 from nao_course.sim import NAO_V4, Reality
 from nao_course.sim.scenes import random_scene
 

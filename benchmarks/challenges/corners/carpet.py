@@ -14,11 +14,8 @@ Pixels = npt.NDArray[np.uint8]
 
 SMALLEST = 24  # px: a picture with fewer rows or columns shows no line
 LEAST_CARPET = 0.004  # of the picture's pixels
-GREEN, DARKEST, PALEST = (
-    (32, 100),
-    25,
-    41,
-)  # hue in half degrees; lightness; saturation: 0.16 of 255, as in lesson 01
+# Hue in half degrees; lightness; saturation: 0.16 of 255, as in lesson 01.
+GREEN, DARKEST, PALEST = ((32, 100), 25, 41)
 SPREAD = 14  # half degrees about the carpet's most frequent hue
 
 

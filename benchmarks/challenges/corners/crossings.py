@@ -72,7 +72,7 @@ def find_crossings(
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Cross products (N,) of vectors (N, 2)."""
+    """Return the cross products (N,) of vectors (N, 2)."""
     return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 

@@ -107,7 +107,7 @@ def find_corners_better(picture: npt.ArrayLike, settings: PictureSettings = CHOS
 
 
 def flattest_square(points: FloatArray, horizon: float, columns: int) -> FloatArray:
-    """Smallest sine (N,) of the angle at which right angles on the ground may be seen, about, at points (N, 2).
+    """Return the approximate least sine (N,) of the angle at which right angles on the ground appear at points (N, 2).
 
     A point that is seen under the angle of depression d shows lengths along the line of sight shortened by f = sin d;
     two perpendicular directions come nearest to each other when both are at 45 degrees to it: 2 f / (1 + f^2).

@@ -53,7 +53,7 @@ class Lines:
 
     @classmethod
     def none(cls) -> Lines:
-        """No line at all."""
+        """Return an empty set of lines."""
         return cls(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 
     @property
@@ -62,11 +62,11 @@ class Lines:
         return np.asarray(np.hypot(self.ends[:, 2] - self.ends[:, 0], self.ends[:, 3] - self.ends[:, 1]))
 
     def __len__(self) -> int:
-        """How many."""
+        """Return the number of lines."""
         return len(self.width)
 
     def where(self, wanted: npt.NDArray[np.bool_]) -> Lines:
-        """Only those that are wanted (M,)."""
+        """Return the lines that are selected by a mask (M,)."""
         return Lines(self.ends[wanted], self.width[wanted], self.bend[wanted])
 
 
@@ -78,17 +78,17 @@ class _Moments:
 
     @classmethod
     def of(cls, pieces: Pieces) -> _Moments:
-        """Add up each piece's points."""
+        """Fit a line through the points of each segment, as long as its edge."""
         x, y = np.moveaxis(pieces.middles, -1, 0)
         terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
         return cls((terms * pieces.good[..., None]).sum(axis=1))
 
     def together(self, mine: npt.NDArray[np.bool_]) -> _Moments:
-        """Those of all of `mine` (N,), as one line's."""
+        """Return the sums of all segments of `mine` (N,), as for a single line."""
         return _Moments(self.sums[mine].sum(axis=0, keepdims=True))
 
     def fit(self) -> tuple[FloatArray, FloatArray]:
-        """Middles (N, 2) and unit directions (N, 2) of the nearest lines, by total least squares."""
+        """Return the centres (N, 2) and unit directions (N, 2) of the lines fitted by total least squares."""
         n, x, y, xx, xy, yy = self.sums.T
         x, y = x / n, y / n
         angle = 0.5 * np.arctan2(2 * (xy / n - x * y), xx / n - x * x - yy / n + y * y)
@@ -96,7 +96,7 @@ class _Moments:
 
 
 def bend_of(along: FloatArray, beside: FloatArray) -> float:
-    """How far the middle of the best parabola through points lies beside its ends."""
+    """Return the distance of the midpoint of the best parabola through points from the line between its ends."""
     half = (along.max() - along.min()) / 2
     if half < 1e-6 or len(along) < 4:
         return 0.0
@@ -128,7 +128,7 @@ class _Line:
         return np.concatenate([self.point + self.first * self.way, self.point + self.last * self.way])
 
     def bend(self, points: FloatArray) -> float:
-        """How far the parabola through points (N, 2) bends, px."""
+        """Return by how much the parabola through points (N, 2) bends, px."""
         away = points - self.point
         return bend_of(away @ self.way, away @ np.array([-self.way[1], self.way[0]]))
 
@@ -152,12 +152,12 @@ class _Straight:
         return cls(centre, way, high - low, ends)
 
     def line(self, i: int) -> _Line:
-        """The line of one piece."""
+        """Return the line of one segment."""
         first, last = np.sort((self.ends[i] - self.centre[i]) @ self.way[i]).tolist()
         return _Line(self.centre[i], self.way[i], first, last)
 
     def on(self, line: _Line, settings: LineSettings, scale: float) -> npt.NDArray[np.bool_]:
-        """Which pieces (N,) lie on a line or its extension."""
+        """Return which segments (N,) lie on a line or its extension."""
         normal = np.array([-line.way[1], line.way[0]])
         aside, slope = np.abs((self.centre - line.point) @ normal), np.abs(self.way @ normal)
         along = (self.ends - line.point) @ line.way

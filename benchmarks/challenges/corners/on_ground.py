@@ -153,7 +153,7 @@ def middle_lines(picture: npt.ArrayLike, view: CameraView, settings: GroundSetti
 
 
 def _lines(picture: npt.ArrayLike, view: CameraView, settings: GroundSettings) -> Lines:
-    """Straight middles of lines, without the lens."""
+    """Return the centre lines of straight lines, without lens distortion."""
     pixels = check_picture(picture)
     if pixels.shape[1::-1] != view.size:
         raise ValueError(f"the picture must be of the view's size {view.size}, got {pixels.shape[1::-1]}")
@@ -167,7 +167,7 @@ def _lines(picture: npt.ArrayLike, view: CameraView, settings: GroundSettings) -
 
 
 def _first_row(planes: Planes, view: CameraView) -> int:
-    """A row above which there is no line: the carpet's first, or where the ground is 10 m away, if that is lower."""
+    """Return the first row that may show a line: the first of the carpet, or a lower one with ground 10 m away."""
     steep = view.pitch - np.arctan(view.height / 10.0)
     row = view.centre[1] - view.focal[1] * np.tan(np.clip(steep, -1.5, 1.5))
     return int(np.clip(max(row, planes.first_row) - 4 * planes.scale, 0, len(planes.carpet)))
@@ -181,7 +181,7 @@ class _Widest:
     settings: GroundSettings
 
     def __call__(self, points: FloatArray, normals: FloatArray) -> FloatArray:
-        """Widths (N,) px at points (N, 2) across unit normals (N, 2)."""
+        """Return the widths (N,) of lines, px, at points (N, 2) across unit normals (N, 2)."""
         along = np.column_stack([-normals[:, 1], normals[:, 0]])
         here, ahead, aside = (to_ground(points + each, self.view) for each in (0 * normals, along, normals))
         way, across = ahead - here, aside - here
@@ -192,7 +192,7 @@ class _Widest:
 
 
 def _undistorted(pieces: Pieces, view: CameraView) -> Pieces:
-    """Pieces where the lens would not bend them."""
+    """Return the segments without lens distortion."""
     n = len(pieces)
     flat = view.undistort(np.concatenate([pieces.middles.reshape(-1, 2), pieces.edges.reshape(-1, 2)]))
     middles, edges = (

@@ -76,16 +76,16 @@ class Pieces:
 
     @classmethod
     def none(cls) -> Pieces:
-        """No piece at all."""
+        """Return an empty set of segments."""
         good = np.zeros((0, SAMPLES), dtype=bool)
         return cls(np.zeros((0, SAMPLES, 2)), good, np.zeros(0), np.zeros((0, 2, 2)))
 
     def where(self, wanted: npt.NDArray[np.bool_]) -> Pieces:
-        """Only those that are wanted (N,)."""
+        """Return the segments that are selected by a mask (N,)."""
         return Pieces(self.middles[wanted], self.good[wanted], self.width[wanted], self.edges[wanted])
 
     def __len__(self) -> int:
-        """How many."""
+        """Return the number of segments."""
         return len(self.width)
 
 
@@ -95,7 +95,7 @@ def _detector() -> Any:
 
 
 def edges(lightness: npt.NDArray[np.uint8], first_row: int, shortest: float) -> FloatArray:
-    """Straight edges (N, 4) below a row, by OpenCV's line segment detector, longer than `shortest` px."""
+    """Find straight edges (N, 4) below a row that are longer than `shortest` px, by OpenCV's line segment detector."""
     if len(lightness) - first_row < 16:
         return np.zeros((0, 4))
     found = _detector().detect(np.ascontiguousarray(lightness[first_row:]))[0]
@@ -106,21 +106,21 @@ def edges(lightness: npt.NDArray[np.uint8], first_row: int, shortest: float) -> 
 
 
 def _look_up(plane: npt.NDArray[np.uint8], points: FloatArray) -> npt.NDArray[np.int64]:
-    """Values (...) of a plane (H, W) of bytes at the pixels nearest to points (..., 2), or at its rim."""
+    """Return the values (...) of a plane (H, W) of bytes at the pixels nearest to points (..., 2), clipped."""
     columns, rows = np.moveaxis(np.rint(points).astype(np.intp), -1, 0)
     inside = np.clip(rows, 0, plane.shape[0] - 1), np.clip(columns, 0, plane.shape[1] - 1)
     return plane[inside].astype(np.int64)
 
 
 def _interpolated(plane: npt.NDArray[np.uint8], points: FloatArray) -> FloatArray:
-    """Values of a plane (H, W) between its pixels, at points (N, M, 2)."""
+    """Return interpolated values of a plane (H, W) at points (N, M, 2)."""
     u, v = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
     found = cv2.remap(plane.astype(np.float32), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(found, dtype=float)
 
 
 def _median(values: FloatArray, good: npt.NDArray[np.bool_]) -> FloatArray:
-    """Median (N,) of the good values (N, M) of each row, the lower one of two."""
+    """Return the median (N,) of the good values (N, M) of each row; of two central values, the lower one."""
     ordered = np.sort(np.where(good, values, np.inf), axis=1)
     return np.asarray(ordered[np.arange(len(values)), (good.sum(axis=1) - 1) // 2])
 
@@ -154,7 +154,7 @@ def line_pieces(planes: Planes, first_row: int, widest: Widest, settings: PieceS
 
 
 def _towards_light(planes: Planes, found: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points (N, SAMPLES, 2) along edges (N, 4), and there the unit normals that point to the edge's light side."""
+    """Return points (N, SAMPLES, 2) along edges (N, 4), and unit normals there that point to the light side."""
     way = (found[:, 2:] - found[:, :2])[:, None]
     points = found[:, None, :2] + np.linspace(0.06, 0.94, SAMPLES)[:, None] * way
     normal = np.stack([-way[..., 1], way[..., 0]], axis=-1) / np.linalg.norm(way, axis=-1, keepdims=True)
@@ -165,7 +165,7 @@ def _towards_light(planes: Planes, found: FloatArray) -> tuple[FloatArray, Float
 
 
 def _even(pieces: Pieces, width: FloatArray, scale: float, settings: PieceSettings) -> Pieces:
-    """Those of the pieces that are good over a part of their length, less the samples (N, M) whose width is odd."""
+    """Return the segments that are good over part of their length, without samples (N, M) of an unusual width."""
     kept = pieces.good.mean(axis=1) >= settings.share
     if not kept.any():
         return Pieces.none()
@@ -179,7 +179,7 @@ def _even(pieces: Pieces, width: FloatArray, scale: float, settings: PieceSettin
 def _across(
     planes: Planes, points: FloatArray, normal: FloatArray, most: FloatArray
 ) -> tuple[FloatArray, FloatArray, npt.NDArray[np.bool_]]:
-    """Where lines lie across edges, from profiles along the normals, which point to the light side.
+    """Find the lines across edges from profiles along the normals, which point to the light side.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def _across(
 
 
 def _crossing(over: FloatArray, offset: FloatArray, at: npt.NDArray[np.intp]) -> FloatArray:
-    """Offsets (N, M) at which profiles (N, M, STEPS) pass through zero between steps `at` - 1 and `at`."""
+    """Return the offsets (N, M) at which profiles (N, M, STEPS) pass through zero between steps `at` - 1 and `at`."""
     after, before = (np.take_along_axis(over, (at - k)[..., None], axis=-1)[..., 0] for k in (0, 1))
     end, start = (np.take_along_axis(offset, (at - k)[..., None], axis=-1)[..., 0] for k in (0, 1))
     share = before / np.where(before == after, 1.0, before - after)

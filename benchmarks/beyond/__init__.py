@@ -1,0 +1,1 @@
+"""Lesson 12: particles, two cameras, exploration, the choice of moves."""

@@ -1,0 +1,252 @@
+"""How fast a class is graded: ``nao-course grade`` on 200 submissions of lesson 01 beside nbgrader on 20 of the same.
+
+``python -m benchmarks grading`` runs both, one after the other on the same machine.
+``python -m benchmarks.course.grading 5000`` grades that many in one go and says how memory grows; with a second number,
+each notebook has stored outputs of so many MB.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import numpy as np
+import psutil
+from rich.console import Console
+
+from benchmarks import ROOT, Result, Table
+from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.gradebook.journal import Journal
+
+LESSON = "01_hsl_filtering"
+CLASS, PEERS = 200, 20
+KINDS = ("right", "half right", "wrong", "right", "blank")  # in turn: a fifth each, the right ones two
+WRONG = {  # what students write: a mistake of the catalogue each
+    "average_lightness": "return float(lightness.mean())",
+    "white_threshold": "return (max_lightness - beta) * mean_lightness / max_lightness",
+    "hue_mask": "return (hue >= low) & (hue <= high)",
+    "calibrate_hue": "return float(coloured.min() - epsilon), float(coloured.max() + epsilon)",
+}
+RGB_WRONG = "return 30 * np.zeros(picture.shape[:2]), largest - smallest, lightness"
+EVERY = 0.25  # s between two looks at memory
+
+
+# --- a class ---
+
+
+def notebooks() -> Iterator[tuple[str, str]]:
+    """Yield (kind, JSON) of endless different submissions: the student's copy with answers in it."""
+    course = load_course(ROOT)
+    blank = nbformat.read(ROOT / "notebooks" / f"{LESSON}.ipynb", as_version=4)
+    solved = lesson_text.read_lesson(course.text(LESSON))
+    answers = {
+        lesson_text.exercise_name(cell): cell.source for _, cell in lesson_text.code_cells(solved, "exercise")
+    }
+    number = 0
+    while True:
+        kind = KINDS[number % len(KINDS)]
+        notebook = nbformat.from_dict(blank)
+        for place, (_, cell) in enumerate(lesson_text.code_cells(notebook, "exercise")):
+            cell.source = (
+                _answer(lesson_text.exercise_name(cell), cell.source, answers, kind, place) + f"\n# {number}"
+            )
+        yield kind, nbformat.writes(notebook)
+        number += 1
+
+
+def _answer(name: str, stub: str, answers: dict[str, str], kind: str, place: int) -> str:
+    if kind == "right" or (kind == "half right" and place % 2 == 0):
+        return answers[name]
+    if kind == "blank" or name == "color_labels":
+        return stub
+    return stub.replace("raise NotImplementedError", WRONG.get(name, RGB_WRONG))
+
+
+def lay_out(folder: Path, many: int, megabytes: float = 0.0) -> None:
+    """Write the submissions of a class with stored outputs of a size, and a secret beside them."""
+    secret = folder.parent / "secret"
+    secret.write_text("any number of letters, the same each time", encoding="utf-8")
+    secret.chmod(0o600)
+    for number, (_, text) in enumerate(islice(notebooks(), many)):
+        path = folder / f"student{number:05d}" / f"{LESSON}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_text(with_outputs(text, int(2**20 * megabytes)), encoding="utf-8")
+
+
+def with_outputs(text: str, size: int) -> str:
+    """Return a notebook with a stored output of some characters."""
+    if not size:
+        return text
+    notebook = nbformat.reads(text, as_version=4)
+    cell = next(each for each in notebook.cells if each.cell_type == "code")
+    cell.outputs = [nbformat.v4.new_output("stream", name="stdout", text="x" * size)]
+    return nbformat.writes(notebook)
+
+
+# --- ours ---
+
+
+def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
+    """Run the grading command as an assistant does, and measure the memory of all its processes."""
+    words = ["grade", str(submissions), "--out", str(grades), "--jobs", str(jobs)]
+    environment = {**os.environ, "NAO_COURSE_SECRET": str(grades.parent / "secret"), "COLUMNS": "200"}
+    start = time.monotonic()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "nao_course.cli", *words],
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    memory = []
+    while process.poll() is None:
+        memory.append((time.monotonic() - start, pss_mb(process.pid), own_mb(process.pid)))
+        time.sleep(EVERY)
+    seconds = time.monotonic() - start
+    output = process.stdout.read() if process.stdout else ""
+    if process.returncode:
+        raise RuntimeError(f"nao-course grade ended with status {process.returncode}: {output}")
+    with Journal(grades) as journal:
+        results = journal.results()
+    each = np.array([result.seconds for result in results]) * 1000
+    of_kind = {
+        kind: [r.earned for i, r in enumerate(results) if KINDS[i % len(KINDS)] == kind] for kind in KINDS
+    }
+    return {
+        "submissions": len(results),
+        "jobs": jobs,
+        "seconds in all": seconds,
+        "per minute": 60 * len(results) / seconds,
+        "median ms": float(np.median(each)),
+        "95 % ms": float(np.quantile(each, 0.95)),
+        "peak PSS MB": max(mb for _, mb, _ in memory),
+        "peak PSS MB of the grader itself": max(mb for *_, mb in memory),
+        "memory": memory,
+        "level": sorted({result.level for result in results}),
+        "mean points": {kind: float(np.mean(earned)) for kind, earned in of_kind.items()},
+    }
+
+
+def pss_mb(pid: int) -> float:
+    """Return the memory of a process and its children, shared pages counted once; NaN if it is unknown."""
+    try:
+        return own_mb(pid) + sum(own_mb(each.pid) for each in psutil.Process(pid).children(recursive=True))
+    except psutil.NoSuchProcess:
+        return 0.0
+
+
+def own_mb(pid: int) -> float:
+    """Return the memory of one process, with its part of shared pages; 0 if it has just ended."""
+    try:
+        text = Path(f"/proc/{pid}/smaps_rollup").read_text()
+    except OSError:
+        return 0.0
+    match = re.search(r"^Pss:\s+(\d+)", text, re.MULTILINE)
+    return int(match[1]) / 1024 if match else 0.0
+
+
+# --- the peer ---
+
+
+def nbgrader(submissions: Path, folder: Path) -> dict[str, float]:
+    """Let nbgrader autograde some of the same submissions, without the time for making the assignment."""
+    (folder / "source" / LESSON).mkdir(parents=True)
+    shutil.copy(ROOT / "solutions" / f"{LESSON}.ipynb", folder / "source" / LESSON)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
+    }
+    chosen = sorted(submissions.iterdir())[:PEERS]
+    for student in chosen:
+        target = folder / "submitted" / student.name / LESSON
+        target.mkdir(parents=True)
+        shutil.copy(student / f"{LESSON}.ipynb", target)
+
+    def say(*words: str) -> float:
+        command = [sys.executable, "-m", "nbgrader", *words, f"--CourseDirectory.root={folder}"]
+        start = time.monotonic()
+        ran = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+        if ran.returncode:
+            raise RuntimeError(
+                f"nbgrader {words[0]} ended with status {ran.returncode}: {ran.stderr[-2000:]}"
+            )
+        return time.monotonic() - start
+
+    say("generate_assignment", LESSON)
+    seconds = say("autograde", LESSON, "--ExecutePreprocessor.timeout=120")
+    return {"submissions": len(chosen), "seconds in all": seconds, "per minute": 60 * len(chosen) / seconds}
+
+
+# --- figures ---
+
+
+def main() -> Result:
+    """Grade a class of 200 with one and two jobs, and 20 of it with nbgrader."""
+    with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
+        folder = Path(name)
+        lay_out(folder / "class", CLASS)
+        ours = {jobs: grade(folder / "class", folder / f"grades{jobs}", jobs) for jobs in (1, 2)}
+        peer = nbgrader(folder / "class", folder / "nbgrader")
+    for each in ours.values():
+        del each["memory"]
+    times = ours[2]["per minute"] / peer["per minute"]
+    rows = [
+        (f"nao-course, {jobs} jobs", each["submissions"], each["seconds in all"], each["per minute"], each["median ms"],
+         each["peak PSS MB"])
+        for jobs, each in ours.items()
+    ]  # fmt: skip
+    rows.append(
+        ("nbgrader autograde", peer["submissions"], peer["seconds in all"], peer["per minute"], "", "")
+    )
+    columns = ("", "submissions", "s in all", "per minute", "median ms", "peak MB")
+    title = f"lesson 01, a fifth of it blank; sandbox level {ours[2]['level'][0]}; {os.cpu_count()} cores"
+    values = {
+        "nao-course": {str(jobs): each for jobs, each in ours.items()},
+        "nbgrader": peer,
+        "times nbgrader": times,
+    }
+    notes = (f"With 2 jobs {times:.0f} times as fast as nbgrader; start, journal and feedback are included.",)
+    return Result("grading", values, (Table(title, columns, tuple(rows)),), notes)
+
+
+def many(number: int, megabytes: float = 0.0) -> Result:
+    """Grade thousands of submissions at once, and measure memory and pace in each fifth of the run."""
+    with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
+        folder = Path(name)
+        lay_out(folder / "class", number, megabytes)
+        run = grade(folder / "class", folder / "grades", 2)
+    memory = np.array(run.pop("memory"))
+    fifths = [float(part[:, 1].max()) for part in np.array_split(memory, 5)]
+    rows = tuple((f"{20 * i} to {20 * (i + 1)} %", mb) for i, mb in enumerate(fifths))
+    values = {**run, "peak PSS MB in each fifth": fifths}
+    values["MB of outputs"] = megabytes
+    note = (
+        f"{number} submissions of {megabytes:g} MB in one go: {run['seconds in all']:.0f} s, {run['per minute']:.0f} a "
+        f"minute; the grader itself needs at most {run['peak PSS MB of the grader itself']:.0f} MB."
+    )
+    return Result(
+        "grading_large" if megabytes else "grading_many",
+        values,
+        (Table("memory", ("part of the run", "peak PSS MB"), rows),),
+        (note,),
+    )
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    result = many(int(sys.argv[1]), *map(float, sys.argv[2:])) if len(sys.argv) > 1 else main()
+    result.show(Console(width=110))
+    result.save()

@@ -1,0 +1,1 @@
+"""EKF SLAM: consistency, recorded logs, time per step."""

@@ -1,0 +1,272 @@
+"""The report's four ideas for a constant time a step (its 3.3), measured on a loop through 200 landmarks.
+
+Observing fewer, forgetting landmarks, a local map inside the large one (the compressed filter), and a faster search.
+``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas`` also draws ``build/ekf_ideas.png``; with more threads than one the
+times count them all.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.spatial import KDTree
+
+from benchmarks import BUILD, ROOT, Result, Table
+from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.ekf_slam.filters import CompressedFilter
+from nao_course.metrics import band, squared_distances
+from nao_course.plotting import STYLES, Drawing, course_style
+from nao_course.plotting.legends import legend_below
+from nao_course.sim.drives import FieldOfView, NamedEkf, Sigmas, Step, measure_in_view
+from nao_course.slam import Motion
+
+OWN = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+FUNCTIONS = OWN["predict"], OWN["update_landmarks"], OWN["add_landmark"]
+
+LANDMARKS, RADIUS, ASIDE = 200, 25.0, 2.0  # on a ring so wide to both sides, m
+STEP, STEPS = 0.5, 360  # m; a lap takes 314
+VIEW = FieldOfView(float(np.radians(60)), 3.0, nearest=0.5)  # rad, m, m
+NEAR, MOST_NEAR = 6.0, 40  # m, landmarks: the compressed filter's near part
+MEMORY = 40  # steps after which the forgetful filter drops a landmark
+SIGMAS = Sigmas(0.02, 0.01, float(np.radians(0.2)), float(np.radians(0.5)), 0.03)
+Q, R = SIGMAS.control_covariance, SIGMAS.measurement_covariance
+RUNS = 6
+
+
+class Filter(Protocol):
+    """What follows the loop."""
+
+    def move(self, control: FloatArray, covariance: FloatArray) -> None: ...
+
+    def see(self, step: Step) -> None: ...
+
+    def pose(self) -> tuple[FloatArray, FloatArray]: ...
+
+
+class Whole(NamedEkf):
+    """The lesson's functions on the whole map; it may use at most so many landmarks a step."""
+
+    def __init__(self, most: int = LANDMARKS) -> None:
+        super().__init__(Pose(), *FUNCTIONS)
+        self.most = most
+
+    def see(self, step: Step) -> None:
+        again, _ = self.on_map(step.numbers)
+        kept = np.setdiff1d(np.arange(len(step.numbers)), again[self.most :])
+        self.observe(step.numbers[kept], step.measurements[kept], step.covariances[kept])
+
+    def pose(self) -> tuple[FloatArray, FloatArray]:
+        return self.state[:3], self.covariance[:3, :3]
+
+
+class Forgetful(Whole):
+    """The same, but what has not been seen for a while is taken off the map: its rows and columns are left out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.step, self.last = 0, dict[int, int]()
+
+    def see(self, step: Step) -> None:
+        self.step += 1
+        self.last |= dict.fromkeys(step.numbers.tolist(), self.step)
+        super().see(step)
+        old = [slot for slot, number in enumerate(self.known) if self.last[number] < self.step - MEMORY]
+        if old:
+            columns = np.setdiff1d(
+                np.arange(len(self.state)), [3 + 2 * slot + axis for slot in old for axis in (0, 1)]
+            )
+            self.state, self.covariance = self.state[columns], self.covariance[np.ix_(columns, columns)]
+            self.known = [number for slot, number in enumerate(self.known) if slot not in set(old)]
+
+
+class Compressed:
+    """The compressed filter; it moves on when what it sees is not near, or what is called near has become much."""
+
+    def __init__(self) -> None:
+        self.own, self.on_map = CompressedFilter(*FUNCTIONS), dict[int, int]()
+        self.moves = 0
+
+    def move(self, control: FloatArray, covariance: FloatArray) -> None:
+        self.own.predict(control, covariance)
+
+    def see(self, step: Step) -> None:
+        seen = list(zip(step.numbers.tolist(), step.measurements, strict=True))
+        known = [(self.on_map[number], values) for number, values in seen if number in self.on_map]
+        if len(self.own.near) > MOST_NEAR or not {index for index, _ in known} <= set(self.own.near):
+            state, _ = self.own.whole()
+            away = np.hypot(*(state[3:].reshape(-1, 2) - state[:2]).T)
+            wanted = set(np.flatnonzero(away < NEAR).tolist()) | {index for index, _ in known}
+            self.own.move_to(sorted(wanted))
+            self.moves += 1
+        if known:
+            self.own.update_landmarks(
+                [index for index, _ in known], np.concatenate([values for _, values in known]), R
+            )
+        for number, values in seen:
+            if number not in self.on_map:
+                self.on_map[number] = self.own.add_landmark(values, R)
+
+    def pose(self) -> tuple[FloatArray, FloatArray]:
+        state, covariance = self.own.local
+        return state[:3], covariance[:3, :3]
+
+
+FILTERS: dict[str, Callable[[], Filter]] = {
+    "whole map": Whole,
+    "one landmark a step": lambda: Whole(most=1),
+    "forgets after 40 steps": Forgetful,
+    "compressed": Compressed,
+}
+COLOURS = {
+    "whole map": STYLES["ekf"].colour,
+    "one landmark a step": "#56a0d3",
+    "forgets after 40 steps": "#c84b00",
+    "compressed": "#2e8540",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One filter's way round: ms (M,), errors (M, 3) and NEES (M,) of each step."""
+
+    ms: FloatArray
+    errors: FloatArray
+    nees: FloatArray
+
+
+def world(seed: int) -> list[Step]:
+    """Drive round the ring: a step for each command."""
+    rng = np.random.default_rng(seed)
+    angles = rng.uniform(0, 2 * np.pi, LANDMARKS)
+    radii = RADIUS + rng.uniform(-ASIDE, ASIDE, LANDMARKS)
+    landmarks = np.column_stack([radii * np.sin(angles), RADIUS - radii * np.cos(angles)])
+    steps = []
+    for pose, motion in along_the_ring(rng):
+        numbers, seen = measure_in_view(pose, landmarks, SIGMAS, VIEW, rng, draw_unseen=True)
+        steps.append(Step(pose, motion, Q, numbers, seen, SIGMAS.covariances(seen)))
+    return steps
+
+
+def along_the_ring(rng: np.random.Generator) -> list[tuple[FloatArray, Motion]]:
+    """Return true poses (3,) and commands of a robot that stays on the ring, as if it followed a wall."""
+    pose, path = Pose(), []
+    for errors in rng.standard_normal((STEPS, 3)) * np.sqrt(np.diag(Q)):
+        away = complex(pose.x, pose.y - RADIUS)
+        slant = float(wrap_angle(np.angle(away) + np.pi / 2 - pose.theta))
+        turn = STEP / RADIUS + 0.3 * slant + 0.1 * (abs(away) - RADIUS)
+        pose = pose @ Pose(STEP + errors[0], errors[1], turn + errors[2])
+        path.append((pose.as_array(), Motion(STEP, turn)))
+    return path
+
+
+def go_round(own: Filter, steps: Sequence[Step]) -> Loop:
+    """Run one filter along the loop."""
+    ms, errors, covariances = [], [], []
+    for step in steps:
+        start = time.process_time()
+        own.move(step.control, step.control_covariance)
+        own.see(step)
+        ms.append(1000 * (time.process_time() - start))
+        pose, covariance = own.pose()
+        errors.append(pose_errors(pose, step.pose))
+        covariances.append(covariance)
+    return Loop(np.array(ms), np.array(errors), squared_distances(np.array(errors), np.array(covariances)))
+
+
+def search_times(sizes: Sequence[int] = (100, 1000, 10_000), queries: int = 10) -> list[dict[str, float]]:
+    """Measure microseconds to find the landmarks nearest to ten points by search and by a tree, and to make it."""
+    rng = np.random.default_rng(3)
+    rows = []
+    for size in sizes:
+        points, asked = rng.uniform(0, 50, (size, 2)), rng.uniform(0, 50, (queries, 2))
+        tree = KDTree(points)
+        steps = {
+            "all": lambda points=points, asked=asked: (
+                ((asked[:, None] - points) ** 2).sum(axis=2).argmin(axis=1)
+            ),
+            "tree": lambda tree=tree, asked=asked: tree.query(asked),
+            "make": lambda points=points: KDTree(points),
+        }
+        rows.append({"landmarks": size} | {name: 1e6 * _best(step) for name, step in steps.items()})
+    return rows
+
+
+def _best(step: Callable[[], Any], rounds: int = 50) -> float:
+    """Return the least processor time of several runs, s."""
+    best = np.inf
+    for _ in range(rounds):
+        start = time.process_time()
+        step()
+        best = min(best, time.process_time() - start)
+    return float(best)
+
+
+@course_style()
+def draw(found: dict[str, list[Loop]]) -> Drawing:
+    """Draw the cost and the position error of each step, averaged over the loops."""
+    figure = Figure(figsize=(11.0, 4.4))
+    left, right = figure.subplots(1, 2)
+    steps = np.arange(1, STEPS + 1)
+    for name, loops in found.items():
+        options = {"color": COLOURS[name], "lw": 1.6, "label": name}
+        left.plot(steps, np.median([loop.ms for loop in loops], axis=0), **options)
+        right.plot(steps, np.mean([np.hypot(*loop.errors[:, :2].T) for loop in loops], axis=0), **options)
+    for ax in (left, right):
+        ax.axvline(2 * np.pi * RADIUS / STEP, color="#6b7280", lw=1, ls="--")
+        ax.set_xlabel("step; the loop closes at the dashed line")
+    left.set(yscale="log", ylabel="ms a step, median")
+    right.set_ylabel("position error, m, mean")
+    legend_below(figure, left.get_legend_handles_labels()[0])
+    return Drawing(figure, f"Cost and error along a loop of {STEPS} steps, {', '.join(found)}.")
+
+
+def main() -> Result:
+    """Drive the loops, and search."""
+    worlds = [world(seed) for seed in range(RUNS)]
+    found = {name: [go_round(make(), each) for each in worlds] for name, make in FILTERS.items()}
+    BUILD.mkdir(exist_ok=True)
+    draw(found).save(BUILD / "ekf_ideas.png")
+    low, high = band(3, RUNS)
+    values: dict[str, Any] = {"runs": RUNS, "band": [low, high], "search": search_times()}
+    rows = []
+    for name, loops in found.items():
+        ms, nees = np.array([loop.ms for loop in loops]), np.array([loop.nees for loop in loops])
+        last = float(np.mean([np.hypot(*loop.errors[-1, :2]) for loop in loops]))
+        each = {
+            "ms_early": float(np.median(ms[:, 20:60])),
+            "ms_late": float(np.median(ms[:, 260:300])),
+            "ms_mean": float(ms.mean()),
+            "last_error": last,
+            "nees": float(nees.mean()),
+        }
+        values[name] = each
+        cells = [f"{each[key]:.2f}" for key in ("ms_early", "ms_late", "ms_mean")]
+        rows.append((name, *cells, f"{last:.3f}", f"{each['nees']:.2f}"))
+    exact = max(
+        float(np.abs(one.errors - other.errors).max())
+        for one, other in zip(found["whole map"], found["compressed"], strict=True)
+    )
+    columns = ("filter", "ms, steps 20-60", "260-300", "mean", "last error, m", "mean NEES")
+    searched = tuple(
+        (str(row["landmarks"]), *(f"{row[key]:.0f}" for key in ("all", "tree", "make")))
+        for row in values["search"]
+    )
+    tables = (
+        Table(f"{RUNS} loops of {STEPS} steps through {LANDMARKS} landmarks", columns, tuple(rows)),
+        Table(
+            "nearest landmark of 10 points, microseconds",
+            ("landmarks", "all", "tree", "to make it"),
+            searched,
+        ),
+    )
+    notes = (
+        f"compressed and whole map differ by at most {exact:.0e} m or rad in any pose",
+        f"95 % band of the NEES of one step over {RUNS} loops: {low:.2f} to {high:.2f}",
+    )
+    return Result("ekf_ideas", values, tables, notes)

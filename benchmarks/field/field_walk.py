@@ -1,0 +1,268 @@
+"""A real robot's walk: its pictures, its true steps with odometry's noise, and where filter and graph say it ends.
+
+The pictures are the same for every seed; the seeds draw the odometry's errors. Pictures with the field as the robot
+believes to see it go to ``build/field_walk.jpg``, which git ignores; images/make.py draws the maps.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from benchmarks import BUILD, ROOT, Result, Table
+from benchmarks.pictures.distance import marked, offset_of
+from benchmarks.simulator.reality import corrected_walk
+from benchmarks.simulator.reality.figure import LINE_COLOUR, field_curves
+from nao_course.datasets import RealPicture, read_pictures
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
+from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.observation import Observation
+from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk
+from nao_course.geometry import FloatArray, Pose, pose_errors
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.metrics import squared_distances
+from nao_course.plotting import LANDMARK_MARKERS, course_style, plot_estimate, plot_field, plot_path
+from nao_course.plotting.legends import legend_below, source_key
+from nao_course.slam import KINDS, DeadReckoning, Estimate, SlamAlgorithm
+
+SEEDS = range(100, 120)
+SHOWN = 100  # the seed whose maps are drawn
+# A compass that errs by more has taken something else for the field's lines.
+OFF_COURSE = float(np.radians(10))
+Make = Callable[[Pose], SlamAlgorithm]
+Classes = Mapping[str, Callable[..., SlamAlgorithm]]
+DRAWN = (0, 3, 8, 14, 16, 20)  # pictures
+
+
+@dataclass(frozen=True)
+class Ways:
+    """How the walk is read.
+
+    Parameters
+    ----------
+    calibrated : bool
+        Whether the robot knows its camera's constant offset.
+    compass : bool
+        Whether lines tell the heading.
+    marked_headings : bool
+        Whether the true headings are those that the marked points tell; otherwise as written down.
+    """
+
+    calibrated: bool = True
+    compass: bool = True
+    marked_headings: bool = True
+
+    def observations(self, functions: Functions, pictures: Sequence[RealPicture]) -> list[Observation]:
+        """Return the observations of all pictures, which are the same for all seeds."""
+        found = []
+        for frame in real_walk(pictures, 0):
+            view = (
+                frame.view if self.calibrated else replace(frame.view, pitch=frame.view.pitch - PITCH_OFFSET)
+            )
+            seen = see(functions, frame.pixels, view, frame.farthest)
+            found.append(seen if self.compass else replace(seen, direction_sigma=float("inf")))
+        return found
+
+
+# Name: how the walk is read, and the class of lesson 11's solution; None: odometry.
+WAYS: dict[str, tuple[Ways, str | None]] = {
+    "odometry alone": (Ways(), None),
+    "EKF": (Ways(), "EkfSlam"),
+    "graph": (Ways(), "GraphSlam"),
+    "EKF, no compass": (Ways(compass=False), "EkfSlam"),
+    "EKF, camera angles from the joints only": (Ways(calibrated=False), "EkfSlam"),
+    "odometry alone, headings as recorded": (Ways(marked_headings=False), None),
+    "EKF, headings as recorded": (Ways(marked_headings=False), "EkfSlam"),
+    "graph, headings as recorded": (Ways(marked_headings=False), "GraphSlam"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """How a walk ended: errors along and across the field (m) and of the heading (rad), NEES, the map, and the way.
+
+    The estimated path (poses at each picture, or none) is kept where it is drawn: a graph's costs much.
+    """
+
+    error: FloatArray
+    nees: float
+    estimate: Estimate
+    frames: Sequence[Frame]
+    path: Sequence[Pose]
+
+    @property
+    def position(self) -> float:
+        """How far off, m."""
+        return float(np.hypot(*self.error[:2]))
+
+
+def maker(classes: Classes, name: str | None) -> Make:
+    """Return a factory of the algorithm of a walk, as in the demo."""
+    if name is None:
+        return DeadReckoning
+    return lambda start: classes[name](start, OdometryNoisePerMove(), GATE, associate_jointly)
+
+
+def walk(
+    pictures: Sequence[RealPicture], seed: int, seen: Sequence[Observation], ways: Ways, make: Make
+) -> Walked:
+    """Run an algorithm over one walk."""
+    frames = list(real_walk(pictures, seed, ways.marked_headings))
+    algorithm = make(frames[0].pose)
+    path = []
+    for frame, observation in zip(frames, seen, strict=True):
+        if frame.motion is not None:
+            algorithm.move(frame.motion)
+        algorithm.observe(observation)
+        if seed == SHOWN:
+            path.append(algorithm.estimate().pose)
+    end = algorithm.estimate()
+    error = pose_errors(end.pose.as_array(), frames[-1].pose.as_array())
+    known = bool(end.covariance.any())
+    nees = float(squared_distances(error[None], end.covariance[None])[0]) if known else float("nan")
+    return Walked(error, nees, end, frames, path)
+
+
+def summary(walks: Sequence[Walked]) -> dict[str, float]:
+    """Return medians and tails over the seeds, m and degrees."""
+    off, errors = np.array([each.position for each in walks]), np.array([each.error for each in walks])
+    along, across, heading = np.sqrt(np.mean(errors**2, axis=0)).tolist()
+    nees = float(np.median([each.nees for each in walks]))
+    return {
+        "position": float(np.median(off)),
+        "position 95 %": float(np.quantile(off, 0.95)),
+        "position worst": float(off.max()),
+        "along rms": along,
+        "across rms": across,
+        "heading rms": float(np.degrees(heading)),
+        "landmarks": float(np.mean([len(each.estimate.kinds) for each in walks])),
+    } | ({"NEES median": nees} if np.isfinite(nees) else {})
+
+
+def compass_readings(frames: Sequence[Frame], seen: Sequence[Observation]) -> tuple[int, int]:
+    """Return the number of pictures with a compass reading, and how many of these readings are off course."""
+    away = np.array(
+        [wrap_quarter(-of.direction - frame.pose.theta) for frame, of in zip(frames, seen, strict=True)]
+    )
+    told = np.array([of.direction_sigma <= COMPASS_SIGMA for of in seen])
+    return int(told.sum()), int((told & (np.abs(away) > OFF_COURSE)).sum())
+
+
+def main() -> Result:
+    """Run all variants of the walk with twenty seeds."""
+    pictures = read_pictures("straightwalk")
+    functions = demo_functions((), ROOT / "solutions")
+    classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
+    seen: dict[Ways, list[Observation]] = {}
+    walks: dict[str, list[Walked]] = {}
+    for name, (ways, algorithm) in WAYS.items():
+        seen_by = replace(ways, marked_headings=True)  # which no picture shows
+        if seen_by not in seen:
+            seen[seen_by] = ways.observations(functions, pictures)
+        make = maker(classes, algorithm)
+        walks[name] = [walk(pictures, seed, seen[seen_by], ways, make) for seed in SEEDS]
+    found = {name: summary(each) for name, each in walks.items()}
+    shown = SEEDS.index(SHOWN)
+    frames = walks["EKF"][shown].frames
+    told, off_course = compass_readings(frames, seen[Ways()])
+    measured = [each.kind for of in seen[Ways()] for each in of]
+    headings = np.degrees([frame.pose.theta for frame in frames])
+    values: dict[str, Any] = {
+        "ways": found,
+        "shown": {name: walks[name][shown].position for name in ("odometry alone", "EKF", "graph")},
+        "compass readings": told,
+        "of these more than 10 degrees off": off_course,
+        **{f"{kind}s measured": measured.count(kind) for kind in KINDS},
+        "pictures with a measurement": sum(len(of) > 0 for of in seen[Ways()]),
+        "largest heading by the marked points, degrees": float(np.abs(headings).max()),
+        "pitch offset by the first picture, degrees": calibration(pictures),
+    }
+    _draw_pictures(frames, seen[Ways()])
+    columns = ("way", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
+    keys = (
+        "position",
+        "position 95 %",
+        "position worst",
+        "along rms",
+        "across rms",
+        "heading rms",
+        "NEES median",
+    )
+    rows = tuple(
+        (name, *(f"{of[key]:.3g}" if key in of else "" for key in keys)) for name, of in found.items()
+    )
+    table = Table(f"end of a walk of {len(pictures)} pictures and 6 m, {len(SEEDS)} seeds", columns, rows)
+    notes = tuple(f"{name}: {value:.3g}" for name, value in values.items() if isinstance(value, int | float))
+    return Result("field_walk", values, (table,), notes)
+
+
+def calibration(pictures: Sequence[RealPicture]) -> float:
+    """Return the constant offset of the camera by the walk's first picture, whose pose is known; degrees."""
+    return float(np.degrees(offset_of(marked(corrected_walk(pictures))[:1])))
+
+
+# --- figures ---
+
+
+@course_style()
+def draw_maps() -> bytes:
+    """Return a PNG: the maps at the end of one walk over the true field.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the recorded pictures are not here.
+    """
+    pictures = read_pictures("straightwalk")
+    seen = Ways().observations(demo_functions((), ROOT / "solutions"), pictures)
+    classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
+    makers = {name: maker(classes, WAYS[name][1]) for name in ("odometry alone", "EKF", "graph")}
+    walks = {name: walk(pictures, SHOWN, seen, Ways(), make) for name, make in makers.items()}
+    odometry, png = walks.pop("odometry alone"), io.BytesIO()
+    figure = Figure(figsize=(11, 4.6))
+    for number, (name, each) in enumerate(walks.items(), start=1):
+        ax = figure.add_subplot(1, len(walks), number)
+        source = name.lower()
+        plot_field(FIELD, ax)
+        plot_path(odometry.path, ax, "odometry", robot=False)
+        plot_path([frame.pose for frame in each.frames], ax)
+        plot_path(each.path, ax, source, robot=False)
+        plot_estimate(each.estimate, ax, source)
+        ax.set_title(
+            f"{name}: {100 * each.position:.0f} cm off; odometry: {100 * odometry.position:.0f} cm",
+            fontsize=10,
+        )
+    keys = [
+        source_key("truth", "true path"),
+        source_key("odometry", "odometry"),
+        source_key("ekf", "EKF, 95 %"),
+        source_key("graph", "graph, 95 %"),
+    ]
+    legend_below(figure, keys)
+    figure.savefig(png, dpi=110, bbox_inches="tight", metadata={"Software": None})
+    return png.getvalue()
+
+
+def _draw_pictures(frames: Sequence[Frame], seen: Sequence[Observation]) -> None:
+    """Draw some pictures with the field as seen by the assumed camera, and with the measurements."""
+    figure = Figure(figsize=(15, 8), layout="constrained")
+    for ax, number in zip(figure.subplots(2, 3).flat, DRAWN, strict=True):
+        frame = frames[number]
+        ax.imshow(frame.pixels)
+        camera = frame.pose.to_parent(frame.view.position[:2])[0]
+        for curve in field_curves(FIELD, camera)[LINE_COLOUR]:
+            ax.plot(*frame.view.project(curve, frame.pose).T, color=LINE_COLOUR, linewidth=0.8)
+        for each in seen[number]:
+            place = each.range * np.array([[np.cos(each.bearing), np.sin(each.bearing)]])
+            marker = LANDMARK_MARKERS[each.kind]
+            ax.plot(*frame.view.project(place)[0], marker, color="#cc0066", fillstyle="none", markersize=11)
+        ax.set(xlim=(0, 319), ylim=(239, 0), xticks=[], yticks=[], title=f"picture {number + 1}")
+    BUILD.mkdir(exist_ok=True)
+    figure.savefig(BUILD / "field_walk.jpg", dpi=90)

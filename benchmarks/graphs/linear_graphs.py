@@ -1,0 +1,92 @@
+"""What it costs to solve lesson 08's linear graphs, by their size: dense, sparse as numbered, sparse in a good order.
+
+``python -m benchmarks linear_graphs`` also writes what the lesson's figure shows.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg
+
+from benchmarks import ROOT, Result, Table
+from nao_course.exercises import load_definitions
+from nao_course.geometry import FloatArray
+from nao_course.lessons.graph_slam.costs import System, corridor_system
+
+OWN = load_definitions(ROOT / "solutions" / "08_graph_slam.ipynb")
+RECORDED = ROOT / "nao_course" / "lessons" / "graph_slam" / "costs.json"
+SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
+MOST_SECONDS = 0.3  # once a way of solving has taken so long, it is not tried on larger systems
+ROUNDS = 3
+
+
+def dense(omega: Any, xi: FloatArray) -> int:
+    """Solve as `np.linalg.solve` does, and return how many numbers the factor has."""
+    np.linalg.solve(omega.toarray(), xi)
+    return int(omega.shape[0]) ** 2
+
+
+def sparse(order: str) -> Callable[[Any, FloatArray], int]:
+    """Solve by a sparse factor in an order, and return how many numbers the factor has."""
+
+    def solve(omega: Any, xi: FloatArray) -> int:
+        options = {"SymmetricMode": True}
+        factor = scipy.sparse.linalg.splu(omega, permc_spec=order, diag_pivot_thresh=0.0, options=options)
+        factor.solve(xi)
+        return int(factor.L.nnz)
+
+    return solve
+
+
+WAYS: dict[str, Callable[[Any, FloatArray], int]] = {
+    "dense": dense,
+    "sparse, as numbered": sparse("NATURAL"),
+    "sparse, a good order": sparse("MMD_AT_PLUS_A"),
+}
+
+
+def measure(way: Callable[[Any, FloatArray], int], systems: dict[int, System]) -> list[dict[str, Any]]:
+    """Measure the processor time (the best of several runs) and the megabytes by size, until it takes too long."""
+    rows: list[dict[str, Any]] = []
+    for variables, (omega, xi) in systems.items():
+        best, entries = np.inf, 0
+        for _ in range(ROUNDS):
+            start = time.process_time()
+            entries = way(omega, xi)
+            best = min(best, time.process_time() - start)
+        rows.append({"variables": variables, "seconds": float(best), "megabytes": 8 * entries / 1e6})
+        if best > MOST_SECONDS:
+            break
+    return rows
+
+
+def main() -> Result:
+    """Measure all ways, and write what the lesson shows."""
+    rng = np.random.default_rng(8)
+    systems = {size: corridor_system(size, rng) for size in SIZES}
+    found = {name: measure(way, systems) for name, way in WAYS.items()}
+    omega, xi = systems[3000]
+    difference = np.abs(OWN["solve_sparse"](omega, xi) - np.linalg.solve(omega.toarray(), xi)).max()
+    rounded = {
+        name: [
+            {key: float(f"{value:.3g}") if key != "variables" else value for key, value in row.items()}
+            for row in rows
+        ]
+        for name, rows in found.items()
+    }
+    RECORDED.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    rows = tuple(
+        (name, row["variables"], f"{1000 * row['seconds']:.2f}", f"{row['megabytes']:.3g}")
+        for name, each in rounded.items()
+        for row in each
+    )
+    table = Table("solving a corridor, one core", ("way", "variables", "ms", "MB of the factor"), rows)
+    note = (
+        f"the lesson's solve_sparse and numpy's solve differ by at most {difference:.1e} for 3000 variables"
+    )
+    return Result("linear_graphs", rounded, (table,), (note,))

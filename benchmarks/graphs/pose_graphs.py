@@ -1,0 +1,302 @@
+"""Lesson 09's Gauss-Newton beside GTSAM's, in one run and on one core, and what solving costs by the graph's size.
+
+``python -m benchmarks pose_graphs`` also writes what the lesson's figure shows. GTSAM and qdldl are in the extra
+``bench``; what is not installed is said and left out, and so are the standard graphs where there is no data folder.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg
+
+from benchmarks import ROOT, Result, Table
+from benchmarks.graphs.graph_worlds import town, town_with_landmarks
+from nao_course.datasets import data_folder, read_g2o
+from nao_course.geometry import FloatArray
+from nao_course.graphs import Graph
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.lessons.pose_graphs.measured.recorded import COSTS
+
+OWN = load_solution(ROOT / "solutions" / "09_pose_graphs.ipynb")
+STANDARD = {"intel": "openslam_intel", "M3500": "input_M3500_g2o", "city10000": "city10000"}
+ROUNDS = 5
+SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
+STEPS = 3  # of Gauss-Newton, for the cost by size
+MOST_SECONDS = {"dense": 0.5}  # once a way has taken so long, or else 2 s, larger graphs are left out
+
+Problem = tuple[Graph, FloatArray]
+Solved = tuple[FloatArray, int]  # states, iterations
+
+
+# --- the ways of solving ---
+
+
+def own(graph: Graph, states: FloatArray, iterations: int) -> FloatArray:
+    """Solve with the lesson's functions, with the order and the pattern computed anew for a new graph."""
+    return np.asarray(OWN["gauss_newton"](graph, states, iterations)[0])
+
+
+def stepwise(solve: Callable[[Graph, Any, FloatArray], FloatArray]) -> Callable[..., FloatArray]:
+    """Run Gauss-Newton with the lesson's `linearize` and another solver for each system."""
+
+    def run(graph: Graph, states: FloatArray, iterations: int) -> FloatArray:
+        states = states.copy()
+        for _ in range(iterations):
+            H, b = OWN["linearize"](graph, states)
+            states -= solve(graph, H, b)
+        return states
+
+    return run
+
+
+def _dense(graph: Graph, H: Any, b: FloatArray) -> FloatArray:
+    return np.concatenate([np.zeros(3), np.linalg.solve(H[3:, 3:].toarray(), b[3:])])
+
+
+def _ordered_by(order: str) -> Callable[[Graph, Any, FloatArray], FloatArray]:
+    options: dict[str, Any] = (
+        {} if order == "COLAMD" else {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    )
+
+    def solve(graph: Graph, H: Any, b: FloatArray) -> FloatArray:
+        factor = scipy.sparse.linalg.splu(H[3:, 3:], permc_spec=order, **options)
+        return np.concatenate([np.zeros(3), factor.solve(b[3:])])
+
+    return solve
+
+
+def with_qdldl(graph: Graph, states: FloatArray, iterations: int) -> FloatArray:
+    """Solve with `qdldl`, which needs half the numbers because H is symmetric; its ordering is also computed once."""
+    solver, states = None, states.copy()
+    for _ in range(iterations):
+        H, b = OWN["linearize"](graph, states)
+        upper = scipy.sparse.triu(H[3:, 3:], format="csc")
+        if solver is None:
+            solver = importlib.import_module("qdldl").Solver(upper, upper=True)
+        else:
+            solver.update(upper, upper=True)
+        states[3:] -= solver.solve(b[3:])
+    return states
+
+
+WAYS: dict[str, Callable[..., FloatArray]] = {
+    "dense": stepwise(_dense),
+    "sparse, in scipy's own order": stepwise(_ordered_by("COLAMD")),
+    "sparse, numbers ordered at each step": stepwise(_ordered_by("MMD_AT_PLUS_A")),
+    "sparse, poses ordered once": own,
+}
+
+
+# --- GTSAM ---
+
+
+def gtsam_problem(graph: Graph, states: FloatArray) -> Any:
+    """Return the graph and guess as GTSAM objects; landmarks have bearing and range, which is equal to first order."""
+    gtsam = importlib.import_module("gtsam")
+    poses, landmarks = graph.split(states)
+    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    for key, pose in enumerate(poses):
+        values.insert(key, gtsam.Pose2(*pose))
+    for key, place in enumerate(landmarks, start=len(poses)):
+        values.insert(key, place)
+    gaussian = gtsam.noiseModel.Gaussian.Information
+    for (first, second), z, information in zip(
+        graph.edges.tolist(), graph.measurements, graph.information, strict=True
+    ):
+        if second < len(poses):
+            factors.add(gtsam.BetweenFactorPose2(first, second, gtsam.Pose2(*z), gaussian(information)))
+            continue
+        x, y, r = z[0], z[1], float(np.hypot(z[0], z[1]))
+        slopes = np.array([[-y, x / r], [x, y / r]])
+        polar = slopes.T @ information[:2, :2] @ slopes
+        bearing = gtsam.Rot2(float(np.arctan2(y, x)))
+        factors.add(gtsam.BearingRangeFactor2D(first, second, bearing, r, gaussian(polar)))
+    factors.add(gtsam.PriorFactorPose2(0, values.atPose2(0), gtsam.noiseModel.Constrained.All(3)))
+    return factors, values
+
+
+def gtsam_solve(problem: Any, iterations: int | None = None) -> tuple[Any, int]:
+    """Run GTSAM's Gauss-Newton with its defaults, or with a number of iterations."""
+    gtsam = importlib.import_module("gtsam")
+    parameters = gtsam.GaussNewtonParams()
+    if iterations is not None:
+        parameters.setMaxIterations(iterations)
+        parameters.setRelativeErrorTol(0.0)
+        parameters.setAbsoluteErrorTol(0.0)
+    optimizer = gtsam.GaussNewtonOptimizer(*problem, parameters)
+    return optimizer.optimize(), int(optimizer.iterations())
+
+
+def gtsam_states(graph: Graph, values: Any) -> FloatArray:
+    """Return GTSAM's values as the lesson's states."""
+    poses = [values.atPose2(key) for key in range(graph.poses)]
+    landmarks = [values.atPoint2(graph.poses + key) for key in range(graph.landmarks)]
+    flat = [[each.x(), each.y(), each.theta()] for each in poses] + [list(each) for each in landmarks]
+    return np.concatenate([np.asarray(each, dtype=float) for each in flat])
+
+
+# --- measuring ---
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """Keep all threads of this process on one core, where the system can do that."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def installed(name: str) -> bool:
+    """Return whether an optional package can be imported."""
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        return False
+    return True
+
+
+def timed(function: Callable[[], Any]) -> tuple[float, Any]:
+    """Return the processor time, s, and the result of a call."""
+    begin = time.process_time()
+    result = function()
+    return time.process_time() - begin, result
+
+
+def chi2(graph: Graph, states: FloatArray) -> float:
+    """Return the sum of all weighted squared errors, by the lesson's residuals."""
+    return float(graph.squared_errors(states, OWN["pose_residual"], OWN["landmark_residual"]).sum())
+
+
+def problems() -> tuple[dict[str, Problem], list[str]]:
+    """Return the standard graphs that are available, a simulated graph, and notes about missing ones."""
+    found: dict[str, Problem] = {}
+    notes = []
+    try:
+        folder = data_folder() / "slam" / "g2o"
+        found = {name: read_g2o(folder / f"{file}.g2o") for name, file in STANDARD.items()}
+    except FileNotFoundError as error:
+        notes.append(f"without the standard graphs: {error}")
+    found["simulated, landmarks"] = town_with_landmarks()
+    return found, notes
+
+
+def beside_gtsam(graph: Graph, states: FloatArray) -> dict[str, Any]:
+    """Return the best of some alternating runs of each; the lesson's solver takes as many iterations as GTSAM."""
+    problem = gtsam_problem(graph, states) if installed("gtsam") else None
+    iterations = gtsam_solve(problem)[1] if problem else 6
+    ways: dict[str, Callable[[], Any]] = {"own": lambda: own(replace(graph), states, iterations)}
+    if problem:
+        ways["gtsam"] = lambda: gtsam_solve(problem)[0]
+    if installed("qdldl"):
+        ways["qdldl"] = lambda: with_qdldl(replace(graph), states, iterations)
+    seconds: dict[str, float] = dict.fromkeys(ways, np.inf)
+    results: dict[str, Any] = {}
+    for _ in range(ROUNDS):
+        for name, way in ways.items():
+            taken, results[name] = timed(way)
+            seconds[name] = min(seconds[name], taken)
+    row = {
+        "poses": graph.poses,
+        "landmarks": graph.landmarks,
+        "edges": len(graph.edges),
+        "iterations": iterations,
+    }
+    row |= {"chi2_before": chi2(graph, states), "chi2_own": chi2(graph, results["own"])}
+    if problem:
+        row["chi2_gtsam"] = chi2(graph, gtsam_states(graph, results["gtsam"]))
+    return row | {f"ms_{name}": 1000 * taken for name, taken in seconds.items()}
+
+
+def by_size() -> dict[str, list[dict[str, float]]]:
+    """Return the seconds of a few steps for each method and size, until a method takes too long."""
+    rows: dict[str, list[dict[str, float]]] = {}
+    given_up: set[str] = set()
+    for size in SIZES:
+        for name, run in _runs(*town(size)).items():
+            if name in given_up:
+                continue
+            seconds = min(timed(run)[0] for _ in range(3 if size <= 10_000 else 1))
+            rows.setdefault(name, []).append({"poses": size, "seconds": seconds})
+            if seconds > MOST_SECONDS.get(name, 2.0):
+                given_up.add(name)
+    return rows
+
+
+def _runs(graph: Graph, states: FloatArray) -> dict[str, Callable[[], Any]]:
+    """Return a few steps with each method that is installed."""
+    ways: dict[str, Callable[..., Any]] = dict(WAYS)
+    if installed("qdldl"):
+        ways["with the wheel qdldl"] = with_qdldl
+    runs = {name: partial(_on_a_new_graph, way, graph, states) for name, way in ways.items()}
+    if installed("gtsam"):
+        runs["GTSAM"] = partial(gtsam_solve, gtsam_problem(graph, states), STEPS)
+    return runs
+
+
+def _on_a_new_graph(way: Callable[..., Any], graph: Graph, states: FloatArray) -> Any:
+    return way(replace(graph), states, STEPS)
+
+
+def main() -> Result:
+    """Measure both, and write what the lesson shows."""
+    with one_core():
+        graphs, notes = problems()
+        rows = {name: beside_gtsam(*problem) for name, problem in graphs.items()}
+        costs = by_size()
+    rounded = {
+        name: [{key: float(f"{value:.3g}") for key, value in row.items()} for row in each]
+        for name, each in costs.items()
+    }
+    COSTS.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    if not installed("gtsam"):
+        notes.append("without GTSAM, which is not installed: pip install gtsam, or the extra bench")
+    if not installed("qdldl"):
+        notes.append("without qdldl, which is not installed: pip install qdldl, or the extra bench")
+    tables = (_beside(rows), _ways(rounded))
+    return Result("pose_graphs", {"graphs": rows, "costs": costs}, tables, tuple(notes))
+
+
+def _beside(rows: dict[str, dict[str, Any]]) -> Table:
+    """Return the table of the comparison with GTSAM."""
+    columns = ("graph", "chi2", "GTSAM's", "steps", "own ms", "GTSAM ms", "ratio", "qdldl ms")
+    cells = []
+    for name, row in rows.items():
+        theirs, chi2_theirs = row.get("ms_gtsam"), row.get("chi2_gtsam")
+        times = (row["ms_own"], theirs, theirs and row["ms_own"] / theirs, row.get("ms_qdldl"))
+        own_ms, gtsam_ms, ratio, qdldl_ms = ("-" if value is None else f"{value:.2f}" for value in times)
+        cells.append(
+            (
+                name,
+                f"{row['chi2_before']:.6g} → {row['chi2_own']:.6g}",
+                "-" if chi2_theirs is None else f"{chi2_theirs:.6g}",
+                row["iterations"],
+                *(own_ms, gtsam_ms, ratio, qdldl_ms),
+            )
+        )
+    return Table("Gauss-Newton to the optimum, files read beforehand, one core", columns, tuple(cells))
+
+
+def _ways(costs: dict[str, list[dict[str, float]]]) -> Table:
+    """Return the table of milliseconds of each method by size."""
+    cells = []
+    for name, rows in costs.items():
+        found = {row["poses"]: f"{1000 * row['seconds']:.4g}" for row in rows}
+        cells.append((name, *(found.get(size, "-") for size in SIZES)))
+    heads = ("way, ms", *(f"{size:,}" for size in SIZES))
+    return Table(f"{STEPS} steps of Gauss-Newton by the number of poses, one core", heads, tuple(cells))

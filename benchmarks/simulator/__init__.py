@@ -1,0 +1,1 @@
+"""The simulated pictures against real ones, and how long they take."""
