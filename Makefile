@@ -17,10 +17,7 @@ ONE_THREAD = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # tests/order.py says what runs together. nbval is for the one test that starts it.
 PYTEST = PYTHONDONTWRITEBYTECODE= $(ONE_THREAD) $(PY) -m pytest -n $(WORKERS) -p no:nbval
 LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-version 3.11 \
-	--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
-
-# A phone's photo comes in one message: of more than 10 MB JupyterLab's server says nothing, and closes the connection.
-PHOTOS = --ServerApp.tornado_settings="{'websocket_max_message_size': 60000000}"
+	--generate-hashes --no-strip-extras --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
 .DEFAULT_GOAL := help
 .PHONY: help lab demo test lint test-quick test-slow test-all bench build site lock clean
@@ -31,9 +28,7 @@ help:  ## say what there is
 	@echo "Variables: PYTHON (which interpreter), LAB_ARGS, DEMO_ARGS, PYTEST_ARGS, BENCH_ARGS, SITE_ARGS, PIP_ARGS, WORKERS (test processes)"
 
 lab: .venv/lab.stamp  ## open the lessons in JupyterLab
-	@mkdir -p notebooks
-	@$(PY) -m nao_course.cli renew
-	$(PY) -m jupyterlab notebooks $(PHOTOS) $(LAB_ARGS)
+	$(PY) -m nao_course.cli lab $(LAB_ARGS)
 
 demo: .venv/lab.stamp  ## let the robot drive and map the field by itself
 	$(PY) -m nao_course.cli demo --out build/demo $(DEMO_ARGS)
@@ -41,6 +36,7 @@ demo: .venv/lab.stamp  ## let the robot drive and map the field by itself
 test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow
 
 lint: .venv/dev.stamp
+	$(PY) -m ruff format --check .
 	$(PY) -m ruff check .
 	$(PY) -m mypy
 
@@ -63,7 +59,7 @@ site: .venv/site.stamp  ## make the students' pages, with SOLUTIONS=1 the instru
 
 lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
-	$(LOCK) --upgrade --extra lab --extra instructor --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
+	$(LOCK) --upgrade nao_course/instructor/pyproject.toml --no-emit-package nao-course --extra lab --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
 	$(LOCK) --upgrade --extra bench --constraint requirements-dev.lock --output-file requirements-bench.lock
 	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock
 

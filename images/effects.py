@@ -64,8 +64,7 @@ def draw_effects() -> bytes:
     panels += [np.full_like(panels[0], 255)] * (-len(panels) % _COLUMNS)
     rows = [np.hstack(panels[i : i + _COLUMNS]) for i in range(0, len(panels), _COLUMNS)]
     small = np.asarray(cv2.resize(np.vstack(rows), None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
-    coarse = (
-        small & 0b11111100
-    )  # sixty-four shades a channel are enough for so small a figure, and halve the file
+    # Sixty-four shades a channel are enough for so small a figure, and halve the file.
+    coarse = small & 0b11111100
     _, png = cv2.imencode(".png", coarse[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
     return png.tobytes()

@@ -34,7 +34,7 @@ def drawn_demo() -> Files:
 
 def corner_steps() -> Files:
     """What each step of two corner detectors brings, as `python -m benchmarks corners` has recorded it."""
-    from benchmarks import corners
+    from benchmarks.pictures import corners
 
     drawing = Drawing(corners.draw_steps(corners.recorded_steps()), "")
     return {Path("images", "corner_steps.png"): drawing.image()}
@@ -61,7 +61,7 @@ def real_building() -> Files:
 
 def real_walk() -> Files:
     """The maps of a recorded walk, by lesson 11's solution."""
-    from benchmarks import field_walk
+    from benchmarks.field import field_walk
 
     return in_lessons("11_real_walk.png", field_walk.draw_maps())
 

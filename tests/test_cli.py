@@ -12,8 +12,8 @@ import nbformat
 import pytest
 
 from nao_course import cli
+from nao_course._internal.single_threaded import SINGLE_THREADED
 from nao_course.instructor.authoring import lesson_text
-from nao_course.single_threaded import SINGLE_THREADED
 from nao_course.student import progress
 from tests.paths import PROJECT
 from tests.toy.course import lay_out_first_lessons, run
@@ -58,7 +58,8 @@ def test_check_names_what_went_wrong(tmp_path):
     cell.source = "def to_radians(angle_deg):\n    return angle_deg"
     nbformat.write(notebook, path)
     result = run("check", str(path))
-    assert result.exit_code == 1 and "✘ wrong" in result.output and "still in degrees" in result.output
+    assert result.exit_code == 1 and "✘ wrong" in result.output
+    assert "as it was given, in degrees" in " ".join(result.output.split())
     cell.source = "def to_radians(angle_deg:"
     nbformat.write(notebook, path)
     assert "SyntaxError" in run("check", str(path)).output
@@ -68,7 +69,7 @@ def test_check_names_what_went_wrong(tmp_path):
     assert "there is no file" in run("check", str(tmp_path / "x.ipynb")).output
     shutil.copy(path, tmp_path / "x.ipynb")
     assert "there is no lesson 'x'" in run("check", str(tmp_path / "x.ipynb")).output
-    assert "is no folder" in run("submit", str(path), "--out", str(tmp_path)).output
+    assert "is not a folder" in run("submit", str(path), "--out", str(tmp_path)).output
 
 
 def test_check_ends_with_the_sum_that_progress_gives_and_alone_shows_all_lessons(solved, monkeypatch):
@@ -97,13 +98,25 @@ def test_check_takes_the_number_of_a_lesson(word, tmp_path, monkeypatch):
 def test_submit_says_where_the_zip_is_and_what_the_receipt_is(solved, blank, tmp_path):
     result = run("submit", str(blank), "--out", str(tmp_path))
     (made,) = tmp_path.iterdir()
-    assert result.exit_code == 0 and made.name in result.output and "Your receipt is in it" in result.output
+    assert (
+        result.exit_code == 0 and made.name in result.output and "It contains your receipt" in result.output
+    )
     assert "01_hsl_filtering: 0 of 6 exercises pass their public checks; not yet: rgb_to_hsl" in result.output
     assert "1.W1 (nothing written)" in result.output
-    hand_in, state = (result.output.index(words) for words in ("Hand in ", "pass their public checks"))
+    hand_in, state = (result.output.index(words) for words in ("hand in ", "pass their public checks"))
     assert hand_in < state, "a student's code that never ends keeps nobody from handing in"
     result = run("submit", str(solved), "--out", str(tmp_path / "solved"))
     assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
+
+
+def test_renew_says_what_it_did_and_outside_of_a_release_what_it_looked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run("renew")
+    assert result.exit_code == 1 and "there is no folder release/notebooks" in result.output
+    assert "in which the course's zip was unpacked" in result.output
+    shutil.copytree(PROJECT / "notebooks", "release/notebooks")
+    assert "00_meet_the_nao.ipynb: as released" in run("renew").output
+    assert run("renew").output == "Your notebooks are up to date.\n"
 
 
 STUDENTS_PYTHON = """
@@ -130,17 +143,17 @@ def test_a_students_side_needs_the_core_alone_and_the_instructors_says_what_it_m
     notebook = "00_meet_the_nao.ipynb"
     (tmp_path / "notebooks").mkdir()
     shutil.copy(PROJECT / "solutions" / notebook, tmp_path / "notebooks")
-    commands = (("check", f"notebooks/{notebook}"), ("submit",), ("renew",), ("build",))
+    commands = (("check", f"notebooks/{notebook}"), ("submit",), ("build",))
     *students, (status, said) = run_as_student(tmp_path, PROJECT, *commands)
-    assert [code for code, _ in students] == [0, 0, 0], students
-    assert status == 1 and "not available here: it needs" in said
+    assert [code for code, _ in students] == [0, 0], students
+    assert status == 1 and "This command is for instructors and needs nbgrader" in said
 
 
 def test_a_students_copy_says_that_it_has_no_instructors_side(tmp_path):
     ignored = shutil.ignore_patterns("instructor", "__pycache__")
     shutil.copytree(PROJECT / "nao_course", tmp_path / "nao_course", ignore=ignored)
     ((status, said), (_, help_)) = run_as_student(tmp_path, tmp_path, ("release", "--out", "x"), ("--help",))
-    assert status == 1 and "the instructor's side" in said
+    assert status == 1 and "needs nao_course.instructor, which is not installed" in said
     assert " submit " in help_ and " regrade " not in help_
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nao_course.geometry import Pose, as_points, finite, rotation_3d, wrap_angle, yaw_pitch_roll
+from nao_course.geometry import Pose, as_points, finite, pose_errors, rotation_3d, wrap_angle, yaw_pitch_roll
 
 metres = st.floats(-20, 20)
 angles = st.floats(-10, 10)
@@ -113,3 +113,15 @@ def test_wrong_shapes_are_named():
         Pose.from_array([1, 2])
     assert as_points([]).shape == (0, 2)
     assert finite("x", np.float32(2)) == 2.0
+
+
+def test_a_rotation_straight_up_or_down_has_angles_although_rounding_made_it_a_little_too_long():
+    for down in (1.0, -1.0):
+        rotation = (1 + 1e-15) * np.array([[0.0, 0.0, down], [0.0, 1.0, 0.0], [-down, 0.0, 0.0]])
+        assert yaw_pitch_roll(rotation)[1] == pytest.approx(down * np.pi / 2)
+
+
+def test_pose_errors_wrap_the_heading_and_leave_the_poses_as_they_are():
+    estimated, true = np.array([[1.0, 2.0, 3.1], [0.0, 0.0, -3.1]]), np.array([0.5, 2.5, -3.1])
+    assert np.allclose(pose_errors(estimated, true), [[0.5, -0.5, 6.2 - 2 * np.pi], [-0.5, -2.5, 0.0]])
+    assert estimated[0, 2] == 3.1

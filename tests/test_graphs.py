@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse
 import scipy.sparse.linalg
 
-from nao_course.exercises.codec import decode, encode
+from nao_course.codec import decode, encode
 from nao_course.graphs import LANDMARK, POSE, Graph, matrices
 
 
@@ -61,8 +61,8 @@ def test_places_of_an_edge_are_those_of_its_ends_in_the_states(rng: np.random.Ge
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"edges": [[0, 5]]}, "edges name unknowns 0 to 2, got 5"),
-        ({"edges": [[2, 0]]}, "an edge begins at a pose"),
+        ({"edges": [[0, 5]]}, "indices of edges must be 0 to 2, got 5"),
+        ({"edges": [[2, 0]]}, "first end of an edge must be a pose"),
         ({"kinds": [POSE, LANDMARK, POSE]}, "poses first"),
         ({"kinds": [POSE, POSE, 7]}, "POSE or LANDMARK"),
         ({"measurements": [[1.0, 2.0]]}, r"measurements must have shape \(1, 3\)"),

@@ -83,7 +83,7 @@ def test_an_answer_stays_where_a_newer_release_changes_the_text_around_it(root, 
     )
     assert (renewal.carried, renewal.lost) == (2, ())
     assert (root / renewal.kept).read_bytes() == as_it_was
-    assert str(renewal) == f"{NAME}: renewed, 2 of your cells carried over; it was kept as {renewal.kept}"
+    assert str(renewal) == f"{NAME}: renewed with 2 of your cells; your old notebook is in {renewal.kept}"
 
 
 def test_an_untouched_notebook_that_was_run_is_replaced_and_not_kept(root, mine):
@@ -103,11 +103,29 @@ def test_a_cell_of_the_students_own_stands_behind_the_one_it_stood_behind(root, 
     assert renewal.carried == 1
 
 
+def test_names_of_an_older_release_are_replaced_in_the_students_code_but_not_in_text(root, mine):
+    code, text = "noise = FieldOdometry()\nx = seen.about(r)", "I took FieldOdometry."
+    save(mine, [*changed(GIVEN, clamp=code, why=text), cell("mine", "FieldOdometry()")])
+    release(root, NEWER)
+    now = sources(mine)
+    assert now["clamp"] == "noise = OdometryNoisePerMove()\nx = seen.linearised_at(r)"
+    assert (now["mine"], now["why"]) == ("OdometryNoisePerMove()", text)
+
+
+def test_an_added_cell_without_metadata_is_carried_over(root, mine):
+    own = cell("mine", "print('mine')")
+    del own["metadata"]
+    save(mine, [*GIVEN, own])
+    (renewal,) = release(root, NEWER)
+    assert sources(mine)["mine"] == "print('mine')"
+    assert renewal.carried == 1
+
+
 def test_an_answer_without_a_place_is_named_and_stands_in_the_kept_notebook(root, mine):
     save(mine, changed(GIVEN, clamp="def clamp(x):\n    return x"))
     (renewal,) = release(root, [each for each in NEWER if each["id"] != "clamp"])
     assert renewal.lost == ("def clamp(x):",)
-    assert str(renewal).endswith("The new lesson has no place for: 'def clamp(x):'")
+    assert str(renewal).endswith("Not carried over: 'def clamp(x):'")
     assert sources(root / renewal.kept)["clamp"] == "def clamp(x):\n    return x"
 
 
@@ -167,13 +185,16 @@ def test_the_receipts_version_is_that_of_the_release_a_notebook_came_from(tmp_pa
 @pytest.mark.parametrize(
     ("files", "said"),
     [
-        ({}, r"no lesson's notebook \(such as 01_hsl_filtering.ipynb\)"),
-        ({"mine.ipynb": "{}", "helper.py": ""}, "no lesson's notebook"),
+        ({}, "no notebook of a lesson, such as 01_hsl_filtering.ipynb"),
+        ({"mine.ipynb": "{}", "helper.py": ""}, "no notebook of a lesson"),
         ({NAME: "{ half of it"}, f"{NAME} is not a notebook"),
         ({NAME: '{"cells": 3}'}, f"{NAME} is not a notebook"),
         ({NAME: '{"cells": []}', "91_b.ipynb": ""}, "91_b.ipynb is not a notebook"),
-        ({NAME: '{"cells": []}', "big.py": "#" * (2**20 + 1)}, "big.py has 1.0 MB, 1 MB is the most"),
-        ({NAME: '{"cells": []}'} | {f"m{n}.py": "" for n in range(21)}, "21 Python files .* 20 are the most"),
+        ({NAME: '{"cells": []}', "big.py": "#" * (2**20 + 1)}, "big.py has 1.0 MB, but .* at most 1 MB"),
+        (
+            {NAME: '{"cells": []}'} | {f"m{n}.py": "" for n in range(21)},
+            "21 Python files .* at most 20 are allowed",
+        ),
     ],
 )
 def test_what_cannot_be_handed_in_is_said_and_no_zip_is_written(tmp_path, files, said):
@@ -187,5 +208,5 @@ def test_what_cannot_be_handed_in_is_said_and_no_zip_is_written(tmp_path, files,
 
 
 def test_a_folder_that_is_none_is_said(tmp_path):
-    with pytest.raises(ValueError, match="is no folder: submit packs a folder of notebooks"):
+    with pytest.raises(ValueError, match="is not a folder: give submit the folder of your notebooks"):
         homework.submit(tmp_path / "nowhere", tmp_path)

@@ -161,7 +161,7 @@ def test_a_submission_holds_the_notebooks_helpers_and_a_receipt(unpacked, tmp_pa
 
 
 def test_what_cannot_be_handed_in_is_said(tmp_path, monkeypatch):
-    with pytest.raises(ValueError, match=r"no lesson's notebook \(such as 01_hsl_filtering.ipynb\)"):
+    with pytest.raises(ValueError, match=r"contains no notebook of a lesson, such as 01_hsl_filtering.ipynb"):
         homework.submit(tmp_path, tmp_path)
     (tmp_path / "01_hsl_filtering.ipynb").write_text("{}")
     with pytest.raises(ValueError, match="01_hsl_filtering.ipynb is not a notebook"):

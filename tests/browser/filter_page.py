@@ -88,7 +88,8 @@ class FilterPage:
     def updates(self, steps=240, pause=12, slider="light"):
         """Drag a slider to and fro; return when each new picture of labels was decoded, ms."""
         self.page.evaluate(_WATCH)
-        self.drag(slider, 44, steps, pause)  # the light's slider ends after 46 pixels, and then nothing changes
+        # The light's slider ends after 46 pixels, and then nothing changes.
+        self.drag(slider, 44, steps, pause)
         self.page.mouse.up()
         self.page.wait_for_timeout(500)
         return np.array(self.page.evaluate("() => window.naoLoads"))

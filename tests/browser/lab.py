@@ -6,7 +6,6 @@ import json
 import os
 import socket
 import subprocess
-import sys
 import time
 import urllib.error
 import urllib.request
@@ -19,6 +18,8 @@ from typing import Any
 import nbformat
 import psutil
 
+from nao_course.lab import command as lab_command
+from nao_course.lab import environment as lab_environment
 from tests.paths import PROJECT
 
 LAPTOP = {"width": 1366, "height": 768}
@@ -30,7 +31,7 @@ CHROMIUM_OPTIONS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-# The package's own settings (jupyter/overrides.json) already keep JupyterLab from asking for news.
+# The course's own settings (nao_course/lab/settings) already keep JupyterLab from asking for news.
 QUIET = {"extensionmanager-extension/plugin": {"enabled": False}}
 
 
@@ -144,7 +145,7 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(values))
     environment = {
-        **os.environ,
+        **lab_environment(),
         "JUPYTER_CONFIG_DIR": str(settings / "config"),
         "JUPYTER_DATA_DIR": str(settings / "data"),
         "JUPYTER_RUNTIME_DIR": str(settings / "runtime"),
@@ -156,9 +157,9 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     }
     environment.pop("NAO_COURSE_TIME_LIMIT", None)  # a student's machine does not say it
     port = _free_port()
-    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--ServerApp.port={port}"]
+    command = lab_command(folder, ["--no-browser", "--allow-root", f"--ServerApp.port={port}"])
     command += ["--ServerApp.ip=127.0.0.1", "--ServerApp.port_retries=0", "--IdentityProvider.token="]
-    command += [f"--ServerApp.root_dir={folder}", "--LabApp.expose_app_in_browser=True"]
+    command += ["--LabApp.expose_app_in_browser=True"]
     command += ["--LabApp.extension_manager=readonly", "--ServerApp.disable_check_xsrf=True"]
     log = settings / "server.log"
     with log.open("w") as output:

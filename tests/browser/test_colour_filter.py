@@ -58,12 +58,12 @@ def test_arrow_keys_move_every_slider_and_jupyterlab_keeps_its_cells(lab, page):
         wait_for(lambda s=slider, b=before: panel.value(s) == b + 2, f"{slider} two steps up", 5)
     panel.handle("min-saturation").focus()
     page.keyboard.press("ArrowRight")
-    panel.expect("least saturation 0.17")
+    panel.expect("minimum saturation 0.17")
     panel.expect("green 116° to 141°, yellow 61° to 63°, beta 122")
     assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
     panel.root.locator(".nao-do-reset").focus()
     page.keyboard.press("Space")
-    panel.expect("green 114° to 139°, yellow 59° to 61°, beta 120, least saturation 0.16")
+    panel.expect("green 114° to 139°, yellow 59° to 61°, beta 120, minimum saturation 0.16")
 
 
 def test_the_errors_of_white_are_shown_with_what_their_colours_mean(lab, page):
@@ -72,7 +72,7 @@ def test_the_errors_of_white_are_shown_with_what_their_colours_mean(lab, page):
     panel.root.locator("select").last.select_option("Errors in white")
     wait_for(lambda: panel.source() != before, "the errors", 60)
     legend = panel.root.locator(".nao-legend")
-    wait_for(lambda: "called white, but is not" in legend.inner_text(), "what the colours mean", 60)
+    wait_for(lambda: "wrongly labelled white" in legend.inner_text(), "what the colours mean", 60)
     screenshot(page, "filter_panel_errors")
 
 
@@ -83,7 +83,7 @@ def test_a_slow_filter_ends_at_the_newest_value_and_skips_most_of_those_before(l
     last = f"beta {panel.value('beta'):.0f}"
     page.wait_for_timeout(1500)
     assert last in panel.words()
-    assert "The panel follows slowly" in panel.words()
+    assert "This is slow." in panel.words()
     pictures = int(re.search(r"(\d+) pictures", panel.words())[1])
     print(f"\n{pictures} pictures for 100 steps of the mouse")
     assert pictures < 25

@@ -62,12 +62,12 @@ def screenshot(page, root, name):
 
 def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_map(lab, page, tmp_path):
     root = panel_of(lab, page, "phone.ipynb", PHONE)
-    expect(root, "This is a stand-in")
+    expect(root, "This is a simulated photo")
     written = Image.Exif()
     written.get_ifd(0x8769)[0xA405] = 27
     Image.fromarray(usual_photo()).save(tmp_path / "IMG_0001.jpg", quality=92, exif=written)
     upload(page, root, tmp_path / "IMG_0001.jpg")
-    expect(root, "The camera says 27 mm. Click the corner A")
+    expect(root, "The file gives a focal length of 27 mm. Click the corner A")
     view, pose = usual_phone()
     for letter, (u, v) in zip(
         CLICKED, view.at_size(SIZE).project(np.array(list(CLICKED.values())), pose), strict=True
@@ -79,13 +79,13 @@ def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_
         )
         root.locator(f".nao-do-{letter.lower()}").click()
         page.wait_for_timeout(500)
-    expect(root, "By the four letters the phone was 3")
+    expect(root, "From the four letters, the phone was 3")
     expect(root, "post at (3, 0.7)")
     expect(root, "post at (3, -0.7)")
     screenshot(page, root, "phone_lab")
     (tmp_path / "notes.txt").write_text("no picture")
     upload(page, root, tmp_path / "notes.txt")
-    expect(root, "This file is no picture that can be read")
+    expect(root, "This file cannot be read as a picture")
 
 
 def test_the_tilt_slider_moves_all_points(lab, page):

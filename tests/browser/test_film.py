@@ -96,7 +96,7 @@ def test_there_is_one_master_and_a_held_key_keeps_the_speed(root):
     dragged = frame(root)
     root.page.wait_for_timeout(800)
     assert frame(root) == dragged
-    assert "follows slowly" not in root.inner_text()
+    assert "slows the panel down" not in root.inner_text()
     assert wait_for(lambda: root.page.evaluate(HELD, ["ArrowRight", 61, 30]) in (14, 15), None, 30)  # 1.8 s
     speed.select_option(label="1 a second")
     assert wait_for(lambda: root.page.evaluate(HELD, ["ArrowRight", 61, 30]) == 2, None, 30)
@@ -104,7 +104,7 @@ def test_there_is_one_master_and_a_held_key_keeps_the_speed(root):
 
 def test_the_keys_hint_is_not_cut(root):
     field = root.locator(".nao-keys")
-    assert "One on" in field.get_attribute("placeholder")
+    assert "Step on" in field.get_attribute("placeholder")
     widths = field.evaluate("""field => {
       const style = getComputedStyle(field), pen = document.createElement('canvas').getContext('2d');
       pen.font = `${style.fontSize} ${style.fontFamily}`;

@@ -70,7 +70,7 @@ def test_with_an_exercise_missing_the_panel_says_which_and_goes_on_with_sense(la
     fill(lab.folder, unsolved="02")
     board = drive(lab, page, "missing.ipynb")
     ready = page.locator(".nao-ready").inner_text()
-    assert "Not yet: goal posts, for find_goalposts of lesson 02 is not written yet" in ready
+    assert "Not yet: goal posts, because find_goalposts of lesson 02 is not written yet" in ready
     assert "by sense(), for find_goalposts of your lesson 02 is not usable yet" in board
     assert "✔ the estimate (11)" in ready and "NEES" in board
     screenshot(page, "own_slam_missing")

@@ -14,7 +14,7 @@ STUDENT = f"""from nao_course.exercises import load_definitions
 from nao_course.lessons.pose_graphs import RelaxPanel
 
 own = load_definitions({str(PROJECT / "solutions" / "09_pose_graphs.ipynb")!r})"""
-PANEL = "RelaxPanel(own['linearize'], own['gauss_newton'])"
+PANEL = "RelaxPanel(linearize=own['linearize'], gauss_newton=own['gauss_newton'])"
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_keys_step_on_and_back_and_the_player_goes_to_the_last_step(lab, page):
         if not wait_for(lambda: words in root.inner_text(), None, 60):
             raise AssertionError(f"{words!r} is not in the panel's words, which are {root.inner_text()!r}")
 
-    expect("First guess: odometry. Off by 2.62 m.")
+    expect("odometry, chi2 123,111, off by 2.62 m.")
     slider = root.locator(".nao-slider-step .noUi-handle")
     slider.focus()
     page.keyboard.press("ArrowRight")

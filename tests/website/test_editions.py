@@ -42,9 +42,8 @@ def texts_of(path):
 
 @pytest.mark.parametrize("edition", EDITIONS.values(), ids=list(EDITIONS))
 def test_what_sphinx_would_read_links_and_shows_only_what_lies_beside_it(edition, tmp_path):
-    course = SimpleNamespace(
-        title="Toy", plan=lambda name: SimpleNamespace(written=())
-    )  # no rubrics: they take time
+    # No rubrics: they take time
+    course = SimpleNamespace(title="Toy", plan=lambda name: SimpleNamespace(written=()))
     names = sorted(path.stem for path in (PROJECT / edition.lessons).glob("[0-9][0-9]_*.ipynb"))
     gather(edition, course, names, tmp_path / "sources")
     pages = [path for kind in ("md", "ipynb") for path in (tmp_path / "sources").rglob(f"*.{kind}")]

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from nao_course.instructor.authoring.plans import load_plan
 from tests.paths import PROJECT
 from website.lessons import read_lesson
 
@@ -93,5 +94,5 @@ def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names
         assert f'check(\\"{exercise}\\"' in (PROJECT / "notebooks" / f"{name}.ipynb").read_text(
             encoding="utf-8"
         ), where
-        declared = (PROJECT / "solutions" / "exercises" / f"{name}.py").read_text(encoding="utf-8")
-        assert f'name="{exercise}"' in declared and f'"{mistake}"' in declared, (where, mistake)
+        plan = load_plan(PROJECT / "solutions" / "exercises" / f"{name}.py")
+        assert mistake in [each.name for each in plan[exercise].mistakes], where

@@ -61,7 +61,7 @@ def test_no_link_is_broken_every_picture_is_described_and_no_host_is_asked(site,
 
 def test_a_propertys_sentence_with_a_colon_stays_a_sentence(site):
     words = "".join(read_page(site["student"] / "reference" / "sim.html").words)
-    assert "Circles of line: (N, 5) as x, y, radius" in " ".join(words.split())
+    assert "Circular lines: (N, 5) as x, y and radius" in " ".join(words.split())
 
 
 def test_the_students_pages_hold_no_code_of_a_solution_or_a_hidden_case(site, course):

@@ -1,0 +1,136 @@
+"""The language of the course: the field's words, plain sentences, and docstrings that begin with a verb."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests import language
+from tests.language import in_markdown, in_prose, in_python
+
+
+def said(offences):
+    return [each.text for each in offences]
+
+
+def test_no_file_has_more_offences_than_it_may_still_have():
+    counts = {file: len(language.offences(file)) for file in language.files()}
+    allowed = language.remaining()
+    worse = {file: count for file, count in counts.items() if count > allowed.get(file, 0)}
+    assert worse == {}, f"list them with `python -m tests.language {' '.join(worse)}`"
+    better = {file: count for file, count in allowed.items() if count > counts.get(file, 0)}
+    assert better == {}, "run `python -m tests.language --lower`: the numbers may only fall"
+
+
+@pytest.mark.parametrize(
+    ("sentence", "offence"),
+    [
+        ("The slopes of h are in H.", "slopes"),
+        ("Its doubt grows.", "doubt"),
+        ("It tells how surely it stands there.", "how surely"),
+        ("A large surprise is a wrong landmark.", "surprise"),
+        ("Each look shrinks the ellipse.", "Each look"),
+        ("An honest filter has a NEES of 3.", "honest"),
+        ("The body leans forwards.", "leans"),
+        ("It moves as told.", "told"),
+        ("Where it believes to be", "believes"),
+        ("The picture tells a direction.", "tells"),
+        ("The reference is lent to you.", "lent"),
+        ("Take the\none that is nearer.", "one that"),
+        ("The cost is that of a corner.", "that of"),
+        ("those whose end is near", "those whose"),
+        ("is none, and goes before the doubles do", "is none"),
+        ("Most of what is white and no line stands behind the field.", "what is white and no"),
+        ("e_x is no symbol of this model", "is no"),
+        ("A wall has not, and is.", "has not, and is"),
+        ("all corners but for the last", "but for"),
+        ("A picture is wanted.", "is wanted"),
+    ],
+)
+def test_a_riddle_is_found(sentence, offence):
+    assert offence in said(in_prose(1, sentence))
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "The slope of the line is its direction.",
+        "If you are in doubt, measure it.",
+        "Does this surprise you? It surprised us.",
+        "The post is out of sight.",
+        "Take a look at the figure. Each looks the same.",
+        "Colour tells the two goals apart, and the message tells you why.",
+        "There is no such function, and it is no longer used.",
+        "Pass `lent` or `slopes` to it, see [there](slopes.md), $what is left$.",
+    ],
+)
+def test_plain_english_is_allowed(sentence):
+    assert said(in_prose(1, sentence)) == []
+
+
+def test_every_allowance_has_a_reason():
+    reasons = [reason for each in language.PROSE for reason in each.allowed.values()]
+    assert all(reason.strip() for reason in (*reasons, *language.ALLOWED_NAMES.values()))
+    assert all(each.say for each in language.PROSE)
+
+
+def test_comments_texts_names_and_docstrings_are_read_where_they_stand():
+    source = '''"""A module, a noun phrase."""
+
+SLOPES = {"slopes": 1}  # the doubt
+
+
+class Lean:
+    """A body's tilt."""
+
+    @property
+    def size(self) -> float:
+        """The size in metres."""
+
+    def far(self, told: bool) -> bool:
+        """Whether it is far."""
+        raise ValueError(f"the {told} look is "
+                         "wrong")
+'''
+    assert [(each.line, each.text) for each in in_python(source)] == [
+        (3, "doubt"),
+        (3, "the name SLOPES"),
+        (6, "the name Lean"),
+        (13, "the name told"),
+        (14, "docstring 'Whether it is far.'"),
+    ]
+    cell = "# Slopes\n\n```{code-cell}\n:role: setup\n\nlook = 1  # a doubt\n```\n\n```text\nslopes\n```\nslopes\n"
+    assert [(each.line, each.text) for each in in_markdown(cell)] == [
+        (1, "Slopes"),
+        (6, "doubt"),
+        (6, "the name look"),
+        (12, "slopes"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("docstring", "right"),
+    [
+        ("Return the sum.", True),
+        ("Draw, and show, it.", True),
+        ("Whether it is so.", False),
+        ("What came of it.", False),
+        ("Hash of a file.", False),
+        ("The sum.", False),
+    ],
+)
+def test_a_function_says_what_it_does(docstring, right):
+    assert language.begins_with_a_verb(docstring) == right
+
+
+def test_a_file_can_be_listed_and_the_numbers_only_fall(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "notes.md"
+    path.write_text("Fine.\n\nAn honest\ndoubt.\n")
+    assert language.main([str(path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(" -> ")[0] for line in lines] == [f"{path}:3: honest", f"{path}:4: doubt"]
+    monkeypatch.setattr(language, "REMAINING", tmp_path / "remaining.json")
+    monkeypatch.setattr(language, "files", lambda: [str(path), "other.md"])
+    monkeypatch.setattr(language, "offences", lambda file: [1, 2] if file == str(path) else [1, 2, 3])
+    language._write({str(path): 9, "other.md": 1})
+    assert language.main(["--lower"]) == 0
+    assert language.remaining() == {str(path): 2, "other.md": 1}
