@@ -1,8 +1,9 @@
-"""Measure a student's detector: replace one of its steps, and count the true corners left after each step."""
+"""Measure a student's detector: try its parts, replace a step, count the true corners left after each step."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import combinations
 from types import FunctionType
 from typing import Any
 
@@ -22,6 +23,27 @@ STEPS = (
 )
 WHITE_WITHIN, SEGMENT_WITHIN = 3.0, 6.0  # px at 240 rows
 PARALLEL = float(np.sin(np.radians(10.0)))
+
+
+def all_crossings(
+    segments: npt.ArrayLike, intersect: Callable[[FloatArray, FloatArray], FloatArray | None]
+) -> FloatArray:
+    """Return where segments meet, for each pair of segments that has an intersection.
+
+    Parameters
+    ----------
+    segments : (N, 4) array_like
+        The ends (u1, v1, u2, v2) of each segment in pixels.
+    intersect : callable
+        Returns the intersection (u, v) of two segments in pixels, or None; for example a student's function.
+
+    Returns
+    -------
+    (K, 2) numpy.ndarray
+        The first segment with each later one, then the second with each later one, and so on.
+    """
+    found = (intersect(*pair) for pair in combinations(np.asarray(segments), 2))
+    return np.reshape([point for point in found if point is not None], (-1, 2)).astype(float)
 
 
 def with_others(function: Callable[..., Any], **others: Callable[..., Any]) -> Callable[..., Any]:

@@ -5,6 +5,7 @@ import pytest
 
 from nao_course.lessons.hough_corners.measuring import (
     STEPS,
+    all_crossings,
     count_corners,
     near_segments,
     near_white,
@@ -37,6 +38,14 @@ def test_each_step_loses_its_own():
     assert counts(segments=CROSS[:1]) == [2, 1, 1, 1, 0]
     parallel = np.array([[10.0, 20.0, 50.0, 20.0], [10.0, 23.0, 50.0, 23.0]])
     assert counts(segments=parallel) == [2, 1, 1, 1, 0]
+
+
+def test_each_segment_is_crossed_with_each_later_one():
+    segments = [[1.0, 0, 0, 0], [2.0, 0, 0, 0], [3.0, 0, 0, 0]]
+    pairs = all_crossings(segments, lambda first, second: np.array([first[0], second[0]]))
+    assert pairs.tolist() == [[1, 2], [1, 3], [2, 3]]
+    assert all_crossings(segments, lambda first, second: None).shape == (0, 2)
+    assert all_crossings([], None).shape == (0, 2)
 
 
 def test_the_steps_get_what_the_one_before_returned():
