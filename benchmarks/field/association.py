@@ -69,7 +69,7 @@ def looks(associate: Associate, gate: float) -> dict[str, dict[str, float]]:
 
 
 def main() -> Result:
-    """Drive by both ways with every gate, and write what the lesson's figure shows."""
+    """Drive with both methods of association and every gate, and write what the lesson's figure shows."""
     solution = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
     rows = record(solution["EkfSlam"])
     RECORDED.write_text(json.dumps(rows) + "\n", encoding="utf-8")

@@ -50,11 +50,11 @@ def scores_of(seed: int, factor: float) -> dict[tuple[str, str], Score]:
     """Run a drive under each hardship with this odometry."""
     cv2.setNumThreads(1)
     reads, scores = [Read.of(seen) for seen in detections(seed, factor)], {}
-    for name, (worse, looks, false_corners) in HARDSHIPS.items():
+    for name, (worse, frames, false_corners) in HARDSHIPS.items():
         if worse == factor:
-            ways = replace(WHOLE, false_corners=false_corners)
+            options = replace(WHOLE, false_corners=false_corners)
             for algorithm, make in ALGORITHMS.items():
-                scores[name, algorithm] = run(reads, make, ways, seed, looks)
+                scores[name, algorithm] = run(reads, make, options, seed, frames)
     return scores
 
 

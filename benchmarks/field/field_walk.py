@@ -42,7 +42,7 @@ DRAWN = (0, 3, 8, 14, 16, 20)  # pictures
 
 
 @dataclass(frozen=True)
-class Ways:
+class Options:
     """How the walk is read.
 
     Parameters
@@ -72,21 +72,21 @@ class Ways:
 
 
 # Name: how the walk is read, and the class of lesson 11's solution; None: odometry.
-WAYS: dict[str, tuple[Ways, str | None]] = {
-    "odometry alone": (Ways(), None),
-    "EKF": (Ways(), "EkfSlam"),
-    "graph": (Ways(), "GraphSlam"),
-    "EKF, no compass": (Ways(compass=False), "EkfSlam"),
-    "EKF, camera angles from the joints only": (Ways(calibrated=False), "EkfSlam"),
-    "odometry alone, headings as recorded": (Ways(marked_headings=False), None),
-    "EKF, headings as recorded": (Ways(marked_headings=False), "EkfSlam"),
-    "graph, headings as recorded": (Ways(marked_headings=False), "GraphSlam"),
+VARIANTS: dict[str, tuple[Options, str | None]] = {
+    "odometry alone": (Options(), None),
+    "EKF": (Options(), "EkfSlam"),
+    "graph": (Options(), "GraphSlam"),
+    "EKF, no compass": (Options(compass=False), "EkfSlam"),
+    "EKF, camera angles from the joints only": (Options(calibrated=False), "EkfSlam"),
+    "odometry alone, headings as recorded": (Options(marked_headings=False), None),
+    "EKF, headings as recorded": (Options(marked_headings=False), "EkfSlam"),
+    "graph, headings as recorded": (Options(marked_headings=False), "GraphSlam"),
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Walked:
-    """How a walk ended: errors along and across the field (m) and of the heading (rad), NEES, the map, and the way.
+    """How a walk ended: errors along and across the field (m) and of the heading (rad), NEES, the map, and the path.
 
     The estimated path (poses at each picture, or none) is kept where it is drawn: a graph's costs much.
     """
@@ -111,10 +111,10 @@ def maker(classes: Classes, name: str | None) -> Make:
 
 
 def walk(
-    pictures: Sequence[RealPicture], seed: int, seen: Sequence[Observation], ways: Ways, make: Make
+    pictures: Sequence[RealPicture], seed: int, seen: Sequence[Observation], options: Options, make: Make
 ) -> Walked:
     """Run an algorithm over one walk."""
-    frames = list(real_walk(pictures, seed, ways.marked_headings))
+    frames = list(real_walk(pictures, seed, options.marked_headings))
     algorithm = make(frames[0].pose)
     path = []
     for frame, observation in zip(frames, seen, strict=True):
@@ -160,32 +160,32 @@ def main() -> Result:
     pictures = read_pictures("straightwalk")
     functions = demo_functions((), ROOT / "solutions")
     classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
-    seen: dict[Ways, list[Observation]] = {}
+    seen: dict[Options, list[Observation]] = {}
     walks: dict[str, list[Walked]] = {}
-    for name, (ways, algorithm) in WAYS.items():
-        seen_by = replace(ways, marked_headings=True)  # which no picture shows
+    for name, (options, algorithm) in VARIANTS.items():
+        seen_by = replace(options, marked_headings=True)  # which no picture shows
         if seen_by not in seen:
-            seen[seen_by] = ways.observations(functions, pictures)
+            seen[seen_by] = options.observations(functions, pictures)
         make = maker(classes, algorithm)
-        walks[name] = [walk(pictures, seed, seen[seen_by], ways, make) for seed in SEEDS]
+        walks[name] = [walk(pictures, seed, seen[seen_by], options, make) for seed in SEEDS]
     found = {name: summary(each) for name, each in walks.items()}
     shown = SEEDS.index(SHOWN)
     frames = walks["EKF"][shown].frames
-    told, off_course = compass_readings(frames, seen[Ways()])
-    measured = [each.kind for of in seen[Ways()] for each in of]
+    told, off_course = compass_readings(frames, seen[Options()])
+    measured = [each.kind for of in seen[Options()] for each in of]
     headings = np.degrees([frame.pose.theta for frame in frames])
     values: dict[str, Any] = {
-        "ways": found,
+        "variants": found,
         "shown": {name: walks[name][shown].position for name in ("odometry alone", "EKF", "graph")},
         "compass readings": told,
         "of these more than 10 degrees off": off_course,
         **{f"{kind}s measured": measured.count(kind) for kind in KINDS},
-        "pictures with a measurement": sum(len(of) > 0 for of in seen[Ways()]),
+        "pictures with a measurement": sum(len(of) > 0 for of in seen[Options()]),
         "largest heading by the marked points, degrees": float(np.abs(headings).max()),
         "pitch offset by the first picture, degrees": calibration(pictures),
     }
-    _draw_pictures(frames, seen[Ways()])
-    columns = ("way", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
+    _draw_pictures(frames, seen[Options()])
+    columns = ("variant", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
     keys = (
         "position",
         "position 95 %",
@@ -221,10 +221,10 @@ def draw_maps() -> bytes:
         If the recorded pictures are not here.
     """
     pictures = read_pictures("straightwalk")
-    seen = Ways().observations(demo_functions((), ROOT / "solutions"), pictures)
+    seen = Options().observations(demo_functions((), ROOT / "solutions"), pictures)
     classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
-    makers = {name: maker(classes, WAYS[name][1]) for name in ("odometry alone", "EKF", "graph")}
-    walks = {name: walk(pictures, SHOWN, seen, Ways(), make) for name, make in makers.items()}
+    makers = {name: maker(classes, VARIANTS[name][1]) for name in ("odometry alone", "EKF", "graph")}
+    walks = {name: walk(pictures, SHOWN, seen, Options(), make) for name, make in makers.items()}
     odometry, png = walks.pop("odometry alone"), io.BytesIO()
     figure = Figure(figsize=(11, 4.6))
     for number, (name, each) in enumerate(walks.items(), start=1):

@@ -83,7 +83,7 @@ def test_the_walk_is_read_from_its_own_folder_or_from_the_one_above_all(tmp_path
 
 def test_lesson_and_docs_state_what_the_walk_says():
     found = json.loads((RESULTS / "field_walk.json").read_text(encoding="utf-8"))
-    of = found["ways"]
+    of = found["variants"]
     text = (PROJECT / "solutions" / "11_slam_on_the_field.md").read_text(encoding="utf-8")
     off = {name: f"{100 * of[name]['position']:.0f} cm" for name in ("odometry alone", "EKF", "graph")}
     shown = {name: f"{100 * position:.0f}" for name, position in found["shown"].items()}

@@ -1,7 +1,7 @@
-"""Camera-only SLAM from rendered pictures: every way of it on the same drives.
+"""Camera-only SLAM from rendered pictures: every variant on the same drives.
 
-``python -m benchmarks field_slam`` renders the drives once (build/field_slam, 8 s of a core each) and runs all ways on
-what was seen.
+``python -m benchmarks field_slam`` renders the drives once (build/field_slam, 8 s of a core each) and runs all variants
+on its detections.
 """
 
 from benchmarks.field.field_slam.report import main

@@ -1,4 +1,4 @@
-"""The table of the ways, with their tails, and the figure."""
+"""Table and figure of the errors of every variant, with their tails."""
 
 from __future__ import annotations
 
@@ -28,75 +28,77 @@ from benchmarks.field.field_slam.algorithms import (
     surest_first,
 )
 from benchmarks.field.field_slam.detections import detections, prepare
-from benchmarks.field.field_slam.variants import Read, Score, Ways, run
-from nao_course.lessons.slam_on_the_field.ways import RECORDED
+from benchmarks.field.field_slam.variants import Options, Read, Score, run
+from nao_course.lessons.slam_on_the_field.variants import RECORDED
 from nao_course.metrics import band
 
 FRESH = range(400, 500)  # drives that nothing was tuned on
 # What the compass believes of short lines, and JointUpdate's noise, were found on these.
 SEEN = range(300, 400)
-BEST = Ways(lines=True, compass=True)
-WHOLE = Ways(lines=True, compass=True, whole=True)
-# Name: what a picture is taken to say, the algorithm, looks at each stop. Each line is the one before with one change.
-WAYS: dict[str, tuple[Ways | None, Make, int]] = {
+BEST = Options(lines=True, compass=True)
+WHOLE = Options(lines=True, compass=True, whole=True)
+# Name: options of the measurements, algorithm, pictures at each stop. Each line changes one thing in the line before.
+VARIANTS: dict[str, tuple[Options | None, Make, int]] = {
     "odometry": (None, FILTER, 3),
     "the paper's corners and distances": (
-        Ways(corners="lesson 03", paper=True, constant=True),
+        Options(corners="lesson 03", paper=True, constant=True),
         by_nearest_neighbour,
         3,
     ),
-    "lesson 04's distances": (Ways(corners="lesson 03", constant=True), by_nearest_neighbour, 3),
-    "corners where lines meet": (Ways(constant=True), by_nearest_neighbour, 3),
-    "tilt in R, each by itself": (Ways(shared=False), by_nearest_neighbour, 3),
-    "tilt as a nuisance": (Ways(), by_nearest_neighbour, 3),
-    "joint compatibility": (Ways(), FILTER, 3),
-    "tilt from lines": (Ways(lines=True), FILTER, 3),
-    "compass: the whole EKF": (BEST, FILTER, 3),
+    "lesson 04's distances": (Options(corners="lesson 03", constant=True), by_nearest_neighbour, 3),
+    "corners where lines meet": (Options(constant=True), by_nearest_neighbour, 3),
+    "tilt in R, independent errors": (Options(shared=False), by_nearest_neighbour, 3),
+    "tilt estimated with each picture": (Options(), by_nearest_neighbour, 3),
+    "joint compatibility": (Options(), FILTER, 3),
+    "tilt from lines": (Options(lines=True), FILTER, 3),
+    "compass: the complete EKF": (BEST, FILTER, 3),
     "graph": (BEST, GRAPH, 3),
-    "the EKF by nearest neighbour": (BEST, by_nearest_neighbour, 3),
-    "the EKF, a stop's surest compass first": (BEST, surest_first(FILTER), 3),
-    "graph, a stop's surest compass first": (BEST, surest_first(GRAPH), 3),
-    "the EKF, surest first, the whole picture": (WHOLE, surest_first(joint_update), 3),
-    "the EKF, far compasses refused": (BEST, jointly(Refusing), 3),
-    "the EKF, ranges as measured": (BEST, jointly(BentRanges), 3),
-    "the EKF, new landmarks for themselves": (BEST, jointly(NewOnesAlone), 3),
-    "the EKF, a post's foot to a pixel": (Ways(lines=True, compass=True, post_sigma=0.0), FILTER, 3),
-    "the EKF, lesson 03's corners": (Ways(corners="lesson 03", lines=True, compass=True), FILTER, 3),
-    "the EKF, one look a stop": (BEST, FILTER, 1),
-    "graph, one look a stop": (BEST, GRAPH, 1),
-    "the EKF, one look a stop, the whole picture": (WHOLE, joint_update, 1),
-    "the EKF, 0.3 false corners a picture": (replace(BEST, false_corners=0.3), FILTER, 3),
+    "EKF, nearest neighbour": (BEST, by_nearest_neighbour, 3),
+    "EKF, best compass of a stop first": (BEST, surest_first(FILTER), 3),
+    "graph, best compass of a stop first": (BEST, surest_first(GRAPH), 3),
+    "EKF, best compass first, joint update": (WHOLE, surest_first(joint_update), 3),
+    "EKF, distant compasses rejected": (BEST, jointly(Refusing), 3),
+    "EKF, ranges instead of 1/r": (BEST, jointly(BentRanges), 3),
+    "EKF, new landmarks independent": (BEST, jointly(NewOnesAlone), 3),
+    "EKF, posts without the extra 2 cm": (Options(lines=True, compass=True, post_sigma=0.0), FILTER, 3),
+    "EKF, lesson 03's corners": (Options(corners="lesson 03", lines=True, compass=True), FILTER, 3),
+    "EKF, one picture at a stop": (BEST, FILTER, 1),
+    "graph, one picture at a stop": (BEST, GRAPH, 1),
+    "EKF, one picture at a stop, joint update": (WHOLE, joint_update, 1),
+    "EKF, 0.3 false corners a picture": (replace(BEST, false_corners=0.3), FILTER, 3),
 }
-TWICE = "the EKF, odometry twice as bad and not told"
+TWICE = "EKF, odometry twice as bad as stated"
 AGAIN = (
-    "compass: the whole EKF",
+    "compass: the complete EKF",
     "graph",
-    "the EKF, a stop's surest compass first",
-    "graph, a stop's surest compass first",
-    "the EKF, surest first, the whole picture",
-    "the EKF, one look a stop",
-    "the EKF, one look a stop, the whole picture",
+    "EKF, best compass of a stop first",
+    "graph, best compass of a stop first",
+    "EKF, best compass first, joint update",
+    "EKF, one picture at a stop",
+    "EKF, one picture at a stop, joint update",
 )
 
 
 def scores_of(seed: int, factor: float, names: Sequence[str]) -> dict[str, Score]:
-    """Run some ways over a drive; with worse odometry the whole EKF alone."""
+    """Run the named variants over a drive; with worse odometry, run the complete EKF only."""
     cv2.setNumThreads(1)
     reads = [Read.of(seen) for seen in detections(seed, factor)]
     if factor != 1:
         return {TWICE: run(reads, FILTER, BEST, seed)}
-    chosen = {name: WAYS[name] for name in names}
-    return {name: run(reads, make, ways, seed, looks) for name, (ways, make, looks) in chosen.items()}
+    chosen = {name: VARIANTS[name] for name in names}
+    return {
+        name: run(reads, make, options, seed, pictures) for name, (options, make, pictures) in chosen.items()
+    }
 
 
 def all_scores(
-    seeds: Sequence[int], factor: float = 1.0, names: Sequence[str] = tuple(WAYS), jobs: int = 2
+    seeds: Sequence[int], factor: float = 1.0, names: Sequence[str] = tuple(VARIANTS), jobs: int = 2
 ) -> dict[str, list[Score]]:
-    """Run some ways over the same drives, with progress."""
+    """Run the named variants over the same drives, with a progress bar."""
     prepare(seeds, factor, jobs)
     with ProcessPoolExecutor(jobs) as pool:
         waiting = pool.map(partial(scores_of, factor=factor, names=names), seeds)
-        found = list(track(waiting, f"ways, odometry {factor:g}", len(seeds)))
+        found = list(track(waiting, f"variants, odometry {factor:g}", len(seeds)))
     return {name: [each[name] for each in found] for name in found[0]}
 
 
@@ -123,7 +125,7 @@ def for_the_lesson(scores: Mapping[str, Sequence[Score]]) -> list[dict[str, Any]
     """Return what the lesson shows of each variant: errors of each drive, m and degrees, and its NEES."""
     digits = {"position": 4, "heading": 3, "landmarks": 4, "nees": 2}
     return [
-        {"way": name}
+        {"variant": name}
         | {
             key: [round(getattr(each, key), places) for each in of if np.isfinite(getattr(each, key))]
             for key, places in digits.items()
@@ -133,7 +135,7 @@ def for_the_lesson(scores: Mapping[str, Sequence[Score]]) -> list[dict[str, Any]
 
 
 def main() -> Result:
-    """Render what is missing, run all ways, draw the figure, and write what the lesson shows."""
+    """Render what is missing, run all variants, draw the figure, and write what the lesson shows."""
     scores = all_scores(FRESH) | all_scores(FRESH, 2.0)
     RECORDED.write_text(json.dumps(for_the_lesson(scores)).replace("}, {", "},\n {") + "\n", encoding="utf-8")
     found = {name: summary(each) for name, each in scores.items()}
@@ -145,14 +147,14 @@ def main() -> Result:
         _table(f"of {len(SEEN)} others", again),
     )
     note = f"95 % band of the mean NEES of {len(FRESH)} drives: {low:.2f} to {high:.2f}; its median should be 2.37"
-    values: dict[str, Any] = {"ways": found, "NEES band": (low, high), "others": again}
+    values: dict[str, Any] = {"variants": found, "NEES band": (low, high), "others": again}
     return Result("field_slam", values, tables, (note,))
 
 
 def _table(title: str, found: Mapping[str, Mapping[str, float]]) -> Table:
     """Return a table with a row for each variant."""
     columns = (
-        "way",
+        "variant",
         "drives",
         "position m",
         "95 %",

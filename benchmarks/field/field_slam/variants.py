@@ -57,7 +57,7 @@ class Read:
 
 
 @dataclass(frozen=True)
-class Ways:
+class Options:
     """A variant of making measurements from a picture.
 
     Parameters
@@ -159,15 +159,19 @@ class Score:
 
 
 def run(
-    reads: Sequence[Read], make: Callable[[Pose], SlamAlgorithm], ways: Ways | None, seed: int, looks: int = 3
+    reads: Sequence[Read],
+    make: Callable[[Pose], SlamAlgorithm],
+    options: Options | None,
+    seed: int,
+    pictures: int = 3,
 ) -> Score:
-    """Run an algorithm over a drive; without `ways`, it gets no measurements."""
+    """Run an algorithm over a drive; without `options`, it gets no measurements."""
     algorithm, rng = make(reads[0].seen.pose), np.random.default_rng([seed, 21])
     for number, read in enumerate(reads):
         if read.seen.motion is not None:
             algorithm.move(read.seen.motion)
-        if ways is not None and (looks == 3 or number % 3 == 1):
-            algorithm.observe(ways(read, rng))
+        if options is not None and (pictures == 3 or number % 3 == 1):
+            algorithm.observe(options(read, rng))
     found, truth = algorithm.estimate(), reads[-1].seen.pose
     away = np.array(
         [found.pose.x - truth.x, found.pose.y - truth.y, wrap_angle(found.pose.theta - truth.theta)]

@@ -18,7 +18,7 @@ _NAMES = {
     "ideas": ("draw_ideas",),
     "one_drive": ("draw_one_drive",),
     "panel": ("AssociationPanel", "ReplayPanel"),
-    "ways": ("draw_variants", "variants_table"),
+    "variants": ("draw_variants", "variants_table"),
 }
 _FROM_BELOW = (
     *("GREEN", "POST_RADIUS", "VAGUE", "YELLOW"),

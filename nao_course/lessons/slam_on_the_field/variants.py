@@ -18,26 +18,6 @@ EXPECTED = 3.0  # mean NEES of a consistent pose
 ON_THE_WAY = 10  # rows from odometry to the complete system; each of the others changes one thing in it
 COMPLETE = 8  # row of the complete EKF
 LEAST = 1e-2  # a smaller NEES is drawn here
-# Names in the figure and the table, where they differ from the recorded ones
-NAMES = {
-    "tilt in R, each by itself": "tilt in R, independent errors",
-    "tilt as a nuisance": "tilt estimated with each picture",
-    "compass: the whole EKF": "compass: the complete EKF",
-    "the EKF by nearest neighbour": "EKF, nearest neighbour",
-    "the EKF, a stop's surest compass first": "EKF, best compass of a stop first",
-    "graph, a stop's surest compass first": "graph, best compass of a stop first",
-    "the EKF, surest first, the whole picture": "EKF, best compass first, joint update",
-    "the EKF, far compasses refused": "EKF, distant compasses rejected",
-    "the EKF, ranges as measured": "EKF, ranges instead of 1/r",
-    "the EKF, new landmarks for themselves": "EKF, new landmarks independent",
-    "the EKF, a post's foot to a pixel": "EKF, posts without the extra 2 cm",
-    "the EKF, lesson 03's corners": "EKF, lesson 03's corners",
-    "the EKF, one look a stop": "EKF, one picture at a stop",
-    "graph, one look a stop": "graph, one picture at a stop",
-    "the EKF, one look a stop, the whole picture": "EKF, one picture at a stop, joint update",
-    "the EKF, 0.3 false corners a picture": "EKF, 0.3 false corners a picture",
-    "the EKF, odometry twice as bad and not told": "EKF, odometry twice as bad as stated",
-}
 
 
 def recorded_variants() -> list[dict[str, Any]]:
@@ -57,25 +37,20 @@ def draw_variants() -> Drawing:
     for n, row in enumerate(rows):
         off, nees = 100 * np.array(row["position"]), np.maximum(row["nees"], LEAST)
         beside = -n - rng.uniform(0.05, 0.3, drives)
-        source = STYLES["graph" if row["way"] == "graph" else "ekf" if n else "odometry"]
+        source = STYLES["graph" if row["variant"] == "graph" else "ekf" if n else "odometry"]
         for ax, values, unit in zip(axes, (off, nees), (" cm", ""), strict=True):
             ax.plot(values, beside, "o", ms=2.5, mec="none", color=source.colour, alpha=0.45)
             middle = float(np.median(values))
             plot_median(ax, middle, -n, f"{_readable(middle)}{unit}", 2, below=0.17, ticks=15, size=8.5)
-        said.append(f"{named(row)}: {np.median(off):.1f} cm, NEES {np.median(nees):.1f}")
+        said.append(f"{row['variant']}: {np.median(off):.1f} cm, NEES {np.median(nees):.1f}")
     axes[1].axvline(EXPECTED, color=GREY, lw=1, ls=":")
     for ax, label in zip(axes, ("final position error (cm)", "final pose NEES (consistent: 3)"), strict=True):
         ax.set(xscale="log", xlabel=label, ylim=(0.5 - len(rows), 0.6))
     axes[0].xaxis.set_major_formatter("{x:g}")
-    axes[0].set_yticks([-n - 0.1 for n in range(len(rows))], labels=[named(row) for row in rows])
+    axes[0].set_yticks([-n - 0.1 for n in range(len(rows))], labels=[row["variant"] for row in rows])
     return Drawing(
         figure, f"Error and NEES at the end of {drives} drives by variant, medians: {'; '.join(said)}."
     )
-
-
-def named(row: dict[str, Any]) -> str:
-    """Return the name of a variant in the figure and the table."""
-    return NAMES.get(row["way"], row["way"])
 
 
 def variants_table() -> Table:
@@ -87,7 +62,7 @@ def variants_table() -> Table:
         values = (np.median(off), np.quantile(off, 0.95), off.max(), landmarks)
         nees = np.median(each["nees"]), np.mean(each["nees"])
         heading = f"{np.median(each['heading']):.2f}"
-        rows.append([named(each), *map(_readable, values), heading, *map(_readable, nees)])
+        rows.append([each["variant"], *map(_readable, values), heading, *map(_readable, nees)])
     columns = [
         "variant",
         "error (cm, median)",

@@ -6,22 +6,18 @@ import numpy as np
 import pytest
 
 from benchmarks import RESULTS
-from nao_course.lessons.slam_on_the_field.ways import (
+from nao_course.lessons.slam_on_the_field.variants import (
     COMPLETE,
     draw_variants,
-    named,
     recorded_variants,
     variants_table,
 )
 from tests.paths import SOLUTIONS
 
-WAYS = {row["way"]: row for row in recorded_variants()}
-EKF, GRAPH = "compass: the whole EKF", "graph"
-SUREST, SUREST_GRAPH = "the EKF, a stop's surest compass first", "graph, a stop's surest compass first"
-WHOLE, ONE_LOOK_WHOLE = (
-    "the EKF, surest first, the whole picture",
-    "the EKF, one look a stop, the whole picture",
-)
+VARIANTS = {row["variant"]: row for row in recorded_variants()}
+EKF, GRAPH = "compass: the complete EKF", "graph"
+SUREST, SUREST_GRAPH = "EKF, best compass of a stop first", "graph, best compass of a stop first"
+WHOLE, ONE_LOOK_WHOLE = ("EKF, best compass first, joint update", "EKF, one picture at a stop, joint update")
 FALSE_CORNERS, WORSE = "0.3 false corners per picture", "odometry twice as bad as stated"
 
 
@@ -32,37 +28,37 @@ def text():
     return hundred + whole.partition("## For readers of the paper")[2].partition("## What you have")[0]
 
 
-def off(way):
-    return 100 * np.array(WAYS[way]["position"])
+def off(variant):
+    return 100 * np.array(VARIANTS[variant]["position"])
 
 
-def lost(way):
-    return int((off(way) > 15).sum())
+def lost(variant):
+    return int((off(variant) > 15).sum())
 
 
 def test_the_text_says_what_the_drives_recorded(text):
-    for way, digits, words in (
+    for variant, digits, words in (
         ("odometry", 0, "Odometry ends {} cm off"),
         ("the paper's corners and distances", 0, "the paper's corners and distances end {} cm off"),
         ("joint compatibility", 1, "Joint compatibility brings the error down to {} cm"),
         ("tilt from lines", 1, "tilt from lines to {} cm"),
         (EKF, 1, "the compass to {} cm"),
     ):
-        assert words.format(f"{np.median(off(way)):.{digits}f}") in text, way
-    assert f"a heading error of {np.median(WAYS[EKF]['heading']):.1f}°" in text
-    one, whole = lost("the EKF, one look a stop"), lost(ONE_LOOK_WHOLE)
+        assert words.format(f"{np.median(off(variant)):.{digits}f}") in text, variant
+    assert f"a heading error of {np.median(VARIANTS[EKF]['heading']):.1f}°" in text
+    one, whole = lost("EKF, one picture at a stop"), lost(ONE_LOOK_WHOLE)
     assert f"loses {one} drives; with the joint update it loses {whole} and ends" in text
     assert f"and ends {np.median(off(ONE_LOOK_WHOLE)):.1f} cm off" in text
 
 
 def test_the_text_says_which_drive_is_lost_and_what_saves_it(text):
     assert lost(EKF) == 1 and "One drive of a hundred is still lost (more than 15 cm off)" in text
-    assert f"a NEES of {max(WAYS[EKF]['nees']):.0f}" in text
+    assert f"a NEES of {max(VARIANTS[EKF]['nees']):.0f}" in text
     assert lost(SUREST) == 0 and f"the worst drive ends {off(SUREST).max():.0f} cm off" in text
-    assert f"mean NEES is {np.mean(WAYS[SUREST]['nees']):.1f}" in text
+    assert f"mean NEES is {np.mean(VARIANTS[SUREST]['nees']):.1f}" in text
     low, high = json.loads((RESULTS / "field_slam.json").read_text(encoding="utf-8"))["NEES band"]
     assert f"between {low:.1f} and {high:.1f}, so this filter is slightly too cautious" in text
-    assert np.mean(WAYS[SUREST]["nees"]) < low
+    assert np.mean(VARIANTS[SUREST]["nees"]) < low
 
 
 def test_the_text_says_what_the_whole_picture_brings_and_where_it_fails(text):
@@ -73,7 +69,7 @@ def test_the_text_says_what_the_whole_picture_brings_and_where_it_fails(text):
         return round(tails[f"{hardship}, {algorithm}"]["lost"] * tails[f"{hardship}, {algorithm}"]["drives"])
 
     usual, surest, whole = (
-        lost("the EKF, 0.3 false corners a picture"),
+        lost("EKF, 0.3 false corners a picture"),
         lost_of(FALSE_CORNERS, "surest first"),
         lost_of(FALSE_CORNERS, "joint update"),
     )
@@ -82,7 +78,7 @@ def test_the_text_says_what_the_whole_picture_brings_and_where_it_fails(text):
         in text
     )
     assert tails[f"{FALSE_CORNERS}, joint update"]["wrong"] > 20
-    plain = lost("the EKF, odometry twice as bad and not told")
+    plain = lost("EKF, odometry twice as bad as stated")
     assert f"loses {lost_of(WORSE, 'joint update')} drives where your filter loses {plain}" in text
 
 
@@ -120,15 +116,17 @@ def test_the_text_says_what_short_pieces_do_to_the_compass(text):
 
 
 def test_the_text_says_what_a_posts_thickness_is_worth(text):
-    at_most = [np.quantile(off(way), 0.95) for way in ("the EKF, a post's foot to a pixel", EKF)]
+    at_most = [np.quantile(off(variant), 0.95) for variant in ("EKF, posts without the extra 2 cm", EKF)]
     assert "more than {:.1f} cm off, with them {:.1f}".format(*at_most) in text
 
 
 def test_the_system_is_as_near_as_it_has_to_be():
-    for way in (SUREST, SUREST_GRAPH, WHOLE):
-        row = WAYS[way]
+    for variant in (SUREST, SUREST_GRAPH, WHOLE):
+        row = VARIANTS[variant]
         assert len(row["position"]) == 100
-        assert np.median(off(way)) <= 2 and np.quantile(off(way), 0.95) <= 5 and off(way).max() <= 15
+        assert (
+            np.median(off(variant)) <= 2 and np.quantile(off(variant), 0.95) <= 5 and off(variant).max() <= 15
+        )
         assert np.median(row["heading"]) <= 0.3 and np.median(row["landmarks"]) <= 0.01
         assert 2 <= np.mean(row["nees"]) <= 4
     tails = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))
@@ -139,6 +137,6 @@ def test_the_system_is_as_near_as_it_has_to_be():
 def test_figure_and_table_have_all_of_it():
     assert f"graph: {np.median(off(GRAPH)):.1f} cm" in draw_variants().alt
     rows = variants_table().rows
-    assert len(rows) == len(WAYS) - COMPLETE and rows[0][0] == named(WAYS[EKF])
+    assert len(rows) == len(VARIANTS) - COMPLETE and rows[0][0] == EKF
     assert not any("e+" in cell or "more than" in cell for row in rows for cell in row)
-    assert len({named(row) for row in WAYS.values()}) == len(WAYS)
+    assert len(VARIANTS) == len(recorded_variants())
