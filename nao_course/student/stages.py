@@ -26,10 +26,10 @@ PLANNED = {
     "04": "points on the map",
     "05": "dead reckoning",
     "06": "pose",
-    "07": "the growing map",
-    "08": "the map after the drive",
+    "07": "growing map",
+    "08": "map after the drive",
     "10": "corners, best setting",
-    "11": "the estimate",
+    "11": "estimate",
     "12": "next move",
 }
 

@@ -379,11 +379,13 @@ def test_a_wrong_element_is_shown_with_the_input_it_was_made_from():
         answer[1, 2] = 99
         return answer
 
-    assert grade_public(public, one_wrong).lines[-1] == "The input there is 18 19 20."
+    assert grade_public(public, one_wrong).lines[-1] == "There the first argument is [18, 19, 20]."
     flat = replace(public, cases=[Case((wanted,), expected=wanted)])
-    assert "The input there is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    assert (
+        "There the first argument is 20." in grade_public(flat, lambda values: values + (values == 20)).lines
+    )
     point = replace(public, cases=[Case((np.array([10.0, 20, 50, 20]),), expected=np.array([53.0, 20]))])
-    assert "The input there" not in repr(grade_public(point, lambda segment: segment[:2]))
+    assert "first argument" not in repr(grade_public(point, lambda segment: segment[:2]))
     assert len(grade_public(replace(public, cases=[Case((3.0,), expected=3.0)]), lambda x: 4.0).lines) == 1
     pose = Case((np.zeros(3), np.ones(2)), expected=np.zeros(3))
     assert len(grade_public(replace(public, cases=[pose]), lambda pose, control: pose + 1).lines) == 1
@@ -397,10 +399,10 @@ def test_of_an_answer_of_several_parts_no_input_is_shown_where_one_is_about_all(
         "f", "7.6", 1.0, 1, Close(), [Case((points,), expected=wanted)], [], [], "", False
     )
     wrong = grade_public(public, lambda given: (given + 1, np.array([[1.0, 0.0], [5.0, 1.0]])))
-    assert not wrong and not any("The input there" in line for line in wrong.lines)
+    assert not wrong and not any("first argument" in line for line in wrong.lines)
     both = replace(public, cases=[Case((points,), expected=(points + 1, points * 2))])
     report = grade_public(both, lambda given: (given + 1, given * 2 + (given == 3)))
-    assert report.lines[-1] == "The input there is 2 3."
+    assert report.lines[-1] == "The same row of the first argument is [2, 3]."
 
 
 def test_what_a_law_says_gets_one_full_stop():
@@ -420,10 +422,12 @@ def test_of_points_the_row_is_shown_and_of_a_matrix_about_all_of_them_nothing():
         "turned", "4.1", 1.0, 1, Close(), [Case((points,), expected=points + 0)], [], [], "", False
     )
     wrong = points + np.array([[0, 0], [0, 1], [0, 0]])
-    assert grade_public(public, lambda given: wrong).lines[-1] == "The input there is 3 4."
+    assert (
+        grade_public(public, lambda given: wrong).lines[-1] == "The same row of the first argument is [3, 4]."
+    )
     matrix = replace(public, cases=[Case((points,), expected=np.eye(6))])
     assert not any(
-        "The input there" in line for line in grade_public(matrix, lambda given: np.zeros((6, 6))).lines
+        "first argument" in line for line in grade_public(matrix, lambda given: np.zeros((6, 6))).lines
     )
 
 

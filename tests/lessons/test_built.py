@@ -96,7 +96,7 @@ def test_check_data_of_another_processor_is_the_same_and_its_mistakes_are_recogn
     data = tmp_path / f"{name}.bin"
     environment = os.environ | OTHER_KERNELS | {"PYTHONPATH": str(PROJECT)}
     subprocess.run([sys.executable, "-c", PUBLISH, name, data], env=environment, check=True, cwd=PROJECT)
-    ours, theirs = (PROJECT / build.CHECKS / data.name).read_bytes(), data.read_bytes()
+    ours, theirs = COURSE.check_data(name).read_bytes(), data.read_bytes()
     if ours == theirs:
         pytest.skip("this processor computes with the same rounding errors")
     assert same_but_for_rounding(".bin", ours, theirs)

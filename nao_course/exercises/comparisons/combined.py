@@ -187,11 +187,11 @@ class Unordered(Comparison):
                 "shape", f"your answer has shape {shapes[1]}; expected rows of shape {shapes[0][1:]}"
             )
         if len(have) != len(wanted):
-            return Verdict("value", f"your answer has {len(have)} values, which is not the right number")
+            return Verdict("value", f"your answer has {_counted(len(have))}, but {len(wanted)} are expected")
         missed = self._missed(case, wanted, have)
         if missed:
             return Verdict(
-                "value", f"{missed} of the {len(have)} values of your answer match no expected value"
+                "value", f"{missed} of {_counted(len(have))} of your answer match no expected value"
             )
         return RIGHT
 
@@ -207,6 +207,10 @@ class Unordered(Comparison):
             part = replace(case, expected=expected)
             fits[i] = [bool(self.comparison.judge(part, each)) for each in have]
         return len(wanted) - most_pairs(fits)
+
+
+def _counted(values: int) -> str:
+    return "1 value" if values == 1 else f"{values} values"
 
 
 def _size(value: Any) -> int:

@@ -78,7 +78,7 @@ def with_article(value: Any) -> str:
     """Return the name of a value's type with its article."""
     if value is None:
         return "None"
-    kind = type(value).__name__
+    kind = "array" if isinstance(value, np.ndarray) else type(value).__name__
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 

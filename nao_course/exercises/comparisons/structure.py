@@ -127,7 +127,8 @@ class Elements:
         at, value, name = self.first(np.asarray(wrong))
         if self.shape == ():
             return Verdict("value", f"{self.where} is {as_text(value)}, which is not right")
-        share = f"{count} of {size} elements of {self.where} are wrong"
+        elements = "element" if size == 1 else "elements"
+        share = f"{count} of {size} {elements} of {self.where} {'is' if count == 1 else 'are'} wrong"
         return Verdict("value", f"{share}, the first at {list(at)}{name}: you have {as_text(value)}", at)
 
 

@@ -10,6 +10,7 @@ from operator import or_
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Verdict
@@ -34,7 +35,7 @@ _WRONG = {
     "shape": "Wrong shape",
     "nan": "Not a number",
     "value": "Wrong value",
-    "law": "Wrong property",
+    "law": "Not as required",
     "no error": "No exception",
 }
 _SIGNS = {
@@ -235,7 +236,7 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
     if any(isinstance(part, np.ndarray) and part.shape[:1] != given.shape[:1] for part in parts):
         return []
     if given.ndim == place == 2 and given.shape[1] <= 3:
-        return [f"The input there is {' '.join(f'{float(value):g}' for value in given[verdict.at[0]])}."]
+        return [f"The same row of the first argument is {_numbers(given[verdict.at[0]])}."]
     if isinstance(wanted, np.ndarray) and wanted.shape[:place] != given.shape[:place]:
         return []
     if (
@@ -243,7 +244,13 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
         or given[verdict.at].size > 4
     ):
         return []
-    return [f"The input there is {' '.join(f'{float(value):g}' for value in given[verdict.at].ravel())}."]
+    return [f"There the first argument is {_numbers(given[verdict.at])}."]
+
+
+def _numbers(values: npt.NDArray[Any]) -> str:
+    """Write a number as it is, and more numbers in brackets."""
+    written = ", ".join(f"{float(value):g}" for value in values.ravel())
+    return written if values.size == 1 else f"[{written}]"
 
 
 def _passed(right: int, checks: int) -> str:

@@ -18,7 +18,7 @@ from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plans import PlanError
 from nao_course.instructor.authoring.proving.plan_checks import use_problems
@@ -26,7 +26,6 @@ from nao_course.instructor.authoring.proving.proofs import Proofs
 from nao_course.instructor.authoring.rounding.alike import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
 
-CHECKS = Path("nao_course", "exercises", "checks")
 CODE_STUB = {"python": "raise NotImplementedError"}
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")

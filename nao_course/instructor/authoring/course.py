@@ -11,6 +11,8 @@ from nao_course.exercises import lesson_names
 from nao_course.exercises.exercise import LessonPlan
 from nao_course.instructor.authoring.plans import load_plan
 
+CHECKS = Path("nao_course", "exercises", "checks")  # in the course's folder: the data of each lesson's checks
+
 
 class LessonError(ValueError):
     """A lesson that cannot be built; its message says where, one line for each thing that is wrong."""
@@ -67,6 +69,10 @@ class Course:
     def declaration(self, name: str) -> Path:
         """Return the file that declares a lesson's exercises."""
         return self.solutions / "exercises" / f"{name}.py"
+
+    def check_data(self, name: str) -> Path:
+        """Return the path of the data of a lesson's checks, which `build` writes."""
+        return self.root / CHECKS / f"{name}.bin"
 
     def plan(self, name: str) -> LessonPlan:
         """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises.

@@ -12,8 +12,8 @@ from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.build import CHECKS, CODE_STUB, build
-from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.build import CODE_STUB, build
+from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
 from nao_course.instructor.authoring.mistakes import Change

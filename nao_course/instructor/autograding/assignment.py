@@ -14,9 +14,10 @@ from typing import Any
 
 from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
+from nao_course.exercises.checking import unpack
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by, split_use
-from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, PublicExercise, Written
+from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, MistakePair, PublicExercise, Written
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import hidden_cases, load_solution, publish, solutions_beside
 from nao_course.instructor.autograding.secret import keyed
@@ -185,10 +186,16 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     setup = _released_setup(course, name)
     reference = load_solution(notebook)
     with resolved_by(solutions_beside(notebook)):
-        public = publish(name, plan, reference)
+        public = publish(name, plan, reference, pairs=False).exercises
+        pairs = _built_pairs(course, name)
         tasks = tuple(
-            _task(each, known, reference[each.name], partial(keyed, secret, "hidden cases", name, each.name))
-            for each, known in zip(plan.exercises, public.exercises, strict=True)
+            _task(
+                each,
+                replace(known, pairs=pairs.get(each.name, [])),
+                reference[each.name],
+                partial(keyed, secret, "hidden cases", name, each.name),
+            )
+            for each, known in zip(plan.exercises, public, strict=True)
         )
     earlier = tuple(
         EarlierLesson(each, course.solutions / f"{each}.ipynb", _released_setup(course, each))
@@ -256,6 +263,13 @@ def lessons_used(course: Course, lesson: str) -> list[str]:
                     found.add(name)
                     left.append(name)
     return sorted(found)
+
+
+def _built_pairs(course: Course, name: str) -> dict[str, list[MistakePair]]:
+    """Return the pairs of mistakes that `build` found; to find them again would take minutes."""
+    path = course.check_data(name)
+    built = unpack(path.read_bytes()).exercises if path.is_file() else []
+    return {each.name: each.pairs for each in built}
 
 
 def _need(path: Path) -> None:

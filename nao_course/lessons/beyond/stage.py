@@ -24,7 +24,7 @@ MOST_SIGMA = (
 RETURN = 0.9  # m: longest way of such a return
 GO_ON = 0.9  # m: shortest way between two returns
 OFF = float(np.radians(10.0))  # a smaller turn is not made before walking
-PICTURES = "the estimate"  # lesson 11's stage
+PICTURES = "estimate"  # lesson 11's stage
 SEED = 121  # of the measurements' noise
 
 

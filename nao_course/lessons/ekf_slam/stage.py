@@ -45,7 +45,7 @@ def _grow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
 
 
 STAGE = Stage(
-    name="the growing map",
+    name="growing map",
     lesson="07_ekf_slam",
     uses=("predict", "update_landmarks", "add_landmark"),
     wire=_grow,

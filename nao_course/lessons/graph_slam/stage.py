@@ -154,7 +154,7 @@ def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> StageFunction:
 
 
 STAGE = Stage(
-    name="the map after the drive",
+    name="map after the drive",
     lesson="08_graph_slam",
     uses=("add_initial_position", "add_relative_motion", "add_relative_measurement", "solve"),
     wire=_map_the_drive,

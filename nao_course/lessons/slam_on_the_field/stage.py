@@ -98,7 +98,7 @@ class Board:
 
 
 STAGE = Stage(
-    name="the estimate",
+    name="estimate",
     lesson="11_slam_on_the_field",
     uses=("EkfSlam",),
     helped_by=("measure",),

@@ -168,7 +168,7 @@ def test_as_few_as_can_be_are_without_a_partner():
     law = Unordered(Close(rtol=0.0, atol=1.0))
     assert law.compare([0.0, 0.9], [1.8, 0.8])  # the nearest partner would leave 1.8 for 0.0
     assert law.compare([0.0, 10.0, 20.0], [20.0, 3.0, 0.0]).text == (
-        "1 of the 3 values of your answer match no expected value"
+        "1 of 3 values of your answer match no expected value"
     )
     assert law.compare([1.0, 1.0], [1.0, 2.5]).kind == "value"
 

@@ -129,7 +129,7 @@ def test_each_call_is_compared_as_it_was_when_it_was_made(public):
 
 def test_the_message_says_which_method_and_which_call(public):
     state, line = said(public, NoGain)
-    assert state == "wrong" and "(once): estimate, call 3: 1 of 1 elements of your answer are wrong" in line
+    assert state == "wrong" and "(once): estimate, call 3: 1 of 1 element of your answer is wrong" in line
     assert "Weigh what you see." in grade_public(public, NoGain).lines
     assert (
         "(twice): estimate, call 1" in said(public, Forgets)[1]

@@ -84,7 +84,7 @@ def test_only_what_a_mask_says_counts(side, n, seed):
         wrong = other.copy()
         wrong[place] += 1
         assert law.compare(wanted, wrong).at == place
-    assert f"1 of {counts.sum()} elements" in Close(mask=side).compare(wanted, wrong).text
+    assert f"1 of {counts.sum()} element" in Close(mask=side).compare(wanted, wrong).text
     matrices = sparse.csr_array(wanted), sparse.coo_array(np.where(counts, wanted, 99.0))
     assert Close(mask=side).compare(*matrices) and Close(mask=given_mask).compare(*matrices)
     assert not Close(mask=side).compare(matrices[0], sparse.csr_array(wrong))

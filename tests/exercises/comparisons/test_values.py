@@ -282,4 +282,4 @@ def test_points_are_counted_in_words_of_their_number():
 
 
 def test_where_nothing_is_wanted_none_is_said_and_not_its_type():
-    assert Close().compare(None, np.zeros(2)).text == "your answer is a ndarray; expected None"
+    assert Close().compare(None, np.zeros(2)).text == "your answer is an array; expected None"

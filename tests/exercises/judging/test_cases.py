@@ -59,7 +59,7 @@ def test_another_exception_is_not(error):
 def test_an_answer_where_an_exception_is_asked_for_is_told():
     verdict = judged(lambda value: np.zeros(3))
     assert verdict is not None and verdict.kind == "no error"
-    assert verdict.text == "your function returns a ndarray, but it should raise ValueError"
+    assert verdict.text == "your function returns an array, but it should raise ValueError"
 
 
 def exercise(comparison, *cases):

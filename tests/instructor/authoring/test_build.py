@@ -32,7 +32,7 @@ def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kern
 
 def test_what_another_processor_built_stays_as_it_is_and_a_change_is_written(built):
     """The other processor is one that computes with perturbed inputs."""
-    checks = built.root / build.CHECKS / "01_toy.bin"
+    checks = built.check_data("01_toy")
     ours, lesson = checks.read_bytes(), unpack(checks.read_bytes())
     theirs = pack(perturbed(lesson, np.random.default_rng(1)))
     checks.write_bytes(theirs)

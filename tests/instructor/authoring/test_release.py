@@ -101,7 +101,7 @@ def test_a_lesson_that_is_not_built_is_not_released(finished, tmp_path):
 
 def test_a_course_that_was_built_on_another_processor_is_released_as_it_is(finished, tmp_path, monkeypatch):
     monkeypatch.setattr(release, "release_problems", lambda course, files: [])
-    checks = finished.root / release.CHECKS / "01_toy.bin"
+    checks = finished.check_data("01_toy")
     theirs = pack(perturbed(unpack(checks.read_bytes()), np.random.default_rng(1)))
     assert theirs != checks.read_bytes()
     checks.write_bytes(theirs)

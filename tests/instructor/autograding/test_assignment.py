@@ -8,9 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from nao_course.codec import encode
+from nao_course.exercises.checking import unpack
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding import assignment as module
 from nao_course.instructor.autograding.assignment import class_source, lessons_used, library_digest, prepare
+from tests.paths import PROJECT
 from tests.toy import chain, pair, toy
 
 
@@ -141,3 +144,11 @@ def test_the_librarys_digest_is_the_same_with_the_line_ends_of_windows(library):
 def test_the_digest_of_this_library_covers_drivers_and_comparisons():
     there = {path.relative_to(module.LIBRARY).as_posix() for path in module.LIBRARY.rglob("*.py")}
     assert {"exercises/running.py", "exercises/comparisons/values.py", "geometry.py", "slam.py"} <= there
+
+
+def test_pairs_of_mistakes_come_from_the_built_check_data(tmp_path, assignment):
+    course = load_course(PROJECT)
+    built = unpack(course.check_data("00_meet_the_nao").read_bytes())
+    (task,) = prepare(course, "00", chain.SECRET).tasks
+    assert task.public.pairs and encode(task.public.pairs) == encode(built.exercises[0].pairs)
+    assert not any(each.public.pairs for each in assignment.tasks)  # this course has no check data

@@ -42,14 +42,14 @@ def test_the_students_class_follows_and_the_board_says_error_and_nees():
         {"EkfSlam": Commanded, "measure": lambda picture, view: [Measurement(0.1, 1.5, "post")]}
     )
     assert not seen.complaints
-    text = seen.overlays["the estimate"].text
+    text = seen.overlays["estimate"].text
     assert "1 measurement by your measure" in text and "NEES" in text and "states 14 cm" in text
     assert np.allclose(seen.estimate.pose.as_array(), (Truth(nao).odometry_start @ nao.odometry).as_array())
 
 
 def test_without_measure_the_simulator_measures():
     seen, _ = looked({"EkfSlam": Commanded})
-    assert "by sense()" in seen.overlays["the estimate"].text
+    assert "by sense()" in seen.overlays["estimate"].text
 
 
 def test_the_filter_gets_the_noise_of_the_simulators_measurements():
@@ -64,7 +64,7 @@ def test_where_measure_calls_what_is_missing_it_is_named_and_the_simulator_measu
 
     seen, _ = looked({"EkfSlam": Commanded, "measure": measure})
     assert not seen.complaints
-    assert seen.overlays["the estimate"].text.endswith(
+    assert seen.overlays["estimate"].text.endswith(
         "by sense(), for find_goalposts of your lesson 02 is not usable yet"
     )
 
@@ -76,7 +76,7 @@ def test_a_measure_that_returns_no_list_is_said():
 
 def test_what_is_missing_is_named_and_the_stage_goes_on(tmp_path):
     found = readiness([STAGE], {}, tmp_path)
-    assert not found.stages and "11_slam_on_the_field.ipynb" in found.missing["the estimate"]
+    assert not found.stages and "11_slam_on_the_field.ipynb" in found.missing["estimate"]
 
 
 def test_an_overconfident_board_says_so():

@@ -316,10 +316,10 @@ def test_the_board_is_the_line_of_the_last_stage_that_has_an_estimate():
     own = Estimate(Pose(), np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
     overlays = {
         "pose": Overlay(text="here", estimate=own),
-        "the estimate": Overlay(text="off 3 cm", estimate=own),
+        "estimate": Overlay(text="off 3 cm", estimate=own),
         "corners": Overlay(text="2 corners"),
     }
-    assert module.Seen(overlays).board == "the estimate: off 3 cm"
+    assert module.Seen(overlays).board == "estimate: off 3 cm"
     assert module.Seen({"corners": overlays["corners"]}).board == ""
 
 
