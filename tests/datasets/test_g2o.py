@@ -208,10 +208,8 @@ def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path:
             ["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"],
             "vertex 7 has no VERTEX line, and no chain of edges connects it with vertex 2",
         ),
-        (
-            ["EDGE_SE2_XY 7 1 1 0 1 0 1"],
-            "vertex 7 has no VERTEX line, and no chain",
-        ),  # a landmark has no heading
+        # A landmark has no heading, so no chain leads through it.
+        (["EDGE_SE2_XY 7 1 1 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain"),
         (["EDGE_SE2 5 7 1 nan 0 1 0 0 1 0 1"], "line 6: expected numbers within .*number 2"),
         (["EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"], "line 5: vertex 1 must be a landmark, but it is a pose"),
         (["EDGE_SE2 5 5 1 0 0 1 0 0 1 0 1"], "line 6: the edge connects vertex 5 with itself"),

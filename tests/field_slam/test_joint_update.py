@@ -334,9 +334,8 @@ def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> Scene:
         ends = pixels(RADIUS * np.stack([np.cos(around), np.sin(around)], axis=-1)).reshape(-1, 4)
     told = replace(SQUARE, direction=float(wrap_quarter(-pose.theta)))
     whole = scene(replace(seen, direction=told.direction, direction_sigma=0.01), told, ends, VIEW)
-    return replace(
-        whole, direction_sigma=float("inf")
-    )  # without a compass, only the positions depend on the tilt
+    # Without a compass, only the positions depend on the tilt.
+    return replace(whole, direction_sigma=float("inf"))
 
 
 def with_map(slam, pose: Pose, marks, rest, axis):
