@@ -19,9 +19,8 @@ from typing import NamedTuple
 
 from tests.paths import PROJECT
 
-REMAINING = (
-    PROJECT / "tests" / "language_remaining.json"
-)  # the only list of files that are not clean yet, with counts
+# The only list of files that are not clean yet, with counts.
+REMAINING = PROJECT / "tests" / "language_remaining.json"
 
 
 @dataclass(frozen=True)

@@ -121,6 +121,17 @@ def test_an_added_cell_without_metadata_is_carried_over(root, mine):
     assert renewal.carried == 1
 
 
+def test_a_locked_cell_that_the_student_changed_is_as_in_the_release(root, mine):
+    locked = cell("check", "check(clamp)")
+    locked["metadata"] = {"nbgrader": {"grade_id": "check", "solution": False, "locked": True}}
+    cells = [*GIVEN, locked]
+    release(root, cells)
+    save(mine, changed(cells, check="pass", clamp="def clamp(x):\n    return x"))
+    (renewal,) = release(root, [*cells, cell("more", "clamp(4)")])
+    assert sources(mine)["check"] == "check(clamp)"
+    assert (renewal.carried, renewal.lost) == (1, ())
+
+
 def test_an_answer_without_a_place_is_named_and_stands_in_the_kept_notebook(root, mine):
     save(mine, changed(GIVEN, clamp="def clamp(x):\n    return x"))
     (renewal,) = release(root, [each for each in NEWER if each["id"] != "clamp"])

@@ -5,9 +5,11 @@ Each law is a function that lists its offences, so that it can be tried on a bro
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import subprocess
+import tokenize
 import tomllib
 from typing import Any
 
@@ -177,6 +179,55 @@ def test_no_tracked_file_names_a_package_index_or_a_path_of_one_machine():
 def test_an_index_or_a_machine_path_is_found_out(line):
     assert text_offences("x", b"fine\n" + line.encode())
     assert text_offences("x", b"work/x ../home/ada ~/root/x https://example.org/home/x") == []
+
+
+# Comments
+
+AFTER_BRACKETS = re.compile(r"\s*[])}]+[:,]?\s*")
+FOR_TOOLS = ("# fmt: skip", "# type:", "# noqa")
+
+
+def stranded_comments(name: str, source: str) -> list[str]:
+    """Comments behind the closing bracket of several lines, where nobody sees what they belong to."""
+    return [
+        f"{name}:{each.start[0]}: {each.string}"
+        for each in tokenize.generate_tokens(io.StringIO(source).readline)
+        if each.type == tokenize.COMMENT
+        and AFTER_BRACKETS.fullmatch(each.line[: each.start[1]])
+        and not each.string.startswith(FOR_TOOLS)
+    ]
+
+
+def test_no_comment_follows_the_closing_bracket_of_several_lines():
+    sources = [name for name in tracked_files() if name.endswith(".py")]
+    found = [stranded_comments(name, (PROJECT / name).read_text(encoding="utf-8")) for name in sources]
+    assert [offence for offences in found for offence in offences] == []
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "LENGTHS = (\n    1.0\n)  # m",
+        "f({\n    1.0\n}, [\n    2.0\n]),  # m",
+        "if f(\n    1.0\n):  # m\n    pass",
+        "a = [\n    f(\n        1.0\n    ),  # m\n]",
+    ],
+)
+def test_a_comment_that_follows_a_closing_bracket_is_found_out(broken):
+    assert len(stranded_comments("x", broken)) == 1
+
+
+@pytest.mark.parametrize(
+    "fine",
+    [
+        "# m\nLENGTHS = (\n    1.0\n)",
+        "LENGTHS = (1.0)  # m",
+        "f(\n    1\n)  # fmt: skip",
+        'TEXT = """\n)  # m\n"""',
+    ],
+)
+def test_a_comment_above_its_statement_is_no_offence(fine):
+    assert stranded_comments("x", fine) == []
 
 
 # Student notebooks

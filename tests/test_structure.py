@@ -365,14 +365,8 @@ def test_a_test_module_stands_where_its_module_stands():
 # The library holds the world, not the answers
 
 EXERCISES = {
-    *(
-        "rgb_to_hsl",
-        "average_lightness",
-        "white_threshold",
-        "calibrate_hue",
-        "hue_mask",
-        "color_labels",
-    ),  # 01
+    # 01
+    *("rgb_to_hsl", "average_lightness", "white_threshold", "calibrate_hue", "hue_mask", "color_labels"),
     *("post_candidates", "cluster_points", "find_goalposts"),  # 02
     *("erase_background", "line_picture", "hough_segments", "segment_intersection", "remove_doubles"),  # 03
     *("find_corners", "merge_edges", "find_corners_better"),
@@ -390,14 +384,8 @@ EXERCISES = {
     *("linearize", "gauss_newton", "marginal_covariances"),
     *("detection_cost", "grid_search", "bootstrap_interval"),  # 10
     *("measurements_from_pixels", "measure", "associate", "EkfSlam", "GraphSlam"),  # 11
-    *(
-        "resample",
-        "weigh",
-        "update_particle_landmark",
-        "intersect_rays",
-        "find_frontiers",
-        "travel_steps",
-    ),  # 12
+    # 12
+    *("resample", "weigh", "update_particle_landmark", "intersect_rays", "find_frontiers", "travel_steps"),
     "choose_move",  # 12
 }
 # What the world and the judging need, the library may hold: wrapping, composing, range and bearing, scoring.

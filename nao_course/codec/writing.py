@@ -23,10 +23,8 @@ from nao_course.codec.format import (
 )
 from nao_course.codec.registry import fields_of, name_of, name_of_function
 
-_PLAINER = {
-    "g": np.dtype("<f8"),
-    "G": np.dtype("<c16"),
-}  # because long doubles differ from machine to machine
+# Long doubles differ from machine to machine, so 64 bits of each part are written.
+_PLAINER = {"g": np.dtype("<f8"), "G": np.dtype("<c16")}
 _PLAIN: dict[type, Callable[[Any], Any]] = {  # converts an instance of a subclass to the class itself
     str: str.__str__,
     bytes: lambda item: bytes.__getitem__(item, slice(None)),

@@ -21,10 +21,8 @@ from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, 
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
-MOST_HELPERS, LARGEST_HELPER = (
-    20,
-    2**20,
-)  # number of Python files beside a notebook that are included, and their largest size in bytes
+# Number of Python files beside a notebook that are included, and their largest size in bytes.
+MOST_HELPERS, LARGEST_HELPER = (20, 2**20)
 # Characters of a cell with commands of IPython, which parses the cell again for each command.
 LONGEST_COMMANDED = 20_000
 LONGEST_NUMBER = 1000  # digits
@@ -47,14 +45,8 @@ _RUN = (
     ast.Match,
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
-_FILLS = {
-    "append",
-    "extend",
-    "insert",
-    "add",
-    "update",
-    "setdefault",
-}  # methods that add to a list, set or dict
+# Methods that add to a list, set or dict.
+_FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}
 _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
 _PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
@@ -387,9 +379,8 @@ def _parse(source: str, file: str) -> list[ast.stmt]:
 
 def _as_ipython_reads(source: str) -> str:
     """Return a cell as Python with unchanged line numbers."""
-    from IPython.core.inputtransformer2 import (
-        TransformerManager,
-    )  # takes half a second, and few notebooks need it
+    # The import takes half a second, and few notebooks need it.
+    from IPython.core.inputtransformer2 import TransformerManager
 
     if found := _CELL_MAGIC.match(source):
         source = "#\n" * found[0].count("\n") + "#" + source[found.end() :]

@@ -17,7 +17,9 @@ SEGMENT_LENGTH = (0.06, 0.6)  # m on the ground; a chord of 0.6 m is already 8 c
 FARTHEST = 3.5  # m, from the robot to a segment's midpoint
 ON_CIRCLE = 0.06  # m, largest distance of a segment's points from the circle: about the width of a line
 SAME_CENTRE = 0.15  # m: suggested centres that are nearer to each other count as votes for the same circle
-LEAST_SEGMENTS, STEPS = 3, 5
+# Two distances always determine a centre, whatever the segments belong to, so a third one has to confirm it.
+LEAST_SEGMENTS = 3
+STEPS = 5  # Gauss-Newton steps
 WORST_CONDITION = (
     60.0  # of the normal equations: segments side by side do not determine the distance of the centre
 )

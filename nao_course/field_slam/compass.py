@@ -23,11 +23,12 @@ LEAST_PIXELS, LEAST_LENGTH = 14.0, 0.3
 # Probability that a line is not one of the field's straight lines, for lengths up to 0.45 m, up to 0.7 m, and above.
 LENGTHS, OUTLIER_PROBABILITIES = ((0.45, 0.7), (0.2, 0.04, 0.01))
 GRID = np.linspace(-2.6, 2.6, 9)  # tilts where the search starts, in standard deviations of the prior
-MOST_LINES, MOST_STARTS = (
-    24,
-    12,
-)  # lines with the best known directions; lines whose direction is tried as the field's
+# Number of lines that are used, those with the best known directions; number of them whose direction is tried as the
+# field's.
+MOST_LINES, MOST_STARTS = (24, 12)
 MODES, STEPS = 3, 8  # local minima that are refined; Gauss-Newton steps for each
+# Largest change of an angle in one step, which bounds the step where lines hardly determine the direction. In 400
+# simulated pictures, no larger bound changed a result, but 2 degrees did.
 LARGEST_STEP = float(np.radians(3.0))
 # Between a line and the estimated direction, on the ground: up to AGREES the line supports it, above DISAGREES it
 # contradicts it.

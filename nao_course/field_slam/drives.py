@@ -24,15 +24,12 @@ from nao_course.slam import Motion
 MOVES = 60  # of a drive
 STEP, SHARPEST = 0.25, float(np.radians(50))  # m and rad: longest step and sharpest turn of a move
 YAWS = (0.8, 0.0, -0.8)  # rad: three pictures of 61 degrees each, which overlap a little
-HEAD_PITCH = float(
-    np.radians(-31.0)
-)  # the head is raised, because the bottom camera itself looks down by 39.7 degrees
+# The head is raised, because the bottom camera itself looks down by 39.7 degrees.
+HEAD_PITCH = float(np.radians(-31.0))
 # Standard deviations of the body tilt, as measured on real pictures (docs/real_data.md).
 TILT = TorsoTilt(float(np.radians(1.3)), float(np.radians(0.8)))
-INSIDE = (
-    (0.25, -1.75),
-    (2.75, 1.75),
-)  # m: lower left and upper right corner of the area where the robot drives
+# Lower left and upper right corner of the area where the robot drives, m.
+INSIDE = ((0.25, -1.75), (2.75, 1.75))
 NEAREST_GOAL, SMALLEST_TURN = 1.2, float(np.radians(30))  # m and rad: a new goal is at least this far away
 GOAL_LINE = 3.0  # m: x of the goal line on the half field of 2012
 LEAST_SIGMA = 0.001  # m: also a robot that only turns moves a little

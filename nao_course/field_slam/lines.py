@@ -23,14 +23,11 @@ SHORTEST = 7.0  # px at 320: least length of an edge, and of a centre line
 # At BESIDE px (at 320) beside an edge, a SHARE of SAMPLES points must show carpet.
 BESIDE, SAMPLES, SHARE = (2.5, 7, 0.5)
 CONTRAST = 15.0  # levels by which a line is at least lighter than the carpet beside it
-PARALLEL = float(
-    np.cos(np.radians(12))
-)  # the two edges of a line converge with distance, so they may differ so much
+# The two edges of a line converge with distance, so their directions may differ by up to 12 degrees.
+PARALLEL = float(np.cos(np.radians(12)))
 WIDER, SLACK = 1.5, 2.0  # how much wider than expected a line may appear: a factor, and px at 320
-ASIDE, GAP = (
-    1.2,
-    20.0,
-)  # px at 320: how far beside a line, and beyond its end, a segment of the same line may be
+# How far beside a line, and beyond its end, a segment of the same line may be, px at 320.
+ASIDE, GAP = (1.2, 20.0)
 SQUARE = float(np.radians(15))  # largest difference from a right angle at a corner
 # REACH is how far a corner may lie beyond the end of a line, ARM the least length of each arm of a corner. Each of them
 # is given in m, and in m per metre of distance.

@@ -21,12 +21,8 @@ from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlg
 
 SIGHTINGS = 3  # how often a landmark must be observed before it stays on the map for good
 PATIENCE = 15  # pictures after its last observation in which a new landmark is kept
-FACTORS = (
-    1.0,
-    1.5,
-    2.0,
-    3.0,
-)  # candidates for the ratio of true to stated standard deviation of the odometry
+# Candidates for the ratio of true to stated standard deviation of the odometry.
+FACTORS = (1.0, 1.5, 2.0, 3.0)
 OUTLIERS = 0.01  # share of compass readings that have nothing to do with the heading
 
 

@@ -370,9 +370,8 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
     """Yield the shapes of all lines, marks and circles."""
     half = field.dimensions.line_width / 2
     x0, y0, x1, y1 = field.lines.T
-    boxes = [
-        (x0 - half, y0 - half, x1 + half, y1 + half)
-    ]  # the ends reach to the far edge of the crossing line
+    # The ends of a line reach to the far edge of the line that it meets.
+    boxes = [(x0 - half, y0 - half, x1 + half, y1 + half)]
     x0, y0, x1, y1 = field.mark_lines.T
     dx, dy = np.where(y0 == y1, 0.0, half), np.where(y0 == y1, half, 0.0)
     boxes.append((x0 - dx, y0 - dy, x1 + dx, y1 + dy))

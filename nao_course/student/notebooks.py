@@ -381,9 +381,8 @@ def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitio
     """Return the definitions of a notebook in its saved state, without its printed output."""
 
     def before_this(use: str) -> Any:
-        if split_use(use)[0] >= number_of(
-            path.stem
-        ):  # two lessons that use each other would recurse for ever
+        # Two lessons that use each other would recurse for ever.
+        if split_use(use)[0] >= number_of(path.stem):
             return stand_in(use, not_usable(use, f"lesson {path.stem} comes first."))
         return earlier_in(path.parent)(use)
 

@@ -133,9 +133,8 @@ class Shown:
         shapes = [each.shape for each in self.pictures.values()] or [(40, 100, 3)]
         ratios = [width / height for height, width, _ in shapes]
         keys = [key for each in self.legends for key in each.patches()]
-        around = 0.45 + (
-            0.25 + 0.2 * -(-len(keys) // 2) if keys else 0.0
-        )  # inches: titles and the legend's rows
+        # Space for titles and the legend's rows, inches.
+        around = 0.45 + (0.25 + 0.2 * -(-len(keys) // 2) if keys else 0.0)
         figure = Figure(figsize=(9.6, min(9.6 / sum(ratios), 6.0) + around))
         axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
         for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):

@@ -9,6 +9,7 @@ import numpy as np
 from nao_course.exercises import Case, Exercise, LessonPlan
 from nao_course.instructor.authoring.mistakes import catalogue
 
+# --- 0.1 to_radians ---
 ANGLES = {"a quarter turn": 90.0, "no turn": 0.0, "a turn to the right": -30.0, "a whole turn": 360.0}
 TO_RADIANS = Exercise(
     name="to_radians",

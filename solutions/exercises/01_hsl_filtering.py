@@ -45,6 +45,7 @@ def hues(seed: Seed, centre: float, width: float, size: tuple[int, int]) -> Arra
     return np.round(2 * (centre + rng.uniform(-width, width, size))) / 2 % 360
 
 
+# --- 1.1 rgb_to_hsl ---
 def _hsl_loop(picture: Array) -> tuple[Array, Array, Array]:
     hls = [[colorsys.rgb_to_hls(*pixel) for pixel in row] for row in (picture / 255).tolist()]
     hue, lightness, saturation = np.moveaxis(np.array(hls), -1, 0)
@@ -161,6 +162,7 @@ RGB_TO_HSL = Exercise(
 )
 
 
+# --- 1.2 average_lightness ---
 def _patchy(seed: Seed, rows: int, columns: int) -> Array:
     """Return a skewed picture, bright at its top, so that mean, median and first rows all differ."""
     rng = np.random.default_rng(seed)
@@ -236,6 +238,8 @@ AVERAGE_LIGHTNESS = Exercise(
     equivalents={"return lightness.ravel()[chosen].mean()": "NumPy's float64 is a float"},
 )
 
+
+# --- 1.3 white_threshold ---
 WHITE_THRESHOLD = Exercise(
     name="white_threshold",
     points=1,
@@ -292,6 +296,7 @@ WHITE_THRESHOLD = Exercise(
 )
 
 
+# --- 1.4 hue_mask ---
 def _mask(hue: Array, low: float, high: float) -> Array:
     return (hue - low) % 360 <= (high - low) % 360
 
@@ -369,6 +374,7 @@ HUE_MASK = Exercise(
 )
 
 
+# --- 1.5 color_labels ---
 def _labels_loop(
     picture: Array, green: Limits, yellow: Limits, threshold: float, min_saturation: float = 0.16
 ) -> Array:
@@ -474,6 +480,7 @@ COLOR_LABELS = Exercise(
 )
 
 
+# --- 1.6 calibrate_hue ---
 def _limits_loop(hue: Array, saturation: Array, epsilon: float = 0.0) -> Limits:
     there = sorted({float(h) for h, s in zip(hue.ravel(), saturation.ravel(), strict=True) if s > 0})
     best, answer = -1.0, (0.0, 0.0)

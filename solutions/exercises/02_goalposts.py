@@ -17,6 +17,7 @@ Array = npt.NDArray[Any]
 OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 
 
+# --- labels for the cases ---
 def field(rows: int, columns: int, horizon: int) -> Array:
     """Return labels of carpet below a wall."""
     labels = np.zeros((rows, columns), dtype=np.uint8)
@@ -42,6 +43,7 @@ def scattered(seed: int | np.random.Generator, rows: int, columns: int) -> Array
     return labels
 
 
+# --- 2.1 post_candidates ---
 def _candidates_loop(labels: Array, min_green: int, look_down: int, min_height: float) -> Array:
     found = []
     for u, column in enumerate(labels.T):
@@ -256,6 +258,7 @@ POST_CANDIDATES = Exercise(
 )
 
 
+# --- 2.2 cluster_points ---
 def _clusters_scipy(points: Array, max_distance: float) -> Array:
     if len(points) < 2:
         return points
@@ -466,6 +469,7 @@ CLUSTER_POINTS = Exercise(
 )
 
 
+# --- 2.3 find_goalposts ---
 def _feet_by_blobs(labels: Array) -> Array:
     """Find yellow blobs, and test the green below the centre of their lowest row."""
     height, feet = len(labels), []

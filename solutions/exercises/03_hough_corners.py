@@ -30,6 +30,7 @@ OTHER, GREEN, YELLOW, WHITE = 0, 1, 2, 3
 SIZE = (48, 64)  # rows and columns of public pictures
 
 
+# --- labels and pictures for the cases ---
 def columns(columns: str) -> Array:
     """Return labels from columns written from the top: o other, g green, y yellow, w white."""
     return np.array([["ogyw".index(letter) for letter in each] for each in columns.split()], dtype=np.uint8).T
@@ -63,6 +64,7 @@ def field(lines: Lines, horizon: int, thickness: int = 5, shape: Any = SIZE) -> 
     return labels
 
 
+# --- 3.1 line_picture ---
 LINE_PICTURE = Exercise(
     name="line_picture",
     points=1,
@@ -114,6 +116,7 @@ LINE_PICTURE = Exercise(
 )
 
 
+# --- 3.2 erase_background ---
 def _erase_loop(labels: Array, run: int = 7) -> Array:
     kept = np.zeros_like(labels)
     for u, column in enumerate(labels.T):
@@ -245,6 +248,7 @@ ERASE_BACKGROUND = Exercise(
 )
 
 
+# --- 3.3 hough_segments ---
 def _hough(
     line_picture: Array, max_line_gap: float = 5, min_line_length: float = 40, canny: Any = (50, 150)
 ) -> Array:
@@ -396,6 +400,8 @@ HOUGH_SEGMENTS = Exercise(
     },
 )
 
+
+# --- 3.4 segment_intersection ---
 PARALLEL = float(np.sin(np.radians(10.0)))
 
 
@@ -620,6 +626,7 @@ SEGMENT_INTERSECTION = Exercise(
 )
 
 
+# --- 3.5 remove_doubles ---
 def _doubles_matrix(points: Array, radius: float) -> Array:
     """Make a table of near pairs, then delete points in one pass."""
     near = np.linalg.norm(points[:, None] - points, axis=2) <= radius
@@ -738,6 +745,7 @@ REMOVE_DUPLICATES = Exercise(
 )
 
 
+# --- 3.6 find_corners ---
 def _corners(labels: Array, max_line_gap: float = 5, min_line_length: float = 40) -> Array:
     """Find corners with the alternatives of the earlier exercises."""
     white = cv2.inRange(_erase_loop(labels), WHITE, WHITE)
@@ -967,6 +975,7 @@ FIND_CORNERS = Exercise(
 )
 
 
+# --- 3.7 merge_edges ---
 def _merge_axes(segments: Array, max_width: float = 20.0) -> Array:
     """Rotate each segment onto the u axis, so that the conditions on the second edge become intervals."""
     merged = []

@@ -31,6 +31,7 @@ BLOCKS, AS_ARRAY = f"{DRIVERS}:blocks_of_inverse", f"{DRIVERS}:as_array"
 FINE = Close(rtol=1e-6, atol=1e-7)
 
 
+# --- shared by several exercises ---
 def _rotated(theta: Any, x: Any, y: Any) -> Array:
     """Return poses as matrices: (3, 3), or (E, 3, 3)."""
     c, s = np.cos(theta), np.sin(theta)
@@ -116,6 +117,7 @@ def _shaped(name: str, arguments: str, end: str, columns: str) -> list[Mistake]:
     )
 
 
+# --- 9.1 landmark_residual ---
 def _landmark_public() -> list[Case]:
     rng = np.random.default_rng(91)
     ahead = np.array([1.0, 2.0, np.pi / 2])
@@ -218,6 +220,8 @@ LANDMARK_RESIDUAL = Exercise(
     },
 )
 
+
+# --- 9.2 landmark_residual_jacobians ---
 LANDMARK_RESIDUAL_JACOBIANS = Exercise(
     name="landmark_residual_jacobians",
     points=2,
@@ -284,6 +288,7 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
 )
 
 
+# --- 9.3 pose_residual ---
 def _pose(first: Any, second: Any, z: Any) -> Any:
     """Compute the residual with the matrices of equation 9.3."""
     Z, start, end = (_rotated(each.T[2], *each.T[:2]) for each in (z, first, second))
@@ -450,6 +455,8 @@ POSE_RESIDUAL = Exercise(
     },
 )
 
+
+# --- 9.4 pose_residual_jacobians ---
 POSE_RESIDUAL_JACOBIANS = Exercise(
     name="pose_residual_jacobians",
     points=3,
@@ -525,6 +532,7 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
 )
 
 
+# --- 9.5 linearize ---
 def _kinds(graph: Graph, states: Any) -> list[tuple[Any, Array, Array, Array]]:
     """Return the places (E, k), Jacobians, information and residuals of all edges, for each kind."""
     poses, landmarks = graph.split(states)
@@ -681,6 +689,7 @@ LINEARIZE = Exercise(
 )
 
 
+# --- 9.6 gauss_newton ---
 def _squares(graph: Graph, states: Any) -> float:
     return float(graph.squared_errors(states, _pose, _landmark).sum())
 
@@ -867,6 +876,7 @@ GAUSS_NEWTON = Exercise(
 )
 
 
+# --- 9.7 marginal_covariances ---
 def _blocks_solved(H: Any, indices: Sequence[Any]) -> Any:
     """Solve for all columns of all blocks at once."""
     every = np.unique(np.concatenate(indices))
@@ -979,6 +989,7 @@ MARGINAL_COVARIANCES = Exercise(
 )
 
 
+# --- 9.8 reweight ---
 def _reweighted_by_hand(graph: Graph, states: Any, width: float) -> Any:
     """Return a graph that is reweighted edge by edge."""
     information = graph.information.copy()

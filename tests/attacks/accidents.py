@@ -563,6 +563,7 @@ N += 1
 def scaled(values):
     return (values - values.min()) / (np.ptp(values) + EPS) * (N - 4)""",
     ),
+    # After these imports, `max` is NumPy's, which does not compare two numbers.
     style(
         "star_imports",
         "scaled",
@@ -574,7 +575,7 @@ def scaled(values):
     return (values - amin(values)) / ptp(values)""",
         honest=all_but("clamp"),
         says="TypeError",
-    ),  # numpy's own max
+    ),
     style("star_import_of_math", "scaled", f"from math import *\n\n{SCALED}"),
     style(
         "try_import",
@@ -856,9 +857,8 @@ def mapped(a):
     return b""",
     ),
     answer("masked_array", "np.ma.masked_array(made)"),
-    answer(
-        "masked_array_with_a_mask", "np.ma.masked_greater(made, 0.9)", lost="middle"
-    ),  # its median is another one
+    # The median of a masked array is a different one, because it leaves out masked values.
+    answer("masked_array_with_a_mask", "np.ma.masked_greater(made, 0.9)", lost="middle"),
     answer("matrix", "np.asmatrix(made)", lost="middle"),  # whose median is a matrix
     answer("record_array_view", "made.view(np.recarray)"),
     answer("subclass", "made.view(Mine)", "class Mine(np.ndarray):\n    pass"),

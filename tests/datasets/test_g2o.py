@@ -182,6 +182,18 @@ def test_without_vertex_lines_the_guess_takes_the_fewest_edges(tmp_path: Path) -
     assert np.allclose(poses[graph.ids[:4] == 5], [(-9, -9, 0)])
 
 
+def test_without_vertex_lines_a_pose_with_a_short_and_a_long_chain_follows_the_short_one(
+    tmp_path: Path,
+) -> None:
+    """Pose 4 is two edges from the start by pose 1, and three by poses 2 and 3, which place it elsewhere."""
+    ends = [(0, 1, 1), (0, 2, 1), (2, 3, 1), (3, 4, 7), (1, 4, 1)]
+    edges = [f"EDGE_SE2 {first} {second} {x} 0 0 1 0 0 1 0 1" for first, second, x in ends]
+    for lines in (edges, edges[::-1]):
+        graph, states = read_g2o(written(tmp_path, lines))
+        poses, _ = graph.split(states)
+        assert np.allclose(poses[graph.ids == 4], [(2, 0, 0)])
+
+
 def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path: Path) -> None:
     graph, states = read_g2o(written(tmp_path, [*CHAIN, "FIX 5"]))
     poses, _ = graph.split(states)
@@ -196,10 +208,8 @@ def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path:
             ["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"],
             "vertex 7 has no VERTEX line, and no chain of edges connects it with vertex 2",
         ),
-        (
-            ["EDGE_SE2_XY 7 1 1 0 1 0 1"],
-            "vertex 7 has no VERTEX line, and no chain",
-        ),  # a landmark has no heading
+        # A landmark has no heading, so no chain leads through it.
+        (["EDGE_SE2_XY 7 1 1 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain"),
         (["EDGE_SE2 5 7 1 nan 0 1 0 0 1 0 1"], "line 6: expected numbers within .*number 2"),
         (["EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"], "line 5: vertex 1 must be a landmark, but it is a pose"),
         (["EDGE_SE2 5 5 1 0 0 1 0 0 1 0 1"], "line 6: the edge connects vertex 5 with itself"),

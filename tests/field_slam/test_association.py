@@ -36,6 +36,29 @@ def test_a_landmark_is_taken_by_one_measurement_at_most():
     assert sorted(found.tolist()) == [-1, 0]
 
 
+def with_uncertain_heading(bearings, measured, measurement_sigma) -> list[int]:
+    """Associate bearings with landmarks 2 m away; the heading is uncertain by 0.1 rad, everything else is known."""
+    marks = 2 * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    state, covariance = (
+        np.concatenate([np.zeros(3), marks.ravel()]),
+        np.diag([1e-8, 1e-8, 1e-2] + [1e-8] * marks.size),
+    )
+    R = np.diag([measurement_sigma**2, 1e-2] * len(measured))
+    seen = [Measurement(float(bearing), 2.0) for bearing in measured]
+    return associate_jointly(state, covariance, ["corner"] * len(marks), seen, R, 4.0).tolist()
+
+
+def test_a_measurement_is_left_out_if_two_others_that_contradict_it_fit_together():
+    """The first measurement fits its landmark best alone, but the others agree that the heading has an error."""
+    bearings = np.array([-0.8, 0.0, 0.8])
+    assert with_uncertain_heading(bearings, bearings + (-0.1, 0.15, 0.15), 0.01) == [-1, 1, 2]
+
+
+def test_of_two_assignments_of_the_same_size_the_one_with_the_smaller_joint_distance_is_returned():
+    """The first measurement is nearer to landmark 0, but only landmark 1 agrees with the other about the heading."""
+    assert with_uncertain_heading(np.array([0.0, -0.12, 0.8]), [0.03, 0.95], 0.03) == [1, 2]
+
+
 @pytest.mark.parametrize("pairs", [1, 2, 5])
 def test_the_joint_gate_is_as_unlikely_for_many_pairs_as_for_one(pairs):
     assert chi2.sf(joint_gate(3.0, pairs), 2 * pairs) == pytest.approx(chi2.sf(9.0, 2))

@@ -40,6 +40,12 @@ def test_room_ends_at_the_edge():
     assert slanted == pytest.approx(0.2)
 
 
+def test_a_new_goal_needs_a_turn_of_more_than_30_degrees_and_a_move_turns_by_at_most_50():
+    ahead = Pose(1.5, -1.5, np.pi / 2)  # a goal straight ahead can be far enough away
+    turns = [abs(np.degrees(Driver(np.random.default_rng(seed)).next(ahead).turn)) for seed in range(40)]
+    assert min(turns) > 30 and max(turns) == pytest.approx(50)
+
+
 @pytest.mark.parametrize("degrees", [0, 90, 180, -90, 45])
 def test_a_robot_with_room_ahead_walks_a_whole_step_in_every_direction(degrees):
     pose = Pose(1.5, 0.0, np.radians(degrees))

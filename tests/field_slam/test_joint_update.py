@@ -85,6 +85,13 @@ def test_it_does_not_matter_which_end_of_a_piece_comes_first():
         assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.006)
 
 
+def test_long_arcs_on_one_side_suggest_the_centre_although_their_chords_are_inside_the_circle():
+    pose = Pose(1.5, 0.0, np.pi)
+    found = find_circle(pieces(pose, 7, 0.4, np.pi), VIEW)
+    assert found is not None
+    assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.06)
+
+
 def test_two_pieces_or_pieces_side_by_side_or_of_a_straight_line_tell_none():
     pose = Pose(1.6, 0.0, np.pi)
     assert find_circle(pieces(pose)[:2], VIEW) is None
@@ -102,6 +109,20 @@ def test_lines_along_the_fields_directions_are_kept_and_others_are_not():
     assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
     horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
     assert not len(field_lines(horizon, SQUARE, tilted(VIEW, -0.5, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("ends", "kept"),
+    [
+        ([(2.0, 0.0), (2.9, 0.0)], True),
+        ([(2.9, 0.0), (3.4, 0.0)], False),  # longer than 0.45 m, but shorter than 20 px
+        ([(3.9, -0.7), (3.9, 0.7)], True),
+        ([(4.1, -0.7), (4.1, 0.7)], False),  # farther than 4 m
+    ],
+)
+def test_a_line_that_is_short_in_the_picture_or_far_away_is_not_kept(ends, kept):
+    pixels = VIEW.project(np.array(ends)).reshape(1, 4)
+    assert len(field_lines(pixels, SQUARE, VIEW)) == kept
 
 
 def test_the_nearest_point_of_a_line_is_on_the_part_that_is_seen():
@@ -313,9 +334,8 @@ def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> Scene:
         ends = pixels(RADIUS * np.stack([np.cos(around), np.sin(around)], axis=-1)).reshape(-1, 4)
     told = replace(SQUARE, direction=float(wrap_quarter(-pose.theta)))
     whole = scene(replace(seen, direction=told.direction, direction_sigma=0.01), told, ends, VIEW)
-    return replace(
-        whole, direction_sigma=float("inf")
-    )  # without a compass, only the positions depend on the tilt
+    # Without a compass, only the positions depend on the tilt.
+    return replace(whole, direction_sigma=float("inf"))
 
 
 def with_map(slam, pose: Pose, marks, rest, axis):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,6 +88,22 @@ def test_what_is_expected_stays_as_it_is():
     seen = as_observation(some())
     values, covariance = seen.linearised_at(seen.values[:, 1])
     assert np.allclose(values, seen.values.ravel()) and np.allclose(covariance, seen.covariance)
+
+
+def test_the_linearised_covariance_is_propagated_by_the_jacobian_of_the_linearised_values():
+    """The Jacobian is computed with finite differences, at expected ranges that differ from the measured ones."""
+    seen, step = as_observation(some()), 1e-6
+    expected, measured = seen.values[:, 1] * (0.8, 1.1, 1.3), seen.values.ravel()
+    J = np.zeros((measured.size, measured.size))
+    for column in range(measured.size):
+        ends = []
+        for sign in (1, -1):
+            moved = measured.copy()
+            moved[column] += sign * step
+            again = tuple(Measurement(bearing, distance) for bearing, distance in moved.reshape(-1, 2))
+            ends.append(replace(seen, measurements=again).linearised_at(expected)[0])
+        J[:, column] = (ends[0] - ends[1]) / (2 * step)
+    assert np.allclose(seen.linearised_at(expected)[1], J @ seen.covariance @ J.T, rtol=1e-6)
 
 
 def test_decorrelated_measurements_determine_the_tilt_no_better_than_joint_ones():

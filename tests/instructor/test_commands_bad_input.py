@@ -121,9 +121,8 @@ def test_what_is_no_folder_of_grades_is_said_and_none_is_made(place, command, wh
     refused(place, words(place, command, GRADES=grades), "there is no journal", "nao-course grade")
 
 
-@pytest.mark.parametrize(
-    "command", ["grade", "export gradescope"]
-)  # an autograder may be wanted before any grade
+# An autograder may be exported before anything is graded.
+@pytest.mark.parametrize("command", ["grade", "export gradescope"])
 @pytest.mark.parametrize("what", ["file", "link to nothing", "below a file"])
 def test_grades_that_cannot_be_made_are_said(place, command, what):
     grades = place / "elsewhere"

@@ -130,9 +130,8 @@ def test_the_executed_solution_is_that_of_the_text(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", COURSE.names()[1::6]
-)  # to run all of them twice would take a quarter of an hour
+# Running all of them twice would take a quarter of an hour.
+@pytest.mark.parametrize("name", COURSE.names()[1::6])
 def test_building_twice_makes_the_same_bytes(name):
     assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
 

@@ -92,6 +92,12 @@ def test_measurements_scatter_about_the_truth_as_their_covariance_says(x):
     assert (np.abs(errors) < 4 * np.sqrt(np.diag(wanted) / len(seen))).all()
 
 
+def test_a_disturbed_range_stays_positive_however_large_the_error_is():
+    draws = np.array([[0.0, -1e3], [0.0, -1.0]])
+    ranges = SensorNoise(0.0, 0.1).disturbed(np.array([[0.0, 2.0], [0.0, 2.0]]), draws)[:, 1]
+    assert ranges == pytest.approx([0.2, 1.8])  # m: an error never removes more than nine tenths of the range
+
+
 @pytest.mark.parametrize(("distance", "turn"), [(1.0, 0.0), (-4.0, 0.0), (0.0, 1.0), (2.0, -0.5)])
 def test_a_walk_scatters_by_the_stated_metres_and_radians_after_one_metre_and_one_radian(distance, turn):
     noise = OdometryNoise(along=0.06, across=0.04, turn=0.08, turn_per_turn=0.12)

@@ -28,10 +28,8 @@ from nao_course.slam import Measurement, SlamAlgorithm
 
 GROUND = load_definitions(ROOT / "solutions" / "04_distance.ipynb")
 FARTHEST = 6.0  # m: largest range of a measurement that is used
-CORNER_SIGMA = {
-    "lines": 0.5,
-    "lesson 03": 3.0,
-}  # px at 320: standard deviation of corners from lines, and by lesson 03
+# Standard deviations of corners from lines, and of corners by lesson 03, px at 320.
+CORNER_SIGMA = {"lines": 0.5, "lesson 03": 3.0}
 CONSTANT = (float(np.radians(3)), 0.15)  # rad and m: a constant R, as in textbooks
 PLACES = np.array([(mark.x, mark.y) for mark in LANDMARKS])
 WRONG = 0.3  # m: an estimated landmark that is farther from every true landmark counts as wrong

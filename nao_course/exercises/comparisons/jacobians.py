@@ -72,9 +72,8 @@ def jacobian(function: Callable[[], Any], symbols: Collection[str], by: list[str
         "model": [steps.place(each) for each in model],
         "jacobian": [[steps.place(each) for each in row] for row in derived.tolist()],
     }
-    unwrapped = model.replace(
-        sympy.Mod, lambda angle, period: angle
-    )  # SymPy cannot differentiate a remainder
+    # SymPy cannot differentiate a remainder.
+    unwrapped = model.replace(sympy.Mod, lambda angle, period: angle)
     derivatives = [sympy.expand(sympy.diff(row, sympy.Symbol(name))) for row in unwrapped for name in by]
     return {**places, "terms": [_terms(steps, each) for each in derivatives], "steps": steps.steps}
 

@@ -70,7 +70,6 @@ def judge(comparison: Comparison, case: Case, outcome: Outcome) -> Verdict | Non
         return RIGHT if outcome.status == "raised" and case.raises in outcome.errors else None
     if outcome.status != "value":
         return None
-    with np.errstate(
-        all="ignore"
-    ):  # untrusted numbers; warnings of NumPy during the call were reported there
+    # The numbers are untrusted, and NumPy's warnings during the call have been reported before.
+    with np.errstate(all="ignore"):
         return comparison.judge(case, outcome.value)

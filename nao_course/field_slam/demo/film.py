@@ -38,15 +38,10 @@ from nao_course.sim import Field
 from nao_course.slam import KINDS
 
 LINES = "#00c8ff"  # over lines that were found in a picture
-FRAMES, PER_SECOND, LAST = (
-    31,
-    3.0,
-    3.0,
-)  # pictures in the film, pictures per second, seconds of the last picture
-COMMON, RARE = (
-    64,
-    32,
-)  # further colours of a frame besides the figures' colours: few, so that the file stays small
+# Pictures in the film, pictures per second, seconds of the last picture.
+FRAMES, PER_SECOND, LAST = (31, 3.0, 3.0)
+# Further colours of a frame besides the figures' colours; they are few, so that the file stays small.
+COMMON, RARE = (64, 32)
 MILLIMETRE = 0.1  # cm: smallest error in the figure, whose axis is logarithmic
 
 

@@ -43,13 +43,8 @@ _KNOWN_ERRORS = {
         "SystemExit",
         "TypeError",
     ),
-    *(
-        "RuntimeError",
-        "UnboundLocalError",
-        "ValueError",
-        "ZeroDivisionError",
-        "error",
-    ),  # OpenCV's is called error
+    # OpenCV's exception is called error.
+    *("RuntimeError", "UnboundLocalError", "ValueError", "ZeroDivisionError", "error"),
 }
 # Signals that end a process by accident: a choice among all signals would reveal five bits of an input.
 _SIGNALS = {

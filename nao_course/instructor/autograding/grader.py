@@ -292,9 +292,8 @@ class SubmissionGrader:
         outcomes = list(self.outcomes(exercise, exercise.cases))
         lines, last = self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
         if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
-            self.stand_in(
-                recorded(exercise, self.allowances.recorded)
-            )  # as in the notebook, where earlier work is not usable
+            # As in the notebook, recorded answers are used where earlier work is not usable.
+            self.stand_in(recorded(exercise, self.allowances.recorded))
             outcomes = list(self.outcomes(exercise, exercise.cases))
             self.worker.stand_in({})
             if how_many_pass(exercise, outcomes) > passed:

@@ -12,10 +12,8 @@ from nao_course.geometry import FloatArray, as_points
 from nao_course.sim import NAO_V4, CameraView
 
 Function = Callable[..., Any]
-TILT = (
-    float(np.radians(1.3)),
-    float(np.radians(0.8)),
-)  # rad: standard deviations of the body's pitch and roll
+# Standard deviations of the body's pitch and roll, rad.
+TILT = (float(np.radians(1.3)), float(np.radians(0.8)))
 PIXEL_SIGMA = 0.5  # px, at any resolution
 SIZES = ((320, 240), (640, 480), (1280, 960))
 DISTANCES = (1.0, 2.0, 3.0, 4.0, 5.0)  # m

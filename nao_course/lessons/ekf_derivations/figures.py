@@ -22,9 +22,8 @@ Function = Callable[..., Any]
 
 TRUTH, ESTIMATE = STYLES["truth"], STYLES["ekf"]
 STEP = 1.0  # m, each of the payoff's three steps
-STEP_NOISE = (
-    np.diag([0.04, 0.03, np.radians(1.0)]) ** 2
-)  # covariance of one step: along, across (m) and turn (rad)
+# Covariance of one step: along and across, m^2, and turn, rad^2.
+STEP_NOISE = np.diag([0.04, 0.03, np.radians(1.0)]) ** 2
 PAYOFF_DEGREES = (5, 15, 30)  # standard deviations of the heading
 START_NOISE = (0.03, 0.03)  # m, standard deviations of the starting position
 

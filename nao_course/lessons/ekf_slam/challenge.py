@@ -94,9 +94,8 @@ def _plot_drive(ax: Axes, kept: Any) -> None:
     reach = 2.5 * np.sqrt(np.diag(covariance)[:2]).max()
     ends = np.array([(end.x, end.y)]) + reach * np.array([(-1, -1), (1, 1)])
     ax.set_facecolor(CARPET)
-    around = np.reshape(FIELD.carpet, (2, 2)) + BESIDE * np.array(
-        [[-1], [1]]
-    )  # one scale, unless an end is farther
+    # All drives have the same scale, unless the end of one is farther away.
+    around = np.reshape(FIELD.carpet, (2, 2)) + BESIDE * np.array([[-1], [1]])
     metric_axes(ax, np.vstack([around, [(one.x, one.y) for one in path], ends]))
 
 

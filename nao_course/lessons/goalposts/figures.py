@@ -74,9 +74,8 @@ def draw_feet(
     grid = list(figure.subplots(rows, columns, squeeze=False).flat)
     for ax, (title, picture), points, near in zip(grid, pictures.items(), found, dots, strict=False):
         plot_picture(np.asarray(picture), ax, ticks=False)
-        ax.plot(
-            *near.T, "o", color="white", ms=5.7
-        )  # below all dots, so that neighbours do not cover each other
+        # The white rims are below all dots, so that neighbours do not cover each other.
+        ax.plot(*near.T, "o", color="white", ms=5.7)
         ax.plot(*near.T, "o", color=CANDIDATE, ms=4.3)
         plot_found(points, ax)
         ax.set_title(title, fontsize=11)

@@ -20,11 +20,8 @@ from nao_course.plotting.drawing import say_count
 from nao_course.plotting.marks import TRUE
 from nao_course.plotting.style import FOUND, HALO
 
-SEGMENTS = (
-    "#0072b2",
-    "#d55e00",
-    "#7a2cff",
-)  # in turn, so that neighbouring segments differ; black is for the truth
+# The colours are used in turn, so that neighbouring segments differ; black is for the truth.
+SEGMENTS = ("#0072b2", "#d55e00", "#7a2cff")
 _NONE: tuple[()] = ()
 
 Finder = Callable[[Any], Any]

@@ -14,10 +14,8 @@ from nao_course.lessons.hsl_filtering.challenge_figure import draw_lost_points
 from nao_course.sim import LABELS, Scene
 
 ENOUGH = 300  # pixels of white and of yellow that every scene has at least
-ROOMS = {
-    "dark": (601, 602, 603),
-    "harsh": (604, 605, 606),
-}  # seeds by preset; our parameters were tuned in other rooms
+# Seeds by preset; our parameters were tuned in other rooms.
+ROOMS = {"dark": (601, 602, 603), "harsh": (604, 605, 606)}
 SCENES_PER_ROOM = 5
 YELLOW, WHITE = LABELS.index("yellow"), LABELS.index("white")
 

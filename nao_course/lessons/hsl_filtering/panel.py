@@ -35,11 +35,8 @@ Label = Callable[[Pixels, Limits, Limits, float, float], Any]
 Threshold = Callable[[float, float], float]
 Calibrate = Callable[[Any, Any, float], Limits]
 
-FILTER, THRESHOLD, CALIBRATE = (
-    "your filter",
-    "white_threshold",
-    "calibrate_hue",
-)  # names of the student's functions in messages
+# Names of the student's functions in messages.
+FILTER, THRESHOLD, CALIBRATE = ("your filter", "white_threshold", "calibrate_hue")
 TRUTH = "True labels"
 SHOWN = {"Labels": "", TRUTH: "", **{f"Errors in {colour}": colour for colour in COLOURS}}
 EPSILON = {"green": 10.0, "yellow": 0.0}  # degrees, as the paper widens limits
@@ -326,10 +323,8 @@ class FilterPanel(FunctionPanel):
         title = TRUTH if values.shown == TRUTH else title
         marks = {"β": settings.beta, "mean": mean}
         yield {SCENE: shown, title: _unlabelled(truth.shape)}  # shown if the code below fails
-        yield {
-            LIGHTNESS: shown,
-            HUE: self._circle(hue, saturation),
-        }  # the histogram replaces the first one below
+        # The histogram replaces the first one below.
+        yield {LIGHTNESS: shown, HUE: self._circle(hue, saturation)}
         yield legend(colour)
         yield Legend({name: look[0] for name, look in MARKS.items()})
         yield {"Your labels": ScoreTable({})}

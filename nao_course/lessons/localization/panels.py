@@ -182,9 +182,8 @@ class LabPanel(FunctionPanel):
         newest = {name: newest_definition(function) for name, function in self._functions.items()}
         key = (letter, *newest.values())
         if key not in self._seen:
-            patient(
-                HEALTHY, student, drives=1
-            )  # so that an error in the student's code is reported as theirs
+            # The student's own functions run first, so that an error in them is reported as theirs.
+            patient(HEALTHY, student, drives=1)
             traces = patient(bug, newest)
             self._seen[key] = draw_readings(traces, letter), readings_table({letter: read(traces)})
         return self._seen[key]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Literal, assert_never
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -217,15 +217,19 @@ def _in_part(slam_class: Callable[..., Any], title: str, compass: bool) -> Panel
     return Panel(title, found, plot, f"off by {off:.0f} cm")
 
 
-def _whole(slam_class: Callable[..., Any], title: str, source: str, match: Associate | None) -> Panel:
+def _whole(
+    slam_class: Callable[..., Any], title: str, source: Literal["ekf", "graph"], match: Associate | None
+) -> Panel:
     """Run a whole class over the drive."""
     drive, fates = the_drive(), dict[str, int]()
     try:
         if source == "ekf":
             watched = watch(slam_class, drive, GATE, match)
             outcome, fates = watched.outcome, dict(watched.fates)
-        else:
+        elif source == "graph":
             outcome = follow(slam_class, drive, GATE, match)
+        else:
+            assert_never(source)
     except NotImplementedError:
         return _missing(title)
 

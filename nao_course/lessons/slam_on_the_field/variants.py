@@ -11,11 +11,13 @@ from matplotlib.figure import Figure
 
 from nao_course.lessons.slam_on_the_field.associating import plot_median
 from nao_course.plotting import STYLES, Drawing, Table, course_style, table
-from nao_course.plotting.style import GREY
+from nao_course.plotting.style import GREY, Source
 
 RECORDED = Path(__file__).with_suffix(".json")  # written by the benchmark field_slam
 EXPECTED = 3.0  # mean NEES of a consistent pose
 ON_THE_WAY = 10  # rows from odometry to the complete system; each of the others changes one thing in it
+# Sources of the first and the last of these rows by variant; the rows between them are variants of the EKF.
+ENDS: dict[str, Source] = {"odometry": "odometry", "graph": "graph"}
 COMPLETE = 8  # row of the complete EKF
 LEAST = 1e-2  # a smaller NEES is drawn here
 
@@ -37,7 +39,7 @@ def draw_variants() -> Drawing:
     for n, row in enumerate(rows):
         off, nees = 100 * np.array(row["position"]), np.maximum(row["nees"], LEAST)
         beside = -n - rng.uniform(0.05, 0.3, drives)
-        source = STYLES["graph" if row["variant"] == "graph" else "ekf" if n else "odometry"]
+        source = STYLES[ENDS[row["variant"]] if n in (0, len(rows) - 1) else "ekf"]
         for ax, values, unit in zip(axes, (off, nees), (" cm", ""), strict=True):
             ax.plot(values, beside, "o", ms=2.5, mec="none", color=source.colour, alpha=0.45)
             middle = float(np.median(values))

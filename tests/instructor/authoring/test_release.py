@@ -143,9 +143,8 @@ import sys
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Object of type <Submitted")  # nbgrader's own, from SQLAlchemy
-@pytest.mark.parametrize(
-    "name", COURSE.names()[1::6]
-)  # all are built in one way, and each takes half a minute
+# All are built in the same way, and each takes half a minute.
+@pytest.mark.parametrize("name", COURSE.names()[1::6])
 def test_nbgrader_makes_validates_and_grades_the_release(name, files, tmp_path, monkeypatch):
     """The executed solution is nbgrader's source; a solved and a blank copy of the release are handed in."""
     from nbgrader.apps import NbGraderAPI

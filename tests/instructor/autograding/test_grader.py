@@ -151,6 +151,46 @@ def test_parts_that_are_right_with_the_references_functions_earn_their_share_of_
     assert result.notes[1:] == ("0.75 of 3 points for the right parts: first.",)
 
 
+def in_two_parts(assignment, name):
+    """The assignment in which the first hidden case of an exercise, and the other two, are parts with equal weights."""
+    names = ("first: a case", "rest: another case", "rest: a third case")
+
+    def divided(task):
+        hidden = tuple(replace(case, name=each) for case, each in zip(task.hidden, names, strict=True))
+        return replace(task, hidden=hidden, parts={"first": 1, "rest": 1})
+
+    tasks = [divided(task) if task.public.name == name else task for task in assignment.tasks]
+    return replace(assignment, tasks=tuple(tasks))
+
+
+def last_case(assignment, name):
+    """A condition that is true for the last hidden case of an exercise only."""
+    (task,) = (task for task in assignment.tasks if task.public.name == name)
+    return f"(x.flat[0] == {float(task.hidden[-1].args[0].flat[0])!r})"
+
+
+def test_a_run_with_the_references_functions_lowers_no_points(server, assignment, tmp_path):
+    """`both` needs none of the functions, so that its right part is worth its full share before that run."""
+    parts = in_two_parts(assignment, "both")
+    both = f"def both(x):\n    return 2 * x + 1 + {last_case(parts, 'both')}"
+    path = chain.hand_in(tmp_path, "ada", chain.notebook({"double": chain.MISTAKES["double"], "both": both}))
+    result = of(grade(Submission("ada", chain.LESSON, path), parts, server), "both")
+    assert (result.state, result.with_reference, result.earned) == ("wrong", True, 1.5)
+
+
+def test_a_right_part_earns_nothing_if_the_function_changes_an_input_that_must_stay_as_it_is(
+    server, assignment, tmp_path
+):
+    parts = in_two_parts(assignment, "total")
+    wrong = last_case(parts, "total")
+    earned = []
+    for change in ("pass", "x[:] = 0"):
+        source = f"def total(x):\n    t = float(x.sum()) + {wrong}\n    {change}\n    return t"
+        path = chain.hand_in(tmp_path, "ada", chain.notebook({"total": source}))
+        earned.append(of(grade(Submission("ada", chain.LESSON, path), parts, server), "total").earned)
+    assert earned == [0.5, 0]
+
+
 def test_a_mistake_is_named_and_its_hint_stands_beside_what_the_check_says(marked):
     result = marked(chain.MISTAKES)
     assert result.earned == 0
@@ -430,6 +470,22 @@ def test_what_only_needs_a_little_more_time_is_right(marked, monkeypatch):
 
     monkeypatch.setattr(module.Worker, "call", call)
     assert of(marked(), "double").state == "right" and slow
+
+
+def test_a_retry_that_succeeds_takes_no_time_from_the_runs_retries(server, assignment, tmp_path, monkeypatch):
+    real, slow, retries = module.Worker.call, [], Retries(1000.0)
+
+    def call(self, name, case, driver=""):
+        if name == "double" and not slow:
+            slow.append(case)
+            return module.Outcome("timed out")
+        return real(self, name, case, driver)
+
+    monkeypatch.setattr(module.Worker, "call", call)
+    path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    result = grade(Submission("ada", chain.LESSON, path), assignment, server, retries=retries)
+    assert of(result, "double").state == "right" and slow
+    assert retries.seconds == 1000.0
 
 
 def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):

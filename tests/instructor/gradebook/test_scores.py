@@ -21,6 +21,12 @@ def test_the_latest_word_counts_in_whatever_order_they_come():
         assert score(result("ada", exercise("wrong")), some).earned == 1.5
 
 
+def test_the_latest_mark_of_an_answer_counts_in_whatever_order_the_marks_come():
+    marks = [mark(1.5, "2026-01-03"), mark(0.5, "2026-01-01"), mark(1.0, "2026-01-02")]
+    for some in (marks, marks[::-1], sorted(marks, key=lambda each: each.time)):
+        assert score(result("ada", answer(text="Because.")), (), some).earned == 1.5
+
+
 def test_what_is_said_of_another_student_or_lesson_does_not_count():
     others = [override(student="bob"), override(lesson="02_posts")]
     assert score(result("ada", exercise("wrong")), others).earned == 0.0

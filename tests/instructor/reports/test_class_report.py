@@ -154,9 +154,8 @@ def test_the_bars_of_the_histogram_hold_every_submission():
     assert "most submissions, 4, from 2.4 to 3" in pictures(Page(report_page(made)))[0]["alt"]
 
 
-@settings(
-    max_examples=4, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate]
-)  # figures are slow
+# Four examples are enough, because figures are slow.
+@settings(max_examples=4, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.lists(results(), max_size=3))
 def test_any_class_has_a_page_without_secrets(some):
     text = report_page(scores(some))

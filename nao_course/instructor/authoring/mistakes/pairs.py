@@ -222,9 +222,8 @@ def _numbers_in(value: Any) -> set[float]:
     if isinstance(value, list | tuple):
         return set().union(*map(_numbers_in, value))
     if isinstance(value, np.ndarray) and value.dtype.kind in "biu" and value.ndim > 1:
-        return {
-            float(zlib.crc32(row.tobytes())) for row in value
-        }  # in a picture, the pattern of each row counts
+        # In a picture, the pattern of each row counts.
+        return {float(zlib.crc32(row.tobytes())) for row in value}
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return {float(f"{each:.4g}") for each in value.ravel()}
     return {float(f"{value:.4g}")} if isinstance(value, int | float) else set()
