@@ -580,6 +580,9 @@ SEGMENT_INTERSECTION = Exercise(
         sign of s and parallel: np.sin(np.radians(10)) * n * m => 0
             (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
             Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also returns crossings of segments that are less than 10 degrees apart.
+        sign of s and reach as a part: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
+            Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. The code also compares reach, in pixels, with a fraction of the length: divide reach by the length.
         sign of s and no reach: + reach = 0
             (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
             Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also does not extend the segments by reach pixels.

@@ -491,7 +491,7 @@ SIGMA = Exercise(
             You convert tilt_sigma to degrees. The derivative is in metres per radian.
         the line of sight: (height**2 + range_m**2) / height => np.hypot(height, range_m)
             Your result is the movement across the line of sight. The line of sight meets the ground at an angle, so the point moves farther along the ground.
-        divided by r: / height => / max(range_m, 1e-9)
+        divided by r: / height => / range_m
             You divide by the range. Divide by the height: the lower the camera, the larger the error.
         tilt forgotten: / height * tilt_sigma => / height
             You return the derivative in metres per radian. Multiply it by tilt_sigma.
@@ -676,8 +676,8 @@ def _far_marks(rng: np.random.Generator, view: CameraView, offset: float) -> tup
     """Return 27 near marks without a mean error, and three distant points, all a little low."""
     near = np.column_stack([rng.uniform(0.9, 1.6, 27), rng.uniform(-0.3, 0.3, 27)])
     points = np.vstack([near, np.column_stack([rng.uniform(4.6, 5.0, 3), rng.uniform(-1, 1, 3)])])
-    # The mean error of the first marks is positive, however many they are; the mean error of all 27 is zero.
-    near_errors = np.column_stack([rng.permutation(np.linspace(-1, 1, 27)), np.linspace(1.8, -1.8, 27)])
+    # The mean error of the first marks is negative, however many they are; the mean error of all 27 is zero.
+    near_errors = np.column_stack([rng.permutation(np.linspace(-1, 1, 27)), np.linspace(-1.8, 1.8, 27)])
     errors = np.vstack([near_errors, [[0.5, 1.5], [-0.5, 1.5], [0.0, 1.5]]])
     return view.project(points) + errors, points, replace(view, pitch=view.pitch - offset)
 
@@ -767,6 +767,11 @@ PITCH = Exercise(
             You ignore view.offset. The ground points are in the robot frame, and the camera is at view.offset there.
         roll forgotten: + view = replace(view, roll=0.0)
             You ignore view.roll. A camera that is tilted sideways sees points on one side lower in the picture.
+        median of angles below the horizon: + right, below = ((view.undistort(pixels) - view.centre) / view.focal).T
+            + rays = np.column_stack([np.ones(len(right)), -right, -below]) @ view.rotation.T
+            + seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
+            + return np.nanmedian(np.arctan2(view.height, np.hypot(*(ground_points - view.offset).T)) - seen)
+            You compare angles below the horizon, and take their median. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
         the lens left in: + view = replace(view, k1=0.0)
             You ignore the lens distortion, and your offset compensates for it. view.project includes it, and view.undistort removes it.
         the head's yaw forgotten: + view = replace(view, yaw=0.0)
