@@ -43,7 +43,7 @@ def reference(picture: Pixels) -> Any:
 
 CORNER_ENTRIES = {
     "nothing": nothing,
-    "the paper's, endless lines": paper,
+    "the paper's, infinite lines": paper,
     "the reference": reference,
     "a better detector": find_corners_better,
 }

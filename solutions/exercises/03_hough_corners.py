@@ -9,20 +9,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import (
-    All,
-    Case,
-    Close,
-    Exact,
-    Exercise,
-    LessonPlan,
-    Points,
-    Property,
-    Question,
-    Written,
-)
+from nao_course.exercises import Case, Exact, Exercise, LessonPlan, Points, Question, Written
 from nao_course.instructor.authoring.mistakes import catalogue
-from nao_course.lessons.hough_corners.segments import Segments, of_bytes
+from nao_course.lessons.hough_corners.segments import BytePicture, Crossing, Segments
 
 Array = npt.NDArray[Any]
 Lines = list[tuple[float, float, float, float]]
@@ -80,7 +69,7 @@ LINE_PICTURE = Exercise(
         Case((np.full((6, 3), int(rng.choice([OTHER, GREEN, YELLOW])), dtype=np.uint8),)),
         Case((np.zeros((0, 4), dtype=np.uint8),)),
     ],
-    comparison=All((Property(of_bytes), Exact())),
+    comparison=BytePicture(),
     hints=(
         "labels == 3 is True where a pixel is white. How do you turn True into 255 and False into 0?",
         "np.where(condition, a, b) takes a where the condition holds and b elsewhere. Its result is int64 here, so convert it with .astype(np.uint8).",
@@ -210,6 +199,10 @@ ERASE_BACKGROUND = Exercise(
             You accept runs that are one green pixel too short. A run needs `run` of them.
         the first green: np.logical_or.accumulate(begins) => np.arange(height)[:, None] >= (labels == 1).argmax(axis=0)
             You stop at the first green pixel of a column. Stop where `run` green pixels follow each other.
+        the first green pixel: np.logical_and.reduce([green[i : i + height] for i in range(run)]) => labels == 1
+            You stop at the first green pixel of a column, and do not test whether `run` green pixels follow each other there.
+        the last run, and column left alone: np.logical_or.accumulate(begins) => np.cumsum(begins, axis=0) == begins.sum(axis=0)
+            Your code has two errors. It uses the last run of each column, but the field begins at the first run from the top. And a column without a run keeps its labels, but must be erased.
         the last run: np.logical_or.accumulate(begins) => np.cumsum(begins, axis=0) == np.maximum(begins.sum(axis=0), 1)
             You use the last run of each column. The field begins at the first run from the top.
         seven whatever run is: + run = 7
@@ -250,9 +243,9 @@ ERASE_BACKGROUND = Exercise(
 
 # --- 3.3 hough_segments ---
 def _hough(
-    line_picture: Array, max_line_gap: float = 5, min_line_length: float = 40, canny: Any = (50, 150)
+    picture: Array, max_line_gap: float = 5, min_line_length: float = 40, canny: Any = (50, 150)
 ) -> Array:
-    edges = cv2.Canny(line_picture, *canny)
+    edges = cv2.Canny(picture, *canny)
     found = cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=min_line_length, maxLineGap=max_line_gap)
     return np.zeros((0, 4)) if found is None else np.asarray(found, dtype=float).reshape(-1, 4)
 
@@ -323,39 +316,39 @@ HOUGH_SEGMENTS = Exercise(
         "cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=..., maxLineGap=...) returns None if it finds no line. Return np.zeros((0, 4)) then. Otherwise found.reshape(-1, 4) has the right shape in every version of OpenCV.",
     ),
     mistakes=catalogue("""
-        no Canny: cv2.Canny(line_picture, 50, 150) => line_picture
+        no Canny: cv2.Canny(picture, 50, 150) => picture
             Your segments run through the inside of the lines, because HoughLinesP got the line picture itself. Give it the edges from cv2.Canny.
         gap and length swapped: minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
             The largest gap and the least length are swapped. Pass them by name: minLineLength=..., maxLineGap=...
         theta of one: np.pi / 180 => 1.0
-            You find lines in a few directions only, because the step of the angle is in radians. One degree is np.pi / 180.
+            You find almost no lines. The usual cause is the step of the angle, which is in radians: one degree is np.pi / 180. If that is right, you require too many votes: use 20.
         the gap not used: maxLineGap=max_line_gap => maxLineGap=0
             max_line_gap does not reach HoughLinesP, so it does not join line segments across a gap.
         the length not used: minLineLength=min_line_length => minLineLength=0
             min_line_length does not reach HoughLinesP, so some of your segments are too short.
-        no Canny and one radian: cv2.Canny(line_picture, 50, 150) => line_picture
+        no Canny and one radian: cv2.Canny(picture, 50, 150) => picture
             np.pi / 180 => 1.0
             Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and its step of the angle is in radians: one degree is np.pi / 180.
-        no Canny, gap and length swapped: cv2.Canny(line_picture, 50, 150) => line_picture
+        no Canny, gap and length swapped: cv2.Canny(picture, 50, 150) => picture
             minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
             Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and the largest gap and the least length are swapped.
-        no Canny and None: if not line_picture.any(): => if False:
-            cv2.Canny(line_picture, 50, 150) => line_picture
+        no Canny and None: if not picture.any(): => if False:
+            cv2.Canny(picture, 50, 150) => picture
             np.zeros((0, 4)) if found is None else =>
             Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and it returns None if it finds no line: test for that, and return np.zeros((0, 4)).
-        by position and None reshaped, no Canny: if not line_picture.any(): => if False:
-            cv2.Canny(line_picture, 50, 150) => line_picture
+        by position and None reshaped, no Canny: if not picture.any(): => if False:
+            cv2.Canny(picture, 50, 150) => picture
             minLineLength=min_line_length, maxLineGap=max_line_gap => min_line_length, max_line_gap
             Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and its fifth positional argument is not the length: write minLineLength=... and maxLineGap=...
-        endless lines: + found = cv2.HoughLines(cv2.Canny(line_picture, 50, 150), 1, np.pi / 180, 20)
+        endless lines: + found = cv2.HoughLines(cv2.Canny(picture, 50, 150), 1, np.pi / 180, 20)
             + return np.zeros((0, 2)) if found is None else found[..., :2].reshape(-1, 2).astype(float)
-            You call HoughLines, which returns a distance and an angle for each endless line. HoughLinesP, with a P, returns segments.
+            You call HoughLines, which returns a distance and an angle for each infinite line. HoughLinesP, with a P, returns segments.
         None: np.zeros((0, 4)) =>> None
             HoughLinesP returns None if it finds no line. Return an array of shape (0, 4) in that case.
-        None reshaped: if not line_picture.any(): => if False:
+        None reshaped: if not picture.any(): => if False:
             np.zeros((0, 4)) if found is None else =>
             HoughLinesP returns None if it finds no line, and None has no reshape. Test for None first, and return np.zeros((0, 4)).
-        by position: if not line_picture.any(): => if False:
+        by position: if not picture.any(): => if False:
             minLineLength=min_line_length, maxLineGap=max_line_gap => min_line_length, max_line_gap
             The fifth positional argument of HoughLinesP is not the length. Pass both by name: minLineLength=... and maxLineGap=...
         no shape: np.zeros((0, 4)) =>> np.array([])
@@ -365,17 +358,32 @@ HOUGH_SEGMENTS = Exercise(
             Your result has shape (N, 1, 4), as in some versions of OpenCV. reshape(-1, 4) makes it (N, 4) in all of them.
         (row, column): .astype(float) => .astype(float)[:, [1, 0, 3, 2]]
             Your segments are (v1, u1, v2, u2). OpenCV uses the same order as this course: (u1, v1, u2, v2), columns first.
+        a tutorial's call: if not picture.any(): => if False:
+            minLineLength=min_line_length, maxLineGap=max_line_gap => max_line_gap, min_line_length
+            np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => found[:, 0]
+            The fifth positional argument of HoughLinesP is `lines`, which is meant for the result, so your two values do not arrive where they should: write minLineLength=... and maxLineGap=... Then remove [:, 0], which is for OpenCV 4, and test for None.
+        a tutorial's call in the other order: if not picture.any(): => if False:
+            minLineLength=min_line_length, maxLineGap=max_line_gap => min_line_length, max_line_gap
+            np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => found[:, 0]
+            The fifth positional argument of HoughLinesP is `lines`, so your length and your gap do not arrive where they should: write minLineLength=... and maxLineGap=... Then remove [:, 0], which is for OpenCV 4, and test for None.
         the first column: .astype(float) => .astype(float)[:, 0]
             Tutorials write [:, 0] because OpenCV 4 returns (N, 1, 4). Here the result is already (N, 4), so [:, 0] keeps one number of each segment.
-        the first column, always: if not line_picture.any(): => if False:
+        the first column, always: if not picture.any(): => if False:
             np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => found[:, 0]
             Your code has two errors. [:, 0] is for OpenCV 4, which returns (N, 1, 4); here the result is already (N, 4). If there is no line it is None: test for that first.
         the first number: np.zeros((0, 4)) =>> np.array([])
             found.reshape(len(found), 4).astype(float) => np.array([tuple(line[0]) for line in found])
             Tutorials write line[0] because OpenCV 4 returns (N, 1, 4). Here each line is already an array of four numbers.
-        the first number, always: if not line_picture.any(): => if False:
+        the first number, always: if not picture.any(): => if False:
             np.zeros((0, 4)) if found is None else found.reshape(len(found), 4).astype(float) => np.array([tuple(line[0]) for line in found])
             Your code has two errors. line[0] is for OpenCV 4; here each line is already an array of four numbers. If there is no line, HoughLinesP returns None, and a loop over None fails.
+        too many votes: 180, 20 => 180, 50
+            You require 50 votes or more. Use 20; the votes are the fourth argument of HoughLinesP.
+        transposed: cv2.Canny(picture, 50, 150) => cv2.Canny(picture.T.copy(), 50, 150)
+            Your u and v are exchanged, because you transposed the picture. OpenCV takes the picture as it is, (H, W), and returns (u1, v1, u2, v2).
+        squeezed: np.zeros((0, 4)) =>> np.array([])
+            found.reshape(len(found), 4).astype(float) => found.squeeze()
+            .squeeze() also removes the first axis if there is one segment, and np.array([]) has shape (0,). Use found.reshape(-1, 4), and np.zeros((0, 4)) if there is no line.
         too few votes: 180, 20 => 180, 10
             You accept lines with fewer than 20 votes. The votes are the fourth argument of HoughLinesP.
         the first only: .astype(float) => .astype(float)[:1]
@@ -387,10 +395,10 @@ HOUGH_SEGMENTS = Exercise(
         "the longest first": _longest_first,
     },
     equivalents={
-        "edges = cv2.Canny(line_picture, 51, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
-        "edges = cv2.Canny(line_picture, 49, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
-        "edges = cv2.Canny(line_picture, 50, 151)": "Canny on white and black marks the same pixels with any limits between its gradients",
-        "edges = cv2.Canny(line_picture, 50, 149)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(picture, 51, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(picture, 49, 150)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(picture, 50, 151)": "Canny on white and black marks the same pixels with any limits between its gradients",
+        "edges = cv2.Canny(picture, 50, 149)": "Canny on white and black marks the same pixels with any limits between its gradients",
         "if False:": "a black picture gives None by HoughLinesP, too; only a picture without any pixel needs the first line",
         "pass": "the same: a black picture gives None by HoughLinesP, too",
         "return np.ones((0, 4))": "an array without rows has no ones and no zeros",
@@ -445,7 +453,7 @@ def segment(*numbers: float) -> Array:
 def _meet_public() -> list[Case]:
     level, beyond = segment(10, 20, 50, 20), segment(52, 27, 40, 50)
     return [
-        Case((level, segment(30, 5, 30, 40), 5.0), "a level and an upright segment that cross"),
+        Case((level, segment(30, 5, 30, 40), 5.0), "a horizontal and a vertical segment that cross"),
         Case((segment(0, 0, 40, 30), segment(0, 24, 36, 0), 5.0), "two slanted segments that cross"),
         Case((level, segment(53, 23, 53, 60), 5.0), "ends 3 px short of each other"),
         Case((segment(50, 20, 10, 20), segment(7, 60, 7, 24), 5.0), "starts and ends exchanged"),
@@ -465,10 +473,15 @@ def _meet_public() -> list[Case]:
         Case((level, segment(10, 16.7, 50, 23.3)), "at 9.4 degrees"),
         Case((level, segment(10, 16.3, 50, 23.7)), "at 10.5 degrees"),
         Case((level, segment(50, 22, 10, 18)), "at 6 degrees, in the opposite direction"),
-        Case((segment(29, 0, 31, 40), segment(31, 0, 29, 40)), "two upright ones at 6 degrees"),
+        Case((segment(29, 0, 31, 40), segment(31, 0, 29, 40)), "two vertical ones at 6 degrees"),
         Case((level, segment(30, 24, 30, 34)), "a long and a short segment, 4 px apart"),
         Case((level, segment(58, 16, 58, 26)), "8 px beyond the long segment's end"),
         Case((segment(0, 0, 30, 30), segment(33, 10, 33, 64)), "4.2 px beyond a slanted segment's end"),
+        Case(
+            (segment(10, 50, 110, 50), segment(60, 40, 60, 56)), "a long and a short segment at a right angle"
+        ),
+        Case((segment(60, 40, 60, 56), segment(10, 50, 110, 50)), "the same, the short one first"),
+        Case((segment(10, 20, 14, 20), segment(90, 10, 90, 30)), "two short segments, 76 px apart"),
     ]
 
 
@@ -496,6 +509,8 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
         Case((segment(u - 1, v, u + 2, v + 60), segment(u + 2, v, u - 1, v + 60))),
         *(Case((flat, segment(u + 30, v + short, u + 30, v + short + 12), 7.0)) for short in (6, 8)),
         *(Case((flat, segment(u + 60 + far, v - 5, u + 60 + far, v + 6), 7.0)) for far in (6, 10)),
+        Case((segment(u - 60, v, u + 60, v), segment(u, v - 10, u, v + 8))),
+        Case((segment(u, v - 10, u, v + 8), segment(u - 60, v, u + 60, v))),
         *(Case((segment(u, v, u + 30, v + 30), segment(u + k, v - 9, u + k, v + 90))) for k in (33.3, 33.8)),
         Case((segment(u, v - 20, u, v + 30), segment(u - 25, v, u + 18, v + 6), 5.0)),
         Case((segment(u - 25, v, u + 18, v + 6), segment(u, v + 30, u, v - 20), 0.0)),
@@ -508,14 +523,14 @@ SEGMENT_INTERSECTION = Exercise(
     stars=2,
     public=_meet_public,
     hidden=_meet_hidden,
-    comparison=Close(rtol=0.0, atol=1e-3),
+    comparison=Crossing(rtol=0.0, atol=1e-3),
     hints=(
         "Equation 3.3 gives t, the parameter along the first segment. The second segment has its own parameter s, with the same denominator. Compute the denominator first: its size is the product of both lengths and the sine of the angle between the segments, so it shows whether they are parallel.",
         "A parameter runs from 0 to 1 along its segment. With reach more pixels at each end it runs from -reach / length to 1 + reach / length. The two segments have different lengths, and both conditions must hold.",
     ),
     mistakes=catalogue("""
         unbounded lines: if on_both else None =>
-            You intersect endless lines. A crossing counts only if it is on both segments, or at most reach pixels beyond an end.
+            You intersect infinite lines. A crossing counts only if it is on both segments, or at most reach pixels beyond an end.
         one extended: -reach <= s * m <= m + reach => 0 <= s * m <= m
             You extend the first segment only. Extend both by reach pixels at both ends.
         only the first tested: and -reach <= s * m <= m + reach =>
@@ -543,7 +558,7 @@ SEGMENT_INTERSECTION = Exercise(
         opposite directions: abs(across) <= np.sin(np.radians(10)) => d @ e > np.cos(np.radians(10))
             Two segments in opposite directions are parallel too: the angle between them is near 180 degrees. Hough returns both directions.
         angles from arctan: abs(across) <= np.sin(np.radians(10)) * n * m => abs(np.arctan(d[1] / d[0]) - np.arctan(e[1] / e[0])) < np.radians(10)
-            Two nearly upright segments can have angles near 90 and -90 degrees. These differ by almost 180 degrees, although the segments are parallel.
+            Two nearly vertical segments can have angles near 90 and -90 degrees. These differ by almost 180 degrees, although the segments are parallel.
         the sign of the denominator: abs(across) => across
             D x E is negative if the second segment turns the other way. The segments are parallel if its absolute value is small.
         one end only: -reach <= =>> 0 <=
@@ -552,9 +567,13 @@ SEGMENT_INTERSECTION = Exercise(
             You compare reach, which is in pixels, with the parameter, which is a fraction of the length. Divide reach by the length first.
         parallel by chance: np.sin(np.radians(10)) * n * m => 0
             You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None.
+        the first length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * n * n
+            You compare D x E with the square of the first length, so a long segment is parallel to every short one. Multiply the lengths of both segments.
+        the second length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * m * m
+            You compare D x E with the square of the second length, so a long segment is parallel to every short one. Multiply the lengths of both segments.
         unbounded and parallel: np.sin(np.radians(10)) * n * m => 0
             if on_both else None =>
-            Your code has two errors. It intersects endless lines: a crossing must be on both segments, or at most reach pixels beyond an end. It also returns crossings of segments that are less than 10 degrees apart: return None for them.
+            Your code has two errors. It intersects infinite lines: a crossing must be on both segments, or at most reach pixels beyond an end. It also returns crossings of segments that are less than 10 degrees apart: return None for them.
         no reach and parallel: + reach = 0
             np.sin(np.radians(10)) * n * m => 0
             Your code has two errors. It does not extend the segments by reach pixels at each end, and it returns crossings of segments that are less than 10 degrees apart.
@@ -567,6 +586,9 @@ SEGMENT_INTERSECTION = Exercise(
         sign of s and parallel: np.sin(np.radians(10)) * n * m => 0
             (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
             Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also returns crossings of segments that are less than 10 degrees apart.
+        sign of s and reach as a part: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
+            Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. The code also compares reach, in pixels, with a fraction of the length: divide reach by the length.
         sign of s and no reach: + reach = 0
             (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
             Your code has two errors. Your s seems to have the wrong sign: for the numbers of the text it must be -0.081. Your code also does not extend the segments by reach pixels.
@@ -601,7 +623,7 @@ SEGMENT_INTERSECTION = Exercise(
             + a, b = d[1] / d[0], e[1] / e[0]
             + u = (q[1] - b * q[0] - p[1] + a * p[0]) / (a - b)
             p + t * d => np.array([u, p[1] + a * (u - p[0])])
-            You write a line as v = m u + b, which divides by zero for an upright segment. Use the direction vectors of the segments, as in equation 3.3.
+            You write a line as v = m u + b, which divides by zero for a vertical segment. Use the direction vectors of the segments, as in equation 3.3.
         boxes: -reach <= t * n <= n + reach => (abs(t - 0.5) * abs(d) <= abs(d) / 2 + reach).all()
             -reach <= s * m <= m + reach => (abs(s - 0.5) * abs(e) <= abs(e) / 2 + reach).all()
             You test whether the crossing is in a box around each segment, widened by reach. Extend a slanted segment along its own direction instead, by reach pixels.
@@ -721,6 +743,8 @@ REMOVE_DUPLICATES = Exercise(
             You always use 10 pixels. Use the argument radius.
         far from one of them: if all( => if not kept or any(
             You keep a point if it is far from any one of the kept points. It must be far from all of them.
+        along the wrong axis: if all(np.hypot(*(point - other)) > radius for other in kept): => if not kept or (np.linalg.norm(np.array(kept) - point, axis=0) > radius).all():
+            np.linalg.norm needs axis=1 here. With axis=0 it adds up all rows, and you get one number for u and one for v instead of one distance for each point.
         squared distance: np.hypot(*(point - other)) => ((point - other) ** 2).sum()
             You compare a squared distance with radius. Take the square root first.
         one direction at a time: np.hypot(*(point - other)) => np.abs(point - other).max()
@@ -812,7 +836,7 @@ def _corners_at_defaults() -> list[Array]:
 
 def small_scenes() -> dict[str, Array]:
     """Return labels of corners that are near each other, or have little carpet above them, by description."""
-    below = {rows: field([(5, 20, 50, 20), (50, 20, 50, 46)], 19 - rows, 3) for rows in (6, 8)}
+    below = {rows: field([(5, 20, 50, 20), (50, 20, 50, 46)], 18 - rows, 3) for rows in (6, 7)}
     return {
         "two corners": field([(5, 18, 58, 18), (14, 18, 14, 46), (50, 18, 50, 46)], 5, 3),
         "two corners 16 px apart": field([(5, 18, 58, 18), (24, 18, 24, 46), (40, 18, 40, 46)], 5, 1),
@@ -884,7 +908,7 @@ def _pairs(others: str, pair: str = "(first, second)") -> str:
 
 FIND_CORNERS = Exercise(
     name="find_corners",
-    points=5,
+    points=4,
     stars=3,
     uses=("line_picture", "erase_background", "hough_segments", "segment_intersection", "remove_doubles"),
     public=_corners_public,
@@ -921,6 +945,16 @@ FIND_CORNERS = Exercise(
             You merge two corners into one. Duplicates are at most 10 pixels apart.
         a smaller radius: 10.0 => 5.0
             You return several points for one corner. Duplicates can be up to 10 pixels apart.
+        a radius of 8: 10.0 => 8.0
+            Your radius is too small, so you return two points for one corner. Duplicates can be up to 10 pixels apart.
+        a run of 6: erase_background(labels) => erase_background(labels, 6)
+            You erase with a run of fewer than 7 green pixels, so a line that is too near the background is kept. Use a run of 7, which is the default.
+        a run of 8: erase_background(labels) => erase_background(labels, 8)
+            You erase with a run of more than 7 green pixels, so a line just below the background is lost. Use a run of 7, which is the default.
+        a reach of 4: segment_intersection(first, second) => segment_intersection(first, second, 4.0)
+            You extend the segments by fewer than 5 pixels. Use segment_intersection with its default reach.
+        a reach of 10: segment_intersection(first, second) => segment_intersection(first, second, 10.0)
+            You extend the segments by more than 5 pixels. Use segment_intersection with its default reach.
         ends of segments: max_line_gap, min_line_length) => max_line_gap, min_line_length)
             + return remove_doubles(segments.reshape(-1, 2), 10.0)
             Your points are the ends of segments. A corner is a point where two segments meet.
@@ -935,6 +969,8 @@ FIND_CORNERS = Exercise(
             You return crossings that are more than 5 pixels beyond the end of a segment. Use segment_intersection with its default reach.
         None kept: [each for each in meetings if each is not None] => [(each[0], each[1]) for each in meetings]
             segment_intersection returns None for most pairs, and you use None as a point. Keep a result only if `point is not None`.
+        None as a condition: each is not None => each
+            segment_intersection returns a point or None, and an array of two numbers is neither true nor false. Write `if point is not None`.
         None asked: each is not None => each.any()
             segment_intersection returns None for most pairs, and None has no .any(). Test whether `point is not None`.
         pairs by their second segment
@@ -1064,6 +1100,12 @@ def _merge_public() -> list[Case]:
         Case((_several(level, (40, 14, 22, 14)), 20.0), "a shorter second edge in the other direction"),
         Case((_several(level, (20, 26, 60, 26), (5, 34, 45, 34)), 20.0), "three parallel segments"),
         Case((_several((10, 20, 90, 20), (30, 24, 60, 24)), 20.0), "a long and a short edge"),
+        Case((_several((20, 20, 60, 20), (10, 26, 80, 26)), 20.0), "a short and a long edge"),
+        Case((_several((10, 50, 60, 50), (40, 60, 40, 20)), 20.0), "a right angle, the second one upwards"),
+        Case((_several((10, 20, 13, 20), (10, 22, 13, 22)), 20.0), "two edges of 3 px"),
+        Case((_several(level, (12, 25, 48, 27)), 20.0), "edges that are 3 degrees apart"),
+        Case((_several((0, 0, 100, 0), (0, 16, 100, 24)), 20.0), "one end 16 px away, the other 24 px"),
+        Case((_several(level, (20, 21.4, 70, 21.4)), 20.0), "edges that are 1.4 px apart"),
         Case((_several(level), 20.0), "a single segment"),
         Case((np.zeros((0, 4)), 20.0), "no segments"),
     ]
@@ -1091,6 +1133,10 @@ def _merge_hidden(rng: np.random.Generator) -> list[Case]:
         *((u, v + 12 - up, u + 50, v + 12 + up) for up in (4.1, 4.7, -4.1, -4.7)),  # 9.3 and 10.6 degrees
         (u + 10, v + 2, u + 14, v + 14),
         (u + 40, v - 6, u + 12, v - 6),
+        (u + 30, v + 10, u + 30, v - 28),
+        (u + 30, v - 28, u + 30, v + 10),
+        (u - 10, v + 6, u + 70, v + 6),
+        (u, v + 17, u + 50, v + 22),
     ]
     cases += [Case((_several(level, pair),)) for pair in pairs]
     cases.append(Case((_several(level, (u + 8, v + 6, u + 58, v + 6), (u - 5, v + 14, u + 40, v + 14)),)))
@@ -1099,7 +1145,7 @@ def _merge_hidden(rng: np.random.Generator) -> list[Case]:
 
 MERGE_EDGES = Exercise(
     name="merge_edges",
-    points=4,
+    points=5,
     stars=3,
     public=_merge_public,
     hidden=_merge_hidden,
@@ -1126,6 +1172,12 @@ MERGE_EDGES = Exercise(
             You measure across the segment with (d_v, d_u), which is not perpendicular to it. One sign must change: (-d_v, d_u).
         one end's distance: across.mean() =>> across[0]
             You use the distance of one end of the second segment. Take the average of both ends.
+        no absolute value: abs(across[1] - across[0]) < => across[1] - across[0] <
+            You join segments that meet at a large angle. D x E is negative if the second segment turns the other way, so compare its absolute value with the sine of 10 degrees.
+        sine of 10 radians: np.sin(np.radians(10)) => np.sin(10)
+            np.sin(10) is the sine of 10 radians, which is negative, so no two segments are parallel for you. Use np.sin(np.radians(10)).
+        five degrees: np.sin(np.radians(10)) => np.sin(np.radians(5))
+            You miss edges that are more than 5 degrees apart. Less than 10 degrees counts as parallel.
         pixels for a sine: np.sin(np.radians(10)) * np.hypot(*(q[1] - q[0])) => np.sin(np.radians(10))
             You compare a length in pixels with the sine of 10 degrees. Divide it by the length of the second segment first.
         one direction only: if parallel and => if parallel and (q[1] - q[0]) @ d > 0 and
@@ -1140,6 +1192,14 @@ MERGE_EDGES = Exercise(
         one partner only: merged.append( => merged.append(
             + break
             You stop at the first partner of a segment. A segment can be paired with several others: take every pair.
+        the farther end: 1 <= abs(across.mean()) <= max_width => 1 <= abs(across.mean()) and abs(across).max() <= max_width
+            You compare the farther end of the second segment with max_width. Compare the average of both ends.
+        an end beside the first: along.max() >= 0 and along.min() <= length => (0 <= along[0] <= length or 0 <= along[1] <= length)
+            You miss a second segment that is longer than the first at both ends. The two overlap if the larger value along is at least 0 and the smaller one at most the length of the first.
+        at least two pixels: 1 <= => 2 <=
+            You miss edges that are between 1 and 2 pixels apart. The lower limit is 1 pixel.
+        a quarter of the way: across.mean() / 2 => across.mean() / 4
+            You move the first segment by a quarter of the distance. Move it by half of the average.
         one side only: abs(across.mean()) => across.mean()
             You find the second edge on one side of the first segment only. Compare the absolute value of the distance.
         any width: <= max_width => <= 1e9

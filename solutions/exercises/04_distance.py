@@ -194,8 +194,8 @@ DISTANCE = Exercise(
     hidden=_paper_hidden,
     comparison=Close(rtol=1e-4, atol=1e-6),
     hints=(
-        "Write equation 4.1 in parts, each with its own name: x and y, the two angles, the distance. Start with width, height = view.size.",
-        "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the lower edge of the picture: y = height - 1 / 2 - v, with v = pixels[:, 1].",
+        "Write equation 4.1 in parts, each with its own name: x and y, the two angles, the distance. Start with columns, rows = view.size; view.height is something else, the height of the camera in metres.",
+        "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the lower edge of the picture: y = n_v - 1 / 2 - v, with the number of rows n_v and v = pixels[:, 1].",
     ),
     mistakes=catalogue("""
         horizon for nadir: np.pi / 2 - view.pitch => view.pitch
@@ -209,6 +209,18 @@ DISTANCE = Exercise(
             Your columns are half a pixel off. Use x = u + 1/2.
         rows half a pixel off: height - 0.5 => height - 1
             Your rows are half a pixel off. The centre of row v is half a pixel below its upper edge, so y = height - 1/2 - v.
+        y is v: height - 0.5 - pixels[:, 1] => pixels[:, 1]
+            You use v as the paper's y. v counts from the upper edge of the picture, but y from the lower edge: y = height - 1/2 - v, with the height in pixels.
+        pi / 2 plus the pitch: np.pi / 2 - view.pitch => np.pi / 2 + view.pitch
+            You add the pitch. A camera that is pitched down by view.pitch looks at the angle np.pi / 2 - view.pitch from straight down.
+        90 degrees: np.pi / 2 - view.pitch => 90 - view.pitch
+            You subtract radians from 90 degrees. A right angle is np.pi / 2 in radians.
+        sine for tangent: np.tan(vertical) => np.sin(vertical)
+            You use a sine. The distance over the ground is the height times the tangent of the angle from straight down.
+        hfov twice: view.vfov =>> view.hfov
+            You use hfov for the rows as well. view.vfov belongs to v and the height of the picture.
+        the picture's height: view.height * np.tan => height * np.tan
+            You multiply by the height of the picture in pixels. Multiply by view.height, the height of the camera in metres.
         width and height exchanged: width, height => height, width
             You exchanged width and height. view.size is (width, height), unlike the shape of an array.
         half the field not taken off: view.pitch - view.vfov / 2 => view.pitch
@@ -268,6 +280,8 @@ BEARING = Exercise(
             You exchanged the two fields of view. hfov belongs to u and the width, vfov to v and the height.
         the height for the width: view.size[0] => view.size[1]
             You use the height of the picture. view.size is (width, height), unlike the shape of an array.
+        the row: pixels[:, 0] => pixels[:, 1]
+            You use v. A bearing depends on the column, u = pixels[:, 0].
         the head's yaw: view.hfov / width => view.hfov / width + view.yaw
             You add the head's yaw. That would be exact, but the paper ignores a turned head, so leave it out here.
         a pinhole's angles: + return -np.arctan((pixels[:, 0] - view.centre[0]) / view.focal[0])
@@ -386,6 +400,13 @@ GROUND = Exercise(
             Your points are on the opposite side of the camera. The ray goes down by -d_z, so divide the height by -d_z and not by d_z.
         behind the robot: np.where(rays[:, 2] < 0, -rays[:, 2], np.nan) => -rays[:, 2]
             Above the horizon you return points behind the robot, although the ray never reaches the ground. Return NaN there.
+        the condition reversed: rays[:, 2] < 0 => rays[:, 2] > 0
+            You return NaN for the pixels that show the ground. A ray goes down if its third component is negative.
+        (y, x): return => ground =
+            + return ground[:, ::-1]
+            Your points are (y, x). Return (x, y): x is ahead, y to the left.
+        offset swapped: np.array(view.offset) => np.array(view.offset)[::-1]
+            You exchanged the two numbers of view.offset. It is (ahead, left), like the points.
         only ahead: rays[:, 2] < 0 => (rays[:, 2] < 0) & (rays[:, 0] >= 0)
             You return NaN for points behind the robot's centre, but the robot sees them if its head is turned past the shoulder. Only rays whose third component is not negative become NaN.
         a level ray: rays[:, 2] < 0 => rays[:, 2] <= 0
@@ -456,13 +477,21 @@ SIGMA = Exercise(
             You add h and r squared, a length and an area. Both terms of the sum are squares, and the whole sum is divided by h.
         r squared over h alone: (height**2 + range_m**2) => range_m**2
             You leave out h squared. r squared over h is accurate only far away; straight below the camera a tilt still moves the point by h times the angle.
+        one over the cosine squared: (height**2 + range_m**2) / height => height / np.cos(np.arctan2(height, range_m)) ** 2
+            You divide by the squared cosine, which belongs to the derivative of tan. The derivative of 1 / tan(x) is -1 / sin(x) ** 2.
+        times the height: / height => * height
+            You multiply by the height. Divide by it: in h / sin(x) ** 2, the squared sine is h squared divided by h squared plus r squared.
+        root of the sum: (height**2 + range_m**2) => np.hypot(height, range_m)
+            You take a square root of h squared plus r squared. The squared sine contains this sum itself, so there is no root.
+        h squared alone: (height**2 + range_m**2) => height**2
+            You leave out r squared. Your result does not depend on the range, but the same tilt moves a distant point farther.
         a variance: return (height**2 + range_m**2) / height * tilt_sigma => return ((height**2 + range_m**2) / height * tilt_sigma) ** 2
             You return the variance in square metres. Return its square root.
         the angle in degrees: * tilt_sigma => * np.degrees(tilt_sigma)
             You convert tilt_sigma to degrees. The derivative is in metres per radian.
         the line of sight: (height**2 + range_m**2) / height => np.hypot(height, range_m)
             Your result is the movement across the line of sight. The line of sight meets the ground at an angle, so the point moves farther along the ground.
-        divided by r: / height => / max(range_m, 1e-9)
+        divided by r: / height => / range_m
             You divide by the range. Divide by the height: the lower the camera, the larger the error.
         tilt forgotten: / height * tilt_sigma => / height
             You return the derivative in metres per radian. Multiply it by tilt_sigma.
@@ -545,7 +574,7 @@ COVARIANCE = Exercise(
     ),
     mistakes=catalogue("""
         tilt forgotten: tilt_sigma**2 => 0
-            The part of the tilt is missing: tilt_sigma ** 2 * np.outer(g, g).
+            The part of the tilt is missing or much too small. It is tilt_sigma ** 2 * np.outer(g, g), and g is a difference divided by the whole step, 2e-4.
         pixels forgotten: pixel_sigma**2 => 0
             The part of the pixels is missing: a block pixel_sigma ** 2 J Jᵀ for each landmark.
         each landmark's own tilt: np.outer(g, g) => np.outer(g, g) * np.kron(np.eye(len(pixels)), np.ones((2, 2)))
@@ -570,6 +599,8 @@ COVARIANCE = Exercise(
             Your blocks overlap. The block of landmark i begins at row 2 i, so use range(0, len(g), 2).
         blocks replaced: R[i : i + 2, i : i + 2] += => R[i : i + 2, i : i + 2] =
             Your blocks replace the part of the tilt on the diagonal. Add them to it.
+        differences not divided: / 0.02 =>> / 1
+            You do not divide the differences by the step. J is the change of the measurement divided by the whole step, 0.02.
         half the way: 0.02 =>> 0.01
             Your J is twice as large as it should be. The difference spans two steps, so divide by 0.02.
         element by element: np.outer(g, g) => np.full((len(g), len(g)), g * g)
@@ -645,7 +676,8 @@ def _far_marks(rng: np.random.Generator, view: CameraView, offset: float) -> tup
     """Return 27 near marks without a mean error, and three distant points, all a little low."""
     near = np.column_stack([rng.uniform(0.9, 1.6, 27), rng.uniform(-0.3, 0.3, 27)])
     points = np.vstack([near, np.column_stack([rng.uniform(4.6, 5.0, 3), rng.uniform(-1, 1, 3)])])
-    near_errors = np.column_stack([rng.permutation(np.linspace(-1, 1, 27)) for _ in range(2)])
+    # The mean error of the first marks is negative, however many they are; the mean error of all 27 is zero.
+    near_errors = np.column_stack([rng.permutation(np.linspace(-1, 1, 27)), np.linspace(-1.8, 1.8, 27)])
     errors = np.vstack([near_errors, [[0.5, 1.5], [-0.5, 1.5], [0.0, 1.5]]])
     return view.project(points) + errors, points, replace(view, pitch=view.pitch - offset)
 
@@ -669,6 +701,11 @@ def _pitch_public() -> list[Case]:
         "a single point": _calibration(rng, plain, 1, 0.03),
         "turned, tilted and beside the robot's centre, with a lens": _calibration(rng, everything, 8, 0.08),
         "points above the assumed horizon": _calibration(rng, view_of(14.0), 12, 0.16),
+        "a camera that points much higher than assumed": _calibration(rng, view_of(20.0), 8, -0.17),
+        "a camera ahead of the robot's centre": _calibration(
+            rng, view_of(25.0, offset=(0.09, 0.02)), 6, 0.04
+        ),
+        "a camera that is tilted sideways": _calibration(rng, view_of(25.0, roll=0.12), 4, 0.04),
         "thirty points with errors of a pixel": _calibration(rng, plain, 30, 0.05, noise=1.0),
         "thirty marks with errors of a pixel, three of them far away": _far_marks(rng, view_of(22.0), 0.05),
         "nothing to correct": _calibration(rng, plain, 5, 0.0),
@@ -687,6 +724,9 @@ PITCH = Exercise(
         Case(_calibration(rng, any_view(rng, (640, 480)), 5, float(rng.uniform(0.03, 0.1)))),
         Case(_calibration(rng, view_of(14.0), 12, float(rng.uniform(0.15, 0.17)))),
         Case(_far_marks(rng, view_of(rng.uniform(20, 24)), float(rng.uniform(0.03, 0.07)))),
+        Case(_calibration(rng, view_of(20.0), 8, float(rng.uniform(-0.172, -0.165)))),
+        Case(_calibration(rng, view_of(25.0, offset=(0.09, 0.02)), 6, 0.04)),
+        Case(_calibration(rng, view_of(25.0, roll=0.12), 4, 0.04)),
         Case(_calibration(rng, view_of(rng.uniform(15, 25)), 40, float(rng.uniform(0.03, 0.08)), noise=1.0)),
     ],
     comparison=All((Property(small_angle), Close(rtol=0.0, atol=0.002))),
@@ -703,8 +743,14 @@ PITCH = Exercise(
             Your offset is in degrees. Return radians.
         one point alone: + pixels, ground_points = pixels[:1], ground_points[:1]
             You use only the first point or the first few points. With errors of a pixel this is inaccurate: use all points.
-        first three points: + pixels, ground_points = pixels[:3], ground_points[:3]
-            You use three of the points. With errors of a pixel this is inaccurate: use all points.
+        an array of one number: return float(least_squares(misses, [0.0]).x[0]) => return least_squares(misses, [0.0]).x
+            Your answer is an array with one number in it. Return the number itself: .x[0].
+        first five points: + pixels, ground_points = pixels[:5], ground_points[:5]
+            You use only a few of the points. With errors of a pixel this is inaccurate: use all points.
+        a search that ends at 5 degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.clip(least_squares(misses, [0.0]).x[0], -np.radians(5), np.radians(5)))
+            Your search ends too early. The offset is up to 10 degrees, or 0.175 rad, in either direction.
+        a search that ends at 9 degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.clip(least_squares(misses, [0.0]).x[0], -np.radians(9), np.radians(9)))
+            Your search ends just too early. The offset is up to 10 degrees, or 0.175 rad, in either direction.
         one linear step: return float(least_squares(misses, [0.0]).x[0]) => gradient = (misses([1e-4]) - misses([-1e-4])) / 2e-4
             + return -gradient @ misses([0.0]) / (gradient @ gradient)
             You take a single linear step. The projection is not linear in the angle, so linearise again at the result and repeat until nothing changes.
@@ -717,6 +763,15 @@ PITCH = Exercise(
             + seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
             + return np.mean(np.arctan2(view.height, np.hypot(*(ground_points - view.offset).T)) - seen)
             You compare angles below the horizon. They change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
+        the camera's offset forgotten: + view = replace(view, offset=(0.0, 0.0))
+            You ignore view.offset. The ground points are in the robot frame, and the camera is at view.offset there.
+        roll forgotten: + view = replace(view, roll=0.0)
+            You ignore view.roll. A camera that is tilted sideways sees points on one side lower in the picture.
+        median of angles below the horizon: + right, below = ((view.undistort(pixels) - view.centre) / view.focal).T
+            + rays = np.column_stack([np.ones(len(right)), -right, -below]) @ view.rotation.T
+            + seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
+            + return np.nanmedian(np.arctan2(view.height, np.hypot(*(ground_points - view.offset).T)) - seen)
+            You compare angles below the horizon, and take their median. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
         the lens left in: + view = replace(view, k1=0.0)
             You ignore the lens distortion, and your offset compensates for it. view.project includes it, and view.undistort removes it.
         the head's yaw forgotten: + view = replace(view, yaw=0.0)

@@ -40,7 +40,7 @@ def draw_tilted_lines(pixel_to_ground: Callable[..., Any]) -> Drawing:
         The figure; its text gives the angles between the lines.
     """
     scene = line_picture_of(EXAMPLE)
-    views = {"assumed tilt": scene.view, "true tilt": scene.true_view}
+    views = {"assumed pitch and roll": scene.view, "true pitch and roll": scene.true_view}
     said = []
     figure = Figure(figsize=(9.9, 3.7))
     first, second, third = figure.subplots(1, 3, width_ratios=[1.2, 1, 1])

@@ -54,14 +54,14 @@ def draw_paper_error(
     bearing = np.degrees(np.asarray(paper_bearing(pixels, view)) - exact[:, 0]).reshape(u.shape)
     figure = Figure(figsize=(9.9, 4.3))
     left, right = figure.subplots(1, 2, sharey=True)
-    _plot_difference(left, (u, v), 100 * distance, [-100, -50, -20, -10, -5, 0, 5, 10, 20, 50], "cm")
+    _plot_difference(left, (u, v), 100 * distance, [-100, -50, -20, -10, -3, 0, 3, 10, 20, 50], "cm")
     left.set_title("distance: paper minus exact (cm)", fontsize=11)
     left.set_ylabel("v (px)")
     _plot_difference(right, (u, v), bearing, [-12, -9, -6, -3, -1, 0, 1, 3, 6, 9, 12], "°")
     right.set_title("bearing: paper minus exact (degrees)", fontsize=11)
     for ax in (left, right):
         rows = ax.contour(
-            u, v, exact[:, 1].reshape(u.shape), [1, 2, 3, 5], colors=GREY, linestyles=":", linewidths=1.2
+            u, v, exact[:, 1].reshape(u.shape), [1, 2, 3, 4, 5], colors=GREY, linestyles=":", linewidths=1.2
         )
         ax.clabel(rows, fmt="%g m", fontsize=8)
         ax.set(xlabel="u (px)", facecolor="#e3e5e8", xlim=(0, width - 1), ylim=(height - 1, 0))

@@ -50,7 +50,7 @@ class TiltPanel(FunctionPanel):
     ) -> None:
         """Put the marks on the map and build the widgets."""
         self._look = upright_picture()
-        self._map = LiveMap(Field(2012), {"truth": "robot", "ekf": "your points, 95 %"})
+        self._map = LiveMap(Field(2012), {"truth": "robot, ★ truth", "ekf": "your points"})
         super().__init__(
             "Tilt panel",
             self._measure,
@@ -67,7 +67,7 @@ class TiltPanel(FunctionPanel):
                 ),
                 Slider(
                     "sigma",
-                    "Tilt's sigma",
+                    "Tilt's std. dev.",
                     0.0,
                     3.0,
                     0.1,
@@ -75,7 +75,9 @@ class TiltPanel(FunctionPanel):
                     unit="°",
                     tooltip="Standard deviation of the tilt for your covariance",
                 ),
-                Slider("pixel_sigma", "Pixel's sigma", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"),
+                Slider(
+                    "pixel_sigma", "Pixel's std. dev.", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"
+                ),
                 Pixel("pixel", "Pixel", self._look.view.size, START, tooltip="One more point for the map"),
             ],
             student={
@@ -121,7 +123,8 @@ class TiltPanel(FunctionPanel):
         turn = np.array([[c, -s], [s, c]])
         nowhere = np.full((3, 3), np.nan)  # the robot's own place is known: no ellipse
         estimate = Estimate(POSE, nowhere, POSE.to_parent(points), turn @ covariances @ turn.T, kinds)
-        return self._map.draw(MapContents({"truth": [POSE]}, estimate))
+        true = POSE.to_local(self._look.landmarks)
+        return self._map.draw(MapContents({"truth": [POSE]}, estimate, observer="truth", points=true))
 
 
 def mark_pixels(pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike) -> npt.NDArray[np.uint8]:

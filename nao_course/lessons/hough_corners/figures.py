@@ -71,8 +71,9 @@ def draw_segments(
     figure = Figure(figsize=(width * columns, rows * (width * 0.75 + 0.3) + 0.4))
     grid = figure.subplots(rows, columns, squeeze=False).flat
     for ax, (title, picture), lines, found in zip(grid, pictures.items(), segments, points, strict=False):
-        words.append(f"{title}: {_plot_picture_with(ax, picture, lines, found, crosses, columns)}")
-        ax.set_title(title, fontsize=11)
+        said = _plot_picture_with(ax, picture, lines, found, crosses, columns)
+        words.append(f"{title}: {said}")
+        ax.set_title(f"{title}: {said}" if found is None else title, fontsize=11)
     _add_legend(figure, rings=bool(len(corners)), crosses=crosses is not None)
     said = "A picture" if len(words) == 1 else f"{say_count(len(words), 'picture')} side by side"
     if crosses is not None:
@@ -187,7 +188,7 @@ def draw_close_up(
     left, top = (round(centre - length / 2) for centre, length in zip(around, size, strict=True))
     part = (slice(top, top + size[1]), slice(left, left + size[0]))
     lines = as_points(segments, columns=4, name="segments (u1, v1, u2, v2)")
-    figure = Figure(figsize=(9.9, 3.4))
+    figure = Figure(figsize=(9.9, 3.8))
     axes = figure.subplots(1, 2)
     titles = ("white pixels", "edge pixels (white) and your segments (coloured)")
     for ax, picture, title in zip(axes, (white, edges), titles, strict=True):
@@ -199,12 +200,13 @@ def draw_close_up(
             ylabel="v (px)",
         )
         ax.set_title(title, fontsize=11)
-    plot_segments(lines, axes[1], width=2.2)
-    passing = sum(cv2.clipLine((left, top, *size), *_ends(line))[0] for line in lines)
+    passing = lines[[bool(cv2.clipLine((left, top, *size), *_ends(line))[0]) for line in lines]]
+    plot_segments(passing, axes[1], width=2.2)
+    _add_legend(figure, rings=False, crosses=False)
     return Drawing(
         figure,
         f"Close-up of {size[0]} x {size[1]} pixels: {int((white[part] > 0).sum())} white pixels, "
-        f"{int((edges[part] > 0).sum())} edge pixels, {say_count(passing, 'segment')} along the edges.",
+        f"{int((edges[part] > 0).sum())} edge pixels, {say_count(len(passing), 'segment')} along the edges.",
     )
 
 

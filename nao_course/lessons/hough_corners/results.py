@@ -64,7 +64,9 @@ def draw_matches(matches: Mapping[str, Sequence[PointMatch]]) -> Drawing:
         counts = f"{sums.hits} found, {sums.false} false, {sums.missed} missed"
         names.append(f"{name}\n{counts}")
         words.append(f"{name}: {counts}, mean cost {_plot_mean(left, each, row)}")
-        if name != first:
+        if name == first:
+            right.plot(0.0, row, "o", color=blue, ms=9)
+        else:
             words[-1] += f", difference from {first} {_plot_mean(right, each - costs[first], row)}"
     left.axvline(costs[first].mean(), color=STYLES["odometry"].colour, ls=":", lw=1.6)
     right.axvline(0.0, color=STYLES["odometry"].colour, ls=":", lw=1.6)
@@ -137,15 +139,15 @@ def goal_line_left(
     erase_background: Callable[[Any, int], Any],
     runs: Sequence[int] = (7, 3),
 ) -> dict[int, list[float]]:
-    """Measure the fraction of columns in which the goal line survives erasing, by run and for each distance."""
+    """Measure the fraction of columns in which the goal line survives, by run and for each distance.
+
+    The key 0 has the fractions without erasing.
+    """
     pictures = goal_line_at(distances, Reality(seed=11))
     labels = [np.asarray(label(picture.pixels.copy())) for picture in pictures]
-    return {
-        run: [
-            picture.share(erase_background(each, run)) for picture, each in zip(pictures, labels, strict=True)
-        ]
-        for run in runs
-    }
+    both = list(zip(pictures, labels, strict=True))
+    erased = {run: [picture.share(erase_background(each, run)) for picture, each in both] for run in runs}
+    return {**erased, 0: [picture.share(each) for picture, each in both]}
 
 
 @course_style()
@@ -159,7 +161,7 @@ def draw_goal_line(
     distances : array_like, shape (N,)
         Distance of the line from the point below the camera, metres.
     left : mapping of int to sequence of float
-        The fractions that `goal_line_left` returns.
+        The fractions that `goal_line_left` returns, by run; the key 0 has those without erasing.
     behind : float
         Length of the carpet behind the line, metres.
     """
@@ -169,6 +171,18 @@ def draw_goal_line(
     ax = figure.add_subplot()
     for (run, parts), source in zip(left.items(), ("ekf", "graph", "odometry"), strict=False):
         style = style_of(source)
+        if not run:
+            ax.plot(
+                distances,
+                parts,
+                marker=style.marker,
+                color=style.colour,
+                ms=6,
+                ls="--",
+                label="without erasing",
+            )
+            words.append(f"without erasing: {last_seen(distances, parts):.1f} m")
+            continue
         end = float(far[rows_between(far, behind) < run][0])
         ax.axvline(end, color=style.colour, ls=":", lw=1.8)
         ax.plot(

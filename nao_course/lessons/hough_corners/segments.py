@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Close, Comparison, Verdict, register
+from nao_course.exercises import Close, Comparison, Exact, Verdict, register
 from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.geometry import FloatArray
 
@@ -16,10 +16,33 @@ RIGHT = Verdict("right")
 
 
 @register
-def of_bytes(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
-    """Return a message if an array is not of dtype uint8, which OpenCV needs; otherwise an empty text."""
-    dtype = getattr(answer, "dtype", np.dtype(np.uint8))
-    return "" if dtype == np.uint8 else f"your picture has dtype {dtype}, but OpenCV needs uint8"
+@dataclass(frozen=True)
+class BytePicture(Exact):
+    """Compare pictures like `Exact`; an array of another dtype than uint8, which OpenCV needs, is wrong."""
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare the dtype of a picture first, and then its values."""
+        dtype = getattr(got, "dtype", np.dtype(np.uint8))
+        if dtype != np.uint8:
+            return Verdict("type", f"your picture has dtype {dtype}, but OpenCV needs uint8")
+        return super().compare(expected, got)
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Return whether two wrong answers have the same dtype and the same values."""
+        same = getattr(answer, "dtype", None) == getattr(got, "dtype", None)
+        return same and bool(Exact().compare(answer, got))
+
+
+@register
+@dataclass(frozen=True)
+class Crossing(Close):
+    """Compare crossings (u, v) like `Close`; None is a wrong answer like any other, because it has a meaning."""
+
+    def compare(self, expected: Any, got: Any) -> Verdict:
+        """Compare a crossing with the expected one; either may be None."""
+        if got is None and expected is not None:
+            return Verdict("value", "your answer is None, but these segments meet")
+        return super().compare(expected, got)
 
 
 # An answer that is longer than this many times the expected length plus some pixels is rejected at once.

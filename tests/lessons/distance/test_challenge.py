@@ -60,7 +60,10 @@ def test_an_answer_that_cannot_be_used_is_refused_with_a_sentence(answer, said):
 
 def test_the_true_camera_sees_the_segments_at_right_angles_and_the_assumed_camera_does_not():
     words = draw_tilted_lines(own()["pixel_to_ground"]).alt
-    assert "assumed tilt: 25.0 degrees off" in words and "true tilt: 2.5 degrees off" in words
+    assert (
+        "assumed pitch and roll: 25.0 degrees off" in words
+        and "true pitch and roll: 2.5 degrees off" in words
+    )
 
 
 def test_segments_are_long_enough_and_inside_and_what_is_given_knows_nothing_of_the_truth():

@@ -10,6 +10,7 @@ from nao_course.lessons.distance.looks import ahead, points_covariance, tilted_m
 from nao_course.lessons.distance.noise_figures import three_landmarks
 from nao_course.sim import CameraView
 from tests.lessons.distance.own import geometry, own
+from tests.paths import SOLUTIONS
 
 
 def tilts_of(sigma, number):
@@ -93,6 +94,18 @@ def test_sampled_ranges_have_that_sigma_near_by_and_a_long_tail_far_away():
     short, long = np.abs(np.quantile(ranges[:, 2], [0.025, 0.975]) - 4.0)
     assert long > 1.5 * short
     assert ranges.mean(axis=0)[2] == pytest.approx(4.10, abs=0.02)
+
+
+def test_the_sampled_deviation_at_four_metres_is_that_of_the_text():
+    height, text = usual_view().height, (SOLUTIONS / "04_distance.md").read_text(encoding="utf-8")
+    tilts = np.radians(1.0) * np.random.default_rng(0).standard_normal((1000, 2000))
+    errors = height / np.tan(np.arctan2(height, 4.0) - tilts) - 4.0
+    sizes = errors.std(axis=1)
+    low, high = np.quantile(sizes, [0.025, 0.975])
+    assert f"a standard deviation of {sizes.mean():.2f} m on average" in text
+    assert f"({low:.2f} to {high:.2f} m in 95 % of all samples" in text
+    short, long = np.quantile(errors, [0.025, 0.975])
+    assert f"between {-short:.1f} m too short and {long:.1f} m too long" in text
 
 
 @pytest.mark.asserts("eq-4-6")

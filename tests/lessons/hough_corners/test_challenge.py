@@ -58,7 +58,8 @@ def test_the_text_says_what_the_board_says():
     text = (PROJECT / "solutions" / "03_hough_corners.md").read_text(encoding="utf-8")
     rows = {row.name: row for row in CHALLENGE.rows}
     paper, nothing, own, better = (
-        rows[name] for name in ("the paper's, endless lines", "nothing", "the reference", "a better detector")
+        rows[name]
+        for name in ("the paper's, infinite lines", "nothing", "the reference", "a better detector")
     )
     assert (
         f"Reporting nothing costs {nothing.score:.2f}." in text
@@ -72,6 +73,6 @@ def test_the_text_says_what_the_board_says():
     assert f"beats the reference by {mean:.2f} (95 % interval {low:.2f} to {high:.2f})" in text
     low, high = mean_interval(np.subtract(own.cases, nothing.cases))
     assert (
-        f"interval of its difference from nothing, {low:.2f} to {high:.2f}, contains 0" in text
+        f"95 % interval of its difference from nothing, {low:.2f} to {high:.2f}, contains 0" in text
         and low < 0 < high
     )

@@ -95,7 +95,7 @@ def test_the_costs_of_the_text_are_those_of_the_solution():
     match = total(match_pictures(lambda picture: OWN["find_corners"](label(picture)), tuning_pictures()))
     assert f"finds {match.hits} of {len(match.found)} corners with {match.false} false ones" in TEXT
     cost = results.mean_cost(lambda picture: OWN["find_corners"](label(picture)))
-    assert cost == pytest.approx(corner_cost(match) / 30) and f"costs {cost:.2f}. The bars" in TEXT
+    assert cost == pytest.approx(corner_cost(match) / 30) and f"costs {cost:.2f}. The grey lines" in TEXT
     steps = (label, OWN["erase_background"], find_segments)
     counts = list(count_corners(tuning_pictures(), *steps).values())
     assert counts == [61, 61, 49, 37, 12]  # these stand in the question "where_corners_go", too
@@ -132,7 +132,10 @@ def against_nothing(pictures, find):
 def test_with_centre_lines_the_detector_is_better_than_nothing_and_the_text_says_by_how_much():
     match, cost, less, (low, high) = against_nothing(tuning_pictures(), with_centre_lines)
     assert f"finds {match.hits} of {len(match.found)} corners and no false one" in TEXT and match.false == 0
-    assert f"costs {cost:.2f}, which is {-less:.2f} less than nothing ({low:.2f} to {high:.2f})" in TEXT
+    assert (
+        f"cost is {cost:.2f}, that is {-less:.2f} lower than reporting nothing costs (95 % interval of the "
+        f"difference: {low:.2f} to {high:.2f})" in TEXT
+    )
     assert high < 0
     *_, (low, high) = against_nothing(tuning_pictures(), with_a_larger_gap)
     assert (

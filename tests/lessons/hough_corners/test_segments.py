@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.hough_corners.segments import (
+    BytePicture,
+    Crossing,
     Segments,
     coverage,
     distances_to_segments,
-    of_bytes,
     sample,
 )
 
@@ -97,9 +98,21 @@ def test_beyond_its_end_a_segment_is_as_far_as_the_end():
 
 
 def test_a_picture_for_opencv_is_of_bytes():
-    assert of_bytes((), {}, np.zeros((2, 3), np.uint8)) == ""
-    assert "dtype int64" in of_bytes((), {}, np.zeros((2, 3), np.int64))
-    assert "dtype bool" in of_bytes((), {}, np.zeros((2, 3), bool))
+    black = np.zeros((2, 3), np.uint8)
+    assert BytePicture().compare(black, black) and not BytePicture().compare(black, black + 1)
+    for kind in (np.int64, bool):
+        verdict = BytePicture().compare(black, black.astype(kind))
+        assert verdict.kind == "type" and f"dtype {np.dtype(kind)}" in verdict.text
+    assert BytePicture().alike(black.astype(bool), black.astype(bool))
+    assert not BytePicture().alike(black.astype(bool), black)
+
+
+def test_none_is_an_answer_about_segments_and_no_missing_return():
+    meeting = np.array([3.0, 4.0])
+    assert Crossing().compare(None, None) and Crossing().compare(meeting, meeting)
+    verdict = Crossing().compare(meeting, None)
+    assert verdict.kind == "value" and "these segments meet" in verdict.text
+    assert not Crossing().compare(None, meeting)
 
 
 def test_the_comparison_is_there_without_the_lessons_panels():
