@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dis
+import inspect
 import os
 import sys
 import warnings
@@ -248,10 +249,11 @@ class Checks:
             return Report(report.name, report.state, (*report.lines, _DEFINE_INSIDE.format(", ".join(names))))
         if report.state not in AT_FAULT:
             return report
+        used = _names_used(function, beside)
         others = {
             each.name: grade_public(each, beside[each.name], _SECONDS_FOR_A_REASON)
             for each in self.lesson.exercises
-            if each.name in exercise.uses and each.name in beside
+            if each.name in exercise.uses and each.name in beside and each.name in used
         }
         return with_the_reason(exercise, report, others)
 
@@ -375,6 +377,19 @@ def _global_names(function: Any) -> list[str]:
     """
     code = getattr(function, "__code__", None)
     return list(dict.fromkeys(_loaded([code] if isinstance(code, CodeType) else [])))
+
+
+def _names_used(function: Any, beside: Mapping[str, Any]) -> set[str]:
+    """Return the global names that a function or class uses, also through functions of `beside`."""
+    found: set[str] = set()
+    waiting = [function]
+    while waiting:
+        each = waiting.pop()
+        parts = [each, *vars(each).values()] if isinstance(each, type) else [each]
+        new = {name for part in parts for name in _global_names(inspect.unwrap(part))} - found
+        found |= new
+        waiting += [beside[name] for name in new if name in beside]
+    return found
 
 
 def _loaded(codes: Iterable[CodeType]) -> Iterator[str]:

@@ -307,6 +307,9 @@ POSITION = Exercise(
             theta + bearing =>> bearing
             return => return rotation_2d(theta) @
             You rotate the robot's own position together with the landmark. Rotate first, then add x and y.
+        y turned downwards: y + distance * np.sin => y - distance * np.cos
+            np.cos(theta + bearing), => np.sin(theta + bearing),
+            Your landmark is a quarter turn to the right of where it should be. Heading 0 points along x, so the cosine belongs to x and the sine, with a plus, to y.
     """),
     alternatives={
         "frames": landmark_from,
@@ -347,7 +350,7 @@ MOTION = Exercise(
     hidden=_moves_hidden,
     comparison=Close(names=("F", "G")),
     hints=(
-        "F is 3 x 3: row i is line i of equation 5.5, and column j is the variable x, y or theta that you differentiate by. Seven of its nine entries are 0 or 1.",
+        "F is 3 x 3: row i is line i of equation 5.5, and column j is the variable x, y or theta with respect to which you differentiate. Seven of its nine entries are 0 or 1.",
         "In F only the column for theta takes work: differentiate d cos(theta) and d sin(theta). The first column of G has the factors of e_x in equation 5.5.",
     ),
     mistakes=catalogue("""
@@ -392,6 +395,9 @@ MOTION = Exercise(
             G[0, 1] has the wrong sign. Left of a robot with heading theta is the direction (-sin, cos).
         the turn's error before the drive: return F, G => return F, np.column_stack([G[:, :2], F[:, 2]])
             Your error of the turn moves the position. The robot turns after the drive, so G's third column is (0, 0, 1).
+        the pose on the diagonal: return F, G => F[[0, 1, 2], [0, 1, 2]] = pose
+            + return F, G
+            Your F has x, y and theta themselves on its diagonal. Differentiate them: the derivative of x with respect to x is 1.
     """),
     alternatives={"differences": _motion_differences, "complex": _motion_complex, "float32": single(_motion)},
     equivalents=as_lists(
@@ -493,6 +499,10 @@ COVARIANCE = Exercise(
             Your second term does not contain control_covariance. It should be G @ control_covariance @ G.T.
         evaluated after the motion: motion_jacobians(pose, => motion_jacobians(predict_pose(pose, control),
             You evaluate the Jacobians at the pose after the motion. They belong to the pose before it.
+        old covariance added again: return F => return covariance + F
+            You add the old covariance once more. F @ P @ F.T contains it already.
+        errors of the motion propagated by F: F @ covariance @ F.T + G @ control_covariance @ G.T => F @ (covariance + G @ control_covariance @ G.T) @ F.T
+            You multiply the errors of the motion by F as well. They occur during this motion, so only G propagates them: F @ P @ F.T + G @ Q @ G.T.
     """),
     alternatives={
         "one product": _covariance,
@@ -528,7 +538,7 @@ LANDMARK = Exercise(
     comparison=Close(names=("by_pose", "by_measurement")),
     hints=(
         "There are two rows, l_x and l_y of equation 5.3. Heading and bearing appear only as a sum. What does that mean for the derivatives with respect to them?",
-        "by_pose is an identity and a third column, the derivative by theta. by_measurement has that third column again, for beta, and then a cosine and a sine, for r.",
+        "by_pose is an identity and a third column, the derivative with respect to theta. by_measurement has that third column again, for beta, and then a cosine and a sine, for r.",
     ),
     mistakes=catalogue("""
         range first: return by_pose, by_measurement => return by_pose, by_measurement[:, ::-1]
@@ -552,7 +562,7 @@ LANDMARK = Exercise(
         transposed: return by_pose, by_measurement => return by_pose, by_measurement.T
             by_measurement is transposed. Its rows are l_x and l_y.
         both transposed: return by_pose, by_measurement => return by_pose.T, by_measurement.T
-            Both matrices are transposed. Rows are l_x and l_y, columns are the variables that you differentiate by.
+            Both matrices are transposed. Rows are l_x and l_y, columns are the variables with respect to which you differentiate.
         side by side: return by_pose, by_measurement => return np.hstack([by_pose, by_measurement])
             You return one matrix (2, 5). Return two matrices: return by_pose, by_measurement.
         minus forgotten once: 0, across[0] => 0, -across[0]
@@ -573,6 +583,10 @@ LANDMARK = Exercise(
             You unpack the measurement as (range, bearing). It is (bearing, range).
         not differentiated: -measurement[1] * s, measurement[1] * c => measurement[1] * c, measurement[1] * s
             The derivatives with respect to heading and bearing contain r cos and r sin themselves. Differentiate them: -r sin and r cos.
+        bearing forgotten in by_pose: by_pose = np.array([[1, 0, across[0]], [0, 1, across[1]]]) => by_pose = np.array([[1, 0, -measurement[1] * np.sin(pose[2])], [0, 1, measurement[1] * np.cos(pose[2])]])
+            The bearing is missing in by_pose's column for theta. Use the angle theta + beta there, too.
+        heading forgotten in by_measurement: [[across[0], c], [across[1], s]] => [[-measurement[1] * np.sin(measurement[0]), np.cos(measurement[0])], [measurement[1] * np.cos(measurement[0]), np.sin(measurement[0])]]
+            The heading is missing in by_measurement. Use the angle theta + beta there, too.
     """),
     alternatives={
         "differences": _position_differences,
@@ -626,7 +640,7 @@ DERIVE = Exercise(
     comparison=Derivative(by=("x", "y", "theta"), period=(2 * np.pi, 0.0)),
     hints=(
         "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and expand with dx^2, so that the denominator is dx^2 + dy^2.",
-        "dx = l_x - x has the inner derivative -1 with respect to x, so each derivative by x or y is minus the derivative by dx or dy. theta appears only once, in the bearing.",
+        "dx = l_x - x has the inner derivative -1 with respect to x, so each derivative with respect to x or y is minus the derivative with respect to dx or dy. theta appears only once, in the bearing.",
     ),
     mistakes=catalogue("""
         inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, -1], [dx / r, dy
@@ -660,23 +674,23 @@ DERIVE = Exercise(
             In the derivatives of the bearing dx and dy are swapped. The derivative with respect to x is dy / r^2.
         atan2 the other way: atan2(dy, dx) => atan2(dx, dy)
             [[dy / q, -dx => [[-dy / q, dx
-            Your Jacobian fits your model, but your model has atan2(dx, dy). y comes first.
+            Your model has atan2(dx, dy). y comes first.
         atan for atan2: atan2(dy, dx) => atan(dy / dx)
             Your Jacobian is right, but your model is not. atan(dy / dx) gives the same angle for a landmark ahead and one behind, and atan2(dy, dx) does not. Both have the same derivatives.
         from the landmark: atan2(dy, dx) => atan2(-dy, -dx)
             Your Jacobian is right, but your model is half a turn off, because its direction points from the landmark to the robot. dx is l_x - x.
         heading added: - theta => + theta
             -1] => 1]
-            Your Jacobian fits your model, but your model adds theta. A bearing is relative to the heading: subtract theta.
+            Your model adds theta. A bearing is relative to the heading: subtract theta.
         to the right: sp.atan2(dy, dx) - theta => theta - sp.atan2(dy, dx)
             [[dy / q, -dx / q, -1] => [[-dy / q, dx / q, 1]
-            Your Jacobian fits your model, but its bearings are positive to the right. The bearing is atan2(dy, dx) - theta.
+            Your bearings are positive to the right. The bearing is atan2(dy, dx) - theta.
         heading forgotten: dx) - theta => dx)
             -1] => 0]
-            Your Jacobian fits your model, but your bearing is measured from the x axis. It is relative to the heading: subtract theta.
+            Your bearing is measured from the x axis. It is relative to the heading: subtract theta.
         root forgotten: theta, r] => theta, q]
             -dx / r, -dy / r => -2 * dx, -2 * dy
-            Your Jacobian fits your model, but your range is the squared distance. Take the root.
+            Your range is the squared distance. Take the square root.
     """),
     alternatives={
         "by SymPy": lambda: (_MODEL, _JACOBIAN),
@@ -724,13 +738,13 @@ _SLIPS = catalogue("""
     divisors exchanged: return => H =
         + H[0, :2] *= np.hypot(*(landmark - pose[:2]))
         + return H / [[1], [np.hypot(*(landmark - pose[:2]))]]
-        The two divisors are exchanged. Divide the derivatives of the bearing by r^2 = dx^2 + dy^2, and the derivatives of the range by r, the root.
+        The two divisors are exchanged. Divide the derivatives of the bearing by r^2 = dx^2 + dy^2, and the derivatives of the range by r, the square root.
     r^2 for r: return => H =
         + return H / [[1], [np.hypot(*(landmark - pose[:2]))]]
         The derivatives of the range are divided by r^2. Divide them by r, the root.
     dx and dy swapped: return => H =
         + return np.array([[*H[0, 1::-1], *H[0, 2:]], H[1]])
-        In the bearing's row dx and dy are swapped, together with their signs.
+        In the bearing's row the first two entries are in each other's place.
     dx and dy swapped, signs kept: return => H =
         + return np.array([[*-H[0, 1::-1], *H[0, 2:]], H[1]])
         In the bearing's row dx and dy are swapped. The signs are right.
@@ -764,7 +778,7 @@ BY_POSE = Exercise(
         *_SLIPS,
         *catalogue("""
         inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, -1], [dx / r, dy
-            All derivatives with respect to x and y have the wrong sign. You differentiated by dx and dy, but dx = l_x - x, so each gets a minus.
+            All derivatives with respect to x and y have the wrong sign. Either you differentiated with respect to dx and dy and forgot the factor -1, because dx = l_x - x; or your dx and dy point from the landmark to the robot.
         bearing's signs: [[dy / q, -dx => [[-dy / q, dx
             The derivatives of the bearing with respect to x and y have the wrong sign. If the robot moves left (y grows), a landmark ahead moves to the right.
         range's signs: [-dx / r, -dy => [dx / r, dy
@@ -810,7 +824,7 @@ BY_LANDMARK = Exercise(
     comparison=Close(names=("by l_x", "by l_y")),
     hints=(
         "There are three ways: differentiate again, use property 1, or read property 2 as the definition of an inverse.",
-        "Property 1: when robot and landmark move together, the measurement does not change. So the derivatives by the landmark's position and by the robot's position add up to zero. Which columns of which of your functions do you need?",
+        "Property 1: when robot and landmark move together, the measurement does not change. So the derivatives with respect to the landmark's position and to the robot's position add up to zero. Which columns of which of your functions do you need?",
     ),
     mistakes=[
         *_SLIPS,
@@ -856,8 +870,8 @@ PLAN = LessonPlan(
             "The third column of F is (-d sin(theta), d cos(theta), 1). With heading 0 and d = 2 m it is (0, 2, 1). What does the 2 mean?",
             {
                 "The robot drives 2 m along y.": "With heading 0 it drives along x. The column describes the effect of an error, not where the robot goes.",
-                "If the heading is off by 0.01 rad, y is off by 2 cm.": "Yes. A derivative times a small change gives a small change: 2 m/rad times 0.01 rad is 2 cm. The 1 below means that the heading is still off by 0.01 rad.",
-                "y is twice as uncertain as the heading.": "Not quite, because derivatives have units: 2 m for each radian. Metres and radians cannot be compared.",
+                "If the heading is off by 0.01 rad, y is off by 2 cm.": "A derivative times a small change gives a small change: 2 m/rad times 0.01 rad is 2 cm. The 1 below means that the heading is still off by 0.01 rad.",
+                "y is twice as uncertain as the heading.": "Derivatives have units: 2 m for each radian. Metres and radians cannot be compared.",
             },
             "If the heading is off by 0.01 rad, y is off by 2 cm.",
         ),
@@ -866,7 +880,7 @@ PLAN = LessonPlan(
             'In 1.6 the report gives two reasons why it needs no Jacobian with respect to other landmarks: "the assumption of landmark independence", and that a measurement "does not depend on the positions of other landmarks". Which reason is right?',
             {
                 "Landmarks are independent, so these derivatives are zero.": "The derivatives are zero, but not for this reason, the first of the report's. After measurements from one uncertain pose the estimates of the landmarks are strongly correlated, as the next cell measures.",
-                "The bearing and range of one landmark do not contain the coordinates of another.": "Yes, this is the report's second reason. h(p, l) is a formula with five variables, and its derivative with respect to any other variable is zero. That needs no independence.",
+                "The bearing and range of one landmark do not contain the coordinates of another.": "This is the report's second reason. h(p, l) is a formula with five variables, and its derivative with respect to any other variable is zero. That needs no independence.",
                 "The derivatives are not zero, but small enough to be left out.": "They are exactly zero. Move another landmark as far as you like, and the measurement of this one does not change.",
             },
             "The bearing and range of one landmark do not contain the coordinates of another.",

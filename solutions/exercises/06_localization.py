@@ -232,7 +232,7 @@ _SQUARE_MISTAKES = catalogue("""
     root: float( => np.sqrt(
         You return the square root, which is the Mahalanobis distance. Return the square itself, because it has the chi-square distribution.
     divided by the degrees: error)) => error)) / len(error)
-        You divide by the number of values n. Leave that out: the chi-square distribution with n degrees of freedom describes the sum, whose average is n.
+        You divide by the number of components n. Leave that out: the chi-square distribution with n degrees of freedom describes the sum, whose average is n.
     diagonal only: np.linalg.solve(covariance, error) => (error / np.diag(covariance))
         Your result is right if the values are uncorrelated, because you use only the diagonal. Use the whole matrix: its inverse, or np.linalg.solve.
     each entry's inverse: + return error @ (1 / covariance) @ error
@@ -252,6 +252,10 @@ _SQUARE_MISTAKES = catalogue("""
     standard deviations for variances: + return np.sum((error / np.diag(covariance)) ** 2)
         You divide by the diagonal and then square. The diagonal has variances already, and the other entries are missing:
         use the inverse of the whole matrix.
+    squared covariance: np.linalg.solve(covariance, error) => np.linalg.solve(covariance**2, error)
+        You square the covariance. It contains variances, which are squared already, so use it as it is.
+    a vector: + return np.linalg.solve(covariance, error)
+        You return the inverse covariance times the error, which is a vector. Multiply it by the error once more, using @.
     no covariance: np.linalg.solve(covariance, error) => error
         You return the squared length, so the covariance has no influence. Divide by the covariance: multiply by its inverse.
 """)
@@ -353,6 +357,16 @@ COVARIANCE_ELLIPSE = Exercise(
             You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
         diameters: return sigmas => return 2 * sigmas
             Your axes are twice too long. A semi-axis reaches from the centre to the edge.
+        two standard deviations: np.sqrt(-2 * np.log(1 - probability)) => 2.0
+            Your semi-axes are two standard deviations for every probability. In the plane that ellipse contains 86 %. Compute the factor from the probability, with equation 6.6.
+        the factor of 95 %: np.sqrt(-2 * np.log(1 - probability)) => np.sqrt(-2 * np.log(1 - 0.95))
+            Your ellipse always contains 95 %. The factor must depend on the argument probability: use equation 6.6.
+        the rounded factor of 95 %: np.sqrt(-2 * np.log(1 - probability)) => 2.448
+            You multiply by 2.448, which is rounded, and right only for 95 %. The factor must depend on the argument probability: use equation 6.6.
+        diagonal for eigenvalues: variances[::-1] => np.diag(covariance)
+            Your semi-axes are computed from the diagonal of the covariance, which has the variances along x and y. The axes of the ellipse point along the eigenvectors, so use the eigenvalues.
+        sorted diagonal for eigenvalues: variances[::-1] => np.sort(np.diag(covariance))[::-1]
+            Your semi-axes are computed from the sorted diagonal of the covariance, which has the variances along x and y. The axes of the ellipse point along the eigenvectors, so use the eigenvalues.
         x and y exchanged: np.arctan2(y, x) => np.arctan2(x, y)
             Your angle is measured from the y axis. The first argument of np.arctan2 is y.
         degrees: np.arctan2(y, x) => np.degrees(np.arctan2(y, x))
@@ -442,7 +456,7 @@ KALMAN_UPDATE = Exercise(
     stars=2,
     public=_update_public,
     hidden=_update_hidden,
-    comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
+    comparison=Close(atol=1e-8, names=("your mean", "your covariance")),
     hints=(
         "Compute S, then K, then the mean and the covariance of equation 6.7, one line each. In one dimension K is P / S. For matrices, choose the order and the transpose so that K is (n, m): P is (n, n), H is (m, n) and S is (m, m).",
         "K = P Hᵀ S^-1 with S = H P Hᵀ + R. The new mean is mean + K @ innovation; the new covariance is equation 6.7, or (I - K H) P, which is the same for this gain.",
@@ -451,6 +465,11 @@ KALMAN_UPDATE = Exercise(
         S without R: H.T + R => H.T
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             R is missing in your S, so you treat the measurement as exact. The innovation has both sources of uncertainty: S = H P Hᵀ + R.
+        R squared: H.T + R => H.T + R @ R
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your S contains R @ R. R already is a covariance, with squared units, so add it as it is.
+        innovation subtracted again: K @ innovation => K @ (innovation - H @ mean)
+            You subtract H @ mean from the innovation. The innovation already is measured minus expected, so use K @ innovation.
         gain over R: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(R)
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             Your gain uses the inverse of R alone. The innovation has both sources of uncertainty: use the inverse of S = H P Hᵀ + R.
@@ -513,16 +532,16 @@ KALMAN_UPDATE = Exercise(
         H K for K H: - K @ H => - H @ K
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             You compute I - H K. It is I - K H: K H is (n, n) like P, while H K is (m, m), so the two fit together only if n equals m.
-        H K for K H in Joseph's form: - K @ H => - H @ K
-            You compute I - H K, but it is I - K H: K H is (n, n) like P, while H K is (m, m). If you use Joseph's form, exchange H and K in both of its factors.
+        H K for K H in the Joseph form: - K @ H => - H @ K
+            You compute I - H K, but it is I - K H: K H is (n, n) like P, while H K is (m, m). If you use the Joseph form, exchange H and K in both of its factors.
         I of the measurement's size: np.eye(len(mean)) - K @ H => np.eye(len(innovation)) - K @ H
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             Your I has as many rows as there are measurements. K H is (n, n), so I needs a row for each value of the state: np.eye(len(mean)).
-        Joseph's form without a transpose: left.T => left
+        the Joseph form without a transpose: left.T => left
             The second I - K H of equation 6.7 must be transposed: (I - K H) P (I - K H)ᵀ. Your matrix is not symmetric.
         P multiplied entry by entry: left @ covariance @ left.T + K @ R @ K.T => left * covariance
             You multiply I - K H and P entry by entry with *. Use the matrix product: (I - K H) @ P.
-        second K of Joseph's form not transposed: K @ R @ K.T => K @ R @ K
+        second K of the Joseph form not transposed: K @ R @ K.T => K @ R @ K
             The second K of K R Kᵀ must be transposed: K is (n, m) and R is (m, m).
         P forgotten behind: left @ covariance @ left.T + K @ R @ K.T => left
             You return I - K H without P. It is the factor by which P becomes smaller: multiply it by P.
@@ -531,7 +550,7 @@ KALMAN_UPDATE = Exercise(
             Your covariance grows with the measurement, because you have I + K H. Use I - K H.
         wrong side: left @ covariance @ left.T + K @ R @ K.T => covariance @ left
             You compute P (I - K H), and the result is not symmetric. Multiply from the other side: (I - K H) P.
-        half of Joseph's form: left.T + K @ R @ K.T => left.T
+        half of the Joseph form: left.T + K @ R @ K.T => left.T
             Your covariance is (I - K H) P (I - K H)ᵀ alone, which leaves out the measurement noise. Add K R Kᵀ.
     """),
     alternatives={"subtraction": _subtracted, "information form": _information, "one by one": _one_by_one},
@@ -617,7 +636,7 @@ LOCALIZE = Exercise(
     uses=("innovation", "kalman_update", "05:expected_measurement", "05:measurement_jacobian_pose"),
     public=_localize_public,
     hidden=_localize_hidden,
-    comparison=Each((Close(atol=1e-7), Close(atol=1e-8))),
+    comparison=Close(atol=1e-7, names=("your pose", "your covariance")),
     hints=(
         "Which measurement do you expect at the estimated pose, and how does it change with the pose? Lesson 05 has a function for each; innovation and kalman_update do the rest.",
         "Four lines: innovation(expected_measurement(pose, landmark), measurement); H = measurement_jacobian_pose(pose, landmark); kalman_update with both; wrap the heading of the result.",
@@ -628,7 +647,7 @@ LOCALIZE = Exercise(
         innovation's sign: difference, jacobian => -difference, jacobian
             Your correction has the wrong direction. The innovation is measured minus expected: the expected measurement is the first argument of innovation, and H is the Jacobian of the expected measurement.
         Jacobian by the landmark: jacobian, R => jacobian * [-1, -1, 0], R
-            Your H is the Jacobian by the landmark's position. The landmark is known; you estimate the pose, so use measurement_jacobian_pose, which is (2, 3).
+            Your H is the Jacobian with respect to the landmark's position. The landmark is known; you estimate the pose, so use measurement_jacobian_pose, which is (2, 3).
         landmark for expected measurement: innovation(expected_measurement(pose, landmark), measurement) => innovation(landmark, measurement)
             You compare the measurement with the landmark's position. The expected measurement is the bearing and range at which the estimated pose should see that landmark: expected_measurement(pose, landmark).
         heading not wrapped: np.arctan2(np.sin(theta), np.cos(theta)) => theta
@@ -658,6 +677,12 @@ LOCALIZE = Exercise(
             Your pose is right, but you return the old covariance. Return the one from kalman_update.
         degrees: expected_measurement(pose, landmark) => expected_measurement(pose, landmark) * [180 / np.pi, 1]
             Your expected bearing is in degrees, but the measured one is in radians. Use radians for both.
+        innovation in degrees: difference, jacobian, R => difference * [180 / np.pi, 1], jacobian, R
+            Your innovation of the bearing is in degrees. H and R are in radians, so the innovation must be in radians, too.
+        heading in degrees: np.arctan2(np.sin(theta), np.cos(theta)) => np.degrees(np.arctan2(np.sin(theta), np.cos(theta)))
+            Your heading is in degrees. Return it in radians.
+        measurement exchanged: landmark), measurement) => landmark), measurement[::-1])
+            You use the measurement as (range, bearing). It is (bearing, range).
     """),
     alternatives={
         "bearing, then range": _localized_by(_one_by_one),
@@ -686,7 +711,7 @@ PLAN = LessonPlan(
         ),
         Question(
             "near_or_far",
-            "A robot knows its position to 5 cm, but its heading only to 20 degrees. Which landmark should it measure?",
+            "A robot knows its position to 5 cm, but its heading only to 20 degrees. Which landmark should it measure to improve its heading?",
             {
                 "The nearest, because it is measured most precisely": "Its range is, but the position is already known. A position error of 5 cm changes the bearing of a landmark at half a metre by 6 degrees, so the heading keeps that much uncertainty.",
                 "The farthest that it can see": "A position error of 5 cm changes the bearing of a landmark at 4 m by 0.7 degrees, which is less than the bearing's own noise. The heading is then known to 1.7 degrees.",
@@ -698,10 +723,10 @@ PLAN = LessonPlan(
             "without_truth",
             "On a real field the true pose is unknown, so there is no NEES. Which of these faults would you not find there?",
             {
-                "Q is missing": "Its NIS grows from 3 to 28 times the healthy value, so the robot can detect this fault by itself.",
-                "R is missing in S": "Its NIS is nearly twice its healthy value from the first steps on. That is small beside a NEES of a million, but twenty drives are enough to notice it.",
-                "each measurement is used twice": "Its residuals look right, and its NIS is within a tenth of the healthy value. Only the truth shows that the ellipse is too small. The same happens if two measurements share an error, like the landmarks in one picture of a tilted robot.",
-                "ranges 15 % too long": "Its range residuals have a median of 1.6 standard deviations, all on one side, so the robot can detect this fault by itself.",
+                "Q is missing": "Its NIS grows from 3 to 28 times the expected value, so the robot can detect this fault by itself.",
+                "R is missing in S": "Its NIS is nearly twice the expected value from the first steps on. That is small beside a NEES of a million, but the many measurements of one drive are enough to notice it.",
+                "each measurement is used twice": "Its normalised innovations look right, and its NIS is within a tenth of the expected value. Only the truth shows that the ellipse is too small. The same happens if two measurements share an error, like the landmarks in one picture of a tilted robot.",
+                "ranges 15 % too long": "Its innovations of the range have a median of 1.6 standard deviations, all on one side, so the robot can detect this fault by itself.",
             },
             "each measurement is used twice",
         ),

@@ -65,7 +65,8 @@ def jacobian(function: Callable[[], Any], symbols: Collection[str], by: list[str
     )
     if unknown:
         raise ValueError(
-            f"your expressions contain {unknown}; expected only the symbols {list(symbols)}: substitute the others"
+            f"your expressions contain the symbols {', '.join(unknown)}; expected only {', '.join(symbols)}: give your "
+            "symbols these names, and insert the others' expressions"
         )
     steps = Steps()
     places = {
@@ -217,6 +218,8 @@ class Derivative(Comparison):
                 )
             have, want = "x".join(map(str, derived.shape[1:])), "x".join(map(str, differences.shape[1:]))
             why = ": is it transposed?" if derived.shape[1:] == differences.shape[:0:-1] else ""
+            if derived.shape[1] == differences.shape[1] and derived.shape[2] > len(self.by):
+                why = f": differentiate with respect to {', '.join(self.by)} only"
             return Verdict("shape", f"your Jacobian is {have}; expected {want} for your model{why}")
         if not np.isfinite(differences).all():
             return Verdict("nan", "your model is not a number at some of the points")

@@ -78,7 +78,7 @@ def bending_clouds(predict_pose: Function, predict_covariance: Function, heading
 
 @course_style()
 def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawing:
-    """Draw 500 robots that walk three metres with an uncertain heading, and the ellipses predicted for them.
+    """Draw 500 robots that drive three metres with an uncertain heading, and the ellipses predicted for them.
 
     Parameters
     ----------

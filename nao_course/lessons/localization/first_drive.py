@@ -31,7 +31,7 @@ from nao_course.plotting import (
     plot_pose,
 )
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY
+from nao_course.plotting.style import GREY, HALO
 
 FIRST = 6  # seed of the drive
 EVERY = 3  # steps between two ellipses on the map
@@ -211,19 +211,28 @@ def _plot_map(ax: Axes, trace: Trace, covariance_ellipse: Function | None) -> No
         else:
             shape = ellipse_of(covariance_ellipse, covariance[:2, :2], 0.95)
             add_ellipse(ax, pose[:2], *shape, STYLES["ekf"].colour, lw=1.2)
+    x, y = trace.truth[0, :2]
+    ax.plot(x, y, "o", color=STYLES["truth"].colour, ms=6, mec="white", zorder=6)
+    ax.annotate("start", (x, y), (-7, 3), textcoords="offset points", ha="right", path_effects=HALO, zorder=7)
     plot_pose(Pose.from_array(trace.truth[-1]), ax)
     plot_pose(Pose.from_array(trace.poses[-1]), ax, "ekf")
     ax.set_title("The drive, from above")
 
 
 def _plot_errors(ax: Axes, trace: Trace, broken: Trace | None) -> None:
-    """Plot the position's error by step, and the standard deviation that the filter states."""
+    """Plot the position's error by step, and the standard deviation that the filter reports."""
     stated = np.sqrt(trace.covariances[:, 0, 0] + trace.covariances[:, 1, 1])
     if broken is not None:
         ax.plot(
             np.hypot(*broken.errors[:, :2].T), color=GREY, lw=1.2, ls=":", label="error of the given filter"
         )
-    ax.plot(stated, color=STYLES["ekf"].colour, lw=1.4, ls="--", label="standard deviation the filter states")
+    ax.plot(
+        stated,
+        color=STYLES["ekf"].colour,
+        lw=1.4,
+        ls="--",
+        label="standard deviation that the filter reports",
+    )
     ax.plot(
         np.hypot(*trace.errors[:, :2].T),
         color=STYLES["ekf"].colour,
@@ -232,13 +241,13 @@ def _plot_errors(ax: Axes, trace: Trace, broken: Trace | None) -> None:
         ms=5,
         label="true error",
     )
-    ax.set(title="Error of the position", xlabel="step", ylabel="m", ylim=(0, None))
+    ax.set(title="Error of the position", xlabel="step", ylabel="error (m)", ylim=(0, None))
     ax.legend(fontsize=9)
 
 
 def _plot_nees(ax: Axes, values: FloatArray, broken: FloatArray | None) -> None:
     """Plot the NEES of each step with the limit that 95 % of a consistent filter's values stay below."""
-    ax.axhspan(1e-2, LIMIT, color="#e3e5e8", zorder=0, label=f"95 % of a consistent filter: below {LIMIT}")
+    ax.axhspan(1e-2, LIMIT, color="#e3e5e8", zorder=0, label=f"95 % limit for a consistent filter: {LIMIT}")
     if broken is not None:
         ax.semilogy(broken, color=GREY, lw=1.2, ls=":", label="the given filter")
     ax.semilogy(values, color=STYLES["ekf"].colour, lw=1.6, marker=".", ms=5, label="this filter")
@@ -267,7 +276,7 @@ def draw_bearings(nis: Function | None = None) -> Drawing:
     worst = int(np.abs(difference).argmax())
     words = (
         f"Bearings that the filter expects and measures. At step {trace.steps[worst]} it expects "
-        f"{expected[worst]:.0f} degrees and measures {measured[worst]:.0f}: the innovation is {difference[worst]:.0f}."
+        f"{expected[worst]:.1f} degrees and measures {measured[worst]:.1f}: the innovation is {difference[worst]:.1f}."
     )
     if nis is None:
         right.plot(trace.steps, difference, "o", color=STYLES["ekf"].colour, ms=4)
@@ -279,7 +288,7 @@ def draw_bearings(nis: Function | None = None) -> Drawing:
         raw[:, 0] = np.radians(difference)
         pairs = zip(raw, trace.innovation_covariances, strict=True)
         values = np.array([float(nis(nu.copy(), S.copy())) for nu, S in pairs])
-        right.axhspan(1e-3, 5.99, color="#e3e5e8", zorder=0, label="95 % of a consistent filter: below 5.99")
+        right.axhspan(1e-3, 5.99, color="#e3e5e8", zorder=0, label="95 % limit for a consistent filter: 5.99")
         right.semilogy(trace.steps, values, "o", color=STYLES["ekf"].colour, ms=4, label="each measurement")
         right.set(title="NIS, without the true pose", xlabel="step", ylabel="NIS", ylim=(1e-3, 1e6))
         right.legend(fontsize=9, loc="upper right")

@@ -123,11 +123,11 @@ def _with_jacobian_of_another(localize: Localize) -> Localize:
     return faulty
 
 
-HEALTHY = Bug("no fault", "Residuals are centred on zero, and NIS and NEES are in their bands.")
+HEALTHY = Bug("no fault", "The innovations are centred on zero, and NIS and NEES are in their bands.")
 BUGS = (
     Bug(
         "the innovation's sign",
-        "Every correction goes the wrong way, so the residuals grow with each measurement, and NIS and NEES "
+        "Every correction goes the wrong way, so the innovations grow with each measurement, and NIS and NEES "
         "leave the plot within a few steps, while the ellipse stays small.",
         in_update=_mirrored,
     ),
@@ -140,7 +140,7 @@ BUGS = (
     Bug(
         "R holds standard deviations",
         "R contains 0.026 rad and 0.1 m instead of their squares, so the filter hardly uses its "
-        "measurements. NIS and NEES are both far below their bands.",
+        "measurements. NIS and NEES are both below their bands, or at their lower edge.",
         in_update=_with_noise(np.sqrt),
     ),
     Bug(
@@ -151,13 +151,13 @@ BUGS = (
     ),
     Bug(
         "H belongs to another landmark",
-        "Corrections point in wrong directions, so residuals, NIS and NEES are several times too large from "
+        "Corrections point in wrong directions, so innovations, NIS and NEES are several times too large from "
         "the first measurement on; but the filter does not diverge.",
         in_update=_with_jacobian_of_another,
     ),
     Bug(
         "bearings in degrees",
-        "The residuals of the bearing are spread over the whole circle from the first measurement on.",
+        "The innovations of the bearing are spread over the whole circle from the first measurement on.",
         in_measurements=lambda measurements: measurements * (np.degrees(1.0), 1.0),
     ),
     Bug(
@@ -168,18 +168,18 @@ BUGS = (
     Bug(
         "R is missing in S",
         "The filter treats each measurement as exact, so its ellipse is far too small. NIS is less than "
-        "twice its healthy value, because the readings use the correct S, which is mostly R; but NEES is enormous.",
+        "twice its expected value, because the readings use the correct S, which is mostly R; but NEES is enormous.",
         in_update=_with_noise(lambda noise: noise * 1e-6),
     ),
     Bug(
         "ranges 15 % too long",
-        "The residuals of the range are not centred on zero. The measurement has a bias, and no covariance "
+        "The innovations of the range are not centred on zero. The measurement has a bias, and no covariance "
         "can describe a bias.",
         in_measurements=lambda measurements: measurements * (1.0, 1.15),
     ),
     Bug(
         "each measurement is used twice",
-        "Residuals and NIS look healthy. Only NEES, which is nearly twice its healthy value, shows that the "
+        "Innovations and NIS look right. Only NEES, which is nearly twice its expected value, shows that the "
         "ellipse is too small.",
         in_update=_twice,
     ),
@@ -235,13 +235,13 @@ class Readings:
     Parameters
     ----------
     bearing, range : float
-        Median innovation in standard deviations of S; 0 is healthy.
+        Median innovation in standard deviations of S; 0 is expected.
     nis_early, nis_late : float
-        Median NIS of the first and the last third of the drive, divided by its healthy value.
+        Median NIS of the first and the last third of the drive, divided by the expected median.
     nis_peak : float
-        Median NIS of the step with the largest one, divided by its healthy value.
+        Median NIS of the step with the largest one, divided by the expected median.
     nees_early, nees_late : float
-        Median NEES of the first and the last third, divided by its healthy value.
+        Median NEES of the first and the last third, divided by the expected median.
     """
 
     bearing: float

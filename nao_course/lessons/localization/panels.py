@@ -214,7 +214,7 @@ def _short(value: float) -> str:
 
 @course_style()
 def draw_readings(traces: list[Trace], name: str) -> Drawing:
-    """Draw the residuals, NIS and NEES of a patient's drives at each step.
+    """Draw the normalised innovations, NIS and NEES of a patient's drives at each step.
 
     Parameters
     ----------
@@ -250,7 +250,10 @@ def draw_readings(traces: list[Trace], name: str) -> Drawing:
             steps + shift, values, style.marker, color=style.colour, ms=1.8, alpha=0.45, label=label
         )
     residuals.set(
-        title="Residuals", xlabel="step", ylabel="innovation / its standard deviation", ylim=(-10, 10)
+        title="Normalised innovations",
+        xlabel="step",
+        ylabel="innovation / its standard deviation",
+        ylim=(-10, 10),
     )
     medians = np.array([np.median(nis[steps == step]) for step in when]) / MEDIAN_NIS
     _plot_gauge(left, when, medians, median_band(2, counts) / MEDIAN_NIS, "NIS")
@@ -260,9 +263,9 @@ def draw_readings(traces: list[Trace], name: str) -> Drawing:
     r = read(traces)
     return Drawing(
         figure,
-        f"Patient {name}, 20 drives. Median residual: bearing {r.bearing:.2g}, range "
+        f"Patient {name}, 20 drives. Median normalised innovation: bearing {r.bearing:.2g}, range "
         f"{r.range:.2g} standard deviations. "
-        f"NIS divided by its healthy value: {r.nis_early:.2g} early, {r.nis_late:.2g} late, {r.nis_peak:.2g} at "
+        f"NIS divided by the expected median: {r.nis_early:.2g} early, {r.nis_late:.2g} late, {r.nis_peak:.2g} at "
         "most. "
         f"NEES: {r.nees_early:.2g} early, {r.nees_late:.2g} late.",
     )
@@ -277,10 +280,10 @@ def _large(points: list[Any]) -> list[Any]:
 
 
 def _plot_gauge(ax: Any, steps: Any, values: FloatArray, limits: FloatArray, name: str) -> None:
-    """Plot medians divided by their healthy value on a logarithmic axis of fixed limits."""
+    """Plot medians divided by the expected median on a logarithmic axis of fixed limits."""
     ax.fill_between(steps, *limits, color=BAND, zorder=0)
     ax.axhline(1, color=GREY, lw=1)
     shown = np.clip(np.nan_to_num(values, nan=1e4, posinf=1e4), 1e-2, 1e4)
     ax.semilogy(steps, shown, "-", marker=".", ms=4, lw=1.2, color=STYLES["ekf"].colour)
     ax.minorticks_off()
-    ax.set(title=f"{name} / healthy value", xlabel="step", ylim=(0.8e-2, 1.4e4))
+    ax.set(title=f"{name} / expected median", xlabel="step", ylim=(0.8e-2, 1.4e4))

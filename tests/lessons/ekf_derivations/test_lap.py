@@ -35,6 +35,9 @@ def test_the_cloud_grows_across_the_way_as_the_text_says():
     paths = true_paths(20_000)
     assert paths[:, 6, :2].std(axis=0) == pytest.approx([0.07, 0.09], abs=0.006)
     assert paths[:, 12, :2].std(axis=0) == pytest.approx([0.29, 0.12], abs=0.006)
+    dots = 100 * true_paths()[:, [6, 12], :2].std(axis=0)
+    assert dots.round().tolist() == [[8, 9], [29, 13]]
+    assert np.degrees(paths[:, -1, 2].std()) == pytest.approx(20, abs=0.5)
 
 
 @pytest.mark.parametrize("steps", [1, 6, 12, 18, len(LAP)])

@@ -14,6 +14,7 @@ from nao_course.lessons.ekf_derivations.limits import (
     measure_limits,
     short_mean,
 )
+from nao_course.lessons.ekf_derivations.samples import Cloud
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,14 @@ def test_the_numbers_of_the_lesson_are_those_that_are_measured(solution, measure
     functions = solution["predict_pose"], solution["predict_covariance"]
     thick = heading_clouds(*functions, np.radians(15), position_sigma=0.1)
     assert np.mean([each.inside() for each in thick]) == pytest.approx(0.92, abs=0.01)
+
+
+def test_after_three_metres_the_ellipse_holds_fewer_robots_as_the_lesson_says(rng):
+    for degrees, percent in ((10, 73), (15, 57)):
+        headings = rng.normal(0, np.radians(degrees), 400_000)
+        ends = 3 * np.array([np.cos(headings), np.sin(headings)]) + rng.normal(0, 0.03, (2, 400_000))
+        predicted = np.diag([0.03**2, 0.03**2 + (3 * np.radians(degrees)) ** 2])
+        assert round(100 * Cloud(ends.T, np.array([3.0, 0.0]), predicted).inside()) == percent
 
 
 def test_the_figure_has_a_curve_for_mean_covariance_and_shape(measured):

@@ -67,7 +67,7 @@ def test_the_text_says_what_the_instruments_show(functions):
         f"NIS is {r['C'].nis_peak:.0f} at that step",
         f"H leaves $R$ out of $S$: NIS is {r['H'].nis_early:.1f} to {r['H'].nis_late:.0f}, and NEES is a million",
         f"NIS is {r['G'].nis_late:.1f}, and NEES is {r['G'].nees_late:.1f}",
-        f"its range residuals have a median of {r['B'].range:.1f} standard deviations",
+        f"its innovations of the range have a median of {r['B'].range:.1f} standard deviations",
         f"its NIS grows from {r['D'].nis_early:.0f} to {r['D'].nis_late:.0f}",
         "F has bearings in degrees: NIS is near 1000",
         f"NIS is {r['K'].nis_early:.1f} early and {r['K'].nis_late:.1f} late, and NEES is {r['K'].nees_late:.0f}",
