@@ -15,7 +15,7 @@ from nao_course.instructor.sandbox.protocol import Allowance, ServerEnded
 SECONDS_OF_A_SUBMISSION = 130.0  # from its first cell to its result, whatever its code asks for
 SECONDS_OF_RECORDED = 10.0  # for finding recorded answers, in the grader's own process
 RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs,
-RETRY_SECONDS_EACH = 2.0  # and more for each submission, so that slow ones use up none of the others' retries
+RETRY_SECONDS_EACH = 20.0  # and more for each submission: its one vain retry takes nothing from the others
 MOST_SERVERS = 3  # that may die under one submission
 MOST_TRIES = 4  # at a submission whose processes are ended
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from nao_course.exercises.comparisons.values import Close
+from nao_course.exercises.exercise import SECONDS
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import Retries
+from nao_course.instructor.autograding.tries import RETRY_SECONDS_EACH, Retries
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
@@ -486,6 +487,14 @@ def test_a_retry_that_succeeds_takes_no_time_from_the_runs_retries(server, assig
     result = grade(Submission("ada", chain.LESSON, path), assignment, server, retries=retries)
     assert of(result, "double").state == "right" and slow
     assert retries.seconds == 1000.0
+
+
+def test_a_retry_in_vain_takes_nothing_from_other_submissions():
+    seconds = 10 * [SECONDS]
+    retries = Retries(RETRY_SECONDS_EACH)  # what the first submission brings
+    for each in seconds:
+        assert retries.take(each) == 2 * SECONDS
+        retries.give_back(RETRY_SECONDS_EACH)  # the next submission
 
 
 def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
