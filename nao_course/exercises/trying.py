@@ -118,8 +118,7 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "NumPy boolean array indexing assignment": "The left side has only the mask's pixels, but the right "
     "side has all pixels: write values[mask] there, too, or np.where(mask, values, others).",
     "with size 0": "That array is empty: check its length before you use an element of it.",
-    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1, and rng.integers(0, n) never "
-    "draws a larger one.",
+    "is out of bounds for axis": "Indices count from 0: the last of n is n - 1.",
     "arrays used as indices must be of integer": "Indices must be whole numbers: apply round(...) or int(...) to them.",
     "slice indices must be integers": "The limits of a slice must be whole numbers: round(...) turns a float into one.",
     "mismatch in its core dimension": "Two shapes do not fit: the left side of @ needs as many columns as "
