@@ -630,8 +630,14 @@ def _posts_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((_narrow(rows, int(rng.integers(5, rows))),)) for rows in (48, 72, 240)),
         Case((_narrow(120, int(rng.integers(5, 300)), columns=400),)),
         Case((field(120, int(rng.integers(100, 160)), 40),)),
-        *(Case((_several(n, (rng.uniform(0.1, 0.5), 0.6), (rng.uniform(0.8, 1.2), 0.15)),)) for n in (60, 240)),
-        *(Case((_several(n, *((left, rng.uniform(0.2, 0.4)) for left in (0.1, 0.6, 1.1))),)) for n in (60, 240)),
+        *(
+            Case((_several(n, (rng.uniform(0.1, 0.5), 0.6), (rng.uniform(0.8, 1.2), 0.15)),))
+            for n in (60, 240)
+        ),
+        *(
+            Case((_several(n, *((left, rng.uniform(0.2, 0.4)) for left in (0.1, 0.6, 1.1))),))
+            for n in (60, 240)
+        ),
         *(Case((each,)) for n in (240, 480) for each in _strips(n, n // 16, rng.uniform(0.4, 0.7)).values()),
     ]
 
