@@ -24,7 +24,6 @@ from nao_course.sim import LABELS
 
 CANDIDATE = "#7a2cff"  # apart from feet, carpet, posts and lines
 _NONE: tuple[()] = ()
-_TOUCHING = {"shrinkA": 0, "shrinkB": 0}  # an arrow that reaches both of its points
 
 
 @course_style()
@@ -218,6 +217,12 @@ def _xy(point: FloatArray) -> tuple[float, float]:
     return float(point[0]), float(point[1])
 
 
+def _length(ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str = "black") -> None:
+    """Draw a double arrow that reaches both points."""
+    arrow: dict[str, Any] = {"arrowstyle": "<->", "color": colour, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", start, end, arrowprops=arrow)
+
+
 @course_style()
 def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pitch: float = 0.26) -> Drawing:
     """Draw from the side how a camera that looks down sees a goal post, with its image plane.
@@ -250,7 +255,7 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
         ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
         ax.plot(*at, "o", color=FOUND, ms=5)
         z = [camera + beside * across, at + beside * across]
-        ax.annotate("", *map(_xy, z), arrowprops={"arrowstyle": "<->", "color": FOUND} | _TOUCHING)
+        _length(ax, _xy(z[0]), _xy(z[1]), FOUND)
         ax.text(
             *_xy(z[0] + 0.62 * (z[1] - z[0])),
             f"z of the {name}",
@@ -268,20 +273,15 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
     ax.plot(*np.transpose(rays), color="#7a4fa3", lw=6, solid_capstyle="butt")
     ax.text(*_xy(centre + 0.33 * across), "image plane", color="#7a4fa3", ha="center", fontsize=10)
     below = 0.06 * np.array([-np.sin(pitch), -np.cos(pitch)])
-    arrow = {"arrowstyle": "<->", "color": "#7a4fa3"} | _TOUCHING
-    ax.annotate("", _xy(camera + below), _xy(centre + below), arrowprops=arrow)
+    _length(ax, _xy(camera + below), _xy(centre + below), "#7a4fa3")
     at_f = _xy(camera + 0.5 * focal * along + 1.9 * below)
     ax.text(*at_f, "f", color="#7a4fa3", style="italic", fontsize=12, ha="center", va="center")
     ax.add_patch(Arc(_xy(camera), 0.34, 0.34, theta1=-float(np.degrees(pitch)), theta2=0, color="black"))
     ax.text(*_xy(rays[1] + (-0.03, -0.05)), "n", color="#7a4fa3", style="italic", fontsize=12, ha="right")
     ax.plot([0, distance], [height] * 2, color=GREY, lw=1)
-    spans = (
-        ((0, 0), (0, height)),
-        ((0, -0.05), (distance, -0.05)),
-        ((distance + 0.34, 0), (distance + 0.34, post)),
-    )
-    for start, end in spans:  # h, d and H
-        ax.annotate("", start, end, arrowprops={"arrowstyle": "<->", "color": "black"} | _TOUCHING)
+    _length(ax, (0, 0), (0, height))
+    _length(ax, (0, -0.05), (distance, -0.05))
+    _length(ax, (distance + 0.34, 0), (distance + 0.34, post))
     places = {
         "camera": (-0.05, height + 0.1),
         "h": (-0.05, height / 2),
