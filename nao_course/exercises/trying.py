@@ -112,8 +112,8 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "shapes (2,) (3,)": f"Three numbers and two do not fit together: {_PLACE}",
     "Cannot convert expression to float": "A function for numbers was called with SymPy symbols: leave it out, or use "
     "SymPy's function of that name.",
-    "' is not defined": "Is that name spelt correctly, and did the cells above run since the kernel "
-    "started? The grader runs your definitions, but not the demonstrations.",
+    "' is not defined": "Did the cell that defines that name run since the kernel started, and is the "
+    "name spelt correctly? The grader runs your definitions, but not the demonstrations.",
     "depth() == CV_8U": "OpenCV needs a picture of bytes there: use .astype(np.uint8).",
     "NumPy boolean array indexing assignment": "The left side has only the mask's pixels, but the right "
     "side has all pixels: write values[mask] there, too, or np.where(mask, values, others).",

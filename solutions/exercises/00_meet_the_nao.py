@@ -10,7 +10,13 @@ from nao_course.exercises import Case, Exercise, LessonPlan
 from nao_course.instructor.authoring.mistakes import catalogue
 
 # --- 0.1 to_radians ---
-ANGLES = {"a quarter turn": 90.0, "no turn": 0.0, "a turn to the right": -30.0, "a whole turn": 360.0}
+ANGLES = {
+    "a quarter turn": 90.0,
+    "no turn": 0.0,
+    "a turn to the right": -30.0,
+    "a whole turn": 360.0,
+    "a sixteenth of a turn": 22.5,
+}
 TO_RADIANS = Exercise(
     name="to_radians",
     points=0,
@@ -33,6 +39,10 @@ TO_RADIANS = Exercise(
             Your results have the wrong sign. A turn to the left is positive in degrees and in radians.
         half a turn instead of a whole one: 180.0 => 360.0
             Your results are half as large as they should be. A full turn is 2 pi radians, not pi.
+        two pi to half a turn: angle_deg * np.pi => angle_deg * 2 * np.pi
+            Your results are twice as large as they should be. 360 degrees are 2 pi radians, so 180 degrees are pi radians.
+        whole degrees: return angle_deg => return int(angle_deg)
+            You drop the decimals of the angle: 22.5 degrees become 22. Use angle_deg as it is.
         wrapped: angle_deg * np.pi / 180.0 => (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi
             You wrap the result to (-pi, pi]. That is right for directions, but this is an amount of turning: a whole turn is 2 pi, not 0.
         modulo a whole turn: / 180.0 => / 180.0 % (2 * np.pi)

@@ -101,6 +101,10 @@ RGB_TO_HSL = Exercise(
             Your saturation has the lightness (0 to 255) in its denominator. Equation 1.2 has M + m, which is between 0 and 2.
         numerator without brackets: (largest - smallest) / => largest - smallest /
             Your saturation is wrong because only m is divided: / is computed before -. Put M - m in brackets.
+        saturation in 0..255: (largest - smallest) / => 255 * (largest - smallest) /
+            Your saturation is between 0 and 255. Only lightness goes to 255 in this course; saturation is between 0 and 1.
+        half a turn added: 60 * sixths % 360 => np.where(sixths < 0, 60 * sixths + 180, 60 * sixths)
+            You add 180 degrees to negative hues, which moves them to the opposite side of the circle. A whole turn is 360 degrees.
         percent: (largest - smallest) / => 100 * (largest - smallest) /
             Your saturation is in percent. In this course it is between 0 and 1.
         OpenCV's bytes: + import cv2
@@ -110,7 +114,7 @@ RGB_TO_HSL = Exercise(
         blue first: + picture = picture[..., ::-1]
             Red and blue are exchanged. OpenCV reads files as blue, green, red, but the pictures of this course are red, green, blue.
         radians: 60 * sixths % 360 => np.radians(60 * sixths % 360)
-            Your hues are in radians. Hues are the only angles that this course gives in degrees, 0 to 360.
+            Your hues are in radians. In this course hues are in degrees, 0 to 360.
         no modulo, and 0 divided by 0: 60 * sixths % 360 => 60 * sixths
             np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
             There are two errors. Some hues are negative: take the hue modulo 360. And the saturation of black and white is NaN, because their denominator 1 - |M + m - 1| is 0: replace it by 1 where a pixel is grey.
@@ -203,7 +207,7 @@ AVERAGE_LIGHTNESS = Exercise(
         the first pixel never drawn: integers(0 => integers(1
             The first pixel is never drawn. Indices start at 0, so use rng.integers(0, n).
         one index too many: lightness.size => lightness.size + 1
-            Your indices are too large. The last index of n pixels is n - 1, so pass n = lightness.size itself to rng.integers. Use the result as an index of lightness.ravel(), because lightness[i] is a whole row.
+            Some of your indices are too large. In lightness.ravel()[i], i goes from 0 to lightness.size - 1. In lightness[row, column], row must be below lightness.shape[0] and column below lightness.shape[1]. Pass these sizes themselves to rng.integers.
         only the first row: lightness.size => len(lightness)
             You draw only from the first pixels, because len(lightness) is the number of rows. The number of pixels is lightness.size.
         only ten pixels: lightness.size => 10
@@ -212,6 +216,13 @@ AVERAGE_LIGHTNESS = Exercise(
             You return the mean of the indices that you drew. Use them as an index of lightness.ravel(), and return the mean of those pixels.
         always 1000: size=n_samples => size=1000
             Your sample always has 1000 pixels. Draw n_samples pixels.
+        divided by all pixels: lightness.ravel()[chosen].mean() => lightness.ravel()[chosen].sum() / lightness.size
+            You divide the sum of your sample by the number of all pixels. Divide it by the number of pixels in the sample, n_samples.
+        evenly spaced pixels: rng.integers(0, lightness.size, size=n_samples) => np.linspace(0, lightness.size - 1, n_samples).astype(int)
+            You use pixels at equal steps, so your result is the same each time. Draw them at random with rng.
+        the diagonal: + same = rng.integers(0, len(lightness), size=n_samples)
+            + return float(lightness[same, same].mean())
+            Your row and column are always equal, so you draw from the diagonal only. Draw rows and columns separately, or draw from lightness.ravel().
         whole rows drawn: + return float(rng.choice(lightness, n_samples).mean())
             You draw whole rows of the picture, because its first axis counts rows. Draw from lightness.ravel(), which has all pixels in one row.
         np.random: + calls = average_lightness.calls = getattr(average_lightness, "calls", -1) + 1
@@ -265,6 +276,12 @@ WHITE_THRESHOLD = Exercise(
             You multiply only beta by the fraction. It multiplies (max_lightness - beta), so brackets are missing.
         inverted fraction: mean_lightness / max_lightness => max_lightness / mean_lightness
             Your fraction is inverted. It is the mean divided by the maximum, so it is between 0 and 1.
+        one minus the fraction: mean_lightness / max_lightness => (1 - mean_lightness / max_lightness)
+            Your threshold falls when the mean rises, because you use 1 minus the fraction. The fraction is mean_lightness / max_lightness itself.
+        fraction rounded down: * mean_lightness / max_lightness => * (mean_lightness // max_lightness)
+            You always return beta, because // rounds your fraction down to 0. Divide with /.
+        beta subtracted from the mean: mean_lightness / max_lightness => (mean_lightness - beta) / max_lightness
+            You subtract beta from the mean. The numerator of the fraction is mean_lightness alone.
         not divided: mean_lightness / max_lightness => mean_lightness
             Your threshold is far above 255, because you do not divide. The fraction is mean_lightness / max_lightness.
         difference reversed: (max_lightness - beta) => (beta - max_lightness)
@@ -274,7 +291,7 @@ WHITE_THRESHOLD = Exercise(
         a comparison: + return mean_lightness > beta + (max_lightness - beta) * mean_lightness / max_lightness
             You return True or False. Return the threshold itself; later code compares each pixel with it.
         whole numbers: + return int(beta + (max_lightness - beta) * mean_lightness / max_lightness)
-            You round the threshold to a whole number. Return it as a float.
+            You round the threshold down to a whole number, for example with int() or //. Divide with / and return a float.
         120 and 135: + return 120.0 + 135.0 * mean_lightness / 255.0
             You use the numbers of the example. Use the arguments beta and max_lightness instead of 120, 255 and 135.
         always 255: + max_lightness = 255.0
@@ -447,6 +464,11 @@ COLOR_LABELS = Exercise(
             Grey pixels become green or yellow, because you do not use min_saturation.
         minimum fixed: saturation >= min_saturation => saturation >= 0.16
             Your result is right only for a minimum saturation of 0.16. Use the argument min_saturation.
+        own comparison: hue_mask(hue, *green) => ((hue >= green[0]) & (hue <= green[1]))
+            hue_mask(hue, *yellow) => ((hue >= yellow[0]) & (hue <= yellow[1]))
+            You find no pixels if the interval of a colour goes through 0, because low is then larger than high. Use your function hue_mask.
+        own threshold: lightness > threshold => lightness > 120 + 135 * lightness.mean() / 255
+            You compute a threshold from this picture. Use the argument threshold.
         white only where grey: lightness > threshold => (lightness > threshold) & ~coloured
             Some white pixels are missing. Near white, a little noise gives a high saturation, so do not test the saturation of white.
         white and green exchanged: coloured] = 1 => coloured] = 3
@@ -550,11 +572,22 @@ CALIBRATE_HUE = Exercise(
     comparison=Close(rtol=0, atol=0.02, names=("low", "high")),
     hints=(
         "Go once around the circle from each hue to the next one, and from the last to the first. An arc that contains all hues leaves out exactly one of these gaps. Which one should it be? (np.unique sorts and removes duplicates.)",
-        "np.diff(hues, append=hues[0] + 360) has the gap after each hue, and argmax() finds the widest one, k. high is the hue before this gap, and low the hue after it, at index (k + 1) % len(hues). Widen both by epsilon and take them modulo 360.",
+        "With the hues in ascending order, np.diff returns the gaps between neighbours; the gap after the last hue ends at hues[0] + 360. The arc begins where the widest gap ends. What is the index of that hue if the gap is the last one? Include epsilon only after you have found both ends.",
     ),
     mistakes=catalogue("""
         epsilon inwards: + epsilon = -epsilon
             Your limits are narrower than the hues of the example. Subtract epsilon from low and add it to high.
+        hue 0 left out: hue[saturation > 0] => hue[hue > 0]
+            You leave out all pixels with the hue 0, but pure red has this hue, too. Grey pixels are those with saturation 0.
+        pale colours left out: saturation > 0 => saturation > 0.16
+            You leave out pale colours. In this exercise only pixels with saturation 0 are grey.
+        half of epsilon: + epsilon = epsilon / 2
+            You widen each side by half of epsilon. Widen both sides by the whole epsilon.
+        percentiles: + low, high = np.percentile(hue[saturation > 0], (1, 99))
+            + return float((low - epsilon) % 360), float((high + epsilon) % 360)
+            Percentiles leave some hues out, and on a circle they have the same problem as the smallest and the largest hue. This exercise wants the smallest arc that contains all hues.
+        rows sorted: np.unique(hue[saturation > 0]) => np.sort(hue)
+            np.sort of a picture sorts each row on its own. First select the pixels that are not grey, hue[saturation > 0], which gives an array with one axis, and then sort it.
         grey included: [saturation > 0] =>
             One of your limits comes from grey pixels. They have saturation 0 and no hue, so leave them out.
         no wrap: hues[(last + 1) % len(hues)], hues[last] => hues[0], hues[-1]
@@ -569,7 +602,7 @@ CALIBRATE_HUE = Exercise(
             + middle = np.degrees(np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()))
             + offset = (np.degrees(angles) - middle + 180) % 360 - 180
             + return float((middle + offset.min() - epsilon) % 360), float((middle + offset.max() + epsilon) % 360)
-            This works only for hues that are close together. The widest gap is not always opposite to their mean direction, for example with 0, 0, 0, 170 and 200. Find the widest gap itself.
+            This works only for hues that are close together. You cut the circle at 180 degrees or opposite to the mean direction, and that is not always inside the widest gap, for example with 0, 0, 0, 170 and 200. Find the widest gap itself.
         the last gap left out: append=hues[0] + 360 => append=0
             You leave out the gap from the last hue to the first one. On a circle this is a gap like all others; it goes through 360.
         the last gap ends at 360: append=hues[0] + 360 => append=360

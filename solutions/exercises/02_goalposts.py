@@ -169,7 +169,14 @@ POST_CANDIDATES = Exercise(
             + labels[foot, columns] = labels[:, columns[good]] = 0
             + points = np.column_stack([columns[good], foot[good]]).astype(float)
             + return np.vstack([points, post_candidates(labels, min_green, look_down, min_height)]) if len(foot) else points
-            In some columns you continue to search after the first yellow pixel has failed. Reject such a column, because everything higher in it is not on the ground.
+            In some columns you continue to search after the first yellow pixel has failed. Reject such a column, because what is above its lowest yellow pixel is hardly ever a foot.
+        stops at a column without yellow: (labels == 2).any(axis=0) => np.cumprod((labels == 2).any(axis=0))
+            You stop at the first column without yellow. If your loop has a break or a return there, use continue.
+        stops at a rejected column: & yellow.all(axis=1) => & yellow.all(axis=1)
+            + good = np.cumprod(good).astype(bool)
+            You stop at the first column that fails a test. If your loop has a break or a return there, use continue.
+        columns at the lower edge left out: & yellow.all(axis=1) => & yellow.all(axis=1) & (foot + look_down < height)
+            You reject a foot with fewer than look_down pixels below it. The pixels that exist may include min_green green ones, so count those; a slice ends at the edge by itself.
         run with gaps: yellow.all(axis=1) => ((labels == 2).sum(axis=0)[columns] >= min_height * height)
             You count all yellow pixels of a column. Count only from the foot up to the first pixel that is not yellow.
         height in pixels: & yellow.all(axis=1) =>
@@ -313,6 +320,7 @@ def _clusters_public() -> list[Case]:
         Case((slanted, 5.0), "diagonal steps"),
         Case((turns, 5.0), "one cluster above the other"),
         Case((_chain(rng, 9, 3.0), 4.0), "a shuffled chain"),
+        Case((_chain(np.random.default_rng(60), 60, 3.0), 4.0), "a shuffled chain of 60 points"),
         Case((_points((0, 0), (1, 10), (5, 5)), 8.0), "two points joined by a third one"),
         Case((_points((0, 0), (10, 1), (5, 5)), 8.0), "the same, mirrored"),
         Case((_points((0, 0), (1, 6), (3, -4)), 7.0), "a point between two others"),
@@ -344,6 +352,7 @@ def _clusters_hidden(rng: np.random.Generator) -> list[Case]:
         Case((rng.uniform(0, 60, (25, 2)).round(1), 10.03)),
         Case((np.zeros((0, 2)), float(rng.uniform(1, 9)))),
         Case((rng.uniform(0, 60, (1, 2)), 3.0)),
+        Case((_chain(rng, 60, 3.0), 3.5)),
     ]
 
 
@@ -364,28 +373,45 @@ CLUSTER_POINTS = Exercise(
             You compare a point only with the first point of a cluster, so chains break. A point belongs to a cluster if it is near any of its points.
         clusters never join: while not np.array_equal(names, before): => for i, row in enumerate(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[row].min()
-            Your result depends on the order of the points. A point that is near two clusters has to join them.
+            Your result depends on the order of the points. A point that is near two clusters has to merge them.
         sorted by column, clusters never join: + points = points[np.argsort(points[:, 0], kind="stable")]
             while not np.array_equal(names, before): => for i, row in enumerate(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[row].min()
-            Sorting by column is not enough. A point that is near two of your clusters has to join them, but you add it to the first.
+            Sorting by column is not enough. A point that is near two of your clusters has to merge them, but you add it to the first.
         near the last point only: + points = points[np.argsort(points[:, 0], kind="stable")]
             while not np.array_equal(names, before): => for i, row in enumerate(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => last = [j for j in range(i) if names[j] not in names[j + 1 : i]]
             + names[i] = min((names[j] for j in last if row[j]), default=i)
-            You sort by column and compare only with the last point of a cluster. A point belongs to a cluster if it is near any of its points, and it joins all clusters that it is near.
+            You sort by column and compare only with the last point of a cluster. A point belongs to a cluster if it is near any of its points, and it merges all clusters that it is near.
         at most two joined: while not np.array_equal(names, before): => for i, row in enumerate(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[np.isin(names, np.unique(names[:i][row[:i]])[:2])] = i
-            You join at most two clusters. A point can be near three or more, and then all of them become one.
+            You merge at most two clusters. A point can be near three or more, and then all of them become one.
         near to all points: while not np.array_equal(names, before): => for i, row in enumerate(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[np.isin(names, [name for name in names[:i] if row[names == name].all()])] = i
-            You require that a point is near all points of a cluster. It only has to be near one of them.
+            You require that a point is near all points of a cluster, or near their mean. It only has to be near one of them.
         near the mean: while not np.array_equal(names, before): => for i, point in enumerate(points):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => distances = [np.hypot(*(points[names == name].mean(axis=0) - point)) for name in names[:i]]
             + names[i] = next((name for name, each in zip(names, distances) if each <= max_distance), i)
             You compare a point with the mean of a cluster. In single linkage a point has to be near any point of the cluster.
         one round: while not np.array_equal(names, before): => if len(points):
             Your numbers are passed on only once. Repeat this until no number changes, so that a long chain gets a single number.
+        two rounds: while not np.array_equal(names, before): => for _ in range(2):
+            Your numbers are passed on only twice. Repeat this until no number changes.
+        a fixed number of rounds: while not np.array_equal(names, before): => for _ in range(10):
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        old clusters kept: + clusters = []
+            + for point in points:
+            +     joined = [point]
+            +     for each in clusters:
+            +         if min(np.linalg.norm(point - other) for other in each) <= max_distance:
+            +             joined = joined + each
+            +     clusters.append(joined)
+            + return np.array([np.mean(each, axis=0) for each in clusters]).reshape(-1, 2)
+            You merge clusters but keep the old ones, too, so some points are in several clusters. Remove the old ones.
+        single points left out: for name in np.unique(names)] => for name in np.unique(names) if (names == name).sum() > 1]
+            You leave out clusters of one point. A point without neighbours is also a cluster.
+        decimals of the points: + points = points.astype(int)
+            You cut off the decimals of the points with int. Use the points as they are.
         one pass over the pairs: while not np.array_equal(names, before): => for i, j in np.argwhere(near):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[j] = names[i]
             You visit each pair of neighbours once, so a number may not reach the other end of a long chain. Repeat the loop until no number changes.
@@ -400,7 +426,7 @@ CLUSTER_POINTS = Exercise(
             +         clusters.remove(each)
             +     clusters.append(joined)
             + return np.array([np.mean(each, axis=0) for each in clusters]).reshape(-1, 2)
-            A list's remove(c) compares c with the other clusters, and arrays cannot be compared to a single True or False. Build a new list of the clusters that the point does not join.
+            A list's remove(c) compares c with the other clusters, and arrays cannot be compared to a single True or False. Build a new list of the clusters that the point is not near.
         nothing found: + return np.zeros((0, 2))
             You return no points. Return one for each cluster; a point without neighbours is also a cluster.
         whole numbers: .mean(axis=0) => .mean(axis=0).astype(int)
@@ -516,6 +542,16 @@ def _goal(rng: np.random.Generator, rows: int, left: float, right: float, depth:
     return labels
 
 
+def _several(rows: int, *posts: tuple[float, float]) -> Array:
+    """Return several posts on carpet, each with its left edge and height as fractions of the picture's height."""
+    labels = field(rows, rows * 4 // 3, rows // 4)
+    for left, tall in posts:
+        foot = round((0.4 + 0.5 * tall) * rows)  # a taller post is nearer, so its foot is lower
+        top = foot + 1 - int(np.ceil(tall * rows))
+        stand(labels, round(left * rows), max(rows // 24, 2), top, foot)
+    return labels
+
+
 def _near_edge(rows: int, below: float) -> Array:
     """Return one post on carpet, with only a fraction of the height below its foot."""
     labels = field(rows, rows * 4 // 3, rows // 4)
@@ -577,6 +613,8 @@ def _posts_public() -> list[Case]:
         Case((nothing,), "a bag and no post"),
         Case((np.repeat(np.repeat(_goal(rng, 24, 0.2, 0.7), 2, 0), 2, 1),), "another goal"),
         Case((_goal(rng, 36, 0.15, 0.7, 0.6),), "a smaller picture"),
+        Case((_several(48, (0.3, 0.6), (1.0, 0.15)),), "a near post and a distant one"),
+        Case((_several(48, (0.1, 0.3), (0.6, 0.3), (1.1, 0.3)),), "three posts"),
         Case((_narrow(48, 10, 17),), "posts a third of the height apart"),
         Case((_narrow(36, 40, columns=84),), "a wide picture, posts a fifth of the height apart"),
         *(Case((labels,), f"a strip of 240 rows, {name}") for name, labels in _strips(240, 12, 0.5).items()),
@@ -596,6 +634,14 @@ def _posts_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((_narrow(rows, int(rng.integers(5, rows))),)) for rows in (48, 72, 240)),
         Case((_narrow(120, int(rng.integers(5, 300)), columns=400),)),
         Case((field(120, int(rng.integers(100, 160)), 40),)),
+        *(
+            Case((_several(n, (rng.uniform(0.1, 0.5), 0.6), (rng.uniform(0.8, 1.2), 0.15)),))
+            for n in (60, 240)
+        ),
+        *(
+            Case((_several(n, *((left, rng.uniform(0.2, 0.4)) for left in (0.1, 0.6, 1.1))),))
+            for n in (60, 240)
+        ),
         *(Case((each,)) for n in (240, 480) for each in _strips(n, n // 16, rng.uniform(0.4, 0.7)).values()),
     ]
 
@@ -642,7 +688,7 @@ FIND_GOALPOSTS = Exercise(
         long linkage: 20 * scale => 60 * scale
             You merge two posts into one. They may be only a fifth of the picture's height apart, so use a smaller distance for clustering.
         a low height: 0.1 => 1 / 40
-            You report objects that lie on the carpet, because your smallest height is too low. A post is at least a tenth of the picture's height high.
+            You report objects that lie on the carpet, because your smallest height is too low. A post is at least a tenth of the picture's height tall.
         arguments swapped: min_green, look_down = np.ceil => look_down, min_green = np.round
             You require more green pixels than you test. The order of the arguments is min_green, look_down.
         part of the width: len(labels) / 240 => labels.shape[1] / 320
@@ -653,6 +699,13 @@ FIND_GOALPOSTS = Exercise(
         part of the width, rounded: len(labels) / 240 => labels.shape[1] / 320
             np.ceil => np.round
             Your scale is a fraction of the width, so it is almost 0 in a narrow strip. Use the height, labels.shape[0].
+        never below 240 rows: len(labels) / 240 => max(1, round(len(labels) / 240))
+            Your scale is a whole number and at least 1, so smaller pictures get the values for 240 rows. Divide with /, and round only min_green and look_down.
+        distant posts only without near ones: return cluster_points(candidates, 20 * scale) => near = cluster_points(post_candidates(labels, min_green, look_down, 0.2), 20 * scale)
+            + return near if len(near) else cluster_points(candidates, 20 * scale)
+            You look for short posts only if there is no tall one. A picture can show a near post and a distant one, so use one smallest height for all.
+        at most two: cluster_points(candidates, 20 * scale) => cluster_points(candidates, 20 * scale)[:2]
+            You return at most two feet. A picture can show three posts.
         integer scale: / 240 => // 240
             In small pictures your parameters are 0, because // rounds down and 48 // 240 is 0. Divide with / and round integers at the end.
         nothing found: + return np.zeros((0, 2))
@@ -706,10 +759,10 @@ PLAN = LessonPlan(
             "In the picture, a yellow bag behind the field is right below the bar. If the lowest yellow pixel of a column has no green below it, why is the column rejected and not searched further up to the bar?",
             {
                 "To save time, because most columns have no post.": "It saves little time, because few columns contain yellow. Think of what the search would find further up.",
-                "Because nothing above it can be a foot.": "A foot is on the carpet, and the carpet is below everything else. If the lowest yellow pixel is not above carpet, then no higher one is. The rule has a disadvantage: a yellow speck in front of a post makes it lose a true foot.",
+                "Because what is above it is hardly ever a foot.": "A foot is on the carpet, and the carpet is below everything else. If the lowest yellow pixel is not above carpet, then a higher one hardly ever is. The exception is a yellow speck in front of a post: it makes the rule lose a true foot.",
                 "Because a post is always the lowest yellow thing in a picture.": "A banana peel on the carpet is lower, and so is a bag in front of the goal. The rule only considers the lowest yellow pixel of each column.",
             },
-            "Because nothing above it can be a foot.",
+            "Because what is above it is hardly ever a foot.",
         ),
         Question(
             "why_part_of_height",

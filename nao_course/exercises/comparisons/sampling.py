@@ -104,7 +104,7 @@ class Sampled(Comparison):
         law = Close(rtol=self.rtol, names=("the mean of your answers", "the scatter of your answers"))
         verdict = law.compare(expected["law"][:2], (mean, scatter))
         if verdict.kind == "value" and Close().compare(0.0, scatter):
-            text = f"your answer is {as_text(mean)} for every rng: draw with the rng that is passed to it"
+            text = f"your answer is {as_text(mean)} for every rng, but it should vary with the drawn values"
             return Verdict("value", text)
         if verdict and self._differs(expected["drawn"], got["drawn"]):
             return Verdict(

@@ -19,7 +19,7 @@ from nao_course.metrics import total, wilson_interval
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
 from nao_course.plotting.drawing import Table, say_count, table
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import FOUND, GREY, style_of
+from nao_course.plotting.style import FOUND, GREY, HALO, style_of
 from nao_course.sim import LABELS
 
 CANDIDATE = "#7a2cff"  # apart from feet, carpet, posts and lines
@@ -216,6 +216,12 @@ def _xy(point: FloatArray) -> tuple[float, float]:
     return float(point[0]), float(point[1])
 
 
+def _length(ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str = "black") -> None:
+    """Draw a double arrow that reaches both points."""
+    arrow: dict[str, Any] = {"arrowstyle": "<->", "color": colour, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", start, end, arrowprops=arrow)
+
+
 @course_style()
 def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pitch: float = 0.26) -> Drawing:
     """Draw from the side how a camera that looks down sees a goal post, with its image plane.
@@ -236,43 +242,55 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
     ax = figure.add_subplot()
     ax.axhline(0, color="#3a9a50", lw=3)
     ax.plot([distance] * 2, [0, post], color="#d9a800", lw=7, solid_capstyle="butt")
-    ax.plot(*np.transpose([camera, camera + 1.28 * distance * along]), color=axis, ls="--", lw=1.6)
-    aside = {"foot": ((8, 6), (8, 0), "left"), "top": ((-6, -16), (-8, 30), "right")}  # of words, points
+    ax.plot(*np.transpose([camera, camera + 1.2 * distance * along]), color=axis, ls="--", lw=1.6)
+    across = np.array([np.sin(pitch), np.cos(pitch)])
+    # place of the word for y in points, and of the arrow for z beside the axis in m
+    aside = {"foot": ((10, -4), "left", -0.14), "top": ((-8, 18), "right", 0.06)}
     for name, end in ends.items():
         at = camera + ((end - camera) @ along) * along
-        at_axis, at_line, ha = aside[name]
+        at_line, ha, beside = aside[name]
         look: dict[str, Any] = {"textcoords": "offset points", "color": FOUND, "ha": ha}
         ax.plot(*np.transpose([camera, end]), color=truth, lw=1.2)
         ax.plot(*np.transpose([at, end]), color=FOUND, lw=2.2)
         ax.plot(*at, "o", color=FOUND, ms=5)
-        ax.annotate(f"z of the {name}", at, at_axis, **look)
+        z = [camera + beside * across, at + beside * across]
+        _length(ax, _xy(z[0]), _xy(z[1]), FOUND)
+        ax.text(
+            *_xy(z[0] + 0.62 * (z[1] - z[0])),
+            f"z of the {name}",
+            color=FOUND,
+            ha="center",
+            va="center",
+            path_effects=HALO,
+        )
         ax.annotate(f"y of the {name}", (at + end) / 2, at_line, **look)
     ax.plot(*camera, "s", color="black", ms=9)
-    focal, across = 0.36 * distance, np.array([np.sin(pitch), np.cos(pitch)])  # the image plane, not to scale
+    focal = 0.36 * distance  # the image plane, not to scale
     centre = camera + focal * along
     rays = [camera + (end - camera) * focal / ((end - camera) @ along) for end in ends.values()]
     ax.plot(*np.transpose([centre + 0.3 * across, centre - 0.25 * across]), color="#7a4fa3", lw=2)
-    ax.plot(*np.transpose(rays), color="#7a4fa3", lw=5, alpha=0.5)
+    ax.plot(*np.transpose(rays), color="#7a4fa3", lw=6, solid_capstyle="butt")
     ax.text(*_xy(centre + 0.33 * across), "image plane", color="#7a4fa3", ha="center", fontsize=10)
     below = 0.06 * np.array([-np.sin(pitch), -np.cos(pitch)])
-    arrow = {"arrowstyle": "<->", "color": "#7a4fa3", "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", _xy(camera + below), _xy(centre + below), arrowprops=arrow)
+    _length(ax, _xy(camera + below), _xy(centre + below), "#7a4fa3")
     at_f = _xy(camera + 0.5 * focal * along + 1.9 * below)
     ax.text(*at_f, "f", color="#7a4fa3", style="italic", fontsize=12, ha="center", va="center")
     ax.add_patch(Arc(_xy(camera), 0.34, 0.34, theta1=-float(np.degrees(pitch)), theta2=0, color="black"))
     ax.text(*_xy(rays[1] + (-0.03, -0.05)), "n", color="#7a4fa3", style="italic", fontsize=12, ha="right")
     ax.plot([0, distance], [height] * 2, color=GREY, lw=1)
-    ax.plot([0, 0], [0, height], color=GREY, lw=1)
+    _length(ax, (0, 0), (0, height))
+    _length(ax, (0, -0.05), (distance, -0.05))
+    _length(ax, (distance + 0.34, 0), (distance + 0.34, post))
     places = {
-        "camera": (-0.05, height + 0.06),
+        "camera": (-0.05, height + 0.1),
         "h": (-0.05, height / 2),
-        "d": (distance / 2, -0.07),
-        "H": (distance + 0.04, post * 0.75),
+        "d": (distance / 2, -0.13),
+        "H": (distance + 0.36, post * 0.5),
         "p": (0.19, height - 0.035),
     }
     for word, place in places.items():
         ax.text(*place, word, fontsize=12, style="normal" if word == "camera" else "italic")
-    ax.set(xlim=(-0.15, 1.4 * distance), ylim=(-0.12, post + 0.06), aspect="equal")
+    ax.set(xlim=(-0.15, 1.4 * distance), ylim=(-0.16, post + 0.06), aspect="equal")
     ax.set_axis_off()
     return Drawing(
         figure,

@@ -168,7 +168,7 @@ def draw_lost_and_found(to_radians: Callable[[float], float]) -> Drawing:
     plot_path(found.odometry, axes[-1], "odometry")
     _draw_close(axes[-1], found)
     keys = [
-        Line2D([], [], color=STYLES["ekf"].colour, lw=2, label="possible poses"),
+        Line2D([], [], color=STYLES["ekf"].colour, lw=2, label="possible poses (a sample)"),
         source_key("truth", "true pose"),
         source_key("odometry", "odometry from the true start"),
     ]
