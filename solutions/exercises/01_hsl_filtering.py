@@ -175,6 +175,11 @@ def _patchy(seed: Seed, rows: int, columns: int) -> Array:
     return light
 
 
+def _two_values(rng: np.random.Generator) -> Array:
+    """Return a picture in which half of the pixels are black and the others have one lightness."""
+    return rng.uniform(200, 250) * (rng.random((30, 40)) < 0.5)
+
+
 def _sample_loop(lightness: Array, n_samples: int, rng: np.random.Generator) -> float:
     rows, columns = lightness.shape
     return sum(lightness[rng.integers(rows), rng.integers(columns)] for _ in range(n_samples)) / n_samples
@@ -192,6 +197,7 @@ AVERAGE_LIGHTNESS = Exercise(
         Case((_patchy(rng, 48, 64), 50, 120)),
         Case((_patchy(rng, 60, 40).T.copy(), 20, 120)),
         Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 260)),
+        Case((_two_values(rng), 2, 260), "the mean of two pixels has three values"),
     ],
     comparison=Sampled(),
     driver="each_seed",
