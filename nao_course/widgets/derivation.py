@@ -251,7 +251,9 @@ class DerivationSheet:
                 }
             except (ValueError, TypeError, OverflowError) as error:
                 return f"These entries cannot be computed: {error}", marks
-        marks = {at: said or faults.get(at, "") for at, said in marks.items()}
+        # The model is the sheet's, not the student's
+        found = {at: said.replace("your model", "the model") for at, said in faults.items()}
+        marks = {at: said or found.get(at, "") for at, said in marks.items()}
         return self._said(marks), marks
 
     def _parsed(self, entry: str) -> Any:

@@ -110,6 +110,15 @@ def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named(tmp_path, 
     assert len(check("alone", own["alone"]).lines) == 2
 
 
+def test_an_exercise_that_the_students_function_does_not_call_is_not_named(tmp_path, lessons):
+    wrong = {"quadruple": "def quadruple(x):\n    return 3 * x", "walk": "def walk(x):\n    return -1.0"}
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
+    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, wrong)
+    own = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
+    report = checking.Checks(lessons[pair.SECOND])("walk", own["walk"])
+    assert not report and "which does not pass its own check" not in repr(report)
+
+
 def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, lessons):
     def quadruple(x):
         return stand_in("80:double", not_usable("80:double", "why."))(7 * x)

@@ -65,8 +65,8 @@ def jacobian(function: Callable[[], Any], symbols: Collection[str], by: list[str
     )
     if unknown:
         raise ValueError(
-            f"your expressions contain the symbols {', '.join(unknown)}; expected only {', '.join(symbols)}: give your "
-            "symbols these names, and insert the others' expressions"
+            f"your expressions contain the symbols {', '.join(unknown)}; expected only {', '.join(symbols)}: use "
+            "these names, and replace any other symbol by its expression"
         )
     steps = Steps()
     places = {

@@ -68,7 +68,7 @@ class Predictions:
         return np.array([wrong_by(self.right(*case), self.wrong(bug, *case)) for case in cases])
 
     def across(self, bug: str, theta: float) -> FloatArray:
-        """Return the standard deviations (BUG_STEPS + 1,) (m) across the way of a drive in steps; "" means no bug."""
+        """Return the cross-track standard deviations (BUG_STEPS + 1,) (m) of a drive in steps; "" means no bug."""
         covariance, side = BUG_POSE, np.array([-np.sin(theta), np.cos(theta)])
         sigmas = [np.sqrt(side @ covariance[:2, :2] @ side)]
         for _ in range(BUG_STEPS):
@@ -106,7 +106,7 @@ def draw_bug_hunt(
     figure = Figure(figsize=(9.9, 4.1))
     ellipses, curves, drive = figure.subplots(1, 3, width_ratios=(1.25, 1, 1))
     plot_cloud(cloud, ellipses)
-    drive.plot(way, own, color=ESTIMATE.colour, lw=2.2)
+    drive.plot(way, own, color=ESTIMATE.colour, lw=5, alpha=0.45)
     for bug, (colour, line) in BUGS.items():
         wrong = predictions.wrong(bug, BUG_POSE, theta, BUG_DRIVE, BUG_NOISE)
         off, across = 100 * predictions.off(bug, HEADINGS), 100 * predictions.across(bug, theta)
@@ -122,12 +122,13 @@ def draw_bug_hunt(
     curves.set(xlabel="heading (degrees)", xticks=range(0, 181, 45), ylim=0)
     curves.set_title("Largest error of a σ (%)", fontsize=11)
     drive.set(xlabel="distance driven (m)", ylim=0)
-    drive.set_title("σ across the way (cm)", fontsize=11)
+    drive.set_title("cross-track σ (cm)", fontsize=11)
     lines = [Line2D([], [], color=c, ls=line, lw=2, label=bug) for bug, (c, line) in BUGS.items()]
+    lines.insert(0, Line2D([], [], color=ESTIMATE.colour, lw=5, alpha=0.45, label="your prediction"))
     legend_below(figure, [*cloud_keys(), *lines])
     return Drawing(
         figure,
-        f"Your ellipse holds {cloud.inside():.0%} of the samples and predicts {own[-1]:.0f} cm across after "
+        f"Your ellipse holds {100 * cloud.inside():.0f} % of the samples and predicts {own[-1]:.0f} cm across after "
         f"{way[-1]:.1f} m. {'; '.join(said)}. GᵀQG is right at 0, 90 and 180 degrees and worst at 45 and 135; noise "
         "that is not rotated is right at 0 and 180; FᵀPF is equally wrong at every heading.",
     )

@@ -204,7 +204,7 @@ def draw_curves(
             marker=TRUTH.marker,
             ls="",
             mec="white",
-            label="mean and 95 % of 20 runs with 2,000 samples",
+            label="mean and 95 % of 20 runs with 2,000 samples (drive of 1 m, position known to 3 cm)",
         ),
         Line2D([], [], color=ESTIMATE.colour, lw=2, label="formula"),
         Line2D([], [], color=ESTIMATE.colour, lw=2, ls=ESTIMATE.line, label="should be 95 %"),

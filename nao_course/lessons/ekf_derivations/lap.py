@@ -108,8 +108,18 @@ def draw_lap(found: Estimates) -> Drawing:
         plot_ellipse(found.poses[-1, :2], found.covariances[-1][:2, :2], ax)
     ax.set(aspect="equal", xlim=(-1.2, 2.8), ylim=(-1.2, 2.6), xlabel="x (m)", ylabel="y (m)")
     keys: list[Line2D | Patch] = [
-        Line2D([], [], color=TRUTH.colour, lw=2, label="robot 1, true path"),
-        Line2D([], [], color=TRUTH.colour, marker=".", ls="", ms=7, label=f"all {ROBOTS} robots"),
+        Line2D([], [], color=TRUTH.colour, lw=2, marker=TRUTH.marker, ms=6, label="robot 1, true path"),
+        Line2D(
+            [],
+            [],
+            color=TRUTH.colour,
+            marker=".",
+            ls="",
+            ms=5,
+            alpha=0.5,
+            mew=0,
+            label=f"all {ROBOTS} robots",
+        ),
         Line2D([], [], color=ESTIMATE.colour, lw=2, ls=ESTIMATE.line, label="your estimate"),
     ]
     if found.covariances is not None:
@@ -128,7 +138,7 @@ def say_lap(found: Estimates) -> str:
     if not steps:
         return said
     inside = round(ROBOTS * share_inside(found))
-    return f"{said} {inside} of {ROBOTS} robots ({inside / ROBOTS:.0%}) are inside the 95 % ellipse."
+    return f"{said} {inside} of {ROBOTS} robots ({100 * inside / ROBOTS:.0f} %) are inside the 95 % ellipse."
 
 
 class LapPanel(PlayerPanel):

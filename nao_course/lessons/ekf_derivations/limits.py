@@ -20,7 +20,7 @@ RUNS, NUMBER = 20, 2000
 POSITION_SIGMA = 0.03  # m; with an exact position the ellipse would have no width
 TITLES = (
     "predicted mean too far ahead (%)",
-    "predicted σ across too large (%)",
+    "cross-track σ too large (%)",
     "samples in the 95 % ellipse (%)",
 )
 
@@ -31,7 +31,7 @@ def short_mean(sigma: FloatArray) -> FloatArray:
 
 
 def across_too_large(sigma: FloatArray) -> FloatArray:
-    """Return the fraction by which a linearisation overstates the standard deviation across the way."""
+    """Return the fraction by which a linearisation overstates the cross-track standard deviation."""
     return sigma / np.sqrt((1 - np.exp(-2 * sigma**2)) / 2) - 1
 
 

@@ -96,7 +96,7 @@ def say_cloud(cloud: Cloud, *, polar: bool = False) -> str:
         f"{name}: mean off by {off:z.2f}{unit}, σ predicted {one:.2f}{unit}, sampled {other:.2f}{unit}"
         for name, unit, off, one, other in zip(names, units, shift, predicted, sampled, strict=True)
     ]
-    inside = f"{cloud.inside():.0%} of these {len(cloud.points)} samples are in the ellipse"
+    inside = f"{100 * cloud.inside():.0f} % of these {len(cloud.points)} samples are in the ellipse"
     return f"{inside} that should hold 95 %. {'; '.join(parts)}."
 
 

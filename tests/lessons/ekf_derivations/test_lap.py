@@ -50,9 +50,9 @@ def test_the_panel_gets_better_with_each_function(functions):
     assert "is 1.36 m from its estimated position" in first.summary()
     assert "no covariance yet" in first.summary() and "no covariance yet" in second.summary()
     assert "is 0.20 m from its estimated position" in second.summary()
-    assert "187 of 200 robots (94%)" in third.summary()
+    assert "187 of 200 robots (94 %)" in third.summary()
     third.set(command=len(LAP))
-    assert "190 of 200 robots (95%)" in third.summary()
+    assert "190 of 200 robots (95 %)" in third.summary()
     third.set(command=0)
     assert "inside" not in third.summary()
 
