@@ -186,12 +186,16 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
 
 
 def _frame(ax: Axes, *runs: LogRun) -> None:
-    """Set equal axes in metres around the paths, landmarks and ellipses of the robot, with a margin."""
-    ellipses = [
-        ellipse_outlines(run.predicted_states[:, :2], run.predicted_covariances[:, :2, :2]) for run in runs
+    """Set equal axes in metres around the paths and the ellipses of robot and landmarks, with a margin."""
+    outlines = [
+        ellipse_outlines(*each)
+        for run in runs
+        for each in (
+            (run.predicted_states[:, :2], run.predicted_covariances[:, :2, :2]),
+            (run.landmarks, run.landmark_covariances),
+        )
     ]
-    points = [each for run in runs for each in (run.states[:, :2], run.landmarks)]
-    around = np.vstack([*points, *(each.reshape(-1, 2) for each in ellipses)])
+    around = np.vstack([*(run.states[:, :2] for run in runs), *(each.reshape(-1, 2) for each in outlines)])
     low, high = around.min(axis=0), around.max(axis=0)
     margin = 0.05 * float((high - low).max())
     ax.set(aspect="equal", xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))

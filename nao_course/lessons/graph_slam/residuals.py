@@ -142,7 +142,7 @@ def _plot_residuals(constraints: Sequence[Constraint], missed: FloatArray, ax: A
     ax.set(xlabel="constraint", ylabel="residual (sigma)", ylim=(0.0, max(4.0, 1.08 * missed.max())))
     largest = int(np.argmax(missed))
     if missed[largest] < 1e-6:
-        ax.text(0.5, 0.5, "all residuals are 0", transform=ax.transAxes, ha="center")
+        ax.text(0.5, 0.6, "all residuals are 0", transform=ax.transAxes, ha="center")
     else:
         ax.annotate(
             f"{largest + 1}",
