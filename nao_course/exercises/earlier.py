@@ -248,6 +248,8 @@ class Calls:
 
         Raises
         ------
+        TypeError
+            If the function does not have these arguments.
         EarlierNotUsable
             If no call with these inputs was recorded.
         """
@@ -255,6 +257,11 @@ class Calls:
         if found:
             self.answered[use] = str(reason)
             return decode(encode(found.answer))
+        parameters = next((each.parameters for each in self.known if each.use == use), None)
+        if parameters is not None and (len(args) > len(parameters) or not set(kwargs) <= set(parameters)):
+            raise TypeError(
+                f"{use.rpartition(':')[2]}({', '.join(parameters)}) does not take the arguments that your code gives it"
+            )
         raise EarlierNotUsable(
             f"Your code calls {in_words(use)} with an input for which no answer was recorded. Either something before "
             f"that call is wrong, or you need the function itself: {reason}"

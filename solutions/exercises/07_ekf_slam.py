@@ -19,6 +19,7 @@ from nao_course.exercises import (
     Exact,
     Exercise,
     LessonPlan,
+    Mistake,
     Property,
     Question,
     Written,
@@ -30,6 +31,7 @@ from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
+STATE = ("the state", "the covariance")
 
 
 # --- shared by several exercises ---
@@ -144,7 +146,7 @@ WARP2PI = Exercise(
         one turn only: + angle = np.array(angle, dtype=float)
             + angle = np.where(angle > np.pi, angle - 2 * np.pi, angle)
             + return np.where(angle < -np.pi, angle + 2 * np.pi, angle)[()]
-            Your function removes one turn only. 20 rad contain three turns, so remove as many as there are.
+            Your function removes too few turns. 200 rad contain 32 turns, so remove as many as there are: the operator % does this in one step.
         degrees: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + 180.0) % 360.0 - 180.0
             You wrap at 180, but the angles are in radians. Half a turn is np.pi.
         half turns: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + np.pi / 2) % np.pi - np.pi / 2
@@ -157,6 +159,8 @@ WARP2PI = Exercise(
             You cut angles off at pi. An angle of 3.5 is the same direction as 3.5 - 2 pi, so remove whole turns instead.
         math for one number: + angle = float(angle)
             Your function works for one angle but raises for an array, because `float` and the functions of `math` accept a single number only. Use NumPy's functions, or the operator %.
+        sine first: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.arctan2(np.cos(angle), np.sin(angle))
+            You swap the arguments of arctan2. Its first argument is the sine: np.arctan2(np.sin(angle), np.cos(angle)).
         C's remainder: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.fmod(np.asarray(angle) + np.pi, 2 * np.pi) - np.pi
             Your function fails for negative angles, because np.fmod keeps the sign of its first argument. Use % or np.mod.
         one angle only: + if np.ndim(angle):
@@ -233,7 +237,9 @@ INIT_LANDMARKS = Exercise(
     uses=("05:landmark_position", "05:landmark_jacobians"),
     public=_first_measurement_public,
     hidden=_first_measurement_hidden,
-    comparison=Each((Exact(), Close(atol=1e-8), Close(atol=1e-8))),
+    comparison=Each(
+        (Exact(), Close(atol=1e-8), Close(atol=1e-8)), names=("k", "the landmarks", "the covariance")
+    ),
     hints=(
         "k is half the number of values. Landmark i has measurements[2 * i : 2 * i + 2], and its position has the same indices in the result.",
         "Start with a (2k, 2k) matrix of zeros and put the second matrix of landmark_jacobians for each landmark on its diagonal. Then one product is enough: blocks @ joint_noise(measurement_covariance, k) @ blocks.T.",
@@ -278,6 +284,10 @@ INIT_LANDMARKS = Exercise(
             You leave zeros between different landmarks. If R is a full matrix, their noise is correlated: put the Jacobians of all landmarks on the diagonal of one (2k, 2k) matrix and multiply all of joint_noise(measurement_covariance, k) by it.
         roots of R: joint_noise(measurement_covariance, k) => np.sqrt(np.abs(joint_noise(measurement_covariance, k)))
             You take the square root of R. R holds variances, and the result holds variances, too, so use R as it is.
+        R squared: joint_noise(measurement_covariance, k) => joint_noise(measurement_covariance, k) ** 2
+            You square R. R already holds variances, so use it as it is.
+        one R repeated: joint_noise(measurement_covariance, k) => np.kron(np.eye(k), measurement_covariance)
+            np.kron repeats a single (2, 2) matrix, so your function fails for the other two forms of R. joint_noise(measurement_covariance, k) returns the full (2k, 2k) matrix for each of the three forms.
         (k, 2): return k, landmarks => return k, landmarks.reshape(k, 2)
             Your landmarks have shape (k, 2). The state is one vector, so return them as (2k,): x and y of each landmark in turn.
     """),
@@ -365,7 +375,7 @@ PREDICT = Exercise(
     uses=("warp2pi", "05:predict_pose", "05:motion_jacobians"),
     public=_motion_public,
     hidden=_motion_hidden,
-    comparison=Each((Close(atol=1e-8), Close(rtol=1e-7, atol=1e-9))),
+    comparison=Each((Close(atol=1e-8), Close(rtol=1e-7, atol=1e-9)), names=STATE),
     hints=(
         "Copy both arrays. A motion changes the first three values of the state and all blocks of the covariance that have a p in their name.",
         "The error of the pose becomes F e_p + G n, and the errors of the landmarks stay as they are. Multiply the one by the other and take the mean: this gives the block covariance[:3, 3:]. The block covariance[3:, :3] is its transpose.",
@@ -373,7 +383,7 @@ PREDICT = Exercise(
     mistakes=catalogue("""
         cross-covariances left: covariance[3:, :3] = covariance[3:, :3] @ F.T => pass
             covariance[:3, 3:] = covariance[3:, :3].T => pass
-            Your pose block is correct, but the blocks between pose and map stayed as they were: this is the second error of the recorded filter. The motion multiplies the pose's error by F, so its covariance with the map must be multiplied, too. Use F e_p to derive it.
+            Your pose block is correct, but the blocks between pose and map stayed as they were: this is the second bug of the recorded filter. The motion multiplies the pose's error by F, so its covariance with the map must be multiplied, too. Use F e_p to derive it.
         P_lp times F: covariance[3:, :3] = covariance[3:, :3] @ F.T => covariance[:3, 3:] = F @ covariance[:3, 3:]
             covariance[:3, 3:] = covariance[3:, :3].T => covariance[3:, :3] = covariance[3:, :3] @ F
             Your block above the diagonal is correct, but below it you compute P_lp F. The transpose of F P_pl is P_lp Fᵀ.
@@ -393,7 +403,9 @@ PREDICT = Exercise(
             You multiply P_pl by Fᵀ. The pose's error becomes F e_p, so the block above the diagonal is F P_pl, and the block below it is P_lp Fᵀ.
         F transposed: F, G = motion_jacobians(state[:3], control) => F, G = motion_jacobians(state[:3], control)
             + F = F.T
-            You use Fᵀ in place of F everywhere. The covariance of F e is F P Fᵀ, with F on the left.
+            You use Fᵀ in place of F. The covariance of F e is F P Fᵀ, with F on the left.
+        F transposed for the pose: F @ covariance[:3, :3] @ F.T => F.T @ covariance[:3, :3] @ F
+            In the pose's own block you compute Fᵀ P F. The covariance of F e is F P Fᵀ, with F on the left.
         F left out: F, G = motion_jacobians(state[:3], control) => F, G = motion_jacobians(state[:3], control)
             + F = np.eye(3)
             You use no F. A heading error becomes a position error while the robot drives, and F describes this.
@@ -426,6 +438,11 @@ PREDICT = Exercise(
             You turn before you drive. The robot drives along its old heading and turns afterwards, and F and G use the old heading, too.
         heading not wrapped: state[2] = warp2pi(state[2]) => pass
             Your heading can leave the range from -pi to pi. Apply warp2pi to state[2] after the motion.
+        the whole state wrapped: state[2] = warp2pi(state[2]) => state[:] = warp2pi(state)
+            You wrap the whole state, but all values except the heading are in metres. Apply warp2pi to state[2] only.
+        map block lost: return state, covariance => covariance[3:, 3:] = 0
+            + return state, covariance
+            You return zeros in the map's block P_ll. Landmarks do not move, so this block stays as it is: begin with covariance.copy().
     """),
     alternatives={
         "Jacobians of the whole state": _predicted_whole,
@@ -569,6 +586,94 @@ def _update_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
+def textbook(
+    *,
+    first: Callable[[int], int] = lambda i: 3 + 2 * i,
+    pair: Callable[[int, int], int] = lambda j, i: j,
+    wrapped: slice = slice(0, None, 2),
+    by_landmark: Callable[[Array], Array] = lambda H: H,
+    noise_of: Callable[[Array, int], Array] = joint_noise,
+    corrected: slice = slice(None),
+    reduced: Callable[[Array, Array, Array], Array] = lambda P, K, H: P - K @ H @ P,
+) -> Callable[..., Any]:
+    """Return the textbook's update with a symmetric covariance and with one slip.
+
+    first(i) is the first column of landmark i in H, and pair(j, i) the number of the pair of measurements that is used
+    for it. `wrapped` are the innovations that are wrapped, `corrected` the values of the state that are corrected.
+    """
+
+    def updated(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
+        m, n = len(indices), len(state)
+        H, nu = np.zeros((2 * m, n)), np.zeros(2 * m)
+        for j, i in enumerate(indices):
+            rows, landmark, number = slice(2 * j, 2 * j + 2), state[3 + 2 * i : 5 + 2 * i], pair(j, i)
+            H[rows, :3], own = measurement_jacobians(state[:3], landmark)
+            H[rows, first(i) : first(i) + 2] = by_landmark(own)
+            nu[rows] = z[2 * number : 2 * number + 2] - expected(state[:3], landmark)
+        nu[wrapped] = wrap_angle(nu[wrapped])
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + noise_of(R, m))
+        new, P = state.copy(), reduced(P, K, H)
+        new[corrected] += (K @ nu)[corrected]
+        new[2] = wrap_angle(new[2])
+        return new, (P + P.T) / 2
+
+    return updated
+
+
+TEXTBOOK_SLIPS = [
+    Mistake(
+        "columns of H without the pose",
+        textbook(first=lambda i: 2 * i),
+        "In H you put the Jacobian with respect to landmark i in columns 2 i and 2 i + 1. The first three columns belong to the pose, so its columns are 3 + 2 i and 4 + 2 i.",
+    ),
+    Mistake(
+        "columns of H one too early",
+        textbook(first=lambda i: 2 + 2 * i),
+        "In H you put the Jacobian with respect to landmark i one column too far to the left. The pose has three columns, 0 to 2, so landmark i has columns 3 + 2 i and 4 + 2 i.",
+    ),
+    Mistake(
+        "measurements by the landmark",
+        textbook(pair=lambda j, i: i),
+        "You read the measurement at 2 i, where i is the number of the landmark. The measurements are in the order of `indices`, so pair j begins at measurements[2 * j] and belongs to landmark indices[j].",
+    ),
+    Mistake(
+        "ranges wrapped in place of bearings",
+        textbook(wrapped=slice(1, None, 2)),
+        "You wrap the ranges. The bearings have the even numbers: innovation[::2].",
+    ),
+    Mistake(
+        "landmark's Jacobian transposed",
+        textbook(by_landmark=lambda H: H.T),
+        "You transpose the Jacobian with respect to the landmark. Its rows are bearing and range, as the rows of H are, so use it as it is.",
+    ),
+    Mistake(
+        "R left out",
+        textbook(noise_of=lambda R, m: np.zeros((2 * m, 2 * m))),
+        "You leave R out of S. The innovation also contains the noise of the measurement: S = H P Hᵀ + R.",
+    ),
+    Mistake(
+        "one R repeated",
+        textbook(noise_of=lambda R, m: np.kron(np.eye(m), R)),
+        "np.kron repeats a single (2, 2) matrix, so your function fails for the other two forms of R. joint_noise(measurement_covariance, len(indices)) returns the full matrix for each of the three forms.",
+    ),
+    Mistake(
+        "only the pose corrected",
+        textbook(corrected=slice(0, 3)),
+        "You correct only the pose. K @ innovation has a value for each number of the state, so add it to the landmarks, too.",
+    ),
+    Mistake(
+        "wrong side, made symmetric",
+        textbook(reduced=lambda P, K, H: P @ (np.eye(len(P)) - K @ H)),
+        "You compute P (I - K H) and make it symmetric. The order of the product matters: (I - K H) P.",
+    ),
+    Mistake(
+        "K H for K H P",
+        textbook(reduced=lambda P, K, H: P - K @ H),
+        "You compute P - K H. The last factor is missing: P - K H P.",
+    ),
+]
+
+
 UPDATE_LANDMARKS = Exercise(
     name="update_landmarks",
     in_place=True,
@@ -582,15 +687,16 @@ UPDATE_LANDMARKS = Exercise(
     ),
     public=_update_public,
     hidden=_update_hidden,
-    comparison=All((Property(stays_symmetric), Each((Close(atol=1e-7), Close(atol=1e-8))))),
+    comparison=All((Property(stays_symmetric), Each((Close(atol=1e-7), Close(atol=1e-8)), names=STATE))),
     driver="nao_course.lessons.ekf_slam.filters.repeated_updates:repeated_updates",
     hints=(
         "First fill the innovation and H, two rows for each measured landmark: j is the number of the measurement and i = indices[j] the number of its landmark. Then wrap the bearings, compute S, and apply the gain that you derived.",
         "Rows 2 j and 2 j + 1 of H: columns 0 to 2 are measurement_jacobian_pose, columns 3 + 2 i and 4 + 2 i are measurement_jacobian_landmark. Wrap innovation[::2] with warp2pi. S = H P Hᵀ + joint_noise(measurement_covariance, len(indices)).",
     ),
-    mistakes=catalogue("""
+    mistakes=[
+        *catalogue("""
         innovation unwrapped: innovation[::2] = warp2pi(innovation[::2]) => pass
-            You do not wrap the innovation: this is the first error of the recorded filter. For a landmark behind the robot, the difference of two bearings can be almost a full turn. Apply warp2pi to innovation[::2].
+            You do not wrap the innovation: this is the first bug of the recorded filter. For a landmark behind the robot, the difference of two bearings can be almost a full turn. Apply warp2pi to innovation[::2].
         first bearing only: innovation[::2] = warp2pi(innovation[::2]) => innovation[0] = warp2pi(innovation[0])
             You wrap only the first bearing. There is one bearing for each measured landmark, and innovation[::2] contains all of them.
         ranges wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
@@ -713,6 +819,8 @@ UPDATE_LANDMARKS = Exercise(
             + return state, covariance - K @ whole @ covariance
             Your function has two errors. You update with one landmark after the other; stack all innovations and rows of H at the state before the update, and update once. And rounding errors make your covariance asymmetric over many updates: return (P + P.T) / 2.
     """),
+        *TEXTBOOK_SLIPS,
+    ],
     alternatives={
         "information form": _by_information,
         "Cholesky factor": _by_roots,
@@ -749,7 +857,7 @@ UPDATE = Exercise(
     uses=("update_landmarks",),
     public=_all_public,
     hidden=_all_measured,
-    comparison=Each((Close(atol=1e-7), Close(atol=1e-7))),
+    comparison=Each((Close(atol=1e-7), Close(atol=1e-7)), names=STATE),
     hints=(
         "Call update_landmarks with all k landmarks as its indices.",
         "The indices of all k landmarks are range(k).",
@@ -775,6 +883,8 @@ UPDATE = Exercise(
             You pass k, the number of landmarks. update_landmarks needs a list of their indices, from 0 to k - 1.
         backwards: list(range(k)) => list(range(k - 1, -1, -1))
             Your indices run backwards. The first pair of measurements belongs to landmark 0.
+        indices from 1: list(range(k)) => list(range(1, k + 1))
+            An index is too large. The landmarks are numbered from 0 to k - 1, so the indices are range(k).
         no update: + return state, covariance
             You return the state and covariance unchanged. Call update_landmarks and return its result.
     """),
@@ -848,6 +958,10 @@ EVALUATE_LANDMARKS = Exercise(
             You divide an error by its variance. Divide it by the standard deviation, which is the square root of the variance; better, use np.linalg.solve with the whole matrix.
         each entry's inverse: error @ np.linalg.solve(P, error) => abs(error @ (1 / np.where(P == 0, np.inf, P)) @ error)
             You invert each entry of P. The inverse of a matrix is a different matrix: use np.linalg.solve(P, d).
+        each entry's inverse, also of 0: error @ np.linalg.solve(P, error) => error @ np.divide(1.0, P) @ error
+            1 / P inverts each entry of P, and an entry of 0 becomes infinite. The inverse of a matrix is a different matrix: use np.linalg.solve(P, d).
+        all errors as one matrix: squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances, strict=True)] => squares = (errors * np.linalg.solve(covariances, errors)).sum(axis=1)
+            np.linalg.solve(covariances, errors) treats the errors of all landmarks as one matrix. Solve for each landmark on its own, in a loop.
         unweighed: error @ np.linalg.solve(P, error) => error @ error
             Your two distances are equal, because the second does not use the covariance.
         squared metres: np.hypot(errors[:, 0], errors[:, 1]) => (errors**2).sum(axis=1)
@@ -856,6 +970,8 @@ EVALUATE_LANDMARKS = Exercise(
             You add the absolute errors in x and y. The Euclidean distance is the square root of the sum of their squares.
         over the landmarks: np.hypot(errors[:, 0], errors[:, 1]) => np.sqrt((errors**2).sum(axis=0))
             You sum over the landmarks and return a value for x and one for y. Each landmark needs one distance, so sum along axis 1.
+        one distance for the map: np.hypot(errors[:, 0], errors[:, 1]) => np.linalg.norm(errors)
+            Your Euclidean distance is one number for the whole map. Each landmark needs its own: np.linalg.norm(errors, axis=1).
         swapped: np.hypot(errors[:, 0], errors[:, 1]), np.sqrt(squares) => np.sqrt(squares), np.hypot(errors[:, 0], errors[:, 1])
             You return the two results in the wrong order. The Euclidean distances come first.
     """),
@@ -922,7 +1038,7 @@ ADD_LANDMARK = Exercise(
     uses=("05:landmark_position", "05:landmark_jacobians"),
     public=_new_public,
     hidden=lambda rng: [_new_case(rng, k) for k in (0, 1, 2, 3, 5)],
-    comparison=Each((Close(atol=1e-8), Close(atol=1e-8))),
+    comparison=Each((Close(atol=1e-8), Close(atol=1e-8)), names=STATE),
     hints=(
         "Write the error of the new state as one matrix times the errors of the old state and of the measurement. Then propagate their covariance through this matrix, as in lesson 05.",
         "The error of the new landmark is J_p times the error of the pose plus J_z times the noise. The top rows of the matrix are an identity and zeros, because the old state does not change; the last two rows are J_p, zeros for the other landmarks, and J_z.",
@@ -982,7 +1098,7 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "which_block",
-            "The filter with one error computed its covariance after a motion of 1 m. Which part of it differs from the covariance of the samples?",
+            "The filter with one bug computed its covariance after a motion of 1 m. Which part of it differs from the covariance of the samples?",
             {
                 "The pose's own 3 x 3 block.": "Its largest difference is 0.02, which is what 20,000 samples scatter by. Motion and noise of the pose are correct.",
                 "The landmarks' block, everything but the first three rows and columns.": "Its largest difference is 0.02, which is what 20,000 samples scatter by. Landmarks do not move, and the filter leaves their block as it is.",

@@ -216,6 +216,9 @@ epsilon for 1/epsilon: 1 / epsilon => epsilon
     You take the root of epsilon. Equation 8.1 divides the square by the variance itself: the weight is 1 / epsilon.
 xi without its weight: weight * VALUE =>> VALUE
     In xi you forgot the weight: multiply the VALUE by 1 / epsilon, because both sides of the equation are multiplied by it.
+root of the weight in xi: xi[FIRST] -= weight * VALUE => xi[FIRST] -= np.sqrt(weight) * VALUE
+    xi[SECOND] += weight * VALUE => xi[SECOND] += np.sqrt(weight) * VALUE
+    In xi your weight is 1 / sqrt(epsilon). If you divide a row by sqrt(epsilon), divide its VALUE by it, too. The product of both then has the weight 1 / epsilon.
 epsilon not used: 1 / epsilon => 1.0
     You do not use epsilon, so the result is right only for epsilon = 1. Everything that you add has the factor 1 / epsilon.
 sign of xi and epsilon: 1 / epsilon => epsilon
@@ -286,6 +289,12 @@ ADD_RELATIVE_MOTION = Exercise(
         *catalogue("""
             the next variable: + after = before + 1
                 You use the variable before + 1. The motion leads to the variable `after`, whatever its number.
+            a slice: + omega, xi = omega.copy(), xi.copy()
+                + omega[before : after + 1, before : after + 1] += np.array([[1, -1], [-1, 1]]) / epsilon
+                + xi[before] -= motion / epsilon
+                + xi[after] += motion / epsilon
+                + return omega, xi
+                The slice before : after + 1 contains two rows only if `after` is before + 1. Change the four entries one by one, such as omega[before, after], or select them with np.ix_.
         """),
     ],
     alternatives=_LINK_ALTERNATIVES,
@@ -321,6 +330,8 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
                 return add_relative_motion(omega, xi, pose, landmark, offset, epsilon) => omega, xi = add_relative_motion(omega, xi, pose, landmark, offset, epsilon)
                 + return add_initial_position(omega, xi, landmark, offset)
                 The link is right. In addition you give the landmark the position `offset`, but `offset` is relative to the pose. Leave the second call out.
+            the next variable: + landmark = (pose + 1) % len(xi)
+                You use the variable pose + 1. The measurement leads to the variable `landmark`, whatever its number.
             a position: + omega, xi = omega.copy(), xi.copy()
                 + omega[landmark, landmark] += 1 / epsilon
                 + xi[landmark] += offset / epsilon
@@ -389,6 +400,8 @@ def _solve_public() -> list[Case]:
         Case(linked(9, a_drive(np.random.default_rng(841), 6, 3), {}), "a drive without a start"),
         Case(_fine(rng), "measured to a tenth of a millimetre, without a start"),
         Case((np.zeros((2, 2)), np.zeros(2)), "no constraint yet: Omega is all zeros"),
+        Case(linked(40, a_drive(np.random.default_rng(842), 30, 10), {}), "40 variables without a start"),
+        Case(_precise(np.random.default_rng(843)), "weights of 1e8, and five parts without a start"),
     ]
 
 
@@ -408,6 +421,16 @@ def _fine(rng: np.random.Generator) -> Pair:
     return linked(8, a_drive(rng, 6, 2, (1e-8, 1e-7)), {})
 
 
+def _precise(rng: np.random.Generator, parts: int = 5) -> Pair:
+    """Return walks without a start, with weights of about 1e8: rounding leaves eigenvalues of both signs."""
+    links = [
+        (4 * part + i, 4 * part + i + 1, float(rng.normal(1, 0.3)), float(rng.uniform(0.5e-8, 2e-8)))
+        for part in range(parts)
+        for i in range(3)
+    ]
+    return linked(4 * parts, links, {})
+
+
 def _coarse(rng: np.random.Generator) -> Pair:
     """Return a drive in millimetres."""
     return linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: float(rng.normal(0, 100))})
@@ -425,6 +448,7 @@ def _solve_hidden(rng: np.random.Generator) -> list[Case]:
         *(_fine(rng) for _ in range(2)),
         _in_parts(rng, 7, 4, mixed=False),
         linked(60, a_drive(rng, 50, 10), {}),
+        *(_precise(rng, parts) for parts in (5, 6)),
     ]
     return [Case(system) for system in systems]
 
@@ -467,7 +491,7 @@ SOLVE = Exercise(
             +     raise ValueError(f"nothing holds {list(range(len(xi)))}")
             There are two errors. Because of rounding, NumPy does not notice every singular matrix: compare the eigenvalues with a small fraction of the largest one. And name only the variables that can be moved freely, not all.
         exactly 0: values <= 1e-12 * values.max() => values == 0
-            Because of rounding, an eigenvalue that should be 0 is about 1e-16 of the largest one, so neither == 0 nor NumPy's LinAlgError finds it every time. Compare with a small fraction of the largest eigenvalue.
+            You find only variables without any constraint. If a group of linked variables has no start, rounding leaves an eigenvalue of about 1e-16 of the largest one, so neither == 0 nor NumPy's LinAlgError finds it every time. Compare the eigenvalues with a small fraction of the largest one, and name all variables of the group.
         one direction: values <= 1e-12 * values.max()] => values <= 1e-12 * values.max()][:, :1]
             You use one free direction. There can be several, one for each part without a start: use all columns with an eigenvalue of nearly 0.
         named from 1: str, loose => str, loose + 1
@@ -475,7 +499,15 @@ SOLVE = Exercise(
         numbers of directions: np.linalg.norm(free, axis=1) => np.linalg.norm(free, axis=0)
             You name the numbers of the free directions, which are columns. Name the variables, which are rows: a variable can be moved if its row contains a nonzero entry.
         a fixed limit for 0: 1e-12 * values.max() => 1e-6
-            Your limit for an eigenvalue of 0 is a fixed number. In millimetres all weights are smaller than it. Compare with a small fraction of the largest eigenvalue.
+            Your limit for an eigenvalue of 0 is too large. In millimetres the weights of the measurements are a millionth of the weight of the start, and their eigenvalues are not 0. Compare with a very small fraction of the largest eigenvalue, such as 1e-12.
+        too large a fraction: 1e-12 * values.max() => 1e-3 * values.max()
+            Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
+        a fixed limit for the smallest: 1e-12 * values.max() => 1e-9
+            Your limit for an eigenvalue of 0 is a fixed number, but rounding errors grow with the weights. Compare with a small fraction of the largest eigenvalue.
+        large entries only: axis=1) > 1e-6 => axis=1) > 0.3
+            Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
+        entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
+            You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
         a smaller fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
             Your limit for an eigenvalue of 0 is a fixed number. With weights of 1e8, rounding errors alone are larger than it. Compare with a small fraction of the largest eigenvalue.
         less than a part of nothing: <= 1e-12 => < 1e-9
@@ -483,7 +515,7 @@ SOLVE = Exercise(
         only those without a constraint: loose = np.flatnonzero(np.linalg.norm(free, axis=1) > 1e-6) => loose = np.flatnonzero(np.diag(omega) == 0)
             + if free.size and not len(loose):
             +     raise ValueError("the system is singular")
-            You name the variables without any constraint. A group of variables with links among them but without a start can also be moved: name all of its variables.
+            You name only the variables without any constraint. A group of variables with links among them but without a start can also be moved: name all of its variables.
         all variables: str, loose => str, range(len(xi))
             You name every variable. Name only the variables that can be moved freely.
         one of them: str, loose => str, loose[:1]
@@ -578,6 +610,8 @@ MARGINALIZE = Exercise(
             omega[keep, keep] selects single entries of the diagonal. A block is omega[np.ix_(keep, keep)]. After that, the second terms of equation 8.5 are missing.
         pairs of numbers: between = omega[np.ix_(keep, removed)] => between = omega[keep, removed]
             omega[keep, removed] does not select a block: NumPy pairs the two lists, number by number. A block is omega[np.ix_(keep, removed)], and likewise for the other blocks.
+        the removed block by pairs: omega[np.ix_(removed, removed)] => omega[removed, removed]
+            omega[removed, removed] selects entries of the diagonal and not the block of the removed variables. The block is omega[np.ix_(removed, removed)].
         no transpose: - share @ between.T => - share @ between
             The last factor must be transposed: the product is B C^-1 Bᵀ, where B is omega[np.ix_(keep, removed)].
         the answer for xi: xi[keep] - share @ xi[removed] => np.linalg.solve(omega, xi)[keep]
@@ -699,6 +733,10 @@ def _sparse_public() -> list[Case]:
             _network(np.random.default_rng(87), 6000, 1, "csc", 60, shuffled=False, at_zero=True),
             "12,000 variables, poses first: a poor order takes a minute",
         ),
+        Case(
+            _sparse(linked(8, a_drive(np.random.default_rng(861), 6, 2, (0.0008, 0.001)), {0: 1.0}), "csc"),
+            "a drive in metres, measured to 3 cm",
+        ),
     ]
 
 
@@ -711,6 +749,7 @@ def _sparse_hidden(rng: np.random.Generator) -> list[Case]:
         Case(_walk(rng, 1500)),
         Case(_sparse(_coarse(rng), "csc")),
         Case(_sparse(_fine(rng), "csr")),
+        Case(_sparse(linked(9, a_drive(rng, 6, 3, (0.0008, 0.001)), {2: float(rng.normal())}), "csr")),
         Case(_sparse(a_solved_drive(rng, 12, 5), "csc")),
         *(Case(_sparse(_in_parts(rng, size), "csr")) for size in (3, 6)),
         Case(_sparse(linked(12, a_drive(rng, 6, 4), {0: float(rng.normal())}), "csc")),
@@ -779,6 +818,10 @@ SOLVE_SPARSE = Exercise(
             You name all variables. Leave out the variables that are connected to a start.
         all but one part: str, loose => str, np.flatnonzero(part != part[0])
             You treat one part as held, either the part of variable 0 or the largest part. A part is held if it contains a start, and there may be none.
+        all parts but the first: starts[part] < 0.5 => part != part[0]
+            You treat the part of variable 0 as held. A part is held only if it contains a start, and the first part may have none.
+        a large sum only: starts[part] < 0.5 => starts[part] < 1e-3 * omega.diagonal().max()
+            Your limit for the sum of the rows is too large. A start adds 1, and measurements of 3 cm add weights of 1,000 to the diagonal. Compare with a much smaller fraction of the weights.
         a sum that is exactly 0: starts[part] < 0.5 => starts[part] == 0
             + import warnings
             return scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => with warnings.catch_warnings(action="ignore"):

@@ -109,9 +109,12 @@ class Each(Comparison):
     ----------
     comparisons : tuple of Comparison, or dict
         By position, or by key or field; all other values are compared with Close().
+    names : tuple of str
+        Names of the values of a tuple in messages, such as "the covariance"; without them, "value 2".
     """
 
     comparisons: tuple[Comparison, ...] | Mapping[Any, Comparison]
+    names: tuple[str, ...] = ()
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare an answer with the expected one."""
@@ -139,8 +142,10 @@ class Each(Comparison):
         if parts is None or have is None or mixed or set(parts) != set(have):
             yield _not_of(case.expected, parts, answer)
             return
+        called = dict(zip(parts, self.names, strict=False))
         for each, name in zip(self._for(case.expected, len(parts)), parts, strict=True):
-            yield _about(each.judge(replace(case, expected=parts[name]), have[name]), name)
+            verdict = each.judge(replace(case, expected=parts[name]), have[name])
+            yield _about(verdict, called.get(name, name))
 
     def _for(self, value: Any, count: int) -> list[Comparison]:
         """Return the comparison for each value."""

@@ -233,6 +233,8 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
     if given.size <= SMALL and any(isinstance(each, np.ndarray) for each in case.args[1:]):
         return []
     parts = list(wanted) if isinstance(wanted, tuple | list) else [wanted]
+    if len({np.ndim(part) for part in parts if isinstance(part, np.ndarray)}) > 1:
+        return []
     if any(isinstance(part, np.ndarray) and part.shape[:1] != given.shape[:1] for part in parts):
         return []
     if given.ndim == place == 2 and given.shape[1] <= 3:

@@ -159,7 +159,7 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
     shown = [(grid[0, 0], base), *zip(grid[:, 1:].flat, [*rows[0], *rows[1]], strict=True)]
     for ax, each in shown:
         _plot_run(ax, each.run)
-        _frame(ax, base.run)
+        _frame(ax, *(each.run for each in ablations))
         ax.set_title(each.title)
     grid[0, 0].set_xlabel("x (m)")
     grid[0, 0].tick_params(labelbottom=True)
@@ -185,11 +185,19 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
     )
 
 
-def _frame(ax: Axes, run: LogRun) -> None:
-    """Set equal axes in metres around path and landmarks, with a margin of a fifth."""
-    around = np.vstack([run.states[:, :2], run.landmarks])
+def _frame(ax: Axes, *runs: LogRun) -> None:
+    """Set equal axes in metres around the paths and the ellipses of robot and landmarks, with a margin."""
+    outlines = [
+        ellipse_outlines(*each)
+        for run in runs
+        for each in (
+            (run.predicted_states[:, :2], run.predicted_covariances[:, :2, :2]),
+            (run.landmarks, run.landmark_covariances),
+        )
+    ]
+    around = np.vstack([*(run.states[:, :2] for run in runs), *(each.reshape(-1, 2) for each in outlines)])
     low, high = around.min(axis=0), around.max(axis=0)
-    margin = 0.2 * float((high - low).max())
+    margin = 0.05 * float((high - low).max())
     ax.set(aspect="equal", xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.label_outer()
@@ -240,7 +248,7 @@ def draw_turn_last(
         Two rows of maps: unchanged, and with ten times the standard deviation.
     """
     assumed = sigmas or Sigmas()
-    means = []
+    means, shown = [], list[LogRun]()
     figure = Figure(figsize=(8.4, 8.6))
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     for axes, often in zip(grid, (1, every), strict=True):
@@ -249,11 +257,13 @@ def draw_turn_last(
             start = homework_start(log, init_landmarks, changed)
             each = Ablation("turn", factor, run_log(log, start, predict, update, changed, often))
             _plot_run(ax, each.run)
-            _frame(ax, each.run)
+            shown.append(each.run)
             size = "unchanged" if factor == 1 else "× 10"
             when = "each step" if often == 1 else f"every {often}th step"
             ax.set_title(f"σα {size}, update in {when}")
             means.append(f"{when}, {size}: {100 * each.position:.1f} cm")
+    for ax in grid.flat:
+        _frame(ax, *shown)
     return Drawing(
         figure, f"Mean standard deviation of the robot's predicted position. Update in {'; '.join(means)}."
     )

@@ -186,7 +186,7 @@ def draw_gain(film: Film) -> Drawing:
         ax.axvline(1, color=GREY, lw=0.8, ls=":")
         ax.set(
             xlabel="factor by which K is multiplied",
-            ylabel="variance after the update (cm²)",
+            ylabel="sum of variances after the update (cm²)",
             title=f"Position of the {name}",
         )
         ax.set_ylim(0, None)

@@ -112,7 +112,10 @@ def draw_starts(
     metric_axes(right, np.concatenate([*outlines["textbook"], *outlines["homework"]]), margin=0.1)
     right.set_title("The map of one drive, 95 % ellipses")
     truth = Line2D([], [], marker="o", color=STYLES["truth"].colour, ls="", ms=4, label="landmark, true")
-    legend_below(figure, [truth])
+    variants = [
+        Line2D([], [], color=colours[variant], lw=2, label=f"landmark, {names[variant]}") for variant in runs
+    ]
+    legend_below(figure, [truth, *variants])
     return Drawing(figure, _say_starts(runs, drives, nees))
 
 

@@ -150,8 +150,11 @@ class SolvedOrNamed(Comparison):
                 return RIGHT
             count = f"{len(named)} variable{'' if len(named) == 1 else 's'}"
             which = "other ones" if len(wanted) == len(named) else f"{len(wanted)} of them"
+            more = (
+                "; each whole number in the message is read as a variable" if set(wanted) < set(named) else ""
+            )
             return Verdict(
-                "value", f"your ValueError names {count}, but nothing holds {which}: {got['said']!r}"
+                "value", f"your ValueError names {count}, but nothing holds {which}: {got['said']!r}{more}"
             )
         if _is_error(expected):
             return Verdict(

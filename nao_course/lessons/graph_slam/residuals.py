@@ -107,6 +107,9 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
         plot_graph_map(drive, drive.constraints, positions, above)
         said = _say_errors(drive, positions)
         above.set_title(f"{name.replace('_', ' ')}: {said}", fontsize=10)
+        for stop in _without_landmark(drive):
+            label = f"$x_{{{stop}}}$"
+            above.annotate(label, positions[stop], (7, -4), textcoords="offset points", fontsize=11, zorder=8)
         missed = residuals(drive, positions)
         _plot_residuals(drive.constraints, missed, below)
         total = f"sum of squares {sum_of_squares(drive, positions):.0f}, largest residual {missed.max():.1f} sigma"
@@ -117,6 +120,12 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
             ax.set(ylabel="")
     legend_below(figure, map_keys("estimated"), columns=3)
     return Drawing(figure, f"Maps of one drive, and the residuals of its constraints. {'; '.join(words)}.")
+
+
+def _without_landmark(drive: LinearDrive) -> list[int]:
+    """Return the stops from which no landmark was measured."""
+    measured = {each.first for each in drive.constraints if each.kind == "measurement"}
+    return [stop for stop in range(len(drive.path)) if stop not in measured]
 
 
 def _say_errors(drive: LinearDrive, positions: FloatArray) -> str:
@@ -131,6 +140,18 @@ def _plot_residuals(constraints: Sequence[Constraint], missed: FloatArray, ax: A
     ax.bar(np.arange(1, len(missed) + 1), missed, color=colours, width=0.8)
     ax.axhline(2.0, color=GREY, lw=1.0, ls="--")
     ax.set(xlabel="constraint", ylabel="residual (sigma)", ylim=(0.0, max(4.0, 1.08 * missed.max())))
+    largest = int(np.argmax(missed))
+    if missed[largest] < 1e-6:
+        ax.text(0.5, 0.6, "all residuals are 0", transform=ax.transAxes, ha="center")
+    else:
+        ax.annotate(
+            f"{largest + 1}",
+            (largest + 1, missed[largest]),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize=9,
+        )
     for kind in ("motion", "measurement"):
         ax.bar([0], [0], color=style_of(_KINDS[kind]).colour, label=kind)
     ax.legend(loc="upper left", fontsize=9)

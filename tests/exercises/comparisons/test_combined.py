@@ -147,6 +147,8 @@ def test_values_are_named_by_key_and_field():
         known.compare({3: 1.0}, {4: 1.0}).kind == "type" and known.compare({3: 1.0}, None).kind == "nothing"
     )
     assert Each((Close(atol=1.0),)).alike((1.0, 2.0), (1.5, 2.0))
+    named = Each((Close(), Close()), names=("the state", "the covariance"))
+    assert "the covariance of your answer" in named.compare((1.0, 2.0), (1.0, 3.0)).text
     assert not Each((Close(),)).alike((1.0, 2.0), 3.0) and Each((Close(),)).alike(3.0, 3.0)
 
 

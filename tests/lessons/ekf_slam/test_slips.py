@@ -38,6 +38,14 @@ def predicting(functions, *, blocks="right", wrap=True, rotate=True):
     return predict
 
 
+def by_passes(angle):
+    """Wrap angles in four passes, each of which removes one turn."""
+    for _ in range(4):
+        angle = np.where(angle > np.pi, angle - 2 * np.pi, angle)
+        angle = np.where(angle < -np.pi, angle + 2 * np.pi, angle)
+    return angle
+
+
 def updating(
     functions, *, form="joseph", symmetric=True, innovation=slice(0, None, 2), heading=True, each=False
 ):
@@ -119,6 +127,18 @@ def test_slips_of_update_landmarks_are_named_alone_and_together(functions, slips
 @pytest.mark.parametrize("form", ["joseph", "factor", "difference"])
 def test_every_right_form_passes_if_it_is_made_symmetric(functions, form):
     assert grade_public(public_exercise("07_ekf_slam", "update_landmarks"), updating(functions, form=form))
+
+
+def test_several_passes_are_not_called_one_turn():
+    assert "removes too few turns" in said("warp2pi", by_passes)
+
+
+@pytest.mark.parametrize("indices", [lambda k: range(1, k + 1), lambda k: [k], lambda k: range(2 * k)])
+def test_an_index_that_is_too_large_is_named(own, indices):
+    def update(state, covariance, measurements, R, k):
+        return own["update_landmarks"](state, covariance, indices(k), measurements, R)
+
+    assert "An index is too large" in said("update", update)
 
 
 def test_right_predictions_pass(functions):

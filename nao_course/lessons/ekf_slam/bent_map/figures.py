@@ -1,4 +1,4 @@
-"""Figures of a map that bends, and of the measurements that find the filter's two errors."""
+"""Figures of a map that bends, and of the measurements that find the filter's two bugs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def draw_bent_map(
     update_landmarks: Function | None = None,
     add_landmark: Function | None = None,
 ) -> Drawing:
-    """Draw the map of the filter with two errors, and beside it the student's map of the same drive.
+    """Draw the map of the filter with two bugs, and beside it the student's map of the same drive.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def draw_bent_map(
     Drawing
         True and estimated path and landmarks; without functions of the recorded filter alone.
     """
-    runs = {"The filter with two errors": (recorded_run(TWO_ERRORS), WRONG)}
+    runs = {"The filter with two bugs": (recorded_run(TWO_ERRORS), WRONG)}
     if predict and update_landmarks and add_landmark:
         runs["Your filter"] = run_filter((predict, update_landmarks, add_landmark)), RIGHT
     return _draw_maps(runs)
@@ -121,7 +121,7 @@ def _say_run(run: FilterRun) -> str:
 
 @course_style()
 def draw_bearings(warp2pi: Any = None) -> Drawing:
-    """Draw the bearing innovations of the filter with two errors.
+    """Draw the bearing innovations of the filter with two bugs.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def draw_bearings(warp2pi: Any = None) -> Drawing:
     Drawing
         A point for each measurement, in degrees.
     """
-    shown = {"The filter with two errors": (*recorded_run(TWO_ERRORS).bearings.T, WRONG)}
+    shown = {"The filter with two bugs": (*recorded_run(TWO_ERRORS).bearings.T, WRONG)}
     if warp2pi is not None:
         steps, values = recorded_run(ONE_ERROR).bearings.T
         shown["The same filter with your warp2pi"] = (
@@ -166,13 +166,13 @@ def draw_bearings(warp2pi: Any = None) -> Drawing:
 
 @course_style()
 def draw_second_error() -> Drawing:
-    """Draw map and pose NEES of the filter after its first error is mended."""
+    """Draw map and pose NEES of the filter after its first bug is fixed."""
     run = recorded_run(ONE_ERROR)
     low, high = band(3, 1)
     figure = Figure(figsize=(11.0, 4.8))
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
     _plot_map(left, run, WRONG)
-    left.set_title(f"One error left: {100 * run.map_error:.0f} cm off")
+    left.set_title(f"One bug left: {100 * run.map_error:.0f} cm off")
     steps = np.arange(1, len(run.nees) + 1)
     negative = run.nees < 0
     right.axhspan(low, high, color="#e3e5e8", label="95 % band of one step")
