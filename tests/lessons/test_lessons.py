@@ -24,7 +24,7 @@ from tests.lessons.every import (
     student_copy,
 )
 
-LONG = {"07", "09", "11", "12"}  # lessons of up to three hours
+LONG = {"07", "09", "10", "11", "12"}  # lessons of up to three hours
 
 
 def prose(notebook):
