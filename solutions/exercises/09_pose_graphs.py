@@ -706,7 +706,7 @@ LINEARIZE = Exercise(
             + return H, b
             You added a large number to the block of the first pose, as the constraint of lesson 08 did. linearize returns the sum over the edges and nothing else; gauss_newton will fix the first pose.
         residuals not as columns: residual(*pairs)[:, :, None] => residual(*pairs)
-            J.mT @ information is (E, 6, 3) and e is (E, 3), so @ does not multiply them edge by edge. Make each residual a column: e[..., None] is (E, 3, 1).
+            If this is the line of b: J.mT @ information is (E, 6, 3) and e is (E, 3), so @ does not multiply them edge by edge. Make each residual a column: e[..., None] is (E, 3, 1).
         second ends of the first: ends[edges.second] => ends[edges.first]
             You take both ends of an edge from edges.first. The second end is ends[edges.second].
         b first: graph.add_blocks(*blocks), b => b, graph.add_blocks(*blocks)

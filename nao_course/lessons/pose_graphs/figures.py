@@ -256,7 +256,7 @@ def draw_step(
         ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
         ends = true[40] / true[0], promised[40] / true[0]
         said.append(
-            f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
+            f"with a drift of {drift:.0f} degrees the full step leaves {ends[0]:.2f} of chi2 where "
             f"{ends[1]:.3f} was predicted, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
         )
     curves[0].set_ylabel("χ² / χ² at the start")
