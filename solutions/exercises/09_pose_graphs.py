@@ -203,6 +203,8 @@ LANDMARK_RESIDUAL = Exercise(
             You place z on the map and subtract the landmark there. Equation 9.1 compares in the robot's frame: rotate the vector from the robot to the landmark by minus the heading, and subtract z.
         rows exchanged: c * dx + s * dy, -s * dx + c * dy => -s * dx + c * dy, c * dx + s * dy
             Your two rows are in the wrong order. z has the metres ahead first and the metres to the left second.
+        left as right: -s * dx + c * dy => s * dx - c * dy
+            Your second number counts metres to the right. In the robot's frame y points to the left: the second row is -s dx + c dy.
         from the landmark to the robot: lx - x, ly - y => x - lx, y - ly
             You rotate the vector from the landmark to the robot. Equation 9.1 has the landmark minus the robot.
         both sines with one sign: -s * dx => s * dx
@@ -268,6 +270,12 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
         turned the wrong way: [-c, -s, left], [s, => [-c, s, left], [-s,
             [c, s], [-s, c] => [c, -s], [s, c]
             Your sines have the wrong signs, so this is R. The residual uses its transpose, which rotates from the map frame into the robot's frame.
+        theta from z: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => z.T[0], z.T[1]
+            Your column of theta contains the measurement z. The derivative contains the expected measurement, computed from the pose and the landmark.
+        pose not subtracted: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => c * lx + s * ly, -s * lx + c * ly
+            Your column of theta uses the landmark's position in the map. Subtract the pose's position first: dx = lx - x, dy = ly - y.
+        by the pose only: -ahead]]), matrices([[c, s], [-s, c]]) => -ahead]])
+            You return only the Jacobian by the pose. Return two: by the pose, and by the landmark.
         order: return matrices => return (matrices
             [-s, c]]) => [-s, c]]))[::-1]
             The order of your two matrices is wrong. Return the Jacobian by the pose first and the Jacobian by the landmark second.
@@ -379,6 +387,10 @@ POSE_RESIDUAL = Exercise(
             You subtract x and y in the map frame. z is measured in the frame of the first pose, so rotate the difference into that frame first.
         plus z: theta - turn => theta + turn
             You add the angle of z, but it has to be subtracted: second - first - z.
+        angle from the second to the first: theta2 - theta - turn => theta - theta2 - turn
+            You subtract the headings in the wrong order. The third number is second - first - z.
+        turned by the difference of the headings: (turn) =>> (theta2 - theta)
+            Your second rotation uses the difference of the two headings. inv(Z) rotates by minus the angle of z, which was measured.
         angle without z: theta - turn => theta
             Your third number does not contain z. It is the turn of the robot minus the measured turn.
         sign: return np.array => return -np.array
@@ -457,11 +469,20 @@ POSE_RESIDUAL = Exercise(
 
 
 # --- 9.4 pose_residual_jacobians ---
+def _pose_jacobians_public() -> list[Case]:
+    """Return cases without right angles, at which different slips would give the same Jacobians."""
+    ends = [[1.0, 2.0, 1.1], [1.0, 4.0, 2.0], [1.5, 0.0, 0.7]]
+    return [
+        Case(tuple(map(np.array, ends)), "two steps where 1.5 were measured, then a turn"),
+        *_pose_public()[1:],
+    ]
+
+
 POSE_RESIDUAL_JACOBIANS = Exercise(
     name="pose_residual_jacobians",
     points=3,
     stars=2,
-    public=_pose_public,
+    public=_pose_jacobians_public,
     hidden=_pose_hidden,
     comparison=Close(
         rtol=1e-6, atol=1e-7, names=("the Jacobian by the first pose", "the Jacobian by the second pose")
@@ -472,7 +493,7 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
     ),
     mistakes=catalogue("""
         z's angle left out: theta + z.T[2] => theta
-            You rotate by the heading of the first pose only. The residual is in the frame in which z ends, so the angle is theta plus the angle of z.
+            You rotate by the heading of the first pose only. The residual is in the frame of the pose that z predicts, so the angle is theta plus the angle of z.
         only z's angle: theta + z.T[2] => z.T[2]
             You rotate by the angle of z only. The rotation from the map frame has the angle theta plus the angle of z.
         minus z's angle: theta + z.T[2] => theta - z.T[2]
@@ -493,6 +514,17 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
             If the first pose turns left, the measured turn to the second one decreases. Its derivative is -1, not 1.
         angle by theta forgotten: [0, 0, -1] => [0, 0, 0]
             The third row of your Jacobian by the first pose is 0, but the angle depends on the first heading.
+        signs of both third rows: s * dy], [0, 0, -1]] => s * dy], [0, 0, 1]]
+            c, 0], [0, 0, 1]] => c, 0], [0, 0, -1]]
+            Both of your third rows have the wrong sign. The angle is second - first - z, so its derivative is -1 with respect to the first heading and 1 with respect to the second.
+        both third rows zero: s * dy], [0, 0, -1]] => s * dy], [0, 0, 0]]
+            c, 0], [0, 0, 1]] => c, 0], [0, 0, 0]]
+            Both of your third rows are 0. The angle is second - first - z, so its derivative is -1 with respect to the first heading and 1 with respect to the second.
+        two rows only: s * dy], [0, 0, -1]] => s * dy]]
+            c, 0], [0, 0, 1]] => c, 0]]
+            Your matrices have two rows. The residual of a pose has three numbers: add the row of the angle.
+        the second heading: theta + z.T[2] => second.T[2]
+            You rotate by the second heading. The residual is in the frame of the pose that z predicts, so the angle is theta plus the angle of z; with errors this is not the second heading.
         theta of the second: [[c, s, 0], [-s, c, 0], => [[c, s, s * dx - c * dy], [-s, c, c * dx + s * dy],
             A pose does not change its position when it turns. The column of theta in the Jacobian by the second pose contains only the 1 of the angle.
         turned the wrong way: np.sin(angle) => np.sin(-angle)
@@ -510,7 +542,7 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
             theta + z.T[2] => theta
             You rotate by the heading of the first pose only: the angle is theta plus the angle of z. Besides, np.array cannot put the numbers and arrays of E edges into one matrix; matrices([[...], ...]) can.
         np.array for matrices: matrices( =>> np.array(
-            Your matrices are correct for one edge. For E edges np.array cannot put numbers and arrays into one matrix; matrices([[...], ...]) can, and returns (E, 3, 3).
+            Your matrices are correct for one edge. For E edges np.array cannot put numbers and arrays into one matrix; matrices([[...], ...]) can, and returns (E, 3, 3). Besides, second[:2] would be the first two of E poses; second.T[:2] has the x and y of all.
         one edge only: first.T => first
             second.T => second
             z.T[2] => z[2]
@@ -671,11 +703,19 @@ LINEARIZE = Exercise(
         twice: J.mT @ => 2 * J.mT @
             H and b are twice as large as they should be. The factor 2 of the derivative cancels in H delta = -b, so leave it out.
         first pose removed: graph.add_blocks(*blocks), b => graph.add_blocks(*blocks)[3:, 3:], b[3:]
-            You removed the rows of the first pose. linearize returns all of them; gauss_newton will hold the first pose.
+            You removed the rows of the first pose. linearize returns all of them; gauss_newton will fix the first pose.
         first pose held: return graph.add_blocks(*blocks), b => H = graph.add_blocks(*blocks)
             + H[[0, 1, 2], [0, 1, 2]] += 1
             + return H, b
-            You added something to the block of the first pose. linearize returns the sum over the edges and nothing else; gauss_newton will hold the first pose.
+            You added something to the block of the first pose. linearize returns the sum over the edges and nothing else; gauss_newton will fix the first pose.
+        first pose held by a large number: return graph.add_blocks(*blocks), b => H = graph.add_blocks(*blocks)
+            + H[[0, 1, 2], [0, 1, 2]] += 1e6
+            + return H, b
+            You added a large number to the block of the first pose, as the constraint of lesson 08 did. linearize returns the sum over the edges and nothing else; gauss_newton will fix the first pose.
+        residuals not as columns: residual(*pairs)[:, :, None] => residual(*pairs)
+            If this is the line of b: J.mT @ information is (E, 6, 3) and e is (E, 3), so @ does not multiply them edge by edge. Make each residual a column: e[..., None] is (E, 3, 1).
+        second ends of the first: ends[edges.second] => ends[edges.first]
+            You take both ends of an edge from edges.first. The second end is ends[edges.second].
         b first: graph.add_blocks(*blocks), b => b, graph.add_blocks(*blocks)
             The order is wrong. Return H first and b second.
         b as a column: (*blocks), b => (*blocks), b[:, None]
@@ -830,14 +870,17 @@ GAUSS_NEWTON = Exercise(
         nothing held: states[free] -= splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => states -= np.linalg.lstsq(H.toarray(), b)[0]
             Your first pose moves. H alone is singular, because the whole map can be shifted and turned. Solve without the three rows and columns of the first pose, and leave that pose unchanged.
         last pose held: graph.elimination_order => np.arange(graph.size - 3)
-            You hold the last three numbers. Hold the first pose: solve for the rows and columns from 3 on.
+            You fix the last three numbers. Fix the first pose: solve for the rows and columns from 3 on.
         two of three held: graph.elimination_order => np.arange(2, graph.size)
             splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => np.linalg.lstsq(H[free][:, free].toarray(), b[free])[0]
-            You hold two numbers of the first pose. It has three: x, y and the heading.
+            You fix two numbers of the first pose. It has three: x, y and the heading.
         one step: range(iterations) => range(min(iterations, 1))
             You take one step, whatever `iterations` is. Is there a return inside the loop?
         one step more: range(iterations) => range(iterations + 1)
             You take one step too many. The history has 1 + iterations numbers, and the first one belongs to the initial states.
+        one step more, and chi2 before each: range(iterations) => range(iterations + 1)
+            np.array(history) => np.array(history[:-1])
+            You take one step too many, because you compute chi2 before each step. Compute the first chi2 before the loop, take `iterations` steps, and append chi2 after each step.
         damped: H, b = linearize(graph, states) => H, b = linearize(graph, states)
             + H += csc_array(np.diag(1e-3 * H.diagonal()))
             You add something to the diagonal of H. This is the idea of Levenberg and Marquardt, but gauss_newton should take the plain step here.
@@ -920,7 +963,13 @@ def _blocks_public() -> list[Case]:
     mixed = [begin + np.array([0, 1]), begin + np.array([7, 6]), np.array([4])]
     return [
         Case((two, [np.array([0]), np.array([1])]), "two variables"),
-        Case((_information(square.graph, square.truth), _of_poses([1, 4, 8])), "three poses of a loop"),
+        Case(
+            (
+                _information(square.graph, square.truth),
+                [*_of_poses([1, 4, 8]), np.concatenate(_of_poses([2, 7]))],
+            ),
+            "three poses of a loop, and a pair",
+        ),
         Case((_information(graph, drive.truth), mixed), "landmarks, one of them with y before x, and one y"),
         Case((_information(walk.graph, walk.truth), _of_poses([250, 499])), "1,497 variables"),
     ]
@@ -930,7 +979,7 @@ def _blocks_hidden(rng: np.random.Generator) -> list[Case]:
     walk = building(int(rng.integers(1000)), 3000, size=(12, 12))
     square = loop(int(rng.integers(1000)), side=4)
     some = np.sort(rng.choice(np.arange(1, 3000), 12, replace=False)).tolist()
-    mixed = [rng.permutation(45)[:4], rng.permutation(45)[:2], np.array([44])]
+    mixed = [rng.permutation(45)[:6], rng.permutation(45)[:2], np.array([44])]
     return [
         Case((_information(walk.graph, walk.truth), _of_poses(some))),
         Case((_information(square.graph, square.truth), mixed)),
@@ -1056,6 +1105,10 @@ REWEIGHT = Exercise(
             return replace(graph, information=graph.information * weights[:, None, None]) => graph.information = graph.information * weights[:, None, None]
             + return graph
             You assign to an attribute of the graph, which is not possible. replace(graph, information=...) returns a copy with another information.
+        square of the ratio: squares / width**2 => (squares / width) ** 2
+            You square q / c. q is a squared error already, so only the width is squared: q / c^2.
+        root of the weight: 1 / (1 + squares / width**2) => 1 / np.sqrt(1 + squares / width**2)
+            You return the square root of the weight, by which a residual would be multiplied. The information is multiplied by the weight itself.
         width left out: squares / width**2 => squares
             You forgot the width: divide the squared error by width^2.
         the other way round: 1 / (1 + squares / width**2) => 1 + squares / width**2
@@ -1108,8 +1161,8 @@ PLAN = LessonPlan(
             "You shift a whole map by 5 m and turn it by 30 degrees: all poses and all landmarks together. Which residuals change?",
             {
                 "All of them, because all poses have changed.": "The poses have changed, but a residual depends only on one pose as seen from another, and that is as before.",
-                "Only the residuals of the first pose, because it is held.": "An edge of the first pose also contains only the position of the other end as seen from it.",
-                "None.": "Right: each residual is expressed in a frame that moves with the map. So no measurement determines where the map is, and something must hold it.",
+                "Only the residuals of the first pose, because it is fixed.": "An edge of the first pose also contains only the position of the other end as seen from it.",
+                "None.": "Right: each residual is expressed in a frame that moves with the map. So no measurement determines where the map is, and something must fix it.",
             },
             "None.",
         ),

@@ -58,6 +58,10 @@ PAYING_PRECISION = Exercise(
             Your function uses the paper's costs and ignores its arguments.
         signs lost: missed - hit => missed + hit
             A hit has a negative cost. It makes reporting better, so it is subtracted: false + missed - hit.
+        both signs changed: missed - hit => hit - missed
+            The signs of `hit` and `missed` are the wrong way round. A missed corner and a cheap hit both make reporting better: false + missed - hit.
+        reciprocal: return false / (false + missed - hit) => return (false + missed - hit) / false
+            You return the reciprocal, which is above 1. A precision is at most 1.
         the other part: return false => return (missed - hit)
             This is the fraction of reports that may be false. Precision is the fraction that is right.
         per cent: return false => return 100 * false
@@ -200,6 +204,12 @@ DETECTION_COST = Exercise(
         every close pair: hits = 0 => hits = (apart <= tolerance).sum()
             + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
             You count all pairs within the tolerance, so one point can belong to several pairs. Use each report and each corner only once.
+        each side on its own: hits = 0 => close = apart <= tolerance
+            + return -1.333 * close.any(axis=1).sum() + 5 * (~close.any(axis=1)).sum() + (~close.any(axis=0)).sum()
+            You test each report and each corner on its own for a partner, so several reports can hit the same corner. Make pairs: after each hit, its report and its corner are no longer free.
+        each side on its own, hits by corners: hits = 0 => close = apart <= tolerance
+            + return -1.333 * close.any(axis=0).sum() + 5 * (~close.any(axis=1)).sum() + (~close.any(axis=0)).sum()
+            You test each corner and each report on its own for a partner, so one report can hit several corners, and extra reports at a corner cost nothing. Make pairs: after each hit, its report and its corner are no longer free.
         the nearest partner only: hits = 0 => hits = len({row.argmin() for row in apart if row.size and row.min() <= tolerance})
             + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
             You only try the nearest partner of a point. If this partner is taken, another one within the tolerance may still be free. After each hit, take the closest of all remaining pairs.
@@ -369,6 +379,10 @@ GRID_SEARCH = Exercise(
             Your tolerance is proportional to the picture's width. It should be proportional to its height: 8 px for 240 rows.
         by the width of 320: len(picture) / 240 => picture.shape[1] / 320
             You use 8 px for 320 columns, which is the same only for pictures with an aspect ratio of 4:3. Use 8 px for 240 rows.
+        upside down: len(picture) / 240 => 240 / len(picture)
+            Your tolerance decreases with the height. It should be proportional to it: 8 * H / 240.
+        length and gap from product: for gap, length in product => for length, gap in product
+            You unpack the gaps as lengths and the lengths as gaps. product(gaps, lengths) yields (gap, length).
         whole pixels: / 240 => // 240
             You round the tolerance to a whole number. For 48 rows it is 8 * 48 / 240 = 1.6 px.
         one picture's labels for all: labels = label(picture, beta) => labels = label(scenes[0][0], beta)
@@ -493,6 +507,12 @@ BOOTSTRAP_INTERVAL = Exercise(
             You take the sum of each resample. Divide it by the number of values to get the mean.
         smaller resamples: (2000, len(values)) => (2000, len(values) // 2)
             Your resamples have half as many values as the data, so their means vary too much. Draw len(values) values for each.
+        always thirty: (2000, len(values)) => (2000, 30)
+            Each of your resamples has 30 values, however many there are. Draw len(values) values for each.
+        last value never drawn: rng.integers(0, len(values), => rng.integers(0, len(values) - 1,
+            You never draw the last value. rng.integers(0, n) ends at n - 1, so n is len(values).
+        five per cent at each end: (1 - probability) / 2 => 0.05
+            You always leave out 5 % on each side. Leave out half of 1 - probability instead.
         larger resamples: (2000, len(values)) => (2000, 10 * len(values))
             Your resamples have more values than the data, as if there were more pictures. Draw len(values) values for each.
         from 0 to 1 and 0 to 100 mixed: np.quantile => np.percentile
@@ -601,6 +621,8 @@ POSSIBLE_HITS = Exercise(
             You accept negative values of 5 n_f + n_m. Numbers of false and missed corners cannot be negative.
         how many there are: return hits[(off <= 0.0005 + 1e-9) & (others >= 0)] => return sum((off <= 0.0005 + 1e-9) & (others >= 0))
             You return the number of possible values. Return the values themselves as an array.
+        240 hits always: + most_hits = 240
+            You ignore the argument most_hits, the largest number of hits to try.
         thirty pictures always: + n_pictures = 30
             You always use 30 pictures. Use the argument n_pictures.
         the rest: return hits => return others
@@ -666,12 +688,15 @@ def _sight(rng: np.random.Generator, k: int, pose: Any = None) -> tuple[Array, A
 
 def _budget_public() -> list[Case]:
     rng = np.random.default_rng(106)
-    return [
+    cases = [
         Case((*_sight(rng, 3, (1.0, 0.2, -0.1)), 2.0, 0.0175), "three landmarks"),
         Case((*_sight(rng, 2), 1.0, 0.03), "two landmarks"),
         Case((*_sight(rng, 5), 4.0, 0.005), "five landmarks, hardly any tilt"),
         Case((*_sight(rng, 3), 2.0, 0.0), "no tilt"),
     ]
+    for case in cases:
+        _budget_less(*case.args)  # calls measurement_covariance with both sigmas, which is then recorded, too
+    return cases
 
 
 ERROR_BUDGET = Exercise(
@@ -712,6 +737,9 @@ ERROR_BUDGET = Exercise(
             Your first part is the whole covariance. Return only the part of the pixels.
         each landmark its own tilt: by_tilt = measurement => by_tilt = np.kron(np.eye(len(landmarks)), np.ones((2, 2))) * measurement
             You keep only the 2 x 2 blocks of the tilt's covariance, as if each landmark had its own tilt. One tilt changes all measurements of a picture, so keep the whole matrix.
+        all bearings first: H = np.vstack([measurement_jacobian_pose(pose, landmark) for landmark in landmarks]) => H = np.vstack([measurement_jacobian_pose(pose, landmark) for landmark in landmarks])
+            + H = np.vstack([H[0::2], H[1::2]])
+            Your H has all bearings first and all ranges after them. R has the bearing and the range of one landmark after the other, and H needs the same order.
         landmarks in the field frame: (landmarks, Pose(*pose)) => (landmarks)
             Your pixels are wrong, because view.project expects points in the robot frame. Pass the robot's pose as its second argument.
         changed places: K @ D @ K.T, K @ by_tilt @ K.T => K @ by_tilt @ K.T, K @ D @ K.T

@@ -134,7 +134,7 @@ def draw_rooms(run: Run) -> Drawing:
         ax.plot(cost, row, "o", color=STYLES["truth"].colour, ms=7)
     ax.set_yticks(range(len(kept)), [name for name, *_ in kept])
     ax.set(xlabel="mean cost of a room", ylim=(len(kept) - 0.5, -0.5))
-    said = ax.plot([], [], color=STYLES["ekf"].colour, lw=4, alpha=0.45, label="your interval")
+    said = ax.plot([], [], color=STYLES["ekf"].colour, lw=4, alpha=0.45, label="your 80 % interval")
     wrong = ax.plot([], [], color=STYLES["odometry"].colour, lw=4, alpha=0.45, label="your interval, wrong")
     came = ax.plot([], [], "o", color=STYLES["truth"].colour, ls="", label="mean cost")
     legend_below(figure, [*said, *wrong, *came])

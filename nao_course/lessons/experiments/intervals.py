@@ -82,7 +82,9 @@ class Interval(Comparison):
             return Verdict("value", "the same rng gave two different answers; draw with rng.choice")
         if width and _fixed(have):
             return Verdict(
-                "value", "your answer is the same for every rng; draw resamples with it and take their means"
+                "value",
+                "your answer is the same for every rng; draw resamples with rng and take the mean of each. (Medians, "
+                "and quantiles of single values, often do not change with rng.)",
             )
         if (have[:, 0] > have[:, 1]).any():
             return Verdict("value", "the lower end is above the upper end; return (low, high)")

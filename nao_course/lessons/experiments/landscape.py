@@ -77,7 +77,8 @@ def draw_landscape(table: CostTable, bootstrap_interval: Function) -> Drawing:
     tiles, right = halves
     rows = tiles.subfigures(2, 1)
     for part, name, values in ((rows[0], "the paper's Table A.1", PAPER_MEANS), (rows[1], "yours", means)):
-        part.suptitle(f"Mean cost, {name}", x=0.02, ha="left", fontsize=11, fontweight="bold")
+        scale = f"colours from {min(values.values()):.1f} to {max(values.values()):.1f}"
+        part.suptitle(f"Mean cost, {name} ({scale})", x=0.02, ha="left", fontsize=11, fontweight="bold")
         _plot_tiles(part.subplots(1, 3, sharey=True), values)
     tied = _plot_intervals(right.subplots(), costs, bootstrap_interval, nothing)
     best = next(iter(costs))
@@ -128,7 +129,7 @@ def _plot_intervals(ax: Axes, costs: CostTable, bootstrap_interval: Function, no
     ax.text(nothing, -1.1, "reporting nothing", color=NOTHING, ha="center", fontsize=10)
     ax.set_yticks(range(len(costs)), [say_setting(key) for key in costs], fontsize=10)
     ax.set(xlabel="mean cost, with its 95 % interval", ylim=(len(costs) - 0.4, -1.6))
-    ax.set_title("filled: may be the best", fontsize=10, fontweight="normal")
+    ax.set_title("filled: paired difference\nfrom the best may be 0", fontsize=10, fontweight="normal")
     ax.tick_params(axis="y", length=0)
     return tied
 
@@ -220,9 +221,7 @@ def draw_optimism(table: CostTable) -> Drawing:
     ax.axvline(
         found.any_setting, color=GREY, ls=":", lw=2, label=f"mean of all settings: {found.any_setting:.2f}"
     )
-    ax.set(
-        xlabel="mean cost of the chosen setting on fifteen scenes", ylabel="number of divisions", yticks=[]
-    )
+    ax.set(xlabel="mean cost of the chosen setting on fifteen scenes", ylabel="number of divisions")
     legend_below(figure, ax.get_legend_handles_labels()[0])
     return Drawing(
         figure,

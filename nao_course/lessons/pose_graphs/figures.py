@@ -256,7 +256,7 @@ def draw_step(
         ax.set_title(f"heading drifted by {drift:.0f}°", fontsize=11)
         ends = true[40] / true[0], promised[40] / true[0]
         said.append(
-            f"with a drift of {drift:.0f} degrees the whole step leaves {ends[0]:.2f} of chi2 where "
+            f"with a drift of {drift:.0f} degrees the full step leaves {ends[0]:.2f} of chi2 where "
             f"{ends[1]:.3f} was predicted, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
         )
     curves[0].set_ylabel("χ² / χ² at the start")
@@ -264,6 +264,7 @@ def draw_step(
     world = drifting_loop(np.radians(drifts[-1]))
     every = relaxed(world, gauss_newton, 3)
     _plot_steps(world, every, map_ax)
+    map_ax.set_title(f"the loop that drifted by {drifts[-1]:.0f}°", fontsize=11)
     return Drawing(
         figure, f"Chi2 along the first Gauss-Newton step round a closed square: {'; '.join(said)}."
     )
@@ -287,7 +288,6 @@ def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
     )
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_title("the loop, step by step", fontsize=11)
     ax.legend(loc="best")
 
 
@@ -348,12 +348,14 @@ def draw_real_building(
         return f"The picture above was made by the solution. {error}"
     said = []
     figure = Figure(figsize=(12.0, 4.3))
-    for ax, step in zip(figure.subplots(1, len(steps)), steps, strict=True):
+    axes = figure.subplots(1, len(steps))
+    for ax, step in zip(axes, steps, strict=True):
         found, chi2 = gauss_newton(graph, states.copy(), step)
         title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
         _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
         ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
         said.append(f"{title} {say_chi2(float(chi2[-1]))}")
+    same_limits(axes)
     legend_below(figure, [source_key("odometry"), source_key("graph", "poses by the graph"), _CLOSURES])
     return Drawing(
         figure,
@@ -368,4 +370,5 @@ def _plot_poses(graph: Graph, states: FloatArray, ax: Axes, source: str) -> None
     ax.add_collection(LineCollection(list(ends), colors=CLOSURE, linewidths=0.9, alpha=0.8))
     ax.plot(*poses[:, :2].T, "-", color=style_of(source).colour, lw=0.8, marker=".", ms=1.8)
     ax.set(xlabel="x (m)", ylabel="y (m)")
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_aspect("equal", adjustable="box")
+    ax.autoscale_view()

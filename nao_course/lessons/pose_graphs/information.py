@@ -17,7 +17,7 @@ from nao_course.plotting.style import FOUND, GREY
 Residual = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 SEEDS = range(1, 31)
-FRAMES = ("the frame in which z ends", "the first pose's frame")
+FRAMES = ("the frame of the pose that z predicts", "the first pose's frame")
 
 
 def missed_steps(pose_residual: Residual, seeds: Sequence[int] = SEEDS) -> tuple[FloatArray, FloatArray]:
@@ -72,18 +72,21 @@ def draw_information_frames(pose_residual: Residual) -> Drawing:
     residuals, measured = missed_steps(pose_residual)
     corners = np.abs(np.sin(measured[:, 2])) > 0.5
     said = []
-    figure = Figure(figsize=(10.4, 3.9))
+    figure = Figure(figsize=(11.4, 3.9))
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, frame in zip(axes, FRAMES, strict=True):
         found = scaled(residuals, measured, frame)
         spread = [np.sqrt(np.mean(found[chosen] ** 2, axis=0)) for chosen in (~corners, corners)]
         _plot_spread(found[~corners, 1], found[corners, 1], ax)
-        ax.set_title(f"σ along and across in {frame}\nat corners {spread[1][1]:.2f} σ", fontsize=11)
+        ax.set_title(
+            f"σ given in {frame}\nat corners {spread[1][0]:.2f} σ along and {spread[1][1]:.2f} σ across",
+            fontsize=11,
+        )
         said.append(
             f"in {frame}, the residuals of straight steps are {spread[0][0]:.2f} and {spread[0][1]:.2f} standard "
             f"deviations along and across, of corners {spread[1][0]:.2f} and {spread[1][1]:.2f}"
         )
-    axes[0].set_ylabel("part of the steps per σ")
+    axes[0].set_ylabel("density (per σ)")
     legend_below(figure, axes[0].get_legend_handles_labels()[0], columns=3)
     return Drawing(
         figure,
@@ -101,4 +104,4 @@ def _plot_spread(straight: FloatArray, corners: FloatArray, ax: Axes) -> None:
     ax.plot(
         at, bell, color=STYLES["truth"].colour, lw=1.4, ls="--", label="predicted by Ω: standard deviation 1"
     )
-    ax.set(xlabel="residual across the way (in σ)", xlim=(-5, 5))
+    ax.set(xlabel="residual across the path (in σ)", xlim=(-5, 5))

@@ -142,9 +142,14 @@ def draw_false_closures(
     figure = Figure(figsize=(12.0, 4.3))
     first, second, third = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.25))
     _plot_map(world, plain, np.ones(len(world.graph.edges)), first)
-    first.set_title(f"equal weights: {position_error(world, plain):.1f} m off", fontsize=11)
+    first.set_title(
+        f"{COUNTS[-1]} false closures, equal weights:\n{position_error(world, plain):.1f} m off", fontsize=11
+    )
     _plot_map(world, robust, edge_weights(reweight, world.graph, robust), second)
-    second.set_title(f"with the kernel: {position_error(world, robust):.1f} m off", fontsize=11)
+    second.set_title(
+        f"{COUNTS[-1]} false closures, with the kernel:\n{position_error(world, robust):.1f} m off",
+        fontsize=11,
+    )
     _plot_errors(found, third)
     legend_below(figure, [*third.get_legend_handles_labels()[0], *_map_keys()])
     return Drawing(

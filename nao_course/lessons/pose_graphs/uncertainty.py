@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
@@ -100,6 +101,8 @@ def _plot_ellipses(
     ax.plot(*poses[:, :2].T, color=style.colour, ls=style.line, lw=1.1, zorder=3)
     outlines = ellipse_outlines(poses[numbers, :2], np.array(blocks)[:, :2, :2])
     ax.add_collection(filled_outlines(outlines, style.colour))
+    errors = np.stack([poses[numbers, :2], truth[numbers, :2]], axis=1)
+    ax.add_collection(LineCollection(list(errors), colors=STYLES["truth"].colour, linewidths=0.7, zorder=4))
     ax.plot(*truth[numbers, :2].T, "o", color=STYLES["truth"].colour, ms=3.5, zorder=5)
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal")

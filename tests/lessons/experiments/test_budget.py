@@ -103,16 +103,25 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
     jacobian = load_definitions(SOLUTIONS / "05_ekf_derivations.ipynb")["measurement_jacobian_pose"]
     H = np.vstack([jacobian(scene.pose, each) for each in scene.landmarks])
 
-    def pixels_part(sigmas):
-        D = blocks * sum(sigma**2 * np.outer(each, each) for sigma, each in zip(sigmas, by, strict=True))
-        W = np.linalg.inv(D + tilt)
+    def covariance(sigmas):
+        return blocks * sum(sigma**2 * np.outer(each, each) for sigma, each in zip(sigmas, by, strict=True))
+
+    def pixels_part(sigmas, assumed):
+        D = covariance(sigmas)
+        W = np.linalg.inv(covariance(assumed) + tilt)
         K = np.linalg.inv(H.T @ W @ H) @ H.T @ W
         return np.sqrt(np.diag(K @ D @ K.T)) * [100, 100, np.degrees(1)]
 
     both = np.sqrt((errors**2).mean())
-    (x, y, heading), (_, y_before, heading_before) = pixels_part((u, v)), pixels_part((both, both))
+    _, y_before, heading_before = pixels_part((both, both), (both, both))
+    x, y, heading = pixels_part((u, v), (both, both))
     assert (
-        f"is {y:.1f} cm in y instead of {y_before:.1f}, {heading:.1f}° instead of {heading_before:.1f}°"
-        in TEXT
+        f"cause {y:.1f} cm in y instead of {y_before:.1f}, {heading:.1f}° instead of {heading_before:.1f}°, "
+        f"and {x:.1f} cm in x" in TEXT
     )
-    assert f"and {x:.1f} cm in x" in TEXT
+    x, y, heading = pixels_part((u, v), (u, v))
+    assert f"would be {y:.1f} cm in y, {heading:.1f}°, and {x:.1f} cm in x" in TEXT
+    assert len(errors) == 14 and "is measured on 14 hits" in TEXT
+    drawn = errors[np.random.default_rng(0).integers(0, len(errors), (4000, len(errors)))]
+    low, high = np.quantile(np.sqrt((drawn**2).mean(axis=(1, 2))), [0.025, 0.975])
+    assert f"{both:.1f} px, with a 95 % interval from about {low:.1f} to {high:.1f}" in TEXT

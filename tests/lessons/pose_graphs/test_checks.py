@@ -116,11 +116,11 @@ def stepped(hold=slice(3, None), careful=False, diagonal=0.0, patience=0.0, orde
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"careful": True}, "take the whole step, and add nothing to H"),
-        ({"diagonal": 1e-3}, "take the whole step, and add nothing to H"),
+        ({"careful": True}, "take the full step, and add nothing to H"),
+        ({"diagonal": 1e-3}, "take the full step, and add nothing to H"),
         ({"patience": 1e-8}, "should take all `iterations` steps"),
         ({"order": True}, "A step that was solved with b[free] belongs to states[free]"),
-        ({"hold": slice(0, -3)}, "You hold the last three numbers"),
+        ({"hold": slice(0, -3)}, "You fix the last three numbers"),
     ],
 )
 def test_what_is_no_plain_step_is_told(changed, said):

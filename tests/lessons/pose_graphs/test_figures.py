@@ -42,7 +42,7 @@ def test_the_payoff_says_how_the_building_relaxes():
 def test_a_step_predicts_too_low_a_chi2_and_climbs_from_63_degrees_on():
     said = draw_step(LINEARIZE, SOLVE, OWN["pose_residual"], OWN["landmark_residual"]).alt
     assert (
-        "90 degrees the whole step leaves 2.00 of chi2 where 0.013 was predicted" in said
+        "90 degrees the full step leaves 2.00 of chi2 where 0.013 was predicted" in said
         and "at 0.35 of it" in said
     )
     assert drift_that_climbs(SOLVE) == pytest.approx(63.2, abs=0.1)

@@ -43,10 +43,10 @@ def _difference_to_plain(case: Case, answer: Any) -> str:
     if history.ndim != 1 or len(history) > len(expected):
         return ""
     if len(history) < len(expected):
-        return f"your history has {len(history)} of {len(expected)} numbers; take all steps, even if nothing moves"
+        return f"your history has {len(history)} of {len(expected)} numbers; take all steps, even if chi2 increases"
     climbs = (expected[1:] > 1.01 * expected[:-1]) & (history[1:] <= history[:-1])
     return (
-        "your chi2 does not increase although a plain step increases it; take the whole step, and add nothing to H"
+        "your chi2 does not increase although a plain step increases it; take the full step, and add nothing to H"
         if climbs.any()
         else ""
     )

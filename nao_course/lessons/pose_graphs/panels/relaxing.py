@@ -134,7 +134,8 @@ class RelaxPanel(PlayerPanel):
         else:
             before, after = (say_chi2(float(each)) for each in chi2[-2:])
             yield f"Step {values.step}: chi2 {before} -> {after}, off by {error}."
-        yield f"Your code: {', '.join(own)}. The rest is given." if own else "The given solver."
+        rest = "It calls your other functions." if "gauss_newton" in own else "The rest is given."
+        yield f"Your code: {', '.join(own)}. {rest}" if own else "The given solver."
         if "linearize" in student:
             try:
                 H = student["linearize"](world.graph, states)[0]
