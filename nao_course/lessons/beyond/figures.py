@@ -218,7 +218,10 @@ def draw_journeys(
     figure.axes[1].set_ylabel("")
     legend_below(
         figure,
-        [source_key("truth", "true path"), source_key("ekf", "estimate, 95 % (on the path after every 4th move)")],
+        [
+            source_key("truth", "true path"),
+            source_key("ekf", "estimate, 95 % (on the path after every 4th move)"),
+        ],
     )
     said = "; ".join(
         f"with {name} the standard deviation is {each.sigmas[-1]:.2f} m at the end and the error {each.error:.2f} m"

@@ -143,7 +143,16 @@ def _measured_and_formula(
 ) -> None:
     """Plot markers for the measurements and a line for the formula."""
     distances = [row["distance"] for row in rows]
-    ax.plot(distances, [row[key] for row in rows], ls="", ms=8, mec="white", label=label, zorder=3 + (key == "both"), **style)
+    ax.plot(
+        distances,
+        [row[key] for row in rows],
+        ls="",
+        ms=8,
+        mec="white",
+        label=label,
+        zorder=3 + (key == "both"),
+        **style,
+    )
     line = {name: value for name, value in style.items() if name != "marker"}
     ax.plot(distances, [row[f"{key}_formula"] for row in rows], lw=1.2, **line)
 
