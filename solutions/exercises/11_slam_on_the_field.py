@@ -112,7 +112,8 @@ def _pixels_hidden(rng: np.random.Generator) -> list[Case]:
         if pitch < -36:
             pixels[::2, 1] = rng.uniform(0, 6, len(pixels[::2]))  # there the horizon is in the picture
         cases.append(Case((pixels[:posts], pixels[posts:], _a_view(rng.uniform(-60, 60), pitch))))
-    return cases
+    far = rng.uniform((60, 119), (260, 122), (1, 2))  # about 15 m away
+    return [*cases, Case((NO_PIXELS, far, _a_view(pitch=-38.0)))]
 
 
 MEASUREMENTS_FROM_PIXELS = Exercise(
