@@ -113,6 +113,14 @@ RESAMPLE = Exercise(
             Your shift goes up to 1, which moves teeth off the line. The largest shift is 1/N: rng.random() / N.
         shift divided twice: rng.random() => rng.random() / n
             Your shift goes only up to 1/N^2, because you divide it by N twice. The comb can be shifted by up to 1/N: draw q from 0 to 1, and divide once.
+        half of the shift: rng.random() => 0.5 * rng.random()
+            Your shift goes only up to 1/(2 N), so some parts of the line are never reached. Draw q from 0 to 1 and divide it by N.
+        whole copies, the others drawn: + n = len(weights)
+            + copies = np.floor(n * weights).astype(int)
+            + others = n * weights - copies
+            + drawn = rng.choice(n, n - copies.sum(), p=others / others.sum() if others.sum() else None)
+            + return np.concatenate([np.repeat(np.arange(n), copies), drawn])
+            You copy each particle floor(N w) times and draw the others with rng.choice. This is residual resampling, which can copy a particle more than ceil(N w) times. Shift one comb by a single random number instead.
         teeth from one: np.arange(n) + rng.random() => np.arange(1, n + 1) + rng.random()
             Your teeth are 1/N too far to the right, and the last one is beyond the line. In equation 12.1 j goes from 0 to N - 1.
         not shifted: (np.arange(n) + rng.random()) / n => np.arange(n) / n
@@ -385,6 +393,13 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
             Your S does not include R, as if the measurement had no noise.
         away from the measurement: mean + K @ nu => mean - K @ nu
             Your landmark moves away from the measurement. The update is l' = l + K nu, where nu is measured minus expected.
+        weighed by the updated landmark: return mean + K @ nu, covariance - K @ H @ covariance => return mean, covariance
+            np.linalg.inv(S) => np.linalg.inv(S)
+            + mean, covariance = mean + K @ nu, covariance - K @ H @ covariance
+            + nu = measurement - expected_measurement(pose, mean)
+            + nu[0] = warp2pi(nu[0])
+            + S = H @ covariance @ H.T + measurement_covariance
+            You compute the weight from the mean and the covariance after the update. The weight measures how well the particle predicted the measurement, so use nu and S from before it.
         the covariance kept: covariance - K @ H @ covariance => covariance
             You return the old covariance. The update is P' = P - K H P.
         weighed afterwards: return mean + K @ nu => return mean
@@ -427,6 +442,10 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
             You subtract K H. The update subtracts K H P: P' = P - K H P.
         I minus K H: covariance - K @ H @ covariance => np.eye(2) - K @ H
             You return I - K H. Multiply it by P: (I - K H) P is the same as P - K H P.
+        H not transposed in the gain: K = covariance @ H.T => K = covariance @ H
+            Your gain is P H S^-1, but it needs the transpose of H: K = P H^T S^-1 (equation 12.3).
+        a weight in an array: float(log_weight) => np.array([log_weight])
+            Your log weight is an array of shape (1,). Return a single number: nu @ np.linalg.solve(S, nu) is one if nu has the shape (2,).
         H on the other side: S = H @ covariance @ H.T => S = H.T @ covariance @ H
             Your S is H^T P H + R. It must be H P H^T + R (equation 12.3).
         the gain without P: K = covariance @ H.T => K = H.T
@@ -585,6 +604,8 @@ INTERSECT_RAYS = Exercise(
             Two checks are missing: whether 1 - c^2 is nearly 0, and whether t_a or t_b is negative. Return NaN in both cases.
         one NaN: np.full(3, np.nan) =>> np.nan
             If there is no point, you return a single NaN for it. The point still has three coordinates: np.full(3, np.nan).
+        NaN alone: np.full(3, np.nan), np.nan =>> np.nan
+            If there is no point, you return only one value. Return two: np.full(3, np.nan) for the point and np.nan for the length.
         None: np.full(3, np.nan), np.nan =>> None, None
             If there is no point, you return None. Return np.full(3, np.nan) for the point and np.nan for the length.
         c near 1 alone: 1 - c**2 < 1e-12 => 1 - c < 1e-12
@@ -602,6 +623,8 @@ INTERSECT_RAYS = Exercise(
             np.linalg.solve raises an error for parallel rays, because the matrix is singular. Check 1 - c^2 before you solve.
         c not squared: c**2 =>> c
             Your denominator is 1 - c. Solve equation 12.5 again: the denominator is 1 - c^2.
+        c not squared below: / (1 - c**2) =>> / (1 - c)
+            You divide by 1 - c. The square is missing: both denominators are 1 - c^2.
         t_b's sign: t_b = (c * (B @ direction_a) - B @ direction_b) => t_b = (B @ direction_b - c * (B @ direction_a))
             Your t_b has the wrong sign, so you return NaN for points ahead and a value for a point behind one camera. In the second part of equation 12.5 t_b has the factor +1: put your solution back into it.
         t_b's sign, not checked: t_b = (c * (B @ direction_a) - B @ direction_b) => t_b = (B @ direction_b - c * (B @ direction_a))
@@ -711,6 +734,7 @@ def _frontiers_public() -> list[Case]:
 
 FIND_FRONTIERS = Exercise(
     name="find_frontiers",
+    in_place=True,
     points=2,
     stars=2,
     public=_frontiers_public,
@@ -887,6 +911,8 @@ TRAVEL_STEPS = Exercise(
             np.full_like(free, -1) has the type of free, so it holds True and False. Use np.full(free.shape, -1).
         no step at the start: steps[start] = 0 => pass
             Your start has no steps at the beginning, so it is counted as a cell that has not been reached. Set steps[start] to 0 before the loop.
+        the start visited again: steps[cell] < 0 => (steps[cell] < 0 or cell == tuple(start) and steps[cell] == 0)
+            Your start ends with 2 steps, because the wave comes back from its neighbours. Mark the start as visited before the loop.
         row and column exchanged: + start = start[::-1]
             Your wave starts in another cell. start is (row, column), in the same order as steps[row, column].
         one sweep: np.full(free.shape, -1) => np.full(free.shape, free.size)
@@ -1024,6 +1050,7 @@ def _moves_hidden(rng: np.random.Generator) -> list[Case]:
 
 CHOOSE_MOVE = Exercise(
     name="choose_move",
+    in_place=True,
     points=3,
     stars=3,
     uses=("07:predict", "07:update_landmarks"),
@@ -1055,11 +1082,17 @@ CHOOSE_MOVE = Exercise(
             You compare the largest eigenvalue, the variance along the longest axis of the ellipse. Equation 12.7 is the sum of the variances of x and y.
         the map alone: after[1][0, 0] + after[1][1, 1] => np.trace(after[1][3:, 3:])
             You sum the variances of the landmarks. Equation 12.7 is the sum of the variances of the position, x and y.
+        the covariances of x and y: after[1][0, 0] + after[1][1, 1] => after[1][0, 1] + after[1][1, 0]
+            You add the two entries off the diagonal, which are the covariance of x and y. The variances are P[0, 0] and P[1, 1].
         x alone: after[1][0, 0] + after[1][1, 1] => after[1][0, 0]
             You use only the variance of x. Add the variance of y.
         carried over: variances.append => variances.append
             + state, covariance = after
             Your second option starts where the first one ended, because you overwrite state and covariance in the loop. Every option must start from the given state.
+        not moved: predict(state, covariance, option.control, option.control_covariance, k) => (state, covariance)
+            You leave out the prediction, so a move costs nothing. Call predict first, and then update_landmarks with its results.
+        one landmark: seen = option.indices, option.measurements, option.measurement_covariance => seen = option.indices[:1], option.measurements[:2], option.measurement_covariance[:1]
+            You use only the first landmark of each option. Pass all of its indices, measurements and covariances to update_landmarks.
         measured before the move: predict(state, covariance, option.control, option.control_covariance, k) => state, covariance
             variances.append(after[1][0, 0] + after[1][1, 1]) => after = predict(*after, option.control, option.control_covariance, k)
             + variances.append(after[1][0, 0] + after[1][1, 1])
@@ -1120,16 +1153,16 @@ PLAN = LessonPlan(
             {
                 "Eleven times as many, because each landmark is one more unknown position.": "The numbers multiply instead of adding up: each position of the first landmark can occur with each position of the second.",
                 "Twenty times as many, because there are twenty more numbers.": "Each number multiplies the count by its number of steps. It does not add to it.",
-                "About a thousand to the power of ten times as many.": "Yes. Each landmark has about 1000 positions with a spacing of 10 cm on the half field, and each combination is another map. That is 10 to the power of 30.",
+                "About a thousand to the power of ten times as many.": "Each landmark has about 1000 positions with a spacing of 10 cm on the half field, and each combination is another map. That is 10 to the power of 30.",
             },
             "About a thousand to the power of ten times as many.",
         ),
         Question(
             "why_overconfident",
-            "FastSLAM's covariance is computed from the spread of its particles. Why is it too small when only few of the first particles have descendants?",
+            "FastSLAM's covariance is computed from the spread of its particles. Why is it too small when only few of the initial particles have descendants?",
             {
                 "The particles forget how the drive began.": "On the contrary: all of them remember the same beginning.",
-                "All particles share the error of one beginning, and a shared error does not appear in their spread.": "Yes. The first part of the path is a single sample. Its error is in every map and in every pose, and nothing in the cloud shows it.",
+                "All particles share the error of one beginning, and a shared error does not appear in their spread.": "The first part of the path is a single sample. Its error is in every map and in every pose, and nothing in the cloud shows it.",
                 "Resampling reduces the noise of the odometry.": "Each particle still draws its errors from the same distribution. Only the variety of their pasts is lost.",
             },
             "All particles share the error of one beginning, and a shared error does not appear in their spread.",
@@ -1140,7 +1173,7 @@ PLAN = LessonPlan(
             {
                 "Two cameras are better, because tilt causes a larger error at a longer distance.": "It does: the error is four times as large as at 2 m. But the error of the pixels is also four times as large, because the two rays intersect at half the angle.",
                 "One camera is better, because the two rays are nearly parallel.": "They are, and a pixel causes an error four times as large as at 2 m. But so does the tilt for one camera.",
-                "They are still equally good, because both errors grow with the square of the distance.": "Yes. The distance cancels in their ratio. The ratio depends only on the angle of a pixel compared with the tilt, and so on the resolution.",
+                "They are still equally good, because both errors grow with the square of the distance.": "The distance cancels in their ratio. The ratio depends only on the angle of a pixel compared with the tilt, and so on the resolution.",
             },
             "They are still equally good, because both errors grow with the square of the distance.",
         ),
@@ -1149,7 +1182,7 @@ PLAN = LessonPlan(
             "After the start with the back to the goal, your choice ended with a larger standard deviation than random moves. Why?",
             {
                 "It plans only one move ahead. With two moves it would have turned to the goal.": "Two moves ahead its map is just as empty, so it would not expect to see anything there either.",
-                "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.": "Yes. Each option contains only landmarks of the map. The goal is not on it, so no option promises anything in that direction. Random moves are not biased in this way: after four moves they have found five landmarks (median), your choice one.",
+                "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.": "Each option contains only landmarks of the map. The goal is not on it, so no option promises anything in that direction. Random moves are not biased in this way: after four moves they have found five landmarks (median), your choice one.",
                 "With its back to the goal its odometry is worse.": "The odometry errors are the same everywhere, and after the first four moves both drives are equally uncertain.",
             },
             "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.",

@@ -79,7 +79,7 @@ def with_article(value: Any) -> str:
     if value is None:
         return "None"
     kind = "array" if isinstance(value, np.ndarray) else type(value).__name__
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+    return f"an {kind}" if kind[0].lower() in "aeiou" else f"a {kind}"
 
 
 def as_text(value: Any) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.beyond.particles import FastSlam, Run, anywhere, find_itself, run_fast_slam
@@ -93,6 +94,15 @@ def draw_lost_filters(predict: Function, update_landmarks: Function) -> Drawing:
     plot_pose(Pose.from_array(truth), field)
     ax.plot(100 * sigmas, 100 * errors, "o", color=STYLES["ekf"].colour, ms=7, alpha=0.5, mec="white")
     ax.axhline(100 * FOUND, color=STYLES["truth"].colour, lw=1)
+    ax.annotate(
+        f"robot found: within {100 * FOUND:.0f} cm",
+        (1.0, 100 * FOUND),
+        (-4, 4),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="right",
+        fontsize=9,
+    )
     ax.set(xlabel="stated standard deviation (cm)", ylabel="true error (cm)", xlim=(0, None), yscale="log")
     ax.set_yticks([3, 10, 30, 100, 300], ["3", "10", "30", "100", "300"])
     ax.grid(color="#e3e5e8")
@@ -133,7 +143,8 @@ def draw_finding(weigh: Function, resample: Function) -> Drawing:
         said.append(
             f"after {say_count(count, 'observation')} {near.mean():.0%} of the particles are within {FOUND} m"
         )
-    legend_below(figure, [source_key("truth", "robot"), source_key("ekf", "particle")])
+    dot = Line2D([], [], color=STYLES["ekf"].colour, marker=".", ls="", ms=8, label="particle (position)")
+    legend_below(figure, [source_key("truth", "robot"), dot])
     return Drawing(figure, f"Two thousand particles on the half field and the true robot: {'; '.join(said)}.")
 
 
@@ -158,8 +169,8 @@ def draw_depletion(update_particle_landmark: Function, resample: Function) -> Dr
     ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
     for n, shade in zip(COUNTS, (0.4, 0.7, 1.0), strict=True):
         ax.plot(runs[n].ancestors, color=STYLES["ekf"].colour, alpha=shade, lw=2, drawstyle="steps-post")
-        ax.annotate(f"{n} particles", (1.2, n), (4, -2), textcoords="offset points", fontsize=9.5)
-    ax.set(xlabel="move", ylabel="first particles with descendants", xlim=(0, SLAM_MOVES))
+        ax.annotate(f"{n} particles", (0, n), (6, 5), textcoords="offset points", fontsize=9.5)
+    ax.set(xlabel="move", ylabel="initial particles with descendants", xlim=(0, SLAM_MOVES))
     ax.set(yscale="log", ylim=(0.8, 160))
     ax.set_yticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
     ax.minorticks_off()
@@ -169,12 +180,13 @@ def draw_depletion(update_particle_landmark: Function, resample: Function) -> Dr
     for path in paths:
         field.plot(*path[:, :2].T, color=STYLES["ekf"].colour, lw=0.7, alpha=0.15, zorder=4)
     plot_path(truth, field)
-    legend_below(figure, [source_key("truth", "true path"), source_key("ekf", "the 100 particles' paths")])
+    line = Line2D([], [], color=STYLES["ekf"].colour, lw=1.2, label="the 100 particles' paths")
+    legend_below(figure, [source_key("truth", "true path"), line])
     ends = ", ".join(f"{int(runs[n].ancestors[-1])} of {n}" for n in COUNTS)
     shared = int(np.argmax(np.ptp(paths[:, 1:, 0], axis=0) > 1e-9))  # the paths hold the start twice
     return Drawing(
         figure,
-        f"FastSLAM over {SLAM_MOVES} moves. First particles that still have descendants at the end: {ends}. "
+        f"FastSLAM over {SLAM_MOVES} moves. Initial particles that still have descendants at the end: {ends}. "
         f"Right, the paths of a hundred particles: a single line for the first {shared} moves, "
         "then they spread.",
     )
@@ -202,7 +214,13 @@ def draw_journeys(
             plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
         ax.set_title(f"{name}: standard deviation {100 * each.sigmas[-1]:.0f} cm", fontsize=11)
     figure.axes[1].set_ylabel("")
-    legend_below(figure, [source_key("truth", "true path"), source_key("ekf", "estimate, 95 %")])
+    legend_below(
+        figure,
+        [
+            source_key("truth", "true path"),
+            source_key("ekf", "estimate, 95 % (on the path after every 4th move)"),
+        ],
+    )
     said = "; ".join(
         f"with {name} the standard deviation is {each.sigmas[-1]:.2f} m at the end and the error {each.error:.2f} m"
         for name, each in both.items()

@@ -14,6 +14,7 @@ from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
 from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, SENSOR, moved
 from nao_course.metrics import squared_distances
+from nao_course.plotting.drawing import say_count
 from nao_course.sim.drives import Function, Step
 from nao_course.slam import LandmarkKind, Motion
 
@@ -136,8 +137,8 @@ def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
         draw, i = odd[0]
         allowed = f"{least[i]:g}" if least[i] == most[i] else f"{least[i]:g} or {most[i]:g}"
         return (
-            f"particle {i} of {n}, of weight {weights[i]:.3g}, was kept {counts[draw, i]} times, "
-            f"but systematic resampling keeps it {allowed} times"
+            f"particle {i} of {n}, of weight {weights[i]:.3g}, was kept {say_count(int(counts[draw, i]), 'time')}; "
+            f"systematic resampling allows {allowed}"
         )
     off = np.abs(counts.mean(axis=0) - n * weights)
     i = int(off.argmax())
@@ -314,7 +315,7 @@ class Run:
     nees : ndarray, shape (S,)
         NEES of the pose after each step.
     ancestors, effective : ndarray, shape (S,)
-        Number of first particles with descendants, and effective number of particles. Only for FastSLAM.
+        Number of initial particles with descendants, and effective number of particles. Only for FastSLAM.
     paths : ndarray, shape (n, S + 1, 3)
         Paths of the particles at the end. Only for FastSLAM.
     """

@@ -48,7 +48,7 @@ def read(path: Path) -> Any:
 
 @course_style()
 def draw_fast_slam() -> Drawing:
-    """Draw error, NEES and first particles with descendants over the moves, for lesson 07's filter and FastSLAM."""
+    """Draw error, NEES and initial particles with descendants over the moves, for lesson 07's filter and FastSLAM."""
     recorded = read(PARTICLES)
     rows, (low, high) = recorded["rows"], recorded["band"]
     figure = Figure(figsize=(9.9, 4.2))
@@ -63,7 +63,7 @@ def draw_fast_slam() -> Drawing:
     nees.annotate("consistent", (150, low), (0, -11), textcoords="offset points", ha="right", fontsize=9)
     error.set(ylabel="position error, median (cm)", ylim=(0, None))
     nees.set(ylabel="NEES, median", yscale="log", ylim=(1, 100))
-    ancestors.set(ylabel="first particles with descendants, median", yscale="log", ylim=(0.8, 1200))
+    ancestors.set(ylabel="initial particles with descendants, median", yscale="log", ylim=(0.8, 1200))
     for ax in (error, nees, ancestors):
         ax.set(xlabel="move", xlim=(0, 150))
         ax.grid(color=_GRID)
@@ -74,7 +74,7 @@ def draw_fast_slam() -> Drawing:
     )
     return Drawing(
         figure,
-        f"Error, NEES and first particles with descendants over {len(rows[0]['error']) - 1} moves "
+        f"Error, NEES and initial particles with descendants over {len(rows[0]['error']) - 1} moves "
         f"of {recorded['drives']} drives. "
         f"At the end {said}. The median NEES of a consistent filter lies between {low:.1f} and {high:.1f}.",
     )
@@ -143,7 +143,16 @@ def _measured_and_formula(
 ) -> None:
     """Plot markers for the measurements and a line for the formula."""
     distances = [row["distance"] for row in rows]
-    ax.plot(distances, [row[key] for row in rows], ls="", ms=8, mec="white", label=label, zorder=3, **style)
+    ax.plot(
+        distances,
+        [row[key] for row in rows],
+        ls="",
+        ms=8,
+        mec="white",
+        label=label,
+        zorder=3 + (key == "both"),
+        **style,
+    )
     line = {name: value for name, value in style.items() if name != "marker"}
     ax.plot(distances, [row[f"{key}_formula"] for row in rows], lw=1.2, **line)
 

@@ -30,14 +30,14 @@ def recorded(name):
 
 
 def test_the_text_says_how_consistent_filter_and_particles_were():
-    told = section("A failure on purpose")
+    told = section("Thirty moves in a circle")
     measured = recorded("particles")
     rows = {row["particles"]: row for row in measured["rows"]}
     assert (
         measured["drives"] == 30 and "thirty drives of 150 moves" in told and len(rows[None]["error"]) == 151
     )
     single = {n: row["ancestors"].index(1) for n, row in rows.items() if n in (100, 1000)}
-    assert f"only one of the first hundred particles has descendants after {single[100]} moves." in told
+    assert f"only one of the hundred initial particles has descendants after {single[100]} moves." in told
     assert f"With a thousand particles it takes {single[1000]} moves." in told
     off = {n: 100 * row["error"][150] for n, row in rows.items()}
     nees = {n: row["nees"][150] for n, row in rows.items()}
@@ -76,7 +76,7 @@ def test_the_text_says_what_two_cameras_measured():
     # The answer to the question `when_both_pay`: no r in it
     ratios = {row["one"] / row["both"] for row in recorded("cameras")["rows"] if row["width"] == 320}
     assert min(ratios) > 0.85 and max(ratios) < 1.0
-    assert "Nearly four times" in told and round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
+    assert "is nearly four times as large" in told and round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
 
 
 def test_the_text_says_what_was_explored():
@@ -115,7 +115,7 @@ def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty
 
 def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_with_a_larger_error():
     back = recorded("moves")["back"]
-    told = section("When does this choice fail?")
+    told = section("With the back to the goal")
     assert f"of twelve such drives is {np.median(back['at random']['sigma'][:12]):.2f} m" in told
     chosen, chance = (
         [np.median(back[name][key]) for key in ("sigma", "error")]
@@ -124,7 +124,7 @@ def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_w
     assert chosen[0] > chance[0] and chosen[1] > chance[1]
     assert (
         f"{chosen[0]:.2f} m with your choice and {chance[0]:.2f} m with random moves, "
-        f"but the error is {chosen[1]:.2f} m and {chance[1]:.2f} m" in told
+        f"but the median error is {chosen[1]:.2f} m and {chance[1]:.2f} m" in told
     )
     assert np.mean(back["smallest variance"]["nees"]) > 10
 
@@ -148,7 +148,7 @@ def test_the_text_says_what_the_board_of_the_challenge_says():
 def test_the_robot_returns_at_the_limit_that_the_text_states():
     told = section("My NAO, by itself")
     assert f"standard deviation of its position exceeds {100 * MOST_SIGMA:.0f} cm" in told
-    assert "or for at most a metre" in told and round(RETURN) == 1
+    assert "until the robot has driven a metre" in told and round(RETURN) == 1
 
 
 # --- what is worked out ---
@@ -266,7 +266,7 @@ def test_chance_is_ahead_of_the_nearest_frontier_in_the_rooms_that_the_text_name
         > known(nearest_frontier(own["find_frontiers"]), room)
     }
     assert found == ahead
-    assert "In three of ten, 5, 7 and 8. After 60 moves in none" in TEXT
+    assert "After 20 moves, in three of the ten rooms (5, 7 and 8); after 60 moves, in none." in TEXT
 
 
 def test_the_alt_text_of_the_first_picture_has_the_numbers_of_the_figure():

@@ -29,7 +29,20 @@ def test_the_text_says_how_good_the_approximations_are():
     assert f"At 1 m and 1° it gives {100 * near_1:.1f} cm (exact: {100 * near_exact:.1f} cm)" in text
     assert f"at 4 m and 2° {far_1:.2f} m (exact: {far_exact:.2f} m)" in text
     inverse = 1 / (1 / far[0] - far[1] / CAMERA_HEIGHT) - far[0]
-    assert f"gives {inverse:.2f} m of error where the exact value is {far_exact:.2f} m" in text
+    assert (
+        f"gives an error of {inverse:.2f} m; the exact value is {far_exact:.2f} m, and equation 11.1 gave {far_1:.2f} m"
+        in text
+    )
+    assert f"at height $h$, here {CAMERA_HEIGHT:.3f} m" in text
+
+
+def test_the_worked_edge_is_that_of_the_equations():
+    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    b, r = 0.3, 2.0
+    J = np.array([[-r * np.sin(b), np.cos(b)], [r * np.cos(b), np.sin(b)]])
+    (xx, xy), (_, yy) = np.linalg.inv(J @ np.diag([0.02**2, 0.2**2]) @ J.T)
+    assert f"$z = ({r * np.cos(b):.3f}, {r * np.sin(b):.3f}, 0)$" in text
+    assert f"{xx:.1f} & {xy:.1f} & 0 \\\\ {xy:.1f} & {yy:.1f} & 0" in text
 
 
 @pytest.mark.asserts("eq-11-2")

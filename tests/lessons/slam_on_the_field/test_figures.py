@@ -14,6 +14,7 @@ from nao_course.lessons.slam_on_the_field.ideas import RECORDED, draw_ideas
 from nao_course.lessons.slam_on_the_field.panel import draw_problem
 from nao_course.lessons.slam_on_the_field.worlds import association_problem
 from nao_course.slam import DeadReckoning
+from tests.paths import SOLUTIONS
 
 
 def test_the_figure_of_one_tilt_states_its_correlation():
@@ -57,6 +58,11 @@ def test_the_ideas_say_where_a_better_noise_alone_is_worse():
     constant, whole, jointly = (rows[name] for name in ("constant R", "the whole R", "the whole R, jointly"))
     assert np.median(whole["nees"]) > 10 * np.median(constant["nees"])
     assert max(whole["off"]) > 3 * max(constant["off"])
+    text, tilt = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8"), rows["tilt in R"]
+    before, after = (100 * np.median(row["off"]) for row in (constant, tilt))
+    assert f"lowers the median error from {before:.1f} to {after:.1f} cm" in text
+    ends = [f"{100 * max(row['off']):.0f} cm" for row in (tilt, constant)]
+    assert f"the worst drive ends {ends[0]} off instead of {ends[1]}" in text
     assert np.median(jointly["off"]) < np.median(constant["off"]) / 2
     assert all(0.03 < rows[name]["wrong"] < 0.07 for name in ("constant R", "tilt in R", "the whole R"))
     assert jointly["wrong"] < 0.01 < 0.03 < rows["constant R, jointly"]["wrong"]

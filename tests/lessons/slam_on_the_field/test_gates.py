@@ -84,15 +84,15 @@ def test_the_lesson_states_what_thirty_drives_say():
     usual_j, wide_j = (drives[f"joint compatibility, gate {gate}"] for gate in (3, 10))
     text = section("Which gate?")
     for words in (
-        f"leaves out {tight['left out %']:.0f} % of all",
+        f"rejects {tight['left out %']:.0f} % of all",
         f"Another {tight['again %']:.0f} % lie beyond",
         f"{tight['landmarks']:.0f} landmarks where there are ten",
         f"correct little: the drives end {tight['off cm']:.0f} cm off",
-        f"matches {wide['wrong %']:.0f} % with a wrong",
+        f"associates {wide['wrong %']:.0f} % incorrectly",
         f"end more than {wide['off cm']:.0f} cm off",
-        f"is right in {usual['right %']:.0f} %",
+        f"is correct in {usual['right %']:.0f} %",
         f"{usual['> 10 cm']} of 30 drives end more than 10 cm off",
-        f"right in {usual_j['right %']:.0f} %, and {usual_j['> 10 cm']} of 30",
+        f"correct in {usual_j['right %']:.0f} %, and {usual_j['> 10 cm']} of 30",
         f"still {wide_j['> 50 cm']} of 30 drives end more than 50 cm off",
     ):
         assert words in text, words
@@ -105,7 +105,7 @@ def test_the_lesson_states_what_a_hundred_looks_say():
     said = f"{at[0]} of the matches are right at 2°, {at[1]} at 5° and {at[2]} at 10°"
     text = section("Which landmark is it?")
     assert said in text, said
-    assert "Three of five correct matches are rejected" in text
+    assert "About 60 % of the correct matches are rejected" in text
     assert looks["gate 1"]["2 degrees"]["left out"] == pytest.approx(60, abs=5)
 
 
