@@ -24,7 +24,7 @@ from tests.lessons.every import (
     student_copy,
 )
 
-LONG = {"01", "02", "05", "06", "07", "09", "11", "12"}  # lessons of up to three hours
+LONG = {"01", "02", "05", "06", "07", "08", "09", "10", "11", "12"}  # more than one session
 
 
 def prose(notebook):
@@ -72,6 +72,13 @@ def test_rubric_3_a_length_that_fits_into_its_time(name):
     assert 20 <= len(notebook.cells) <= 70
     read_by_all = re.sub(r"<details>.*?</details>", "", prose(notebook), flags=re.DOTALL)
     assert 900 <= len(read_by_all.split()) <= 3000
+
+
+@each_lesson
+def test_the_guide_states_the_same_minutes(name):
+    stated = re.search(r"\*\*Time:\*\* (\d+)", solved(name).cells[0].source)[1]
+    guide = (PROJECT / "docs" / "teach_the_course.md").read_text(encoding="utf-8")
+    assert re.search(rf"^\| \d+ \| {name[:2]} [^|]* \| {stated} \|", guide, re.MULTILINE)
 
 
 @each_lesson

@@ -195,9 +195,7 @@ class Unordered(Comparison):
             return Verdict("value", f"your answer has {_count(have)}; expected {len(wanted)}")
         missed = self._missed(case, wanted, have)
         if missed:
-            return Verdict(
-                "value", f"{missed} of {_count(have)} of your answer match no expected value"
-            )
+            return Verdict("value", f"{missed} of {_count(have)} of your answer match no expected value")
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:

@@ -87,9 +87,6 @@ class StudentView:
     def shown(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
         """Return the pixels for a camera's place, and a caption if they show more than its picture."""
         pixels, names = pictures[camera].pixels, self.seen.names
-        names = names.removeprefix("the ").replace(
-            ", the ", ", "
-        )  # "your growing map", not "your the growing map"
         if names and self._view == "over" and camera == chosen:
             return self.seen.over(pixels), f"{camera} camera, your {names}"
         if self.hides(camera, chosen):
