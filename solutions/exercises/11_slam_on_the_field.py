@@ -30,7 +30,7 @@ from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.slam_on_the_field import GREEN, POST_RADIUS, VAGUE, YELLOW
-from nao_course.lessons.slam_on_the_field.drivers import whole_numbers
+from nao_course.lessons.slam_on_the_field.drivers import associate_nothing, whole_numbers
 from nao_course.lessons.slam_on_the_field.worlds import drawn_drive
 from nao_course.sim import NAO_V4, CameraView
 from nao_course.slam import (
@@ -112,7 +112,8 @@ def _pixels_hidden(rng: np.random.Generator) -> list[Case]:
         if pitch < -36:
             pixels[::2, 1] = rng.uniform(0, 6, len(pixels[::2]))  # there the horizon is in the picture
         cases.append(Case((pixels[:posts], pixels[posts:], _a_view(rng.uniform(-60, 60), pitch))))
-    return cases
+    far = rng.uniform((60, 119), (260, 122), (1, 2))  # about 15 m away
+    return [*cases, Case((NO_PIXELS, far, _a_view(pitch=-38.0)))]
 
 
 MEASUREMENTS_FROM_PIXELS = Exercise(
@@ -132,6 +133,13 @@ MEASUREMENTS_FROM_PIXELS = Exercise(
         kinds exchanged: (posts, "post", => (posts, "corner",
             (corners, "corner", => (corners, "post",
             Your kinds are exchanged: `posts` have the kind "post" and `corners` the kind "corner".
+        kinds exchanged, no radius: (posts, "post", POST_RADIUS) => (posts, "corner", 0.0)
+            (corners, "corner", => (corners, "post",
+            Two things are wrong. Your kinds are exchanged: `posts` have the kind "post" and `corners` the kind "corner". Also add POST_RADIUS to the range of each post.
+        only near points: np.isfinite(distance) => distance < 10
+            You leave out points beyond some range. Leave out only points at or above the horizon; pixel_to_ground returns NaN for them, so test np.isfinite.
+        below the middle: pixel_to_ground(pixels, view) => pixel_to_ground(pixels[pixels[:, 1] > view.centre[1]], view)
+            You keep only points in the lower half of the picture. The horizon is at the middle row only if the camera looks straight ahead. Convert all points, and leave out those for which pixel_to_ground returns NaN.
         all are corners: distance + radius, kind => distance + radius
             All your measurements are corners, because that is the default kind of a Measurement. Pass "post" for the posts.
         the post's front, and the horizon: distance + radius => distance
@@ -384,6 +392,7 @@ def _distance_public() -> list[Case]:
         _set_case(rng, 5, 3, 1, "two pairs, a measurement between them without a partner"),
         _set_case(rng, 6, 4, 0, "four pairs"),
         Case((*simple[:2], [-1], *simple[3:]), "no pair at all"),
+        Case((simple[0], np.eye(5), [0], [Measurement(0.1, 5.5)], simple[4]), "a range innovation above pi"),
     ]
 
 
@@ -395,6 +404,15 @@ def _distance_hidden(rng: np.random.Generator) -> list[Case]:
             for k, m, out in ((1, 1, 0), (4, 2, 0), (5, 4, 2), (8, 5, 1), (10, 6, 0))
         ),
         Case((state, 0.01 * np.eye(5), [0], back, np.diag([0.01, 0.01]))),
+        Case(
+            (
+                np.array([0.0, 0.0, 0.0, rng.uniform(0.8, 1.5), 0.0]),
+                random_covariance(rng, 5, 1.0),
+                [0],
+                [Measurement(0.1, float(rng.uniform(5, 6)))],
+                np.diag([0.0025, 0.01]),
+            )
+        ),
         _set_case(rng, 3, 2, 2),
     ]
 
@@ -422,6 +440,8 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
+            You also wrap the innovation of the range. A range is not an angle, so wrap only the bearings, innovation[::2].
         the noise alone: S = H @ covariance @ H.T + => S =
             Your S is R alone. Pose and landmarks are uncertain as well: S = H P Hᵀ + R.
         without the noise: H.T + measurement_covariance[np.ix_(own, own)] => H.T
@@ -456,6 +476,10 @@ JOINT_DISTANCE = Exercise(
             You use only the diagonal of R. The other entries hold what the measurements of a picture share.
         the mean: solve(S, innovation) => solve(S, innovation) / max(len(paired), 1)
             You divide by the number of pairs. Equation 11.3 has no mean: it sums over all pairs.
+        columns of the pose: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(2 * indices[i], 2 + 2 * indices[i])
+            You take landmark j from the places 2 j and 2 j + 1, but the state begins with the three numbers of the pose. Landmark j is at 3 + 2 j and 4 + 2 j.
+        measured range first: [seen.bearing, seen.range] - => [seen.range, seen.bearing] -
+            You subtract (bearing, range) from (range, bearing). expected_measurement returns the bearing first.
         columns in turn: H[rows, columns] => H[rows, 3 + 2 * n : 5 + 2 * n]
             Your landmark Jacobians are in the columns of another landmark. Landmark j has the columns 3 + 2 j and 4 + 2 j, as in the state.
         range before bearing: innovation[::2] = warp2pi => innovation[::2] = warp2pi
@@ -482,6 +506,8 @@ JOINT_DISTANCE = Exercise(
             Your H ignores the pose's uncertainty. Its first three columns are the Jacobian with respect to the pose.
         a certain map: measurement_jacobian_landmark(state[:3], state[columns]) => 0
             Your H ignores the landmarks' uncertainty. Each landmark has two columns with its Jacobian.
+        pairs with -1: if j >= 0] => ]
+            You also use measurements whose number is -1. Then 3 + 2 j is 1, which is a place of the pose. Leave these measurements out.
         -1 as a number: + indices = [j % (len(state) // 2 - 1) for j in indices]
             You use -1 as an index, and Python then counts from the end. Leave out measurements with -1.
     """),
@@ -859,6 +885,13 @@ def _methods_alone(seeds: Sequence[int]) -> list[Case]:
         _method(empty, "number: an empty map", ("number", made), ".indices"),
         _method(numbered, "number: old, new and false corners", ("number", crowd), ".indices"),
         _method(
+            numbered,
+            "number: an association that finds nothing",
+            ("number", crowd),
+            ".indices",
+            given=(start, OdometryNoisePerMove(), 4.0, associate_nothing),
+        ),
+        _method(
             conflicted,
             "number: a gate of 1.5, two measurements near one landmark",
             ("number", rivals),
@@ -940,6 +973,8 @@ EKF_SLAM = Exercise(
             Your first covariance is not zero, but the start is known.
         no noise of motion: self.odometry.covariance(motion) => np.zeros((3, 3))
             Your covariance does not grow when the robot moves. Pass self.odometry.covariance(motion) to predict.
+        the prediction thrown away: self.state, self.covariance = predict( => predict(
+            Your move does not change the estimate. predict returns a new state and a new covariance: assign both to self.state and self.covariance.
         turn for distance: [motion.distance, motion.turn] => [motion.turn, motion.distance]
             Distance and turn are exchanged. A control is (distance, turn).
         uncorrelated measurements: seen = as_observation(measurements) => seen = as_observation(measurements)
@@ -959,6 +994,15 @@ EKF_SLAM = Exercise(
             In number you associate one measurement at a time, so two of them can get the same landmark. Call self.association once for the whole picture.
         ranges as measured: [expected_measurement(self.state[:3], place)[1] for place in places] => seen.values[used][:, 1]
             In correct you use the ranges as they were measured. Pass the expected ranges, from the state and the map, to linearised_at and use the values that it returns (equation 11.5).
+        ranges from the origin: expected_measurement(self.state[:3], place)[1] => np.hypot(*place)
+            In correct your expected ranges are distances from the origin of the field. Use the distances from the robot to its landmarks: expected_measurement(self.state[:3], place)[1].
+        blocks of R in correct: values, R = seen => values, R = seen
+            + R = R * np.kron(np.eye(len(used)), np.ones((2, 2)))
+            In correct you use only the diagonal blocks of R. The other blocks hold the tilt that all measurements of a picture share: pass the whole R to update_landmarks.
+        numbers of measurements: numbers = self.indices[used].tolist() => numbers = used.tolist()
+            In correct you pass the numbers of the measurements to update_landmarks. It needs the numbers of their landmarks: self.indices[used].
+        -1 kept in correct: self.indices >= 0) => self.indices >= -1)
+            In correct you also use measurements whose number is -1. Leave them out: they have no landmark.
         R of the plain ranges: values, R = seen => values, R = seen
             + R = seen.part(used).covariance
             In correct you use the values of linearised_at with the covariance of the plain ranges. linearised_at returns both values and covariance.
@@ -966,6 +1010,8 @@ EKF_SLAM = Exercise(
             You always use OdometryNoisePerMove(). Use the odometry that the constructor got.
         own association only: association or associate => associate
             You always use your own associate. Use the association that the constructor got, if there is one.
+        new by the given association: if associate(*belief, one => if self.association(*belief, one
+            In step 2 of number you use self.association. That step uses your own associate, also if another association was given.
         no landmark, no compass: seen = as_observation(measurements) => seen = as_observation(measurements)
             + if not len(seen):
             +     return
@@ -986,6 +1032,14 @@ EKF_SLAM = Exercise(
             You wrap the compass's innovation to half a turn. The lines look the same every 90 degrees, so use wrap_quarter.
         the heading alone: K = self.covariance[:, 2] / => K = (np.arange(len(self.state)) == 2) * self.covariance[:, 2] /
             Your compass corrects the heading only. The gain is a whole column of P, because all errors that are correlated with the heading are corrected too.
+        the state's heading alone: self.state + K * nu => self.state + (np.arange(len(self.state)) == 2) * K * nu
+            Your compass corrects only the heading in the state. Add K nu to the whole state, because position and landmarks are correlated with the heading.
+        the compass leaves the covariance: self.covariance = self.covariance - np.outer(K, self.covariance[2]) => pass
+            Your use_compass does not change the covariance. A measurement reduces it: subtract np.outer(K, self.covariance[2]).
+        the heading stored afterwards: self.heading = self.state[2] + nu => pass
+            self.state[2] = warp2pi(self.state[2]) => self.state[2] = warp2pi(self.state[2])
+            + self.heading = self.state[2] + nu
+            Your self.heading is too far: you add nu to the heading that is already corrected. Store theta + nu with theta from before the correction.
         distant compasses rejected: nu = wrap_quarter => nu = wrap_quarter
             + if abs(nu) > self.gate * np.sqrt(self.covariance[2, 2] + sigma**2):
             +     return
@@ -1013,9 +1067,18 @@ EKF_SLAM = Exercise(
         all others new: if associate(*belief, one, one.covariance, 3 * self.gate)[0] < 0: => if True:
             In number every measurement with -1 becomes a new landmark. It is new only if it also has no landmark of its kind within three gates; otherwise a second map grows.
         a list that grows: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
-            In number your list of kinds grows while you still decide with it, and it then has more entries than the state. Copy it first: list(self.kinds).
+            In number your list of kinds grows while you still decide with it, because a second name for a list is not a copy. It then has more entries than the state. Take a copy first: list(self.kinds).
         new beyond one gate: 3 * self.gate => self.gate
             Everything outside the gate becomes a landmark. Leave a measurement out if a landmark of its kind is within three gates; otherwise a second map grows.
+        new by the first one's noise: associate(*belief, one, one.covariance, => associate(*belief, one, seen.covariance[:2, :2],
+            vague = VAGUE * one.covariance => vague = VAGUE * seen.covariance[:2, :2]
+            In number you use the R of the first measurement for every measurement. seen.part([i]).covariance is the R of measurement i.
+        a number too large: self.indices[i] = len(self.kinds) => pass
+            self.kinds.append(one[0].kind) => self.kinds.append(one[0].kind)
+            + self.indices[i] = len(self.kinds)
+            The numbers of your new landmarks are one too large. Store len(self.kinds) before you append the kind.
+        new by the whole picture: if associate(*belief, one, one.covariance, 3 * self.gate)[0] < 0: => if associate(*belief, seen, seen.covariance, 3 * self.gate)[i] < 0:
+            In step 2 of number you associate the whole picture with three gates. There a measurement can lose its landmark to another one. Call associate with this measurement alone: seen.part([i]).
         no map: self.indices < 0) => [])
             Your map stays empty. A measurement with no landmark of its kind nearby is a new landmark.
         all corners: one[0].kind => "corner"
@@ -1235,7 +1298,7 @@ GRAPH_SLAM = Exercise(
     driver="methods",
     comparison=_as_estimated(5e-3),
     hints=(
-        "Let EkfSlam choose the landmarks (front.indices), and store one edge for each motion, measurement and heading. A landmark's number among all unknowns depends on the number of poses, which is known only in estimate: store the landmark's own number until then.",
+        "Let an EkfSlam choose the landmarks (its `indices`), and store one edge for each motion, measurement and heading. A landmark's number among all unknowns depends on the number of poses, which is known only in estimate: store the landmark's own number until then.",
         "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)). With the measurement's Jacobian J from landmark_jacobians at the same pose, the edge's information is the inverse of J R Jᵀ. In H[3:, 3:] everything is three places earlier than in the states.",
     ),
     mistakes=catalogue("""
@@ -1243,6 +1306,8 @@ GRAPH_SLAM = Exercise(
             You return the filter's estimate. Its poses and map are only the start of gauss_newton.
         from zeros: [start.as_array()] => [np.zeros(3)]
             Your first pose is zero. It is `start`, and gauss_newton holds it there.
+        the pose after the turn: [motion.distance, 0.0, motion.turn] => [motion.distance * np.cos(motion.turn), motion.distance * np.sin(motion.turn), motion.turn]
+            Your motion edges turn before they drive. The robot first drives straight ahead and then turns, so the new pose in the frame of the old one is (distance, 0, turn).
         noise not turned: rotation_2d(-motion.turn) => np.eye(2)
             Your odometry noise is along and across the old heading, but pose_residual works in the new pose's frame. Turn the noise by -motion.turn.
         turned the other way: -motion.turn => motion.turn
@@ -1259,13 +1324,15 @@ GRAPH_SLAM = Exercise(
             You invert the R of bearing and range, but the edge is in metres. Convert it first: J R Jᵀ.
         J transposed: J @ own @ J.T => J.T @ own @ J
             You compute Jᵀ R J. The columns of J belong to bearing and range, so the product is J R Jᵀ.
+        sigma not squared: seen.direction_sigma**-2 => seen.direction_sigma**-1
+            Your compass edges hold 1/sigma. The information is the inverse of the variance: 1/sigma^2.
         no headings: here and self.front.heading is not None => False
             Your graph has no compass edges. Add one for each heading of the filter that is not None.
         a heading for each measurement: self.edges.append((0, => self.edges.append((0,
             + self.edges += self.edges[-1:] * ((self.front.indices >= 0).sum() - 1)
             You add one compass edge for each measurement. A picture measures the heading once.
         the filter's heading: turned = [0.0, 0.0, self.front.heading => turned = [0.0, 0.0, self.front.state[2]
-            You use the filter's heading as a measurement. It already contains odometry and landmarks, so they would count twice. Use front.heading, which comes from the compass alone.
+            You use the filter's heading as a measurement. It already contains odometry and landmarks, so they would count twice. Use the `heading` of your EkfSlam, which comes from the compass alone.
         absolute heading: self.front.heading - self.poses[0][2]] => self.front.heading]
             Your compass edge holds the heading itself. An edge from the first pose holds how far the robot has turned since: subtract the heading at the start.
         from the last pose: append((0, POSE, => append((here - 1, POSE,
@@ -1310,6 +1377,9 @@ GRAPH_SLAM = Exercise(
             + whole[3:, 3:] = np.linalg.inv(H.toarray())
             + blocks[1:] = [whole[n : n + 2, n : n + 2] for n in range(3 * p - 3, graph.size - 3, 2)]
             The covariances of your landmarks are three places off, because H[3:, 3:] lacks the first pose.
+        places not shifted: np.arange(3 * p - 6, 3 * p - 3) => np.arange(3 * p - 3, 3 * p)
+            range(3 * p - 3, graph.size - 3, 2) => range(3 * p, graph.size, 2)
+            You look in H[3:, 3:] at the places that the unknowns have in the states. Every place is 3 smaller there, because the first pose is missing.
         nothing held: graph.split(states) => graph.split(states)
             + whole = np.linalg.pinv(linearize(graph, states)[0].toarray())
             + ends = [slice(3 * p - 3, 3 * p), *(slice(n, n + 2) for n in range(3 * p, graph.size, 2))]

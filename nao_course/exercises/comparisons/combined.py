@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
@@ -192,7 +192,7 @@ class Unordered(Comparison):
                 "shape", f"your answer has shape {shapes[1]}; expected rows of shape {shapes[0][1:]}"
             )
         if len(have) != len(wanted):
-            return Verdict("value", f"your answer has {len(have)} values, which is not the right number")
+            return Verdict("value", f"your answer has {_count(have)}; expected {len(wanted)}")
         missed = self._missed(case, wanted, have)
         if missed:
             return Verdict("value", f"{missed} of {_count(have)} of your answer match no expected value")
@@ -220,6 +220,11 @@ def _size(value: Any) -> int:
     if parts is None:
         return len(value) if isinstance(value, str | bytes) else 1
     return sum(map(_size, parts.values())) + 1
+
+
+def _count(values: Sequence[Any]) -> str:
+    """Return a number of values in words, such as "1 value" or "3 values"."""
+    return f"{len(values)} value" + ("" if len(values) == 1 else "s")
 
 
 def _members(value: Any) -> list[Any] | None:

@@ -249,6 +249,8 @@ class Methods(Comparison):
         for (where, name, one, other), (_, args) in turns:
             of_call = Case(args, expected=one)
             verdict = self._of(name).judge(of_call, other) if one is not None else _nothing(name, other)
+            if name.startswith(".") and other is None and one is not None:
+                return Verdict("nothing", f"{where}: self.{where} is None; expected {with_article(one)}")
             if not verdict:
                 return replace(verdict, text=f"{where}: {verdict.text}", at=())
         return RIGHT

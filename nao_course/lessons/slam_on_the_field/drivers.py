@@ -38,6 +38,14 @@ def taken_from(pose: Pose, yaw: float, brightness: float = 1.0, seed: int = 0) -
     return Picture(np.clip(pixels * brightness, 0, 255).astype(np.uint8), view, "bottom")
 
 
+@register
+def associate_nothing(
+    state: Any, covariance: Any, kinds: Any, measurements: Any, measurement_covariance: Any, gate: float
+) -> Any:
+    """Return -1 for every measurement, as an association that finds no landmark."""
+    return np.full(len(measurements), -1)
+
+
 @register_driver
 def on_taken_picture(function: Callable[..., Any], *place: Any) -> Any:
     """Call ``function(picture, view)`` on a picture from `taken_from`.

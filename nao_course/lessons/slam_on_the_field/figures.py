@@ -18,6 +18,7 @@ from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.slam_on_the_field.drivers import taken_from
 from nao_course.lessons.slam_on_the_field.worlds import FIELD
 from nao_course.plotting import (
+    STYLES,
     Drawing,
     course_style,
     plot_ellipse,
@@ -91,7 +92,16 @@ def draw_one_tilt() -> Drawing:
     ax.set_title("two corners, each measured in 300 pictures", fontsize=11)
     both.plot(draws[:, 1], draws[:, 3], ".", color="#444", ms=3, alpha=0.6)
     keys += [
-        source_key("ekf", "95 % by R"),
+        Line2D(
+            [],
+            [],
+            ls="",
+            marker="o",
+            ms=10,
+            mfc="none",
+            mec=STYLES["ekf"].colour,
+            label="95 % by R (ellipse)",
+        ),
         source_key("truth", "robot"),
         Line2D([], [], ls="", marker="o", ms=4, color="#444", label="one picture (right)"),
     ]

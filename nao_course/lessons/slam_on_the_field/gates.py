@@ -35,7 +35,12 @@ SHOWN = 1  # seed of the drive that is drawn
 RECORDED = Path(__file__).with_suffix(".json")
 # What happens to a measurement; "again": its landmark is on the map already, and it is put there a second time.
 FATES = {"right": GOOD, "wrong": BAD, "again": "#e08a00", "left out": "#b8b8b8"}
-SAID = {"again": "a second time on the map"}
+SAID = {
+    "right": "correct association",
+    "wrong": "incorrect association",
+    "again": "duplicate landmark",
+    "left out": "rejected",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,14 +153,14 @@ def draw_associations() -> Drawing:
     for y, row in zip(heights, rows, strict=True):
         _draw_shares(bars, y, row["shares"])
         _draw_ends(ends, y, 100 * np.array(row["off"]))
-        shares = ", ".join(f"{100 * share:.1f} % {fate}" for fate, share in row["shares"].items())
+        shares = ", ".join(f"{100 * share:.1f} % {SAID[fate]}" for fate, share in row["shares"].items())
         median = 100 * np.median(row["off"])
         said.append(f"Gate {row['gate']:g}, {row['way']}: {shares}; median {median:.1f} cm")
     bars.set_yticks(heights, labels=[f"gate {row['gate']:g}, {row['way']}" for row in rows])
     bars.set(xlim=(0, 100), xlabel="of all measurements (%)", ylim=(heights[-1] - 0.5, 0.7))
     ends.set(xscale="log", xlabel="final position error (cm)")
     ends.xaxis.set_major_formatter("{x:g}")
-    keys = [Patch(color=colour, label=SAID.get(fate, fate)) for fate, colour in FATES.items()]
+    keys = [Patch(color=colour, label=SAID[fate]) for fate, colour in FATES.items()]
     legend_below(figure, keys)
     return Drawing(figure, f"{len(rows[0]['off'])} drives by gate and association. {'. '.join(said)}.")
 

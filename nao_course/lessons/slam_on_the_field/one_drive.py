@@ -75,7 +75,7 @@ def draw_one_drive(
         It is drawn beside EkfSlam.
     """
     panels = list(_panels(associate, EkfSlam, GraphSlam))
-    figure = Figure(figsize=(10.4, 4.0) if len(panels) > 3 else (10.4 if len(panels) > 1 else 5.2, 4.6))
+    figure = Figure(figsize=(10.4 if len(panels) > 1 else 5.2, 4.6))
     for number, panel in enumerate(panels, start=1):
         ax = figure.add_subplot(1, len(panels), number)
         plot_field(FIELD, ax)

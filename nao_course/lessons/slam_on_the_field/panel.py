@@ -33,6 +33,7 @@ from nao_course.slam import measured_points
 from nao_course.widgets import FunctionPanel, Slider, Toggle
 
 LANDMARK_SIGMA = 0.04  # m
+MAP_COLOUR, SEEN_COLOUR = "#0b5fa5", "#222222"
 NOT_SHOWN = -2  # in place of a landmark's number: a pair that has not been added yet
 WRONG_PICTURE = 14  # nearest neighbour goes wrong at its third pair, joint compatibility does not
 
@@ -172,11 +173,11 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
     plot_field(FIELD, ax)
     for place, kind in zip(marks, KINDS, strict=True):
         plot_ellipse(place, LANDMARK_SIGMA**2 * np.eye(2), ax, "ekf")
-        ax.plot(*place, LANDMARK_MARKERS[kind], color="none", mec="#0b5fa5", ms=8, mew=1.4, zorder=5)
+        ax.plot(*place, LANDMARK_MARKERS[kind], color="none", mec=MAP_COLOUR, ms=8, mew=1.4, zorder=5)
     for n, end in enumerate(ends):
         kind = each.observation[n].kind
         ax.plot([estimated.x, end[0]], [estimated.y, end[1]], color="#444", lw=0.7, alpha=0.5, zorder=3)
-        ax.plot(*end, LANDMARK_MARKERS[kind], color="#222", ms=7, zorder=5.5)
+        ax.plot(*end, LANDMARK_MARKERS[kind], color="white", mec=SEEN_COLOUR, ms=7, mew=1.6, zorder=5.5)
         if indices is not None and 0 <= indices[n] < len(marks):
             colour = GOOD if indices[n] == each.origins[n] else BAD
             ax.plot(*np.column_stack([end, marks[indices[n]]]), color=colour, lw=3, zorder=4.5)
@@ -187,10 +188,17 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
     plot_ellipse((estimated.x, estimated.y), each.covariance[:2, :2], ax, "ekf")
     keys = [source_key("truth", "true pose"), source_key("ekf", "estimate, 95 %")]
     keys += [
+        Line2D([], [], color=colour, mec=edge, marker="o", mew=1.4, ls="", ms=7, label=name)
+        for name, colour, edge in (
+            ("landmark on the map", "none", MAP_COLOUR),
+            ("measurement", "white", SEEN_COLOUR),
+        )
+    ]
+    keys += [
         Line2D([], [], color=colour, lw=3, label=name)
         for name, colour in (("right match", GOOD), ("wrong match", BAD))
     ]
-    legend_below(figure, keys)
+    legend_below(figure, keys, columns=3)
     off = np.hypot(estimated.x - each.pose.x, estimated.y - each.pose.y)
     said = f"{len(each.origins)} measurements from an estimated pose that is off by {off:.2f} m"
     if indices is not None:

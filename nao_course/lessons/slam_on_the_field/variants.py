@@ -19,6 +19,7 @@ ON_THE_WAY = 10  # rows from odometry to the complete system; each of the others
 # Sources of the first and the last of these rows by variant; the rows between them are variants of the EKF.
 ENDS: dict[str, Source] = {"odometry": "odometry", "graph": "graph"}
 COMPLETE = 8  # row of the complete EKF
+LOST = 15.0  # cm: a drive with a larger final error is lost
 LEAST = 1e-2  # a smaller NEES is drawn here
 
 
@@ -61,15 +62,26 @@ def variants_table() -> Table:
     for each in recorded_variants()[COMPLETE:]:
         off = 100 * np.array(each["position"])
         landmarks = 100 * np.median(each["landmarks"])
-        values = (np.median(off), np.quantile(off, 0.95), off.max(), landmarks)
+        values = (np.median(off), np.quantile(off, 0.95), off.max())
+        lost = str(int(np.count_nonzero(off > LOST)))
         nees = np.median(each["nees"]), np.mean(each["nees"])
         heading = f"{np.median(each['heading']):.2f}"
-        rows.append([each["variant"], *map(_readable, values), heading, *map(_readable, nees)])
+        rows.append(
+            [
+                each["variant"],
+                *map(_readable, values),
+                lost,
+                _readable(landmarks),
+                heading,
+                *map(_readable, nees),
+            ]
+        )
     columns = [
         "variant",
         "error (cm, median)",
         "95 %",
         "worst",
+        f"lost (> {LOST:g} cm)",
         "landmarks (cm)",
         "heading (°)",
         "NEES (median)",
