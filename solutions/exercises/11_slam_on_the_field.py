@@ -981,24 +981,14 @@ EKF_SLAM = Exercise(
             + blocks = seen.covariance * np.kron(np.eye(len(seen)), np.ones((2, 2)))
             + seen = Observation(seen.measurements, blocks, seen.direction, seen.direction_sigma)
             You drop the correlation between the measurements of a picture. One tilt moves them all, so use the whole covariance.
-        the first rows of R: values, R = seen => values, R = seen
-            + R = seen.part(range(len(used))).covariance
-            In correct you use the R of the first measurements instead of those with a landmark. Use the covariance that seen.part(used).linearised_at(...) returns.
         one after the other: if len(used): => for used in used[:, None]:
             In correct you update with one landmark after the other. That ignores the tilt that their measurements share. Call update_landmarks once with all of them.
-        one after the other, ranges from before: self.state, self.covariance = update_landmarks(self.state, self.covariance, numbers, values, R) => for n in range(len(used)):
-            +     own = slice(2 * n, 2 * n + 2)
-            +     self.state, self.covariance = update_landmarks(self.state, self.covariance, numbers[n : n + 1], values[own], R[own, own])
-            In correct you call update_landmarks once for each measurement, with its own block of R. The blocks between the measurements hold their shared tilt, so make one call with all of them.
         one at a time: self.association(*belief, seen, seen.covariance, self.gate) => [self.association(*belief, seen.part([i]), seen.part([i]).covariance, self.gate)[0] for i in range(len(seen))]
             In number you associate one measurement at a time, so two of them can get the same landmark. Call self.association once for the whole picture.
         ranges as measured: [expected_measurement(self.state[:3], place)[1] for place in places] => seen.values[used][:, 1]
             In correct you use the ranges as they were measured. Pass the expected ranges, from the state and the map, to linearised_at and use the values that it returns (equation 11.5).
         ranges from the origin: expected_measurement(self.state[:3], place)[1] => np.hypot(*place)
             In correct your expected ranges are distances from the origin of the field. Use the distances from the robot to its landmarks: expected_measurement(self.state[:3], place)[1].
-        blocks of R in correct: values, R = seen => values, R = seen
-            + R = R * np.kron(np.eye(len(used)), np.ones((2, 2)))
-            In correct you use only the diagonal blocks of R. The other blocks hold the tilt that all measurements of a picture share: pass the whole R to update_landmarks.
         numbers of measurements: numbers = self.indices[used].tolist() => numbers = used.tolist()
             In correct you pass the numbers of the measurements to update_landmarks. It needs the numbers of their landmarks: self.indices[used].
         -1 kept in correct: self.indices >= 0) => self.indices >= -1)
@@ -1089,8 +1079,6 @@ EKF_SLAM = Exercise(
             Your estimate has no landmarks.
         shifted blocks: range(3, len(self.state), 2) => range(0, len(self.state) - 3, 2)
             The covariances of your landmarks are three places off, because the state begins with the three numbers of the pose.
-        variances alone: self.covariance[:3, :3], landmarks => np.diag(np.diag(self.covariance[:3, :3])), landmarks
-            Your pose's covariance has only its diagonal. Return the whole block of P.
     """),
     alternatives={
         "whole matrices, Joseph": _Joseph,
