@@ -75,7 +75,8 @@ def draw_one_drive(
         It is drawn beside EkfSlam.
     """
     panels = list(_panels(associate, EkfSlam, GraphSlam))
-    figure = Figure(figsize=(10.4 if len(panels) > 1 else 5.2, 4.6))
+    # Three panels are so wide that titles, fields and legend need more height than four narrow ones.
+    figure = Figure(figsize=(10.4 if len(panels) > 1 else 5.2, 5.3 if len(panels) == 3 else 4.6))
     for number, panel in enumerate(panels, start=1):
         ax = figure.add_subplot(1, len(panels), number)
         plot_field(FIELD, ax)

@@ -87,7 +87,7 @@ LOOSE = {"named": [2, 5], "said": ""}
         ),
         (LOOSE, np.ones(6), "should raise a ValueError"),
         (np.ones(2), {"named": [], "said": "Singular matrix"}, "raises ValueError: 'Singular matrix'"),
-        (np.ones(2), np.array([1.0, 1.1]), "are wrong"),
+        (np.ones(2), np.array([1.0, 1.1]), "is wrong"),
         (np.ones(2), np.ones(2) + 1e-9, ""),
     ],
 )
