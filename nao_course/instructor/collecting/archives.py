@@ -220,9 +220,22 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
         if students:
             _refuse_a_large_one(file)
         with zipfile.ZipFile(file) as archive:
-            found = [each for each in archive.infolist() if not each.is_dir()]
-    items = [item for each in found if (item := _item(path, each)).parts[0] not in _NOBODYS]
-    return [replace(each, ignored=_is_ignored(each.parts, students)) for each in items]
+            found = archive.infolist()
+    items = [_item(path, each) for each in found if not each.is_dir()]
+    folders = [_item(path, each) for each in found if each.is_dir()]
+    listed = [
+        replace(each, ignored=each.ignored or _is_ignored(each.parts, students))
+        for each in (*items, *_empty_ones(folders, items))
+    ]
+    return [each for each in listed if each.parts[0] not in _NOBODYS]
+
+
+def _empty_ones(folders: list[Item], files: list[Item]) -> list[Item]:
+    """Return an ignored item for each folder without files, because an empty folder still names its student."""
+    filled = {item.parts[:depth] for item in files for depth in range(1, len(item.parts))}
+    return [
+        replace(each, parts=(*each.parts, ""), ignored=True) for each in folders if each.parts not in filled
+    ]
 
 
 def _name_of(entry: zipfile.ZipInfo) -> str:

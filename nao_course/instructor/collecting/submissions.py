@@ -81,7 +81,7 @@ class Gathered:
     unknown : tuple of str
         Files of which nobody can say whose or of which lesson they are, each with the reason; first `not_graded`.
     not_graded : tuple of str
-        Files that may be a student's work, and students of whom there is no notebook of a lesson.
+        Files that may be a student's work, and students of whom there is no notebook of a wanted lesson.
     wrapper : str
         Name of the folder that was around everything, and was not taken for a student's; often empty.
     """
@@ -287,6 +287,7 @@ class _Search:
         self.lost: list[str] = []  # files that may be a student's work
         self.owner = ""  # the student whose file is being looked at; empty for a file that names none
         self.owners: dict[str, bool] = {"": True}  # whether there is something of theirs that may be work
+        self.named: set[str] = set()  # students with a line in `lost`
         self.refused: dict[str, str] = {}  # folders that are not one student's
         self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
         self.unpacked = 0
@@ -368,6 +369,8 @@ class _Search:
         may_be_work = file.endswith((".ipynb", ".zip")) or not size  # a folder, a link, a pipe
         (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")
         self.owners[self.owner] |= may_be_work
+        if may_be_work:
+            self.named.add(self.owner)
 
     def leave_out_folder(self, folder: str) -> None:
         """Record once that a folder is not graded, because it is not one student's."""
@@ -406,13 +409,25 @@ class _Search:
             for owner, has_work in self.owners.items()
             if not has_work
         ]
-        lost = _each_student_first([*self.lost, *empty])
+        lost = _each_student_first([*self.lost, *empty, *self.without_a_wanted_lesson()])
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
             (*lost, *self.unknown),
             lost,
         )
+
+    def without_a_wanted_lesson(self) -> list[str]:
+        """Name the students who handed in notebooks, but none of a wanted lesson."""
+        handed_in: dict[str, set[str]] = defaultdict(set)
+        for student, lesson in self.candidates:
+            handed_in[student].add(lesson)
+        named = {clean_name(owner) for owner in self.named}
+        return [
+            f"{student}: nothing was handed in for {', '.join(self.wanted)}, only for {', '.join(sorted(lessons))}"
+            for student, lessons in handed_in.items()
+            if student not in named and lessons.isdisjoint(self.wanted)
+        ]
 
     def choose(self, student: str, lesson: str) -> Submission:
         """Return the newest readable submission, or else the newest one with the reason why it is refused."""

@@ -332,6 +332,24 @@ def test_who_handed_in_nothing_that_counts_is_named_however_the_platform_packs_i
     assert found.not_graded == ("y_3: there is no notebook of a lesson",)
 
 
+def test_an_empty_folder_in_a_zip_names_its_student(look, tmp_path):
+    moodle = "_assignsubmission_file_/"
+    found = look(packed(tmp_path / "in.zip", {f"Ada_1{moodle}{HSL}": NOTEBOOK, f"Gil_7{moodle}": b""}))
+    assert who(found) == [("Ada_1", HSL[:-6])]
+    assert found.not_graded == ("Gil_7: there is no notebook of a lesson",)
+    found = look(packed(tmp_path / "in2.zip", {f"ada/{HSL}": NOTEBOOK, "ada/": b"", "hal/sub/": b""}))
+    assert found.not_graded == ("hal: there is no notebook of a lesson",)
+
+
+def test_a_student_who_handed_in_only_another_lesson_is_named(tmp_path):
+    path = put(
+        tmp_path / "in", f"ada/{HSL}", "ben/02_goal_posts.ipynb", "cleo/02_goal_posts.ipynb", "cleo/x.zip"
+    )
+    found = gather(path, tmp_path / "scratch", LESSONS, ["01_hsl_filtering"])
+    assert who(found) == [("ada", HSL[:-6])]
+    assert "ben: nothing was handed in for 01_hsl_filtering, only for 02_goal_posts" in found.not_graded
+
+
 def test_a_student_cannot_pass_for_the_folder_around_all_students(tmp_path):
     put(tmp_path / "in", f"Eve/Ada/{HSL}", f"Eve/Eve/{HSL}")
     found = gather(tmp_path / "in", tmp_path / "scratch", LESSONS)
