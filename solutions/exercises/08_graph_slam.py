@@ -502,13 +502,11 @@ SOLVE = Exercise(
             Your limit for an eigenvalue of 0 is too large. In millimetres the weights of the measurements are a millionth of the weight of the start, and their eigenvalues are not 0. Compare with a very small fraction of the largest eigenvalue, such as 1e-12.
         too large a fraction: 1e-12 * values.max() => 1e-3 * values.max()
             Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
-        a fixed limit for the smallest: 1e-12 * values.max() => 1e-9
-            Your limit for an eigenvalue of 0 is a fixed number, but rounding errors grow with the weights. Compare with a small fraction of the largest eigenvalue.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
             Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
             You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
-        a smaller fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
+        a fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
             Your limit for an eigenvalue of 0 is a fixed number. With weights of 1e8, rounding errors alone are larger than it. Compare with a small fraction of the largest eigenvalue.
         less than a part of nothing: <= 1e-12 => < 1e-9
             Without any constraint omega is all zeros, so the largest eigenvalue is 0, too, and a comparison with < (or a division by it) finds no free direction. Use values <= limit * largest.
