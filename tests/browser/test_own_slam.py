@@ -59,7 +59,7 @@ def test_a_solved_course_drives_with_its_map_and_board_by_the_key_that_is_held(l
     fill(lab.folder)
     board = drive(lab, page, "solved.ipynb")
     assert "✔ estimate (11)" in page.locator(".nao-ready").inner_text()
-    for said in ("The estimate: off ", "NEES", "on the map", "by your measure"):
+    for said in ("Estimate: off ", "NEES", "on the map", "by your measure"):
         assert said in board
     assert " 0 landmarks on the map" not in board
     page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'start'})")
