@@ -14,7 +14,7 @@ from nao_course.sim import SimulatedNao, Truth
 from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion, place_estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.named_landmarks import measure_by_name, new_commands
+from nao_course.widgets.control_panel.named_landmarks import FollowedRobot
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 REACH = 3.5  # m: beyond it the range from one picture is inaccurate (lesson 04)
@@ -110,20 +110,13 @@ def _toward(pose: FloatArray, there: Cell, goal: Cell) -> Motion:
 
 def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Start at the robot's true pose, follow its commands, update with each picture, and choose the next move."""
-    truth, rng, kinds = Truth(nao), np.random.default_rng(SEED), nao.field.detectable_kinds
-    start = nao.field.pose.inverse() @ truth.odometry_start
+    start, kinds = nao.field.pose.inverse() @ Truth(nao).odometry_start, nao.field.detectable_kinds
     slam = NamedEkf(start, student.predict, student.update_landmarks, student.add_landmark)
-    explorer, done = Explorer(student), 0
+    robot, explorer = FollowedRobot(slam, nao, REACH, SEED), Explorer(student)
 
-    def look(frame: Frame) -> Overlay:
-        nonlocal slam, done
-        now, commands = slam.copy(), new_commands(nao, done)
-        for command in commands:
-            now.move(*command)
-        seen = measure_by_name(nao, frame.picture.view, REACH, rng)
-        now.observe(seen.numbers, seen.measurements, seen.covariances)
-        slam, done = now, done + len(commands)
-        walked = sum(abs(float(control[0])) for control, _ in commands)
+    def show(frame: Frame) -> Overlay:
+        seen, walked = robot.follow(frame.picture.view)
+        slam = robot.slam
         explorer.see(slam.state[:3], nao.head[0], walked)
         motion = explorer.next(slam)
         ends = exploring.cell_centres()[explorer.frontiers]
@@ -139,7 +132,7 @@ def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
             motion=motion,
         )
 
-    return look
+    return show
 
 
 STAGE = Stage(

@@ -10,7 +10,7 @@ from nao_course.sim import SimulatedNao, Truth
 from nao_course.sim.drives import NamedEkf, checked_functions
 from nao_course.slam import place_estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.named_landmarks import measure_by_name, new_commands
+from nao_course.widgets.control_panel.named_landmarks import FollowedRobot
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 REACH = 3.5  # m; beyond it a range from one picture is inaccurate (lesson 04)
@@ -19,19 +19,13 @@ SEED = 71  # seed of the measurements' noise
 
 def _grow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Start at the origin with an empty map; predict with each command and update with each picture."""
-    truth, rng, kinds = Truth(nao), np.random.default_rng(SEED), nao.field.detectable_kinds
+    truth, kinds = Truth(nao), nao.field.detectable_kinds
     functions = checked_functions((student.predict, student.update_landmarks, student.add_landmark))
-    slam, done = NamedEkf(Pose(), *functions), 0
+    robot = FollowedRobot(NamedEkf(Pose(), *functions), nao, REACH, SEED)
 
-    def look(frame: Frame) -> Overlay:
-        nonlocal slam, done
-        now, commands = slam.copy(), new_commands(nao, done)
-        for command in commands:
-            now.move(*command)
-        seen = measure_by_name(nao, frame.picture.view, REACH, rng)
-        now.observe(seen.numbers, seen.measurements, seen.covariances)
-        slam, done = now, done + len(commands)
-        estimate = now.estimate(kinds)
+    def show(frame: Frame) -> Overlay:
+        seen, _ = robot.follow(frame.picture.view)
+        estimate = robot.slam.estimate(kinds)
         sigma = np.sqrt(np.trace(estimate.covariance[:2, :2]))
         return Overlay(
             result=estimate,
@@ -41,7 +35,7 @@ def _grow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
             estimate=place_estimate(estimate, truth.odometry_start),
         )
 
-    return look
+    return show
 
 
 STAGE = Stage(

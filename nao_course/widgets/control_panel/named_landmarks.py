@@ -9,6 +9,7 @@ import numpy as np
 
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView, SimulatedNao, Truth, visible_landmarks
+from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion
 
 
@@ -64,3 +65,45 @@ def measure_by_name(
     return NamedMeasurements(
         numbers, measured, nao.sensor_noise.covariances(measured), [each.pixel for each in seen]
     )
+
+
+class FollowedRobot:
+    """A filter that follows the robot of a panel, with known landmark correspondences.
+
+    Parameters
+    ----------
+    slam : NamedEkf
+        The filter before the first command.
+    nao : SimulatedNao
+        The robot.
+    reach : float
+        Largest range that is measured, m.
+    seed : int
+        Seed of the measurements' noise.
+
+    Attributes
+    ----------
+    slam : NamedEkf
+        The filter after the last picture.
+    """
+
+    def __init__(self, slam: NamedEkf, nao: SimulatedNao, reach: float, seed: int) -> None:
+        """Start before the robot's first command."""
+        self.slam, self._nao, self._reach = slam, nao, reach
+        self._rng, self._done = np.random.default_rng(seed), 0
+
+    def follow(self, view: CameraView) -> tuple[NamedMeasurements, float]:
+        """Predict with the new commands and update with one picture; if this raises an error, the filter stays.
+
+        Returns
+        -------
+        NamedMeasurements, float
+            The measurements of the picture, and the distance of the new commands, m.
+        """
+        slam, commands = self.slam.copy(), new_commands(self._nao, self._done)
+        for command in commands:
+            slam.move(*command)
+        seen = measure_by_name(self._nao, view, self._reach, self._rng)
+        slam.observe(seen.numbers, seen.measurements, seen.covariances)
+        self.slam, self._done = slam, self._done + len(commands)
+        return seen, sum(abs(float(control[0])) for control, _ in commands)

@@ -9,7 +9,12 @@ from nao_course.geometry import Pose
 from nao_course.sim import SensorNoise, SimulatedNao, Truth, visible_landmarks
 from nao_course.slam import Motion, range_and_bearing
 from nao_course.widgets.control_panel import named_landmarks
-from nao_course.widgets.control_panel.named_landmarks import measure_by_name, new_commands, new_motions
+from nao_course.widgets.control_panel.named_landmarks import (
+    FollowedRobot,
+    measure_by_name,
+    new_commands,
+    new_motions,
+)
 
 
 @pytest.fixture
@@ -60,3 +65,40 @@ def test_a_landmark_that_is_hidden_is_not_measured(nao, rng, monkeypatch):
     everything = measure_by_name(nao, nao.view("top"), 9.0, rng)
     monkeypatch.setattr(named_landmarks, "visible_landmarks", first_hidden)
     assert measure_by_name(nao, nao.view("top"), 9.0, rng).numbers == everything.numbers[1:]
+
+
+class Recorder:
+    """A filter that only notes what it gets, and fails while `broken`."""
+
+    broken = False
+
+    def __init__(self, got=()):
+        self.got = list(got)
+
+    def copy(self):
+        return Recorder(self.got)
+
+    def move(self, control, covariance):
+        self.got.append(float(control[0]))
+
+    def observe(self, numbers, measurements, covariances):
+        if Recorder.broken:
+            raise ValueError("a student's error")
+        self.got.append(len(numbers))
+
+
+def test_a_filter_follows_each_command_once_and_stays_as_it_is_if_an_update_fails(nao, monkeypatch):
+    robot, view = FollowedRobot(Recorder(), nao, 9.0, 1), nao.view("top")
+    seen, walked = robot.follow(view)
+    count = len(seen.numbers)
+    assert (robot.slam.got, walked) == ([count], 0.0)
+    nao.move(Motion(0.3, 0.2))
+    monkeypatch.setattr(Recorder, "broken", True)
+    with pytest.raises(ValueError, match="a student's error"):
+        robot.follow(view)
+    assert robot.slam.got == [count]
+    monkeypatch.setattr(Recorder, "broken", False)
+    nao.move(Motion(-0.1, 0.0))
+    assert robot.follow(view)[1] == pytest.approx(0.4)
+    assert robot.slam.got == pytest.approx([count, 0.3, -0.1, count])
+    assert robot.follow(view)[1] == 0.0
