@@ -1,3 +1,3 @@
-"""Helpers of this package: lazy imports, names of older releases, time limits, and a single thread for libraries."""
+"""Helpers of this package: counts in words, lazy imports, names of older releases, time limits, a single thread."""
 
-__all__ = ["lazy_names", "renamed_names", "single_threaded", "time_limits"]
+__all__ = ["counts", "lazy_names", "renamed_names", "single_threaded", "time_limits"]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.datasets.files import brief, contents, data_folder
 from nao_course.geometry import FloatArray
 
@@ -282,4 +283,4 @@ def _number(word: str, where: str) -> float:
 
 
 def _count(words: list[str]) -> str:
-    return f"{len(words)} number{'' if len(words) == 1 else 's'}"
+    return say_count(len(words), "number")

@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from nao_course._internal.counts import say_count
 from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
@@ -32,7 +33,7 @@ from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
-from nao_course.instructor.reports.html import counted, write_whole
+from nao_course.instructor.reports.html import write_whole
 
 FEEDBACK = "feedback"
 NOT_GRADED = "not_graded.txt"
@@ -327,7 +328,7 @@ def _platform(
     filled = platforms.fill_sheet(platform, sheet, made, column)
     folder = grades / exports.FOLDER
     path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
-    yield f"wrote {path}: {counted(filled.filled, 'row')} filled in"
+    yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
     if platform == "moodle":
         pages = {each.result.student: feedback_page(each).encode() for each in made}
         archive, _ = platforms.moodle_feedback(pages)
@@ -357,7 +358,7 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
         _refuse_what_is_not_built(course, names)
         for name in names:
             written = exports.write_gradescope(journal, folder, name)
-            yield f"wrote {counted(len(written), 'result')} into {folder / name}"
+            yield f"wrote {say_count(len(written), 'result')} into {folder / name}"
             yield f"wrote {write_autograder(course, name, secret, folder)}"
     yield "An autograder's zip holds the solution: upload it to Gradescope, and give it to nobody."
 
@@ -393,7 +394,7 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
             yield from _sheets(journal, grades)
             return
         taken = marking_sheets.read_marks(journal, file)
-        yield f"{counted(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
+        yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
         changed = {(each.student, each.lesson) for each in taken.changed}
         write = feedback_writer(journal, grades / FEEDBACK)
         for student, lesson in sorted(changed):
@@ -402,7 +403,7 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
         if taken.open:
             names = ", ".join(student for student, _ in taken.open[:_SHOWN])
             more = f" and {len(taken.open) - _SHOWN} more" if len(taken.open) > _SHOWN else ""
-            yield f"Still to mark: {counted(len(taken.open), 'answer')} ({names}{more})"
+            yield f"Still to mark: {say_count(len(taken.open), 'answer')} ({names}{more})"
         else:
             yield "Nothing is left to mark in it."
 
@@ -410,7 +411,7 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
 def _sheets(journal: Journal, grades: Path) -> Iterator[str]:
     written = marking_sheets.write_sheets(journal, grades / marking_sheets.FOLDER)
     for each in written:
-        yield f"wrote {each.table} and .html: {counted(each.answers, 'answer')}, {each.open} to mark"
+        yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
     if written:
         yield "Fill in points and comment, save as CSV, and say nao-course marks GRADES FILE."
     else:

@@ -174,11 +174,6 @@ def say_angle(angle: float) -> str:
     return f"{np.degrees(angle):z.0f} deg"
 
 
-def say_count(number: int, noun: str) -> str:
-    """Return a number with its noun, such as "1 robot" or "3 robots"."""
-    return f"{number} {noun}" + ("" if number == 1 else "s")
-
-
 def say_place(pose: FloatArray) -> str:
     """Return a pose (x, y, theta) as text in metres and degrees, without a heading if theta is NaN."""
     heading = "" if np.isnan(pose[2]) else f", heading {say_angle(pose[2])}"

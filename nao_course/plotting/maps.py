@@ -13,8 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle, Wedge
 from matplotlib.transforms import Affine2D
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose, as_points
-from nao_course.plotting.drawing import Drawing, say_count, say_place
+from nao_course.plotting.drawing import Drawing, say_place
 from nao_course.plotting.ellipses import estimate_outlines, filled_outlines
 from nao_course.plotting.legends import landmark_keys, legend_below, source_key
 from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose, say_path

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.codec import register
 from nao_course.codec.sparse import is_sparse
 from nao_course.exercises.case import Case
@@ -192,10 +193,14 @@ class Unordered(Comparison):
                 "shape", f"your answer has shape {shapes[1]}; expected rows of shape {shapes[0][1:]}"
             )
         if len(have) != len(wanted):
-            return Verdict("value", f"your answer has {_count(have)}; expected {len(wanted)}")
+            return Verdict(
+                "value", f"your answer has {say_count(len(have), 'value')}; expected {len(wanted)}"
+            )
         missed = self._missed(case, wanted, have)
         if missed:
-            return Verdict("value", f"{missed} of {_count(have)} of your answer match no expected value")
+            return Verdict(
+                "value", f"{missed} of {say_count(len(have), 'value')} of your answer match no expected value"
+            )
         return RIGHT
 
     def alike(self, answer: Any, got: Any) -> bool:
@@ -220,11 +225,6 @@ def _size(value: Any) -> int:
     if parts is None:
         return len(value) if isinstance(value, str | bytes) else 1
     return sum(map(_size, parts.values())) + 1
-
-
-def _count(values: Sequence[Any]) -> str:
-    """Return a number of values in words, such as "1 value" or "3 values"."""
-    return f"{len(values)} value" + ("" if len(values) == 1 else "s")
 
 
 def _members(value: Any) -> list[Any] | None:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.codec.sparse import is_sparse
 from nao_course.exercises.comparisons.comparison import RIGHT, Verdict, as_text, with_article
 
@@ -127,8 +128,8 @@ class Elements:
         at, value, name = self.first(np.asarray(wrong))
         if self.shape == ():
             return Verdict("value", f"{self.where} is {as_text(value)}, which is not right")
-        elements = "element" if size == 1 else "elements"
-        share = f"{count} of {size} {elements} of {self.where} {'is' if count == 1 else 'are'} wrong"
+        verb = "is" if count == 1 else "are"
+        share = f"{count} of {say_count(size, 'element')} of {self.where} {verb} wrong"
         return Verdict("value", f"{share}, the first at {list(at)}{name}: you have {as_text(value)}", at)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.codec import register
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import RIGHT, Comparison, Verdict
@@ -184,7 +185,7 @@ class Points(Comparison):
         if np.isnan(have).any():
             return Verdict("nan", "your answer contains NaN")
         if len(have) != len(wanted):
-            points = "1 point" if len(have) == 1 else f"{len(have)} points"
+            points = say_count(len(have), "point")
             return Verdict("value", f"your answer has {points}, which is not the right number")
         with np.errstate(all="ignore"):
             near = np.linalg.norm(wanted[:, None] - have[None].astype(float), axis=2) <= self.tolerance

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nao_course._internal.counts import say_count
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.demo.drive import Story
 from nao_course.field_slam.demo.report import errors_of, make_folder, results, way_of
@@ -30,7 +31,6 @@ from nao_course.plotting import (
     plot_picture,
     style_of,
 )
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import landmark_keys, legend_below, source_key
 from nao_course.plotting.marks import rgb
 from nao_course.plotting.style import CARPET, FOUND, YELLOW

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import ExerciseResult, State
 from nao_course.instructor.gradebook.scores import Score
@@ -21,7 +22,6 @@ from nao_course.instructor.reports.exports import all_scores
 from nao_course.instructor.reports.html import (
     Markup,
     card,
-    counted,
     element,
     lesson_title,
     number,
@@ -121,7 +121,7 @@ def report_page(made: Sequence[Score]) -> str:
     """Return the page about some scores; the same bytes for the same scores."""
     lessons = sorted({each.result.lesson for each in made})
     students = {each.result.student for each in made}
-    said = f"{counted(len(students), 'student')}, {counted(len(made), 'submission')}"
+    said = f"{say_count(len(students), 'student')}, {say_count(len(made), 'submission')}"
     return page(
         "The class's results",
         element("header", element("h1", "The class's results"), element("p", f"{said}.", class_="soft")),
@@ -331,7 +331,7 @@ def _exercises_figure(exercises: Sequence[ExerciseSummary], submissions: int) ->
         f"{each.title} {_percent(each.counts['right'] / max(sum(each.counts.values()), 1))}"
         for each in exercises
     ]
-    alt = f"Bars: share of {counted(submissions, 'submission')} that have each exercise right: {', '.join(parts)}."
+    alt = f"Bars: share of {say_count(submissions, 'submission')} that have each exercise right: {', '.join(parts)}."
 
     def draw(axes: Axes) -> None:
         left, rows = np.zeros(len(exercises)), np.arange(len(exercises))

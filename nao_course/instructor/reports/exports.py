@@ -7,12 +7,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import ExerciseResult, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, scores
 from nao_course.instructor.reports.feedback import said_of
-from nao_course.instructor.reports.html import counted, number, visible, write_whole
+from nao_course.instructor.reports.html import number, visible, write_whole
 from nao_course.instructor.reports.platforms import PLATFORMS
 from nao_course.instructor.reports.spreadsheets import table
 
@@ -110,7 +111,7 @@ def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str 
 def _notes(score: Score) -> list[str]:
     notes = [score.result.reason] if score.result.reason else []
     if score.waiting:
-        notes.append(f"{counted(len(score.waiting), 'written answer')} not marked yet")
+        notes.append(f"{say_count(len(score.waiting), 'written answer')} not marked yet")
     notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
     return [*notes, *score.result.notes]
 
@@ -152,7 +153,7 @@ def gradescope_results(score: Score) -> dict[str, Any]:
 def _output(score: Score) -> list[str]:
     lines = [f"Refused: {score.result.reason}"] if score.result.status == "refused" else []
     if score.waiting:
-        lines.append(f"{counted(len(score.waiting), 'written answer')} to be marked by a person.")
+        lines.append(f"{say_count(len(score.waiting), 'written answer')} to be marked by a person.")
     return lines
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
@@ -21,7 +22,6 @@ from nao_course.instructor.reports.html import (
     Markup,
     bar,
     card,
-    counted,
     element,
     join,
     lesson_title,
@@ -151,9 +151,7 @@ def _score(score: Score) -> Iterator[Markup]:
     exercises = score.result.exercises
     if score.result.status == "graded" and exercises:
         right = sum(_whole(score, each) for each in exercises)
-        text = (
-            f"{right} of {counted(len(exercises), 'exercise')} {'has' if right == 1 else 'have'} all points."
-        )
+        text = f"{right} of {say_count(len(exercises), 'exercise')} {'has' if right == 1 else 'have'} all points."
         if right == len(exercises):
             text = "Every exercise has all its points. Well done!"
         yield element("p", text)

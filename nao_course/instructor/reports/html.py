@@ -210,11 +210,6 @@ def number(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
 
 
-def counted(many: int, what: str) -> str:
-    """Count things in words: "1 exercise", "2 exercises"."""
-    return f"{many} {what}" if many == 1 else f"{many} {what}s"
-
-
 def lesson_title(lesson: str) -> str:
     """Turn a lesson's name into words: "01_hsl_filtering" -> "Lesson 01: hsl filtering"."""
     head, _, rest = lesson.partition("_")

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, scores
 from nao_course.instructor.reports.html import (
     Markup,
-    counted,
     element,
     lesson_title,
     number,
@@ -308,7 +308,7 @@ def _page(answers: Sequence[_Answer]) -> str:
             element("p", last.rubric.strip() or "No rubric was written.", class_="kept"),
             class_="box calm",
         ),
-        element("h2", f"{counted(len(written), 'answer')}, {left} to mark"),
+        element("h2", f"{say_count(len(written), 'answer')}, {left} to mark"),
         *(element("article", *_shown(each), class_="card") for each in written),
         element("h2", "No answer") if missing else None,
         element("p", ", ".join(missing)) if missing else None,

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.beyond.particles import FastSlam, Run, anywhere, find_itself, run_fast_slam
 from nao_course.lessons.beyond.planning import Journey, at_random, journey
@@ -26,7 +27,6 @@ from nao_course.plotting import (
     plot_pose,
     table,
 )
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY, style_of
 from nao_course.sim.drives import Step

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from nao_course._internal.counts import say_count
 from nao_course.lessons.beyond import exploring
 from nao_course.lessons.beyond.exploring import (
     Choose,
@@ -23,7 +24,6 @@ from nao_course.lessons.beyond.exploring import (
 )
 from nao_course.lessons.beyond.two_cameras import Distances, measure_again
 from nao_course.plotting import STYLES, Drawing, course_style
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import style_of
 from nao_course.sim import NAO_V4

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.exercises import Close, Verdict, register
 from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
 from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, SENSOR, moved
 from nao_course.metrics import squared_distances
-from nao_course.plotting.drawing import say_count
 from nao_course.sim.drives import Function, Step
 from nao_course.slam import LandmarkKind, Motion
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.beyond import exploring
 from nao_course.lessons.beyond.exploring import FREE, OCCUPIED, UNKNOWN, Cell, as_mask, as_steps, way_back
 from nao_course.lessons.beyond.planning import STEP, options
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion, place_estimate

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import as_points
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction

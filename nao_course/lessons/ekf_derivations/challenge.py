@@ -11,11 +11,11 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from nao_course._internal.counts import say_count
 from nao_course.challenges import CaseScore, Challenge, Column, Run, recorded_rows
 from nao_course.exercises import register
 from nao_course.lessons.ekf_derivations.mistakes import COLUMNS, MISTAKES, ROWS, with_mistake
 from nao_course.plotting import STYLES, Drawing, course_style
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below
 
 POINTS = 20  # for a right name; each call costs one

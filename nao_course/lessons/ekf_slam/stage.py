@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.sim.drives import NamedEkf, checked_functions
 from nao_course.slam import place_estimate

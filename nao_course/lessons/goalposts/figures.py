@@ -12,12 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Rectangle
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.goalposts.measuring import FootMatch
 from nao_course.lessons.goalposts.scenes import turning_head
 from nao_course.metrics import total, wilson_interval
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
-from nao_course.plotting.drawing import Table, say_count, table
+from nao_course.plotting.drawing import Table, table
 from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.plotting.style import FOUND, GREY, HALO, style_of
 from nao_course.sim import LABELS

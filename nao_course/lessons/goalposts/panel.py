@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.goalposts.figures import CANDIDATE
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.plotting import painted
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.marks import TRUE, rgb, with_crosses
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider

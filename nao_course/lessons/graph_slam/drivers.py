@@ -11,6 +11,7 @@ from typing import Any
 import scipy.sparse
 import scipy.sparse.linalg
 
+from nao_course._internal.counts import say_count
 from nao_course.exercises import Case, Close, Comparison, register, register_driver
 from nao_course.exercises.comparisons.comparison import RIGHT, Verdict
 from nao_course.exercises.comparisons.large_sparse import without_dense
@@ -148,7 +149,7 @@ class SolvedOrNamed(Comparison):
             wanted, named = expected["named"], got["named"]
             if wanted == named:
                 return RIGHT
-            count = f"{len(named)} variable{'' if len(named) == 1 else 's'}"
+            count = say_count(len(named), "variable")
             which = "other ones" if len(wanted) == len(named) else f"{len(wanted)} of them"
             more = (
                 "; each whole number in the message is read as a variable" if set(wanted) < set(named) else ""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.drives import Constraint, field_drive, odometry_first
 from nao_course.lessons.graph_slam.figures import GraphMap, say_error
@@ -19,7 +20,7 @@ from nao_course.lessons.graph_slam.systems import (
     not_a_solution,
     variables_in,
 )
-from nao_course.plotting.drawing import say_count, table
+from nao_course.plotting.drawing import table
 from nao_course.plotting.matrix_signs import NEGATIVE, POSITIVE, paint_matrix
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Pixel, Slider, Toggle

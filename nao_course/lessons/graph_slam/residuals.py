@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.drives import Constraint, LinearDrive, field_drive, odometry
 from nao_course.lessons.graph_slam.figures import map_keys, plot_graph_map
 from nao_course.lessons.graph_slam.matrices import plot_matrix, sign_keys
 from nao_course.lessons.graph_slam.systems import Builders, Function, map_error, solve_axes
 from nao_course.plotting import Drawing, course_style
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, style_of
 

@@ -8,8 +8,8 @@ from typing import Any, cast
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import Estimate, LandmarkKind, Measurement, measured_points, place_estimate
 from nao_course.widgets.attempts import StudentCode

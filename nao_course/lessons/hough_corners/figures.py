@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.hough_corners.scenes import three_places
 from nao_course.plotting import Drawing, course_style, plot_found, plot_picture
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.marks import TRUE
 from nao_course.plotting.style import FOUND, HALO
 

@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import as_points
 from nao_course.lessons.hough_corners.figures import SEGMENTS
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import corner_cost
 from nao_course.plotting import painted
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.marks import TRUE, rgb, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider

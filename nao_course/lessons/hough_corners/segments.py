@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.counts import say_count
 from nao_course.exercises import Close, Comparison, Exact, Verdict, register
 from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.geometry import FloatArray
@@ -114,7 +115,7 @@ def _length(segments: FloatArray) -> float:
 
 
 def _segments(found: FloatArray) -> str:
-    return "1 segment" if len(found) == 1 else f"{len(found)} segments"
+    return say_count(len(found), "segment")
 
 
 def coverage(segments: npt.ArrayLike, others: npt.ArrayLike, tolerance: float) -> float:

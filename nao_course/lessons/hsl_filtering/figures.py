@@ -11,7 +11,8 @@ from matplotlib.colors import hsv_to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nao_course.plotting.drawing import Drawing, say_count
+from nao_course._internal.counts import say_count
+from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.plotting.pictures import as_pixels, painted, plot_picture
 from nao_course.plotting.style import STYLES, YELLOW, course_style

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.localization.drives import REACH, LandmarkMeasurement, predicted, updated
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import Picture, SimulatedNao, Truth
 from nao_course.slam import Estimate
 from nao_course.widgets.attempts import StudentCode

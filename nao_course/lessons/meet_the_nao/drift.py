@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose
-from nao_course.plotting.drawing import Drawing, say_count, say_place
+from nao_course.plotting.drawing import Drawing, say_place
 from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import metric_axes, plot_field

@@ -12,8 +12,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.plotting.drawing import Drawing, say_count
+from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import plot_field, plot_landmarks, plot_measurements
 from nao_course.plotting.paths import plot_path, plot_pose

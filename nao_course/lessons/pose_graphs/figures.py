@@ -13,6 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course._internal.counts import say_count
 from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
@@ -127,7 +128,7 @@ def draw_relaxing(
     for ax, step in zip(axes, iterations, strict=True):
         source = "graph" if step else "odometry"
         plot_graph(world, every[step], ax, source=source)
-        title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+        title = "odometry" if step == 0 else f"after {say_count(step, 'step')}"
         off = position_error(world, every[step])
         ax.set_title(f"{title}\nχ² = {say_chi2(chi2[step])}, off by {off:.2f} m", fontsize=11)
         said.append(f"{title}, chi2 {say_chi2(chi2[step])} and off by {off:.2f} m")
@@ -351,7 +352,7 @@ def draw_real_building(
     axes = figure.subplots(1, len(steps))
     for ax, step in zip(axes, steps, strict=True):
         found, chi2 = gauss_newton(graph, states.copy(), step)
-        title = "odometry" if step == 0 else f"after {step} step{'s' if step > 1 else ''}"
+        title = "odometry" if step == 0 else f"after {say_count(step, 'step')}"
         _plot_poses(graph, np.asarray(found), ax, "graph" if step else "odometry")
         ax.set_title(f"{title}\nχ² = {say_chi2(float(chi2[-1]))}", fontsize=11)
         said.append(f"{title} {say_chi2(float(chi2[-1]))}")

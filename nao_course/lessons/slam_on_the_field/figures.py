@@ -10,6 +10,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nao_course._internal.counts import say_count
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import OdometryNoisePerMove, drive_over_field
 from nao_course.field_slam.lines import read_lines
@@ -29,7 +30,6 @@ from nao_course.plotting import (
     plot_picture,
     plot_pose,
 )
-from nao_course.plotting.drawing import say_count
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.sim import CameraView
 from nao_course.slam import DeadReckoning, Measurement, Motion, measured_points, run_slam

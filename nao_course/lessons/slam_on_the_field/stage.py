@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.field_slam.observation import POST_SIGMA, Observation, observation
 from nao_course.geometry import pose_errors
 from nao_course.metrics import squared_distances
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import Estimate, Measurement, measured_points
 from nao_course.widgets.attempts import StudentCode

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
-from nao_course.plotting.drawing import say_count
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
 from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
@@ -188,7 +188,7 @@ class Cockpit:
         if seen is None:
             return ()
         self.seen = seen
-        found = f"Measured {len(self.seen)} landmark" + ("" if len(self.seen) == 1 else "s")
+        found = f"Measured {say_count(len(self.seen), 'landmark')}"
         if self.slam is None:
             self.say(f"{found} with the {camera} camera.")
         elif self._try("observe", lambda: self._slam.observe(seen)).done and self._update_estimate():
