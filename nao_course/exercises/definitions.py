@@ -22,7 +22,7 @@ from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
 # Number of Python files beside a notebook that are included, and their largest size in bytes.
-MOST_HELPERS, LARGEST_HELPER = (20, 2**20)
+MOST_HELPERS, LARGEST_HELPER = 20, 2**20
 # Characters of a cell with commands of IPython, which parses the cell again for each command.
 LONGEST_COMMANDED = 20_000
 LONGEST_NUMBER = 1000  # digits

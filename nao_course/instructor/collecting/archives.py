@@ -220,10 +220,9 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
         if students:
             _refuse_a_large_one(file)
         with zipfile.ZipFile(file) as archive:
-            entries: dict[bool, list[zipfile.ZipInfo]] = {False: [], True: []}
-            for each in archive.infolist():
-                entries[each.is_dir()].append(each)
-    items, folders = ([_item(path, each) for each in entries[are_folders]] for are_folders in (False, True))
+            found = [(each, each.is_dir()) for each in archive.infolist()]
+    items = [_item(path, each) for each, is_folder in found if not is_folder]
+    folders = [_item(path, each) for each, is_folder in found if is_folder]
     listed = [
         replace(each, ignored=each.ignored or _is_ignored(each.parts, students))
         for each in (*items, *_empty_ones(folders, items))

@@ -37,7 +37,7 @@ LAP = Motion(0.2, 0.25)  # a circle of 0.8 m
 START = Pose(1.4, -0.8, 0.0)
 LOST_SEED, LOST_SHOWN = 2, (0, 1, 3, 13)  # the clouds after these numbers of observations are shown
 # Number of filters that get lost, and the standard deviations of their first poses: m, m, rad.
-FILTERS, FIRST_SIGMAS = (40, (1.0, 1.5, 1.8))
+FILTERS, FIRST_SIGMAS = 40, (1.0, 1.5, 1.8)
 FOUND = 0.3  # m: a filter or particle that is closer has found the robot
 SLAM_SEED, SLAM_MOVES, COUNTS = 5, 30, (10, 30, 100)
 TRIED = 12  # drives in a live table
