@@ -227,7 +227,6 @@ def show(values, student):
 controls = [Slider("value", "Value", 0, 10, 1, 3)]
 FunctionPanel("TODO: what it shows", show, controls, student={{"{first}": {first}}})"""
 TEXT = "lesson.md"  # beside this module: the text of a new lesson
-MINUTES = dict.fromkeys(("07", "08", "09", "11", "12"), 180)  # of the long lessons; all others have 90
 
 
 def add_lesson(course: Course, number: str, name: str) -> list[Path]:
@@ -283,7 +282,6 @@ def _words(number: str, name: str) -> dict[str, str]:
         "name": name,
         "stem": f"{number}_{name}",
         "title": name.replace("_", " ").capitalize(),
-        "minutes": str(MINUTES.get(number, 90)),
         "panel": PANEL.format_map(exercises),
         "panel_import": PANEL_IMPORT,
         "declarations": "".join(declared),
