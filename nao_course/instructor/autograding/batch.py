@@ -13,7 +13,7 @@ from pathlib import Path
 from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import RETRY_SECONDS_EACH, Retries
+from nao_course.instructor.autograding.tries import Retries
 from nao_course.instructor.collecting.submissions import Submission, submission_hash
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
@@ -90,7 +90,7 @@ def grade_all(
         for each in submissions:
             assignment = assignment_of(each.lesson)
             if journal.missing(each.student, each.lesson, submission_hash(each), assignment.hash):
-                retries.give_back(RETRY_SECONDS_EACH)
+                retries.begin(max((task.public.seconds for task in assignment.tasks), default=0.0))
                 yield each, assignment
             else:
                 summary.unchanged += 1

@@ -14,8 +14,7 @@ from nao_course.instructor.sandbox.protocol import Allowance, ServerEnded
 
 SECONDS_OF_A_SUBMISSION = 130.0  # from its first cell to its result, whatever its code asks for
 SECONDS_OF_RECORDED = 10.0  # for finding recorded answers, in the grader's own process
-RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs,
-RETRY_SECONDS_EACH = 20.0  # and more for each submission: its one vain retry takes nothing from the others
+RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs, besides one retry of each submission
 MOST_SERVERS = 3  # that may die under one submission
 MOST_TRIES = 4  # at a submission whose processes are ended
 
@@ -56,13 +55,27 @@ class Retries:
     least: float = 10.0
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
+    def wanted(self, seconds: float) -> float:
+        """Return the time limit for retrying a call whose own limit is `seconds`."""
+        return max(2 * seconds, self.least)
+
     def take(self, seconds: float) -> float:
         """Return the time limit for retrying a call; 0 if the remaining time is too short."""
-        wanted = max(2 * seconds, self.least)
+        wanted = self.wanted(seconds)
         with self._lock:
             granted = wanted if wanted <= self.seconds else 0.0
             self.seconds -= granted
         return granted
+
+    def begin(self, longest: float) -> None:
+        """Add the time of one retry for another submission, so that its retry in vain takes nothing from the others.
+
+        Parameters
+        ----------
+        longest : float
+            The longest time limit of a call of its exercises, s.
+        """
+        self.give_back(self.wanted(longest))
 
     def give_back(self, seconds: float) -> None:
         """Return what a call was granted that only needed a little longer."""

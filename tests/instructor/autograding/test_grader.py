@@ -16,7 +16,7 @@ from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import RETRY_SECONDS_EACH, Retries
+from nao_course.instructor.autograding.tries import Retries
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
@@ -490,11 +490,12 @@ def test_a_retry_that_succeeds_takes_no_time_from_the_runs_retries(server, assig
 
 
 def test_a_retry_in_vain_takes_nothing_from_other_submissions():
-    seconds = 10 * [SECONDS]
-    retries = Retries(RETRY_SECONDS_EACH)  # what the first submission brings
-    for each in seconds:
-        assert retries.take(each) == 2 * SECONDS
-        retries.give_back(RETRY_SECONDS_EACH)  # the next submission
+    retries = Retries(0.0)
+    for seconds in (SECONDS, 2 * SECONDS, 1.0):
+        for _ in range(20):
+            retries.begin(seconds)
+            assert retries.take(seconds) == max(2 * seconds, retries.least)
+    assert retries.take(SECONDS) == 0
 
 
 def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
