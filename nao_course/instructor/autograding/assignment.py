@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+import zlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
@@ -18,7 +19,7 @@ from nao_course.exercises.checking import unpack
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by, split_use
 from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, MistakePair, PublicExercise, Written
-from nao_course.instructor.authoring.course import Course
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.plans import hidden_cases, load_solution, publish, solutions_beside
 from nao_course.instructor.autograding.secret import keyed
 
@@ -186,8 +187,7 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     setup = _released_setup(course, name)
     reference = load_solution(notebook)
     with resolved_by(solutions_beside(notebook)):
-        public = publish(name, plan, reference, pairs=False).exercises
-        pairs = _built_pairs(course, name)
+        public, pairs = publish(name, plan, reference, pairs=False).exercises, _built_pairs(course, name)
         tasks = tuple(
             _task(
                 each,
@@ -268,7 +268,13 @@ def lessons_used(course: Course, lesson: str) -> list[str]:
 def _built_pairs(course: Course, name: str) -> dict[str, list[MistakePair]]:
     """Return the pairs of mistakes that `build` found; to find them again would take minutes."""
     path = course.check_data(name)
-    built = unpack(path.read_bytes()).exercises if path.is_file() else []
+    try:
+        built = unpack(path.read_bytes()).exercises if path.is_file() else []
+    except (ValueError, zlib.error):
+        number = lesson_names.number_of(name)
+        raise LessonError(
+            f"{path.name} is damaged: run `nao-course build {number}` to write it again"
+        ) from None
     return {each.name: each.pairs for each in built}
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from nao_course.codec import encode
 from nao_course.exercises.checking import unpack
-from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.course import LessonError, load_course
 from nao_course.instructor.autograding import assignment as module
 from nao_course.instructor.autograding.assignment import class_source, lessons_used, library_digest, prepare
 from tests.paths import PROJECT
@@ -152,3 +152,13 @@ def test_pairs_of_mistakes_come_from_the_built_check_data(tmp_path, assignment):
     (task,) = prepare(course, "00", chain.SECRET).tasks
     assert task.public.pairs and encode(task.public.pairs) == encode(built.exercises[0].pairs)
     assert not any(each.public.pairs for each in assignment.tasks)  # this course has no check data
+
+
+@pytest.mark.parametrize("keep", [0, 1, 1000])
+def test_damaged_check_data_are_named_with_what_to_do(tmp_path, keep):
+    course = chain.make_course(tmp_path)
+    path = course.check_data(chain.LESSON)
+    path.parent.mkdir(parents=True)
+    path.write_bytes(load_course(PROJECT).check_data("01_hsl_filtering").read_bytes()[:keep])
+    with pytest.raises(LessonError, match=r"90_chain.bin is damaged: run `nao-course build 90`"):
+        prepare(course, "90", chain.SECRET)
