@@ -1,10 +1,12 @@
 """The lessons are one course: what one says of another is so, and letters and colours mean the same in all of them."""
 
+import ast
 import colorsys
 import re
 from functools import cache
 from urllib.parse import urlparse
 
+from nao_course.instructor.authoring import lesson_text
 from nao_course.plotting.marks import TRUE
 from nao_course.plotting.style import STYLES
 from tests.lessons.every import COURSE, NAMES, each_lesson, public, solved
@@ -111,3 +113,19 @@ def test_a_path_a_pose_or_an_ellipse_is_called_by_a_colour_of_the_course(name):
         words(name),
     )
     assert set(called) <= colours
+
+
+def names_given(source):
+    """Names that a cell defines or assigns on its top level, without the functions of earlier lessons."""
+    tree = ast.parse(source)
+    defined = {each.name for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef)}
+    own = [each for each in tree.body if isinstance(each, ast.Assign) and "earlier(" not in ast.unparse(each)]
+    return defined | {name.id for each in own for name in each.targets if isinstance(name, ast.Name)}
+
+
+@each_lesson
+def test_no_cell_takes_the_name_of_another_lessons_exercise(name):
+    """`my_nao` would take the cell's function for the student's solution of that exercise."""
+    others = {each.name for lesson in NAMES if lesson != name for each in public(lesson).exercises}
+    code = [lesson_text.python(cell) for cell in solved(name).cells if cell.cell_type == "code"]
+    assert set().union(*map(names_given, code)) & others == set()

@@ -67,7 +67,7 @@ class TiltPanel(FunctionPanel):
                 ),
                 Slider(
                     "sigma",
-                    "Tilt's std. dev.",
+                    "Tilt, std. dev.",
                     0.0,
                     3.0,
                     0.1,
@@ -75,9 +75,7 @@ class TiltPanel(FunctionPanel):
                     unit="°",
                     tooltip="Standard deviation of the tilt for your covariance",
                 ),
-                Slider(
-                    "pixel_sigma", "Pixel's std. dev.", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"
-                ),
+                Slider("pixel_sigma", "Pixel, std. dev.", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"),
                 Pixel("pixel", "Pixel", self._look.view.size, START, tooltip="One more point for the map"),
             ],
             student={
