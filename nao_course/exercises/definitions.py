@@ -21,6 +21,7 @@ from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, 
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
+LARGEST_CODE = 12 * 2**20  # bytes of a notebook without its outputs
 # Number of Python files beside a notebook that are included, and their largest size in bytes.
 MOST_HELPERS, LARGEST_HELPER = 20, 2**20
 # Characters of a cell with commands of IPython, which parses the cell again for each command.
@@ -283,21 +284,59 @@ def read_notebook(path: str | Path) -> NotebookText:
         raise ValueError(f"{file.name}: not a file")
     if file.stat().st_size > MOST_BYTES:
         raise ValueError(f"{file.name}: a notebook may have at most {MOST_BYTES // 2**20} MB")
+    return _contents(file.name, file.read_bytes())[0]
+
+
+def without_outputs(name: str, content: bytes | bytearray) -> bytes:
+    """Return a notebook that holds only what is graded: its code, its written answers, and its lesson and version.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, for the message if it is not a notebook.
+    content : bytes
+        The notebook.
+
+    Raises
+    ------
+    ValueError
+        If it is not a notebook, or larger than LARGEST_CODE without its outputs; the message explains why.
+    """
+    text, notebook = _contents(name, content)
+    cells = [
+        {
+            "cell_type": cell["cell_type"],
+            "metadata": {key: metadata(cell, key) for key in ("nbgrader", "nao_course")},
+            "source": source_of(cell) if cell["cell_type"] == "code" else source_of(cell)[:MOST_WRITTEN],
+        }
+        for cell in _cells(notebook)
+        if cell.get("cell_type") == "code"
+        or (cell.get("cell_type") == "markdown" and grade_id(cell) in text.written)
+    ]
+    kept = {key: metadata(notebook, key) for key in ("kernelspec", "nao_course")}
+    short = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kept, "cells": cells}).encode()
+    if len(short) > LARGEST_CODE:
+        raise ValueError(f"{name}: its code cells may have at most {LARGEST_CODE // 2**20} MB")
+    return short
+
+
+def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict[str, Any]]:
+    """Parse a notebook; return what is graded, and all of it."""
     try:
-        notebook = json.loads(file.read_bytes().decode("utf-8-sig"), parse_int=_whole_number)
+        notebook = json.loads(content.decode("utf-8-sig"), parse_int=_whole_number)
         cells = _cells(notebook)
         code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
         text = NotebookText(code, _written(cells), *_stamp(notebook))
         language = _language(notebook)
     except UnicodeDecodeError:
-        raise ValueError(f"{file.name}: not a notebook of format 4 (its text is not in UTF-8)") from None
+        raise ValueError(f"{name}: not a notebook of format 4 (its text is not in UTF-8)") from None
     except RecursionError:
-        raise ValueError(f"{file.name}: not a notebook of format 4 (it is nested too deeply)") from None
+        raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
     except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
-        raise ValueError(f"{file.name}: not a notebook of format 4 ({describe(error)})") from None
+        raise ValueError(f"{name}: not a notebook of format 4 ({describe(error)})") from None
     if language and not any(_DEFINES.search(source) for _, source in code):
-        raise ValueError(f"{file.name}: expected a notebook in Python, got {language}")
-    return text
+        raise ValueError(f"{name}: expected a notebook in Python, got {language}")
+    return text, notebook
 
 
 def _whole_number(digits: str) -> float:

@@ -35,7 +35,8 @@ from nao_course.exercises.definitions import read_notebook
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.failures import definition_lines
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import gather, read
+from nao_course.instructor.collecting.files import read
+from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.sandbox.protocol import REPLY
 from tests.attacks.accidents import FILE, HONEST, TEXT, packed
 from tests.attacks.range import LESSON

@@ -10,8 +10,15 @@ from unittest.mock import MagicMock
 import pytest
 
 from nao_course.exercises import load_definitions
-from nao_course.exercises.definitions import MOST_BYTES, demonstrated
+from nao_course.exercises.definitions import (
+    LARGEST_CODE,
+    MOST_BYTES,
+    demonstrated,
+    read_notebook,
+    without_outputs,
+)
 from nao_course.exercises.running import alarm
+from tests.lessons.every import COURSE
 from tests.toy import toy
 
 
@@ -443,3 +450,31 @@ def test_names_that_only_cells_assign_which_the_grader_does_not_run_are_listed()
         ("student", "nao = 2"),
     ]
     assert demonstrated(cells) == ["a", "b", "c", "file", "i", "j", "shown"]
+
+
+@pytest.mark.parametrize("name", COURSE.names())
+def test_a_notebook_without_its_outputs_has_the_same_contents_and_a_tenth_of_the_size(name, tmp_path):
+    whole = COURSE.solutions / f"{name}.ipynb"
+    short = tmp_path / whole.name
+    short.write_bytes(without_outputs(whole.name, whole.read_bytes()))
+    assert read_notebook(short) == read_notebook(whole)
+    assert 10 * short.stat().st_size < whole.stat().st_size
+
+
+def test_a_notebook_without_its_outputs_may_not_be_large(tmp_path):
+    notebook = toy.write(tmp_path / "own.ipynb", f"data = '{'x' * LARGEST_CODE}'")
+    with pytest.raises(ValueError, match="^own.ipynb: its code cells may have at most 12 MB$"):
+        without_outputs(notebook.name, notebook.read_bytes())
+
+
+def test_what_is_no_notebook_is_refused_for_the_same_reason_with_and_without_outputs(tmp_path):
+    for number, content in enumerate(
+        (b"", b"[]", b'{"cells": 3}', b"\xff", b'{"nbformat": 3}', b"[" * 10**5)
+    ):
+        path = tmp_path / f"{number}.ipynb"
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=path.name) as whole:
+            read_notebook(path)
+        with pytest.raises(ValueError, match=path.name) as short:
+            without_outputs(path.name, content)
+        assert str(whole.value) == str(short.value)

@@ -14,7 +14,8 @@ from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
 from nao_course.instructor.autograding.tries import Retries
-from nao_course.instructor.collecting.submissions import Submission, submission_hash
+from nao_course.instructor.collecting.files import submission_hash
+from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import each_score

@@ -18,7 +18,7 @@ from nao_course.exercises.cells import source_of
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.collecting.submissions import LARGEST_READ, Files
+from nao_course.instructor.collecting.files import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import State
 from nao_course.instructor.sandbox.protocol import UNREADABLE
 

@@ -47,10 +47,12 @@ from nao_course.instructor.autograding.references import (
 from nao_course.instructor.autograding.scratch import laid_out
 from nao_course.instructor.autograding.tries import Allowances, Retries, in_spite_of_the_server, until_agreed
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import Files, Submission, read, submission_hash
+from nao_course.instructor.collecting.files import Files, read, submission_hash
+from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
+from nao_course.instructor.sandbox.large_notebooks import without_outputs
 from nao_course.instructor.sandbox.layers import SandboxError
-from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook, ServerEnded
+from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook, Ended, ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Found, Worker
 
@@ -134,12 +136,18 @@ def _grade(
     allowances: Allowances,
 ) -> tuple[SubmissionResult, int]:
     """Grade once, and count the processes that something outside may have ended."""
+
+    def shorten(name: str, size: int, parts: Iterator[bytes]) -> bytes:
+        try:
+            return without_outputs(name, size, parts, server, allowances.own)
+        except Ended as ended:
+            raise Refused(ended.outcome.text) from None
+
     try:
-        files = read(submission)
+        files = read(submission, shorten)
     except Refused as refused:
         return refuse(submission, assignment, str(refused)), 0
     with laid_out(files, assignment.lesson) as notebook:
-        files = files.without_a_large_notebook()  # it is on the disk; several may be graded at a time
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
         earlier = handed_in_earlier(files, assignment)
         with _worker(notebook, assignment, server, allowances.own, helpers, earlier) as worker:

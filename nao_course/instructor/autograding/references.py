@@ -17,7 +17,7 @@ from nao_course.exercises.judging import judge
 from nao_course.exercises.lesson_names import meant
 from nao_course.exercises.running import Outcome, call_as_it_is
 from nao_course.instructor.autograding.assignment import Assignment, UsedClass
-from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.collecting.files import Files
 
 _NAME = re.compile(r"nao_course_run_(\d+)_\w+")
 

@@ -128,15 +128,44 @@ def read_plain(path: Path, most: int) -> bytes:
     Refused
         If it is larger, no plain file, or cannot be read.
     """
+    with in_parts(path, most) as (_, parts):
+        return b"".join(parts)
+
+
+@contextmanager
+def in_parts(path: Path, most: int) -> Iterator[tuple[int, Iterator[bytes]]]:
+    """Open a plain file of at most some bytes to read it in parts.
+
+    Yields
+    ------
+    size : int
+        Its size in bytes.
+    parts : iterator of bytes
+        Its content, exactly of this size.
+
+    Raises
+    ------
+    Refused
+        If it is larger, no plain file, cannot be read, or has changed meanwhile.
+    """
     with opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > most:
+            raise Refused(too_large(most))
+        yield size, _parts(file, size)
+
+
+def _parts(file: IO[bytes], size: int) -> Iterator[bytes]:
+    left = size
+    while left:
         try:
-            size = os.fstat(file.fileno()).st_size
-            data = b"" if size > most else file.read(most + 1)
+            part = file.read(min(left, 2**20))
         except OSError as error:
             raise Refused(_unreadable(error)) from None
-    if size > most or len(data) > most:
-        raise Refused(too_large(most))
-    return data
+        if not part:
+            raise Refused("it was changed while the grader was running")
+        left -= len(part)
+        yield part
 
 
 def _unreadable(error: OSError) -> str:

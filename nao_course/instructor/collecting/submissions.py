@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import json
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
-from nao_course.instructor.collecting.archives import (
-    LARGEST_ZIP,
-    Item,
-    Refused,
-    in_folder,
-    in_zip,
-    read_plain,
-)
+from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
 from nao_course.instructor.collecting.names import (
     NamedFile,
     clean_name,
@@ -32,7 +23,6 @@ from nao_course.instructor.collecting.names import (
 )
 from nao_course.instructor.collecting.wrappers import unwrap
 
-LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is kept in memory, and whose lines are shown
 _MOST_NOTES = 20
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
@@ -91,94 +81,6 @@ class Gathered:
     unknown: tuple[str, ...] = ()
     not_graded: tuple[str, ...] = ()
     wrapper: str = ""
-
-
-@dataclass(frozen=True)
-class Files:
-    """What a submission consists of.
-
-    Parameters
-    ----------
-    notebook : bytes
-        As it was handed in.
-    helpers : mapping of str to bytes
-        By file name.
-    earlier : mapping of str to EarlierFiles
-        Readable notebooks of earlier lessons, by the lesson's name.
-    """
-
-    notebook: bytes
-    helpers: Mapping[str, bytes] = field(default_factory=dict)
-    earlier: Mapping[str, EarlierFiles] = field(default_factory=dict)
-
-    @property
-    def hash(self) -> str:
-        """SHA-256 of all of it."""
-        digest = hashlib.sha256(hashlib.sha256(self.notebook).digest())
-        for name in sorted(self.helpers):
-            digest.update(name.encode() + b"\0" + hashlib.sha256(self.helpers[name]).digest())
-        for lesson in sorted(self.earlier):
-            digest.update(lesson.encode() + b"\0" + self.earlier[lesson].hash.encode())
-        return digest.hexdigest()
-
-    def without_a_large_notebook(self) -> Files:
-        """Return the files with an empty notebook if it is too large to be kept in memory."""
-        return self if len(self.notebook) <= LARGEST_READ else replace(self, notebook=b"")
-
-
-@dataclass(frozen=True)
-class EarlierFiles:
-    """The files of an earlier lesson, which are read again when they are needed: several may have 50 MB each.
-
-    Parameters
-    ----------
-    submission : Submission
-        Where they are.
-    hash : str
-        SHA-256 of all of it.
-    helpers : mapping of str to bytes
-        By file name.
-    """
-
-    submission: Submission
-    hash: str
-    helpers: Mapping[str, bytes]
-
-    def notebook(self) -> bytes:
-        """Return the notebook; nothing if it cannot be read any more."""
-        with contextlib.suppress(Refused):
-            return read_plain(self.submission.path, MOST_BYTES)
-        return b""
-
-
-def read(submission: Submission) -> Files:
-    """Read a submission's files, each of a bounded size and none through a link.
-
-    Raises
-    ------
-    Refused
-        If that is not possible; its text is the reason.
-    """
-    if submission.reason:
-        raise Refused(submission.reason)
-    notebook = read_plain(submission.path, MOST_BYTES)
-    if not notebook.strip():
-        raise Refused("it is empty")
-    helpers = {name: read_plain(path, LARGEST_HELPER) for name, path in submission.helpers}
-    earlier = {}
-    for each in submission.earlier:
-        with contextlib.suppress(Refused):  # it costs what uses it, and nothing else
-            files = read(each)
-            earlier[each.lesson] = EarlierFiles(each, files.hash, files.helpers)
-    return Files(notebook, helpers, earlier)
-
-
-def submission_hash(submission: Submission) -> str:
-    """Return the hash of the submission, or of the reason if it cannot be read."""
-    try:
-        return read(submission).hash
-    except Refused as refused:
-        return hashlib.sha256(f"{submission.file}\0{refused}".encode()).hexdigest()
 
 
 def with_earlier(

@@ -13,7 +13,7 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
@@ -41,8 +41,8 @@ class EarlierNotebook:
     ----------
     lesson : str
         Such as "01_hsl_filtering".
-    content : bytes or callable
-        The notebook, or what returns it: then it is in memory only while it is sent.
+    content : bytes
+        The notebook.
     helpers : mapping of str to bytes
         Python files beside it, by name.
     setup : str
@@ -50,13 +50,9 @@ class EarlierNotebook:
     """
 
     lesson: str
-    content: bytes | Callable[[], bytes]
+    content: bytes
     helpers: Mapping[str, bytes] = field(default_factory=dict)
     setup: str = ""
-
-    def read(self) -> bytes:
-        """Return the notebook."""
-        return self.content() if callable(self.content) else self.content
 
 
 def scrubbed_environment(*names: str) -> dict[str, str]:

@@ -5,13 +5,6 @@ Whatever the process says or does, its caller gets an `Outcome` in time.
 
 from __future__ import annotations
 
-import contextlib
-import os
-import shutil
-import signal
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,9 +18,8 @@ from nao_course.codec import CodecError, encode
 from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import MOST_BYTES, MOST_WRITTEN, Skipped
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.sandbox.layers import SandboxError
+from nao_course.instructor.sandbox.processes import start_process, wait_until_ready
 from nao_course.instructor.sandbox.protocol import (
-    LIMITED,
     MOST_NOTES,
     MOST_OUTPUT,
     UNREADABLE,
@@ -35,12 +27,9 @@ from nao_course.instructor.sandbox.protocol import (
     Channel,
     EarlierNotebook,
     Ended,
-    ServerEnded,
-    describe_end,
     ended_from_outside,
-    scrubbed_environment,
 )
-from nao_course.instructor.sandbox.warm_server import Fork, WarmServer
+from nao_course.instructor.sandbox.warm_server import WarmServer
 
 MOST_TEXT = 1000  # characters of an exception's message
 MOST_SKIPPED = 1000  # statements that are listed as not run
@@ -51,7 +40,6 @@ MOST_ASKED = 20_000  # requests of one call for reference functions,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 _SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all else only the grader can know
-_KEPT = ("SYSTEMROOT", "TEMP", "TMP", "TMPDIR", "NAO_COURSE_DATA")  # of the environment
 
 
 @dataclass(frozen=True)
@@ -281,7 +269,7 @@ class Worker:
             self._channel = self._start()
             left_out = len(self._left_out)
             try:
-                self._greet(self._channel)
+                wait_until_ready(self._channel)
                 if not all(self._load_earlier(self._channel, each) for each in self.earlier):
                     continue
                 self._load(self._channel, content)
@@ -310,33 +298,18 @@ class Worker:
     def _start(self) -> Channel:
         """Start a new process for a trusted or an untrusted notebook."""
         self.allowance.left(self.seconds)
-        if self.server is None:
-            return _OwnProcess(self.notebook.parent)
-        if self.server.forks:
-            return _ForkedProcess(self.server, self.server.fork())
-        return _LimitedProcess()
-
-    def _greet(self, channel: Channel) -> None:
-        """Wait until the worker is ready and confined."""
         self._defined = ({}, [])
-        match channel.receive():
-            case "ready":
-                pass
-            case ("unsafe", str(reason)):
-                raise SandboxError(f"a worker could not be confined: {reason}")
-            case _:
-                channel.give_up()
+        return start_process(self.server, self.notebook.parent)
 
     def _load_earlier(self, channel: Channel, earlier: EarlierNotebook) -> bool:
         """Load an earlier lesson's notebook in the worker; return False if that ended the process."""
         left_out = self._left_out_earlier.setdefault(earlier.lesson, [])
         if len(left_out) >= MOST_LEFT_OUT_EARLIER:
             return True
-        content = (earlier.read(), dict(earlier.helpers))
+        content = (earlier.content, dict(earlier.helpers))
         request = encode(
             ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
         )
-        del content
         at = (0, 0)
         try:
             channel.ask(request, self.allowance.left(self.seconds))
@@ -419,69 +392,3 @@ def _shortened(outcome: Outcome) -> Outcome:
     """Return an outcome with its texts cut to the length that a correct worker uses."""
     text, line = outcome.text[:MOST_TEXT], outcome.line[:MOST_TEXT]
     return replace(outcome, text=text, line=line, output=outcome.output[:MOST_OUTPUT])
-
-
-class _OwnProcess(Channel):
-    """A new Python and the pipes to it."""
-
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "nao_course.instructor.sandbox.worker_process", *arguments],
-            bufsize=0,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=folder,
-            env=scrubbed_environment(*_KEPT),
-            start_new_session=True,
-            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-        )
-        assert self.process.stdin and self.process.stdout  # pipes, as asked for
-        super().__init__(self.process.stdin.fileno(), self.process.stdout.fileno())
-
-    def how_it_ended(self) -> str:
-        """End a process that closed its channel, and describe how it ended."""
-        self.kill()
-        return describe_end(self.process.returncode)
-
-    def kill(self) -> None:
-        """End the process and its group. The group's number is its own until the process has been waited for."""
-        if self.process.returncode is None:
-            if sys.platform == "win32":
-                subprocess.run(["taskkill", "/F", "/T", "/PID", str(self.process.pid)], capture_output=True)
-            else:
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    os.killpg(self.process.pid, signal.SIGKILL)
-        with self.process:  # closes the pipes and waits
-            pass
-
-
-class _LimitedProcess(_OwnProcess):
-    """A new Python with limits in a folder that is thrown away: what there is where no worker can be forked."""
-
-    def __init__(self) -> None:
-        self.folder = tempfile.mkdtemp(prefix="nao-course-")
-        super().__init__(Path(self.folder), LIMITED)
-
-    def kill(self) -> None:
-        """End the process and its group, and take its folder away."""
-        super().kill()
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-
-class _ForkedProcess(Channel):
-    """A worker of a warm server."""
-
-    def __init__(self, server: WarmServer, fork: Fork) -> None:
-        super().__init__(fork.socket.fileno(), fork.socket.fileno())
-        self.server, self.fork, self.ended = server, fork, ""
-
-    def how_it_ended(self) -> str:
-        """End a process that closed its channel, and describe how it ended."""
-        self.ended = self.ended or self.server.end(self.fork)
-        return self.ended
-
-    def kill(self) -> None:
-        """End the process and its whole namespace."""
-        with contextlib.suppress(ServerEnded):  # and its workers with it
-            self.how_it_ended()

@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.case import Case
-from nao_course.exercises.definitions import Definitions, load_definitions
+from nao_course.exercises.definitions import Definitions, Skipped, load_definitions, without_outputs
 from nao_course.exercises.earlier import not_usable, split_use, stand_in
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import call_as_it_is, encoded
@@ -27,6 +27,7 @@ from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUT
 
 _NO_ROOM = "the notebook and its files do not fit into the space that a submission has for files"
 _NO_MEMORY = "MemoryError"  # how the reason begins of a statement that found none left
+_MOST_GREEDY = 3  # statements that are left out because they take all memory
 
 
 def _places(told: list[list[int]]) -> set[tuple[int, int]]:
@@ -70,6 +71,8 @@ class RequestLoop:
         self.say(encode("ready"))
         while True:
             match decode(self.read(), trusted=True):
+                case ("shorten", name, size):
+                    self.shorten(name, size)
                 case ("earlier", lesson, content, setup, left_out):
                     self.load_earlier(lesson, content, setup, _places(left_out))
                 case ("load", name, content, setup, left_out, instead):
@@ -79,6 +82,15 @@ class RequestLoop:
                 case ("call", number, name, args, kwargs, driver):
                     self.call(number, name, Case(args, kwargs=kwargs), driver)
 
+    def shorten(self, name: str, size: int) -> None:
+        """Read a large notebook, which follows the request as it is, and send it without its outputs."""
+        try:
+            short = without_outputs(name, self.read_exactly(size))
+        except ValueError as error:
+            self.say(encode(("refused", str(error))))
+        else:
+            self.say(encode(("shortened", short), REPLY))
+
     def load_earlier(self, lesson: str, content: Any, setup: str, left_out: set[tuple[int, int]]) -> None:
         """Load the notebook of an earlier lesson in its own namespace; an invalid one has no functions."""
         folder = Path(tempfile.mkdtemp(prefix="earlier_", dir=os.getcwd() if self.private else None))
@@ -87,10 +99,7 @@ class RequestLoop:
                 (folder / name).write_bytes(text)
             notebook = folder / f"{lesson}.ipynb"
             notebook.write_bytes(content[0])
-            try:
-                self.earlier[number_of(lesson)] = self.loaded(notebook, left_out, setup, {})
-            finally:
-                notebook.unlink()  # several may have 50 MB each, and a worker has 128 MB for files
+            self.earlier[number_of(lesson)] = self.loaded(notebook, left_out, setup, {})
         if not self.private:
             shutil.rmtree(folder, ignore_errors=True)
         self.say(encode("loaded"))
@@ -124,19 +133,21 @@ class RequestLoop:
     def loaded(
         self, notebook: Path, left_out: set[tuple[int, int]], setup: str, instead: dict[str, str]
     ) -> Definitions:
-        """Load a notebook's definitions; once more without statements that took all memory, for they may hold it."""
-        found = load_definitions(notebook, self.before(left_out), setup, self.stand_in, instead)
-        greedy = {
-            (each.cell, each.line): each for each in found.skipped if each.reason.startswith(_NO_MEMORY)
-        }
-        if not greedy:
-            return found
-        found.namespace.clear()
-        del found
-        gc.collect()
-        found = load_definitions(notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead)
-        skipped = (greedy.get((each.cell, each.line), each) for each in found.skipped)
-        return replace(found, skipped=tuple(skipped))
+        """Load a notebook's definitions, again without each statement that took all memory: it may hold it."""
+        greedy: dict[tuple[int, int], Skipped] = {}
+        while True:
+            found = load_definitions(
+                notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead
+            )
+            told = [greedy.get((each.cell, each.line), each) for each in found.skipped]
+            # Only the first one: later statements may have found no memory because of it.
+            first = next((each for each in found.skipped if each.reason.startswith(_NO_MEMORY)), None)
+            if first is None or len(greedy) == _MOST_GREEDY:
+                return replace(found, skipped=tuple(told))
+            greedy[first.cell, first.line] = first
+            found.namespace.clear()
+            del found
+            gc.collect()
 
     def before(self, left_out: set[tuple[int, int]]) -> Callable[[int, int], bool]:
         """Return a function that announces each statement before it runs, because it may be the last one."""
@@ -210,12 +221,13 @@ class RequestLoop:
             while rest:
                 rest = rest[os.write(self.replies, rest) :]
 
-    def read(self) -> bytes:
+    def read(self) -> bytearray:
         """Return the next frame."""
-        prefix = self.read_exactly(PREFIX_SIZE)
-        return prefix + self.read_exactly(sum(frame_lengths(prefix)))
+        frame = self.read_exactly(PREFIX_SIZE)
+        frame += self.read_exactly(sum(frame_lengths(frame)))
+        return frame
 
-    def read_exactly(self, length: int) -> bytes:
+    def read_exactly(self, length: int) -> bytearray:
         """Read some bytes; end where nobody asks any more."""
         data = bytearray()
         while len(data) < length:
@@ -223,7 +235,7 @@ class RequestLoop:
             if not part or self.getpid() != self.process:
                 self.leave(0)
             data += part
-        return bytes(data)
+        return data
 
 
 @contextlib.contextmanager

@@ -16,7 +16,7 @@ from nao_course.instructor.autograding.failures import (
     describe_outcome,
     own_line,
 )
-from nao_course.instructor.collecting.submissions import Files
+from nao_course.instructor.collecting.files import Files
 
 EXERCISE = PublicExercise("f", "90.1", 1.0, 1, Close(), [], [], [], "", True)
 SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1\n\ndef g(x):\n    return TABLE[x]'

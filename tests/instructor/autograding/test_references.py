@@ -18,7 +18,8 @@ from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import Stopped, grade
 from nao_course.instructor.autograding.references import STOOD_IN, References, recorded
-from nao_course.instructor.collecting.submissions import Submission, submission_hash, with_earlier
+from nao_course.instructor.collecting.files import submission_hash
+from nao_course.instructor.collecting.submissions import Submission, with_earlier
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import pair

@@ -20,7 +20,8 @@ from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
 from nao_course.instructor.autograding.tries import Allowances, Retries
-from nao_course.instructor.collecting.submissions import Files, Submission
+from nao_course.instructor.collecting.files import Files
+from nao_course.instructor.collecting.submissions import Submission
 from nao_course.student import notebooks as student
 from nao_course.student import overview
 from tests.toy import values

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from nao_course.instructor.collecting.submissions import gather, read
+from nao_course.instructor.collecting.files import read
+from nao_course.instructor.collecting.submissions import gather
 from tests.handed_in import LESSONS
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from nao_course.instructor.collecting import archives
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import Submission, gather, read
+from nao_course.instructor.collecting.files import read
+from nao_course.instructor.collecting.submissions import Submission, gather
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, posix, put, reasons, who
 
 

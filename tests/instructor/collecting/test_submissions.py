@@ -11,8 +11,9 @@ import pytest
 from nao_course import homework
 from nao_course.instructor.collecting import submissions
 from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.names import safe_name
-from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, read
+from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, posix, put, reasons, who
 
 # --- names ---

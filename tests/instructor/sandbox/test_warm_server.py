@@ -206,15 +206,26 @@ def test_a_process_that_wants_too_much_memory_gets_an_error(worker, hog):
     assert attempt(worker, "1").value == "1"
 
 
+ALL_OF_IT = """
+held = []
+for k in (26, 20, 13, 9, 5, 30):
+    try:
+        while True: held.append(bytearray(2**k))
+    except MemoryError:
+        if k == 30: raise
+"""
 HOARD = "held = []\nfor _ in iter(int, 1): held.append(bytearray(2**26))\n"
 LARGE = "def large(): return len(bytearray(256 * 2**20))"
 
 
+@pytest.mark.parametrize("hoard", [HOARD, ALL_OF_IT])
 @pytest.mark.parametrize("whose", ["its own", "an earlier lesson's"])
-def test_a_statement_that_takes_all_memory_leaves_some_to_the_rest_of_the_notebook(tmp_path, server, whose):
-    own = HOARD + LARGE if whose == "its own" else LARGE
+def test_a_statement_that_takes_all_memory_leaves_some_to_the_rest_of_the_notebook(
+    tmp_path, server, whose, hoard
+):
+    own = hoard + LARGE if whose == "its own" else LARGE
     notebook = toy.write(tmp_path / "02_own.ipynb", own)
-    earlier = toy.write(tmp_path / "01_before.ipynb", HOARD)
+    earlier = toy.write(tmp_path / "01_before.ipynb", hoard)
     before = [EarlierNotebook("01_before", earlier.read_bytes())]
     with Worker(
         notebook, seconds=AMPLE, server=server, earlier=before if whose != "its own" else ()

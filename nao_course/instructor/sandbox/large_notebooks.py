@@ -1,0 +1,64 @@
+"""Large notebooks without their outputs, read one at a time: to parse JSON takes several times its size in memory."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from collections.abc import Iterable
+from pathlib import Path
+
+from nao_course.codec import encode
+from nao_course.instructor.sandbox.processes import start_process, wait_until_ready
+from nao_course.instructor.sandbox.protocol import Allowance, Ended
+from nao_course.instructor.sandbox.warm_server import WarmServer
+
+SECONDS = 30.0  # for one notebook; 50 MB take about one second
+_one_at_a_time = threading.Lock()
+
+
+def without_outputs(
+    name: str, size: int, parts: Iterable[bytes], server: WarmServer | None, allowance: Allowance
+) -> bytes:
+    """Return a notebook without its outputs; a confined process parses it, and runs none of its code.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, for the reason if it is not a notebook.
+    size : int
+        Its size in bytes.
+    parts : iterable of bytes
+        Its content, so that it is never in the grader's memory as a whole.
+    server : WarmServer, optional
+        Whose sandbox confines the process.
+    allowance : Allowance
+        For the time that it takes.
+
+    Returns
+    -------
+    bytes
+        What `definitions.without_outputs` returns.
+
+    Raises
+    ------
+    Ended
+        If it is not a notebook, takes too long or ends the process.
+    SandboxError, ServerEnded
+        As `start_process`.
+    """
+    with _one_at_a_time, allowance.clock():
+        channel = start_process(server, Path(tempfile.gettempdir()))
+        try:
+            wait_until_ready(channel)
+            channel.ask(encode(("shorten", name, size)), allowance.left(SECONDS))
+            for part in parts:
+                channel.send(part)
+            match channel.receive():
+                case ("shortened", bytes(content)):
+                    return content
+                case ("refused", str(reason)):
+                    raise Ended("not found", reason)
+                case _:
+                    channel.give_up()
+        finally:
+            channel.kill()
