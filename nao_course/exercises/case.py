@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,12 @@ class Case:
         part, colon, _ = self.name.partition(": ")
         return part if colon else ""
 
+    @cached_property
+    def frame(self) -> bytes:
+        """The arguments and keyword arguments, encoded: a case is sent to many workers."""
+        return encode((self.args, self.kwargs))
+
     def fresh(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
         """Return copies of the arguments, which the function may change."""
-        args, kwargs = decode(encode((self.args, self.kwargs)))
+        args, kwargs = decode(self.frame)
         return args, kwargs

@@ -101,7 +101,7 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     Outcome
         The outcome. No exception is raised, and KeyboardInterrupt becomes "interrupted". The value is a plain copy.
     """
-    return decode(encoded(call_as_it_is(function, case, driver)))
+    return decode(encoded(call_as_it_is(function, *case.fresh(), driver)))
 
 
 def call_all(
@@ -207,9 +207,10 @@ def alarm(seconds: float) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, max(outer - (time.monotonic() - began), 1e-3))
 
 
-def call_as_it_is(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
-    """Call a function like `call`, but return its value unchanged."""
-    args, kwargs = case.fresh()
+def call_as_it_is(
+    function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any], driver: str = ""
+) -> Outcome:
+    """Call a function like `call`, but with arguments that it may change, and return its value unchanged."""
     before = _state(args, kwargs)
     if driver:
         args = (function, *args)

@@ -128,6 +128,7 @@ class Channel:
     def __init__(self, requests: int, replies: int) -> None:
         self.requests, self.replies = requests, replies
         self.seconds, self.size = SECONDS_TO_START, 0
+        self.unread = bytearray()  # what has come besides the frame that was asked for
         self.deadline = time.monotonic() + self.seconds
         if sys.platform != "win32":
             os.set_blocking(self.requests, False)
@@ -141,39 +142,39 @@ class Channel:
         """Send a frame within the time that is left."""
         rest = memoryview(frame)
         while rest:
-            self.wait(self.requests, "write")
             try:
                 rest = rest[os.write(self.requests, rest) :]
             except BlockingIOError:
-                continue
+                self.wait(self.requests, "write")
             except OSError:  # it reads no more
                 raise Ended("died", self.how_it_ended()) from None
 
     def receive(self) -> Any:
         """Return what the worker says next."""
         try:
-            frame = bytearray()
-            self.read(frame, PREFIX_SIZE)
-            length = sum(frame_lengths(frame, REPLY))
+            self.read(PREFIX_SIZE)
+            length = sum(frame_lengths(self.unread[:PREFIX_SIZE], REPLY))
             self.size += length
-            self.read(frame, PREFIX_SIZE + length)
+            self.read(PREFIX_SIZE + length)
+            frame = self.unread[: PREFIX_SIZE + length]
+            del self.unread[: PREFIX_SIZE + length]
             return decode(frame, REPLY)
         except CodecError:
             self.give_up()
 
-    def read(self, data: bytearray, length: int) -> None:
+    def read(self, length: int) -> None:
         """Read until there are that many bytes; they take up memory as they come, not as they are announced."""
-        while len(data) < length:
+        while len(self.unread) < length:
             self.wait(self.replies, "read")
             try:
-                part = os.read(self.replies, min(length - len(data), 2**20))
+                part = os.read(self.replies, 2**16)
             except BlockingIOError:
                 continue
             except OSError:  # a socket whose other end was closed with something unread
                 part = b""
             if not part:
                 raise Ended("died", self.how_it_ended())
-            data += part
+            self.unread += part
 
     def wait(self, pipe: int, what: str) -> None:
         """Wait until a pipe can be read or written."""

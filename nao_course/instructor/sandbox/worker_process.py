@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
-from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import Definitions, Skipped, load_definitions, without_outputs
 from nao_course.exercises.earlier import not_usable, split_use, stand_in
 from nao_course.exercises.lesson_names import number_of
@@ -79,8 +78,9 @@ class RequestLoop:
                     self.load(Path(name), content, setup, _places(left_out), instead)
                 case ("define", sources, references):
                     self.define(sources, references)
-                case ("call", number, name, args, kwargs, driver):
-                    self.call(number, name, Case(args, kwargs=kwargs), driver)
+                case ("call", number, name, driver):
+                    args, kwargs = decode(self.read(), trusted=True)
+                    self.call(number, name, args, kwargs, driver)
 
     def shorten(self, name: str, size: int) -> None:
         """Read a large notebook, which follows the request as it is, and send it without its outputs."""
@@ -205,10 +205,12 @@ class RequestLoop:
         stub.__name__ = stub.__qualname__ = split_use(name)[1]
         return stub
 
-    def call(self, number: int, name: str, case: Case, driver: str) -> None:
+    def call(
+        self, number: int, name: str, args: tuple[Any, ...], kwargs: dict[str, Any], driver: str
+    ) -> None:
         """Call a function and send its outcome."""
         with _captured() as output:
-            outcome = call_as_it_is(self.functions[name], case, driver)
+            outcome = call_as_it_is(self.functions[name], args, kwargs, driver)
         outcome = replace(outcome, output=output.kept.decode("utf-8", "replace"))
         self.say(encode(number) + encoded(outcome, REPLY))
 
