@@ -11,9 +11,7 @@ from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES
 from nao_course.instructor.collecting.archives import Refused, in_parts, read_plain
 from nao_course.instructor.collecting.submissions import Submission
 
-LARGEST_READ = (
-    2 * 2**20
-)  # bytes of the largest notebook that is read with its outputs, and whose lines are shown
+LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is read as it is, and whose lines are shown
 
 
 @dataclass(frozen=True)
