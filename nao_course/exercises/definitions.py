@@ -333,10 +333,32 @@ def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict
     except RecursionError:
         raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
     except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
-        raise ValueError(f"{name}: not a notebook of format 4 ({describe(error)})") from None
+        raise ValueError(f"{name}: not a notebook of format 4 ({_why_unreadable(error)})") from None
     if language and not any(_DEFINES.search(source) for _, source in code):
         raise ValueError(f"{name}: expected a notebook in Python, got {language}")
     return text, notebook
+
+
+class _NotebookError(ValueError):
+    """A reason in plain words why a file is not a notebook."""
+
+
+def _why_unreadable(error: Exception) -> str:
+    """Return the reason why a notebook cannot be read, without Python's own words."""
+    match error:
+        case _NotebookError():
+            return str(error)
+        case json.JSONDecodeError() if not error.doc.strip():
+            return "it is empty; save it again with JupyterLab"
+        case json.JSONDecodeError() if not error.doc[error.pos :].strip() or error.msg.startswith(
+            "Unterminated"
+        ):
+            return f"it is incomplete: it breaks off in line {error.lineno}; save it again with JupyterLab"
+        case json.JSONDecodeError():
+            return f"line {error.lineno} is not JSON, the format of notebooks; save it again with JupyterLab"
+        case MemoryError():
+            return "it is too large to be read; clear all outputs and save it again"
+    return "its cells or metadata are damaged; save it again with JupyterLab"
 
 
 def _whole_number(digits: str) -> float:
@@ -346,13 +368,15 @@ def _whole_number(digits: str) -> float:
 
 def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the cells, and leave out everything that cannot be a cell."""
+    if not isinstance(notebook, dict):
+        raise _NotebookError("it contains other data than a notebook; save it again with JupyterLab")
     if notebook.get("nbformat", 4) != 4:
-        raise ValueError(f"its format is {str(notebook['nbformat'])[:20]}; saved with JupyterLab it is 4")
-    if not isinstance(notebook["cells"], list):
-        raise TypeError("its cells are not a list")
+        raise _NotebookError(f"its format is {str(notebook['nbformat'])[:20]}; save it again with JupyterLab")
+    if not isinstance(notebook.get("cells"), list):
+        raise _NotebookError("it has no list of cells; save it again with JupyterLab")
     cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
     if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
-        raise ValueError("none of its cells has a type and a source")
+        raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
     return cells
 
 

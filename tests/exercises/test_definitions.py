@@ -346,6 +346,22 @@ def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path
         load_definitions(written(tmp_path / "bad.ipynb", b'{"cells": ' + b"[" * 200_000))
 
 
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b'{"cells": [', "it is incomplete: it breaks off in line 1"),
+        (b"{}", "it has no list of cells"),
+        (b"[]", "it contains other data than a notebook"),
+        (b'{"cells": [], "nbformat": 3}', "its format is 3"),
+        (b"PK", "line 1 is not JSON"),
+    ],
+)
+def test_a_refused_notebook_has_a_reason_without_pythons_words(tmp_path, data, reason):
+    with pytest.raises(ValueError, match=reason) as said:
+        load_definitions(written(tmp_path / "bad.ipynb", data))
+    assert "Error" not in str(said.value)
+
+
 def test_a_number_of_any_length_in_the_metadata_costs_nothing(tmp_path):
     made = json.loads(toy.write(tmp_path / "own.ipynb", "def f(): return 1").read_text())
     text = json.dumps(made | {"more": "LONG"}).replace('"LONG"', "-" + "9" * 5000)
