@@ -68,13 +68,13 @@ def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | Non
         Names of the lessons that there are.
     """
     first, last = parts[0], parts[-1]
-    if moodle := _MOODLE.fullmatch(_normal(first)):
+    if moodle := _MOODLE.fullmatch(_of_a_platform(first)):
         if len(parts) == 1 and _PLATFORMS.search(moodle["student"]):
             return None  # a file that its student named like one of Moodle's: it might pass for another's
         return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
     if len(parts) > 1:
         return NamedFile(first, last)
-    canvas, plain = _canvas(_normal(first)), _plain(first, lessons)
+    canvas, plain = _canvas(_of_a_platform(first)), _plain(first, lessons)
     if canvas and (lesson_of(canvas.file, lessons) or _RECEIPT.match(canvas.file) or not plain):
         return canvas
     return plain  # mueller_123456_01_hsl_filtering.ipynb has numbers like Canvas's, but it is not one of its names
@@ -88,9 +88,14 @@ def _normal(name: str) -> str:
     )
 
 
+def _of_a_platform(name: str) -> str:
+    """Return a platform's name with ordinary spaces and digits, and without spaces beside its underscores."""
+    return "_".join(part.strip() for part in _normal(name).split("_"))
+
+
 def student_of_a_platforms(file: str) -> str:
     """Return the student of a file that Moodle or Canvas named; an empty string for any other file."""
-    name = _normal(file)
+    name = _of_a_platform(file)
     if moodle := _MOODLE.fullmatch(name):
         return moodle["student"]
     found = _canvas(name)
@@ -159,7 +164,7 @@ def mentions_a_lesson(file: str, lessons: Sequence[str]) -> bool:
 
 def is_a_platforms(folder: str) -> bool:
     """Return True if a folder is named like Moodle's folder of one student."""
-    return bool(_MOODLE.fullmatch(folder))
+    return bool(_MOODLE.fullmatch(_of_a_platform(folder)))
 
 
 def safe_name(student: str) -> str:

@@ -92,6 +92,7 @@ def test_students_names_hold_nothing_that_a_terminal_obeys():
         (("Ada L_12_assignsubmission_file_", "x.ipynb"), "Ada L_12", "x.ipynb"),
         (("Ada L_12_assignsubmission_file_x.ipynb",), "Ada L_12", "x.ipynb"),
         (("lada_LATE_12_34_x-2.ipynb",), "lada_12", "x.ipynb"),
+        (("cc_123456\u00a0_22_01_hsl_filtering.ipynb",), "cc_123456", "01_hsl_filtering.ipynb"),
         (("mueller_123456_01_hsl_filtering.ipynb",), "mueller_123456", "01_hsl_filtering.ipynb"),
         (("team_7_01_hsl_filtering.ipynb",), "team_7", "01_hsl_filtering.ipynb"),
         (("team_7_01_01_hsl_filtering.ipynb",), "team_7", "01_hsl_filtering.ipynb"),
