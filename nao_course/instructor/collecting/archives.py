@@ -322,8 +322,15 @@ def _entry_problem(entry: zipfile.ZipInfo, names: list[str]) -> str:
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         return "it uses an unusual compression; make a plain zip"
     if entry.file_size > SMALL and entry.file_size > MOST_RATIO * entry.compress_size:
-        return f"it is a zip bomb: {entry.compress_size} bytes that become {entry.file_size}"
+        return (
+            f"it is a zip bomb: unpacking turns {_megabytes(entry.compress_size)} into "
+            f"{_megabytes(entry.file_size)}. Clear all outputs and hand in the notebook without a zip"
+        )
     return ""
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 2**20:.1f} MB"
 
 
 @contextmanager

@@ -17,11 +17,13 @@ from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused
 from nao_course.instructor.collecting.names import (
     NamedFile,
     clean_name,
+    is_a_platforms,
     lesson_of,
     mentions_a_lesson,
     name_file,
+    student_of_a_platforms,
 )
-from nao_course.instructor.collecting.wrappers import unwrap
+from nao_course.instructor.collecting.wrappers import reason_for, students_in, unwrap
 
 _MOST_NOTES = 20
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
@@ -158,6 +160,7 @@ def gather(
         raise ValueError(f"{path} does not exist. Give a folder of submissions or a zip of them")
     if one_student:
         known = {clean_name(item.parts[0]) for item in items}
+    search.known = {clean_name(each).casefold() for each in known}
     unwrapped = unwrap(items, search.lessons, known)
     search.refused = unwrapped.refused
     for item in unwrapped.items:
@@ -190,6 +193,7 @@ class _Search:
         self.owner = ""  # the student whose file is being looked at; empty for a file that names none
         self.owners: dict[str, bool] = {"": True}  # whether there is something of theirs that may be work
         self.named: set[str] = set()  # students with a line in `lost`
+        self.known: set[str] = set()  # students whose folders and zips are their own, in lower case
         self.refused: dict[str, str] = {}  # folders that are not one student's
         self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
         self.unpacked = 0
@@ -232,6 +236,15 @@ class _Search:
             else:
                 self.leave_out(shown, str(refused))
             return
+        if not (
+            student_of_a_platforms(item.parts[0])
+            or is_a_platforms(item.parts[0])
+            or clean_name(name.student).casefold() in self.known
+        ):
+            several = students_in((each.parts for each in inside if not each.ignored), self.lessons)
+            if several:
+                self.leave_out(shown, reason_for(several))
+                return
         time = _receipt_time(inside) or item.time
         if not any(
             each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored

@@ -385,6 +385,40 @@ def test_a_folder_of_several_students_is_no_student(look, tmp_path, names):
         assert who(found) == ([("Carl", HSL[:-6])] if "Carl" in beside else [])
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"class/Ada_{HSL}", f"class/Ben_{HSL}"],
+        [f"a/b/Ada/{HSL}", f"a/b/Ben/{HSL}"],
+        [f"late/ben_2_22_{HSL}"],
+        [f"late/Ben_7_assignsubmission_file_{HSL}"],
+        ["class/Ada/x.zip", f"class/Ben/{HSL}"],
+    ],
+)
+def test_no_form_of_several_students_is_graded_as_one(look, tmp_path, names):
+    inner = packed(tmp_path / "inner.zip", {HSL: NOTEBOOK}).read_bytes()
+    files = {name: inner if name.endswith(".zip") else NOTEBOOK for name in names}
+    alone = look(packed(tmp_path / "alone.zip", files))
+    assert len(alone.submissions) == len(names) and alone.wrapper in ("class", "a/b", "late")
+    found = look(packed(tmp_path / "beside.zip", files | {"stray.txt": b"x"}))
+    assert not found.submissions and "several students" in found.not_graded[0]
+
+
+@pytest.mark.parametrize("name", ["late_01_hsl_filtering.zip", "late/moodle.zip"])
+def test_a_zip_of_several_students_is_no_student(look, tmp_path, name):
+    for folder in ("{}", "{}_7_assignsubmission_file_"):
+        files = {f"{folder.format(student)}/{HSL}": NOTEBOOK for student in ("Ada", "Ben")}
+        inner = packed(tmp_path / "inner.zip", files).read_bytes()
+        found = look(packed(tmp_path / "in.zip", {name: inner, f"Cleo/{HSL}": NOTEBOOK}))
+        assert who(found) == [("Cleo", HSL[:-6])] and "several students" in found.not_graded[0]
+
+
+def test_a_wrapper_is_compared_with_students_in_any_case(look, tmp_path):
+    assert not look(put(tmp_path / "in", f"Eve/Ada/{HSL}", f"Eve/eve/{HSL}")).submissions
+    put(tmp_path / "in2", f"eve/Ada/{HSL}", f"eve/Ben/{HSL}")
+    assert not gather(tmp_path / "in2", tmp_path / "scratch", LESSONS, known={"Eve"}).wrapper
+
+
 # --- hostile ---
 
 
