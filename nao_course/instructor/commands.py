@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import typer
@@ -22,6 +23,7 @@ from nao_course.instructor.autograding.batch import Summary, feedback_writer, me
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret
 from nao_course.instructor.autograding.session import open_session
+from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import (
     Gathered,
     Submission,
@@ -66,10 +68,34 @@ def grade_folder(
         with Journal(out) as journal:
             journal.began(path)
             waiting = add_earlier(waiting, course, journal, scratch)
+            if found.wrapper:
+                waiting, found = _without_replacements(waiting, found, journal)
             summary = run(console, journal, out, waiting, jobs, require_sandbox)
-            _show(console, journal, summary, {each.lesson for each in waiting}, found, out)
+            _show(console, journal, summary, {each.lesson for each in waiting}, found)
+            _list_not_graded(console, (*summary.failed, *found.not_graded), out / NOT_GRADED)
     if summary.failed or found.not_graded:
         raise typer.Exit(1)
+
+
+def _without_replacements(
+    waiting: Sequence[Submission], found: Gathered, journal: Journal
+) -> tuple[list[Submission], Gathered]:
+    """Leave out submissions that would replace a result, because the folder around them may be a student's own."""
+    kept, lines = [], []
+    for each in waiting:
+        before = next(journal.each_result(each.lesson, each.student), None)
+        if before and before.submission != submission_hash(each):
+            lines.append(
+                f"{each.student}, {each.lesson}: there is a result already, and the folder {found.wrapper} around "
+                "this other notebook may be a student's. If it is not, grade that folder by itself"
+            )
+        else:
+            kept.append(each)
+    return kept, replace(
+        found,
+        unknown=(*found.not_graded, *lines, *found.unknown[len(found.not_graded) :]),
+        not_graded=(*found.not_graded, *lines),
+    )
 
 
 def _graded_before(out: Path) -> set[str]:
@@ -147,9 +173,9 @@ def _progress(console: Console, total: int) -> Iterator[Callable[[Submission], N
 
 
 def _show(
-    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered, out: Path
+    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
 ) -> None:
-    """Print the result of a run; what does not fit on a screen goes to a file."""
+    """Print the result of a run, with a line for each refused submission."""
     if found.wrapper:
         console.print(
             f"The folder {found.wrapper} is around all submissions and was not taken for a student's.",
@@ -175,11 +201,15 @@ def _show(
     ):
         if lines:
             console.print(title + ":")
-            for line in lines[:_SHOWN]:
+            most = len(lines) if title == "Refused" else _SHOWN
+            for line in lines[:most]:
                 console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
-            if len(lines) > _SHOWN:
-                console.print(f"  and {len(lines) - _SHOWN} more")
-    file = out / NOT_GRADED
+            if len(lines) > most:
+                console.print(f"  and {len(lines) - most} more")
+
+
+def _list_not_graded(console: Console, not_graded: Sequence[str], file: Path) -> None:
+    """Write the list of what a run did not grade if the screen shows only a part of it."""
     if len(not_graded) > _SHOWN:
         console.print(f"All {len(not_graded)} are listed in {escape(str(file))}.")
         write_whole(file, "".join(f"{line}\n" for line in not_graded))
@@ -226,7 +256,7 @@ def regrade_student(
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
             mine = add_earlier(mine, load_course(), journal, scratch)
             summary = run(console, journal, grades, mine, 1, "")
-            _show(console, journal, summary, [result.lesson], Gathered((), ()), grades)
+            _show(console, journal, summary, [result.lesson], Gathered((), ()))
     if summary.failed:
         raise typer.Exit(1)
 

@@ -209,6 +209,32 @@ def test_a_stranger_in_the_folder_is_named_and_stops_nobody(course, warm, handed
     assert {"ada", "bob", "[red]x["} < students and "gil" not in students
 
 
+def test_a_wrapper_is_named_and_replaces_no_result(course, warm, tmp_path):
+    grades = tmp_path / "grades"
+    chain.hand_in(tmp_path / "first", "ada", chain.notebook())
+    assert run("grade", tmp_path / "first", "--out", grades).exit_code == 0
+    before = kept(grades)
+    for student in ("ada", "ben"):
+        chain.hand_in(tmp_path / "second" / "Eve", student, b"{")
+    said = run("grade", tmp_path / "second", "--out", grades)
+    assert "The folder Eve is around all submissions" in said.output
+    assert said.exit_code == 1 and "ada, 90_chain: there is a result already" in said.output
+    assert kept(grades)["ada", chain.LESSON] == before["ada", chain.LESSON]
+
+
+def test_the_list_of_what_is_not_graded_is_whole_and_survives_regrade(course, warm, tmp_path):
+    grades = tmp_path / "grades"
+    chain.hand_in(tmp_path / "in", "ada", chain.notebook())
+    for number in range(25):
+        (tmp_path / "in" / f"s{number}").mkdir()
+        chain.hand_in(tmp_path / "in", f"r{number}", b"{")
+    said = run("grade", tmp_path / "in", "--out", grades)
+    assert all(f"r{number}, 90_chain: " in said.output for number in range(25))
+    assert len((grades / "not_graded.txt").read_text().splitlines()) == 25
+    assert run("regrade", grades, "--student", "ada").exit_code == 0
+    assert (grades / "not_graded.txt").exists()
+
+
 def test_an_error_of_the_graders_own_is_said_and_the_status_is_not_0(
     course, warm, handed_in, tmp_path, monkeypatch
 ):
