@@ -74,10 +74,7 @@ def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | Non
         return NamedFile(moodle["student"], last if len(parts) > 1 else moodle["file"])
     if len(parts) > 1:
         return NamedFile(first, last)
-    canvas, plain = _canvas(_of_a_platform(first)), _plain(first, lessons)
-    if canvas and (lesson_of(canvas.file, lessons) or _RECEIPT.match(canvas.file) or not plain):
-        return canvas
-    return plain  # mueller_123456_01_hsl_filtering.ipynb has numbers like Canvas's, but it is not one of its names
+    return _canvas(first, lessons) or _plain(first, lessons)
 
 
 def _normal(name: str) -> str:
@@ -93,22 +90,23 @@ def _of_a_platform(name: str) -> str:
     return "_".join(part.strip() for part in _normal(name).split("_"))
 
 
-def student_of_a_platforms(file: str) -> str:
+def student_of_a_platforms(file: str, lessons: Sequence[str]) -> str:
     """Return the student of a file that Moodle or Canvas named; an empty string for any other file."""
-    name = _of_a_platform(file)
-    if moodle := _MOODLE.fullmatch(name):
+    if moodle := _MOODLE.fullmatch(_of_a_platform(file)):
         return moodle["student"]
-    found = _canvas(name)
+    found = _canvas(file, lessons)
     return found.student if found else ""
 
 
-def _canvas(name: str) -> NamedFile | None:
+def _canvas(name: str, lessons: Sequence[str]) -> NamedFile | None:
     """Return the student of a file named by Canvas."""
-    if not (found := _CANVAS.fullmatch(name)):
+    if not (found := _CANVAS.fullmatch(_of_a_platform(name))):
         return None
     stem, dot, suffix = found["file"].rpartition(".")
     again = _RESUBMITTED.search(stem)
     file = _RESUBMITTED.sub("", stem) + dot + suffix
+    if not (lesson_of(file, lessons) or _RECEIPT.match(file)) and _plain(name, lessons):
+        return None  # mueller_123456_01_hsl_filtering.ipynb has numbers like Canvas's, but it is not one of its names
     order = (int(again[1]) if again else 0, int(found["handed_in"][:18]))
     return NamedFile(f"{found['student']}_{found['user']}", file, order)
 
@@ -148,6 +146,17 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
             name = re.sub("[ -]", "_", found[0].lower())
             return next((each for each in lessons if each.replace("-", "_") == name), "")
     return ""
+
+
+def is_a_lesson(folder: str, lessons: Sequence[str]) -> bool:
+    """Return whether a folder is named after a lesson and nothing else.
+
+    Examples
+    --------
+    >>> is_a_lesson("01_HSL_filtering", ["01_hsl_filtering"]), is_a_lesson("ada_01_hsl_filtering", ["01_hsl_filtering"])
+    (True, False)
+    """
+    return bool(lesson_of(f"{folder}.ipynb", lessons)) and not _plain(f"{folder}.ipynb", lessons)
 
 
 def mentions_a_lesson(file: str, lessons: Sequence[str]) -> bool:

@@ -237,11 +237,13 @@ class _Search:
                 self.leave_out(shown, str(refused))
             return
         if not (
-            student_of_a_platforms(item.parts[0])
+            student_of_a_platforms(item.parts[0], self.lessons)
             or is_a_platforms(item.parts[0])
             or clean_name(name.student).casefold() in self.known
         ):
-            several = students_in((each.parts for each in inside if not each.ignored), self.lessons)
+            several = students_in(
+                [each.parts for each in inside if not each.ignored], self.lessons, name.student
+            )
             if several:
                 self.leave_out(shown, reason_for(several))
                 return

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+import re
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 from nao_course.instructor.collecting.archives import Item
 from nao_course.instructor.collecting.names import (
     clean_name,
+    is_a_lesson,
     is_a_platforms,
     lesson_of,
     name_file,
@@ -17,6 +20,12 @@ from nao_course.instructor.collecting.names import (
 
 _MOST_NAMED = 3
 _ZIP = ".zip"
+_OF_A_LESSON = "it is named after a lesson, not after a student. Grade this folder by itself"
+# What students call their folders and copies.
+_OWN = re.compile(
+    r"(?:my|old|new|backup|draft|final|copy|(?:version|v|attempt|try|lesson|week|exercise)[ _-]?\d+)[ _-]?\d*",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True)
@@ -60,31 +69,38 @@ def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str]
     folders: dict[str, list[Item]] = defaultdict(list)
     for item in items:
         folders[item.parts[0]].append(item)
-    several = {
-        folder: names
-        for folder, inside in folders.items()
-        if not (is_a_platforms(folder) or clean_name(folder).casefold() in theirs)
-        and (names := students_in((each.parts[1:] for each in inside if not each.ignored), lessons, folder))
-    }
+    refused, several = dict[str, str](), dict[str, list[str]]()
+    for folder, inside in folders.items():
+        if is_a_platforms(folder) or clean_name(folder).casefold() in theirs:
+            continue
+        paths = [each.parts[1:] for each in inside if not each.ignored and len(each.parts) > 1]
+        if names := students_in(paths, lessons, folder):
+            refused[folder], several[folder] = reason_for(names), names
+        elif paths and is_a_lesson(folder, lessons):
+            refused[folder], several[folder] = _OF_A_LESSON, []
     used = {item.parts[0] for item in items if not item.ignored}
     (first,) = used if len(used) == 1 else ("",)
-    if names := several.get(first):
-        inside = [item.parts for item in folders[first] if not item.ignored]
-        depth = _common_folders(inside)
-        around = inside[0][:depth]
-        if not {each.casefold() for each in around} & {each.casefold() for each in names}:
-            kept = [
-                replace(item, parts=item.parts[depth:]) for item in folders[first] if len(item.parts) > depth
-            ]
-            return Unwrapped(kept, "/".join(around), {})
-    return Unwrapped(items, "", {folder: reason_for(names) for folder, names in several.items()})
+    if first in several:
+        paths = [item.parts for item in folders[first] if not item.ignored]
+        around = paths[0][: _common_folders(paths) if several[first] else 1]
+        if not {each.casefold() for each in around} & {each.casefold() for each in several[first]}:
+            inner = unwrap([_without(around, item) for item in folders[first]], lessons, known)
+            return replace(inner, wrapper="/".join(filter(None, [*around, inner.wrapper])))
+    return Unwrapped(items, "", refused)
+
+
+def _without(around: tuple[str, ...], item: Item) -> Item:
+    """Return a file without the folders around all files; an empty folder may lie in the outer ones only."""
+    same = list(takewhile(lambda pair: pair[0] == pair[1], zip(around, item.parts[:-1], strict=False)))
+    return replace(item, parts=item.parts[len(same) :])
 
 
 def students_in(paths: Iterable[tuple[str, ...]], lessons: Sequence[str], folder: str = "") -> list[str]:
     """Return the names of the students whose work a folder or archive seems to hold; nothing if it is one student's.
 
-    It holds the work of several students if folders in it have notebooks of the same lesson (a zip may be of any
-    lesson), if files in it are named after different students, or if a learning platform named what is in it.
+    It holds the work of several students if notebooks of the same lesson are in several of its folders or are named
+    after several students, if a zip is in one of its folders and more work in another one, or if a learning platform
+    named what is in it. A student's own folders, such as `old` and `new`, do not count.
 
     Parameters
     ----------
@@ -93,33 +109,51 @@ def students_in(paths: Iterable[tuple[str, ...]], lessons: Sequence[str], folder
     lessons : sequence of str
         Names of the lessons that there are.
     folder : str
-        Name of the folder: a student's own file may repeat it.
+        Name of the folder or of the archive's student: a student's own file may repeat it.
     """
-    inside = [parts for parts in paths if parts]
+    inside = list(paths)
     depth = _common_folders(inside)
     inside = [parts[depth:] for parts in inside]
     if platforms := sorted({parts[0] for parts in inside if len(parts) > 1 and is_a_platforms(parts[0])}):
         return platforms
-    files = [parts[0] for parts in inside if len(parts) == 1]
-    works = [(file, _kind(file, lessons)) for file in files]
-    named = {student_of_a_platforms(file) for file, kind in works if kind} - {""}
+    files = [(parts[0], kind) for parts in inside if len(parts) == 1 and (kind := _kind(parts[0], lessons))]
+    named = {student_of_a_platforms(file, lessons) for file, _ in files} - {""}
     if len(named) > 1 or any(not _is_named_after(each, folder) for each in named):
         return sorted(named)
-    for lesson in lessons:
-        owners = [name_file((file,), lessons) for file, kind in works if kind == lesson]
-        if None not in owners and len(students := {each.student for each in owners if each}) > 1:
-            return sorted(students)
-    kinds: dict[str, set[str]] = defaultdict(set)
+    folders: dict[str, list[tuple[str, ...]]] = defaultdict(list)
     for parts in inside:
-        if len(parts) > 1 and (kind := _kind(parts[-1], lessons)):
-            kinds[parts[0]].add(kind)
-    count = Counter(kind for each in kinds.values() for kind in each)
-    zips = [each for each, found in kinds.items() if found == {_ZIP}]
-    return sorted(
+        if len(parts) > 1 and _kind(parts[-1], lessons):
+            folders[parts[0]].append(parts[1:])
+    kinds = {each: {_kind(parts[-1], lessons) for parts in within} for each, within in folders.items()}
+    groups = [
+        {each for each, found in kinds.items() if lesson in found}
+        | _named_in([file for file, kind in files if kind == lesson], lessons, folder)
+        for lesson in lessons
+    ]
+    if {_ZIP} in kinds.values():  # a zip may be of any lesson
+        groups.append(set(kinds))
+    several = {
         each
-        for each, found in kinds.items()
-        if any(count[kind] > 1 for kind in found) or (zips and zips != [each])
-    )
+        for group in groups
+        if len(group) > 1 and not all(_is_a_students_own(name, lessons) for name in group)
+        for each in group
+    }
+    if several:
+        return sorted(several)
+    return next(filter(None, (students_in(within, lessons, each) for each, within in folders.items())), [])
+
+
+def _named_in(files: Sequence[str], lessons: Sequence[str], folder: str) -> set[str]:
+    """Return the students whom files of one lesson are named after; none if one of the files is the folder's own."""
+    found = [name_file((file,), lessons) for file in files]
+    students = {each.student for each in found if each}
+    own = None in found or any(folder.casefold() == each.casefold() for each in students)
+    return set() if own else students
+
+
+def _is_a_students_own(name: str, lessons: Sequence[str]) -> bool:
+    """Return whether a student would call a folder or copy so: no person is called "old" or "week 2"."""
+    return bool(_OWN.fullmatch(name)) or is_a_lesson(name, lessons)
 
 
 def _common_folders(paths: Sequence[tuple[str, ...]]) -> int:
@@ -134,15 +168,20 @@ def _common_folders(paths: Sequence[tuple[str, ...]]) -> int:
 
 
 def _kind(file: str, lessons: Sequence[str]) -> str:
-    """Return a file's lesson, ".zip" for a zip, and an empty string for any other file."""
+    """Return the lesson of a notebook or zip, ".zip" for any other zip, and an empty string for any other file."""
     if file.lower().endswith(_ZIP):
-        return _ZIP
+        return lesson_of(file, lessons) or _ZIP
     return lesson_of(file, lessons) if file.lower().endswith(".ipynb") else ""
 
 
 def _is_named_after(student: str, folder: str) -> bool:
-    """Return whether a platform's name of a student, which ends in a number, repeats the name of a folder."""
-    return folder.casefold() in (student.casefold(), student.rpartition("_")[0].casefold())
+    """Return whether a platform's name of a student repeats the name of a folder, without number and in any order."""
+    name = student.rpartition("_")[0]
+    return folder.casefold() == student.casefold() or _letters(folder) == _letters(name)
+
+
+def _letters(name: str) -> list[str]:
+    return sorted(each for each in name.casefold() if each.isalnum())
 
 
 def reason_for(names: Sequence[str]) -> str:

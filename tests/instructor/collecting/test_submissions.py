@@ -393,6 +393,8 @@ def test_a_folder_of_several_students_is_no_student(look, tmp_path, names):
         [f"late/ben_2_22_{HSL}"],
         [f"late/Ben_7_assignsubmission_file_{HSL}"],
         ["class/Ada/x.zip", f"class/Ben/{HSL}"],
+        [f"class/Ada_{HSL[:-6]}.zip", f"class/Ben_{HSL[:-6]}.zip"],
+        [f"class/Ada/{HSL}", f"class/Ben_{HSL}"],
     ],
 )
 def test_no_form_of_several_students_is_graded_as_one(look, tmp_path, names):
@@ -417,6 +419,63 @@ def test_a_wrapper_is_compared_with_students_in_any_case(look, tmp_path):
     assert not look(put(tmp_path / "in", f"Eve/Ada/{HSL}", f"Eve/eve/{HSL}")).submissions
     put(tmp_path / "in2", f"eve/Ada/{HSL}", f"eve/Ben/{HSL}")
     assert not gather(tmp_path / "in2", tmp_path / "scratch", LESSONS, known={"Eve"}).wrapper
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"Ada/old/{HSL}", f"Ada/new/{HSL}"],
+        [f"Ada/nao/v1/{HSL}", f"Ada/nao/v2/{HSL}"],
+        [f"Ada/{HSL}", f"Ada/backup/{HSL}"],
+        [f"Ada/my_{HSL}", f"Ada/old_{HSL}"],
+        [f"Ada/ada_{HSL}", f"Ada/Ada Lovelace_{HSL}"],
+        [f"Ada/mueller_123456_{HSL}"],
+        [f"Ada/ada_123456_1234567_{HSL}"],
+        ["Ada/lesson 0/a.zip", "Ada/lesson 1/b.zip"],
+        ["Ada/00.zip", "Ada/01.zip"],
+    ],
+)
+def test_copies_in_a_students_own_folder_are_that_students(look, tmp_path, names):
+    inner = packed(tmp_path / "inner.zip", {HSL: NOTEBOOK}).read_bytes()
+    files = {name: inner if name.endswith(".zip") else NOTEBOOK for name in names}
+    for beside in ({}, {f"Ben/{HSL}": NOTEBOOK}):  # also the only student of a class
+        found = look(packed(tmp_path / "in.zip", files | beside))
+        assert [student for student, _ in who(found)] == ["Ada", "Ben"][: len(beside) + 1]
+        assert not found.not_graded and not found.wrapper
+    if not any(name.endswith(".zip") for name in names):
+        own = {name.removeprefix("Ada/"): content for name, content in files.items()}
+        handed_in = packed(tmp_path / "own.zip", own).read_bytes()
+        found = look(packed(tmp_path / "in.zip", {"Ada/own.zip": handed_in}))
+        assert [student for student, _ in who(found)] == ["Ada"] and not found.not_graded
+
+
+def test_a_platforms_name_in_another_order_is_the_folders_own(look, tmp_path):
+    found = look(put(tmp_path / "in", f"Ada Lovelace/lovelaceada_1_22_{HSL}", f"late/benklein_2_33_{HSL}"))
+    assert who(found) == [("Ada Lovelace", HSL[:-6])] and found.not_graded[0].startswith("late: ")
+
+
+def test_folders_of_lessons_are_no_students(look, tmp_path):
+    put(tmp_path / "in", f"{HSL[:-6]}/Ada/{HSL}", "00_meet_the_nao/Ada/00_meet_the_nao.ipynb")
+    found = look(tmp_path / "in")
+    assert not found.submissions and len(found.not_graded) == 2
+    assert all("named after a lesson" in line for line in found.not_graded)
+    found = look(tmp_path / "in" / HSL[:-6])
+    assert who(found) == [("Ada", HSL[:-6])]
+    found = look(put(tmp_path / "alone", f"{HSL[:-6]}/Ada/{HSL}"))
+    assert who(found) == [("Ada", HSL[:-6])] and found.wrapper == HSL[:-6]
+
+
+def test_a_folder_of_several_students_in_a_wrapper_is_no_student(look, tmp_path):
+    groups = [f"class/monday/Ada/{HSL}", f"class/monday/Ben/{HSL}", f"class/Cleo/{HSL}"]
+    found = look(put(tmp_path / "in", *groups))
+    assert who(found) == [("Cleo", HSL[:-6])] and found.wrapper == "class"
+    assert found.not_graded[0].startswith("monday: it holds the work of several students (Ada, Ben)")
+
+
+def test_an_empty_folder_beside_an_inner_wrapper_is_named(look, tmp_path):
+    files = {f"a/b/Ada/{HSL}": NOTEBOOK, f"a/b/Ben/{HSL}": NOTEBOOK, "a/gil/": b""}
+    found = look(packed(tmp_path / "in.zip", files))
+    assert len(found.submissions) == 2 and found.not_graded == ("gil: there is no notebook of a lesson",)
 
 
 # --- hostile ---
