@@ -470,6 +470,9 @@ def test_a_folder_of_several_students_in_a_wrapper_is_no_student(look, tmp_path)
     found = look(put(tmp_path / "in", *groups))
     assert who(found) == [("Cleo", HSL[:-6])] and found.wrapper == "class"
     assert found.not_graded[0].startswith("monday: it holds the work of several students (Ada, Ben)")
+    groups = [*groups[:2], "class/tuesday/Cleo/02_goal_posts.ipynb", "stray.txt"]
+    found = look(put(tmp_path / "in2", *groups))
+    assert not found.submissions and found.not_graded[0].startswith("class: it holds the work of several")
 
 
 def test_an_empty_folder_beside_an_inner_wrapper_is_named(look, tmp_path):
