@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
 import re
@@ -45,6 +46,7 @@ _NOT_THE_STUDENTS = (
 # What has no file: a cell of IPython or of `load_definitions`; all else is code that a library made as text.
 _CELL = re.compile(r"<(?:ipython-input-.*|stdin|.*, cell \d+)>")
 
+_NO_SPACE = "the disk space that this code may use is used up"
 SECONDS = 20.0  # wall clock of a public case in a lesson; more where the grader gives more than half of it
 
 
@@ -241,7 +243,8 @@ def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
 def describe(error: BaseException) -> str:
     """Return an exception's type and message as text, even if a student's class formats it wrongly."""
     try:
-        text = f"{_name_of(type(error))}: {error}"
+        full = isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        text = f"{_name_of(type(error))}: {_NO_SPACE if full else error}"
     except Exception:  # noqa: BLE001 - a message whose text raises cannot be shown
         text = _name_of(type(error))
     return _printable(text[:500])

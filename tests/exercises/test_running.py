@@ -1,7 +1,9 @@
 """Drivers are found by their name, from wherever they are registered; what takes too long is stopped."""
 
+import errno
 import importlib
 import linecache
+import os
 import signal
 import sys
 import threading
@@ -135,3 +137,12 @@ def test_in_another_thread_too_a_case_that_never_ends_is_stopped():
     thread.start()
     thread.join(30)  # where it is not stopped
     assert [outcome.status for outcome in found] == ["timed out"]
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EFBIG, errno.EDQUOT])
+def test_used_up_disk_space_is_said_in_plain_words(number):
+    def full():
+        raise OSError(number, os.strerror(number), "big.npy")
+
+    said = call(full, Case(())).text
+    assert said == "OSError: the disk space that this code may use is used up"

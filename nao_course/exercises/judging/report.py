@@ -48,6 +48,7 @@ _SIGNS = {
 }
 TWO_ERRORS = "Your function seems to have two errors."
 ENDS_PYTHON = "it ends Python itself"
+_ENDED_BY_THE_GRADER = ("it called", "its answer")  # the beginnings of the reasons
 SMALL = 9  # numbers: an array of at most this size is a pose, a point or a covariance, not a picture
 AT_FAULT = ("wrong", "raised", "interrupted")  # states of an exercise that a student has begun
 
@@ -135,7 +136,8 @@ def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str)
     if last.status == "not found":
         return Report(exercise.name, "not attempted", (f"{title}: your notebook does not define it.",))
     if last.status == "died":
-        return Report(exercise.name, "raised", (f"{title}: {ENDS_PYTHON}; {last.text}.",))
+        ended = "" if last.text.startswith(_ENDED_BY_THE_GRADER) else f"{ENDS_PYTHON}; "
+        return Report(exercise.name, "raised", (f"{title}: {ended}{last.text}.",))
     if last.status in ("interrupted", "timed out"):
         how = "stopped by you" if last.status == "interrupted" else stopped
         text = f"{title}: {how}. Does it have a loop that never ends, or a method that is too slow for a large case?"

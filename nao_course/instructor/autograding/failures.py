@@ -21,6 +21,7 @@ from nao_course.exercises.running import Outcome
 from nao_course.instructor.collecting.files import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import State
 from nao_course.instructor.sandbox.protocol import UNREADABLE
+from nao_course.instructor.sandbox.worker import TOO_OFTEN
 
 CHANGES_INPUT = "Your function changes its input. Return a new array instead."
 # What students meet. Short: which name a call ends with may depend on a hidden input.
@@ -80,6 +81,8 @@ def describe_failure(name: str, outcome: Outcome, files: Files, seconds: float) 
             return HiddenResult("not attempted", 0)
         case "not found":
             return HiddenResult("not found", 0)
+        case "died" if outcome.text.endswith(TOO_OFTEN):
+            return HiddenResult("timed out", 0, "It calls a function of another exercise too often.")
         case "died" if outcome.text != UNREADABLE:
             return HiddenResult("died", 0, _how_it_died(outcome.text))
     return HiddenResult("no usable answer", 0, "Its answer is of a kind that cannot be sent.")

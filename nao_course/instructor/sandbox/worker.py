@@ -38,6 +38,7 @@ MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is l
 MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # requests of one call for reference functions,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
+TOO_OFTEN = "too often"  # how the reason ends when there were more
 LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 _SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all else only the grader can know
 
@@ -243,7 +244,7 @@ class Worker:
                 case ("ask", str(name), tuple(args), dict(kwargs)) if name in self._lent:
                     asked += 1
                     if asked > MOST_ASKED or channel.size - size > MOST_ASKED_BYTES:
-                        raise Ended("died", f"it called {name} too often")
+                        raise Ended("died", f"it called {name} {TOO_OFTEN}")
                     began = time.monotonic()
                     try:
                         answer = encode(("answer", self._lent[name](args, kwargs)))

@@ -68,3 +68,19 @@ def test_an_unstable_answer_that_is_the_same_counts_as_such():
     """The author's own processor tells mistakes apart that others cannot."""
     assert told(4.0, 0.0) == {"another formula"}
     assert told(5.0, 0.0) == {"unstable in one"}
+
+
+@pytest.mark.parametrize(
+    ("reason", "said"),
+    [
+        ("it called base too often", "1.1 solve: it called base too often."),
+        ("its answer could not be read", "1.1 solve: its answer could not be read."),
+        (
+            "the process ended itself with status 3",
+            "1.1 solve: it ends Python itself; the process ended itself with status 3.",
+        ),
+    ],
+)
+def test_only_a_process_that_ended_is_said_to_end_python(reason, said):
+    exercise = PublicExercise("solve", "1.1", 1.0, 1, Close(), [Case((), expected=0.0)], [], [], "", False)
+    assert explain(exercise, [Outcome("died", text=reason)], "").lines == (said,)

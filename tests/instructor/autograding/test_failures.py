@@ -17,6 +17,7 @@ from nao_course.instructor.autograding.failures import (
     own_line,
 )
 from nao_course.instructor.collecting.files import Files
+from nao_course.instructor.sandbox.protocol import UNREADABLE
 
 EXERCISE = PublicExercise("f", "90.1", 1.0, 1, Close(), [], [], [], "", True)
 SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1\n\ndef g(x):\n    return TABLE[x]'
@@ -126,6 +127,8 @@ def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(fi
         ("the process was ended by signal 12 (User defined signal 2)", "It ends Python itself."),
         ("the process ended itself with status 77", "It ends Python itself."),
         ("signal 3.14", "It ends Python itself."),
+        ("it called base too often", "It calls a function of another exercise too often."),
+        (UNREADABLE, "Its answer is of a kind that cannot be sent."),
     ],
 )
 def test_how_a_process_died_is_told_without_a_number_of_the_students(files, text, said):
