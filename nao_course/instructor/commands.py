@@ -81,21 +81,31 @@ def _without_replacements(
     waiting: Sequence[Submission], found: Gathered, journal: Journal
 ) -> tuple[list[Submission], Gathered]:
     """Leave out submissions that would replace a result, because the folder around them may be a student's own."""
-    kept, lines = [], []
-    for each in waiting:
-        before = next(journal.each_result(each.lesson, each.student), None)
-        if before and before.submission != submission_hash(each):
-            lines.append(
-                f"{each.student}, {each.lesson}: there is a result already, and the folder {found.wrapper} around "
-                "this other notebook may be a student's. If it is not, grade that folder by itself"
-            )
-        else:
-            kept.append(each)
-    return kept, replace(
-        found,
-        unknown=(*found.not_graded, *lines, *found.unknown[len(found.not_graded) :]),
-        not_graded=(*found.not_graded, *lines),
-    )
+    replaces = _replacing(journal)
+    lines = [
+        f"{each.student}, {each.lesson}: there is a result already, and the folder {found.wrapper} around this other "
+        "notebook may be a student's. If it is not, grade that folder by itself (unpack a zip first)"
+        for each in waiting
+        if replaces(each)
+    ]
+    others = found.unknown[len(found.not_graded) :]
+    not_graded = (*found.not_graded, *lines)
+    kept = [each for each in waiting if not replaces(each)]
+    return kept, replace(found, unknown=(*not_graded, *others), not_graded=not_graded)
+
+
+def _replacing(journal: Journal) -> Callable[[Submission], bool]:
+    """Return a function that says whether a submission differs from the one that its student has a result of."""
+    results = {
+        (each.student.casefold(), each.lesson): (each.student, each.submission)
+        for each in journal.each_result()
+    }
+
+    def replaces(submission: Submission) -> bool:
+        before = results.get((submission.student.casefold(), submission.lesson))
+        return before is not None and before != (submission.student, submission_hash(submission))
+
+    return replaces
 
 
 def _graded_before(out: Path) -> set[str]:
@@ -134,8 +144,11 @@ def add_earlier(
     for number, place in enumerate(journal.places() if wanted else ()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
-            for each in gather(place, folder, course.names(), wanted, known=known).submissions:
-                found.setdefault((each.student, each.lesson), each)
+            gathered = gather(place, folder, course.names(), wanted, known=known)
+            replaces = _replacing(journal) if gathered.wrapper else None
+            for each in gathered.submissions:
+                if not (replaces and replaces(each)):
+                    found.setdefault((each.student, each.lesson), each)
     return with_earlier(waiting, found, needed.__getitem__)
 
 
@@ -268,7 +281,8 @@ def _handed_in(
     for number, place in enumerate(places):
         found = gather(place, scratch / str(number), load_course().names(), [result.lesson], known=known)
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
-        if mine:
+        # The folder around all students may be a student's own: it replaces nobody's submission.
+        if mine and (not found.wrapper or submission_hash(mine[0]) == result.submission):
             return mine
     return []
 

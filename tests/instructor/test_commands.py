@@ -220,6 +220,13 @@ def test_a_wrapper_is_named_and_replaces_no_result(course, warm, tmp_path):
     assert "The folder Eve is around all submissions" in said.output
     assert said.exit_code == 1 and "ada, 90_chain: there is a result already" in said.output
     assert kept(grades)["ada", chain.LESSON] == before["ada", chain.LESSON]
+    assert run("regrade", grades, "--student", "ada").exit_code == 0
+    assert kept(grades)["ada", chain.LESSON] == before["ada", chain.LESSON]
+    for student in ("ADA", "cleo"):
+        chain.hand_in(tmp_path / "third" / "Eve", student, chain.notebook())
+    said = run("grade", tmp_path / "third", "--out", grades)
+    assert "ADA, 90_chain: there is a result already" in said.output
+    assert {student for student, _ in kept(grades)} == {"ada", "ben", "cleo"}
 
 
 def test_the_list_of_what_is_not_graded_is_whole_and_survives_regrade(course, warm, tmp_path):

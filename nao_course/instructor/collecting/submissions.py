@@ -245,7 +245,7 @@ class _Search:
                 [each.parts for each in inside if not each.ignored], self.lessons, name.student
             )
             if several:
-                self.leave_out(shown, reason_for(several))
+                self.leave_out(shown, reason_for(several, is_zip=True))
                 return
         time = _receipt_time(inside) or item.time
         if not any(

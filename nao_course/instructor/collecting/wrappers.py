@@ -184,11 +184,9 @@ def _letters(name: str) -> list[str]:
     return sorted(each for each in name.casefold() if each.isalnum())
 
 
-def reason_for(names: Sequence[str]) -> str:
+def reason_for(names: Sequence[str], *, is_zip: bool = False) -> str:
     """Return the reason why the work of several students is not graded as one student's."""
     shown = ", ".join(clean_name(name) for name in names[:_MOST_NAMED])
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-    return (
-        f"it holds the work of several students ({shown}{more}), not of one. Move their folders up, or grade this "
-        "folder by itself"
-    )
+    instead = "Grade this zip" if is_zip else "Move their folders up, or grade this folder"
+    return f"it holds the work of several students ({shown}{more}), not of one. {instead} by itself"
