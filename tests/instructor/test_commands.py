@@ -20,6 +20,7 @@ from nao_course.instructor.autograding.grader import GraderError
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from nao_course.instructor.sandbox.layers import probe
+from tests.handed_in import NOTEBOOK
 from tests.paths import PROJECT
 from tests.toy import chain, pair
 from tests.toy.graded import hand_in, kept, rows
@@ -138,6 +139,23 @@ def test_earlier_work_comes_from_the_same_folder_or_an_earlier_run(pair_course, 
     assert scores() == {"ada": 31.0, "bob": 31.0}
     assert run("regrade", grades, "--student", "ada", "--lesson", "81").exit_code == 0
     assert scores() == {"ada": 31.0, "bob": 31.0}
+
+
+def test_earlier_work_does_not_come_from_a_wrapper_that_another_student_made(pair_course, warm, tmp_path):
+    grades, name = tmp_path / "grades", f"{pair.FIRST}.ipynb"
+    pair.write(tmp_path / "first" / "ada" / name, pair.FIRST)
+    assert run("grade", tmp_path / "first", "--out", grades).exit_code == 0
+    for student in ("ada", "bob"):
+        path = tmp_path / "second" / "Eve" / student / name
+        path.parent.mkdir(parents=True)
+        path.write_bytes(NOTEBOOK)
+    assert (
+        f"ada, {pair.FIRST}"
+        in run("grade", tmp_path / "second", "--out", grades).output.partition("NOT GRADED")[2]
+    )
+    pair.write(tmp_path / "third" / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND)
+    assert run("grade", tmp_path / "third", "--out", grades).exit_code == 0
+    assert sum(each["earned"] for each in kept(grades)["ada", pair.SECOND]["exercises"]) == 31.0
 
 
 def test_an_earlier_lesson_that_is_not_what_was_built_stops_the_lesson_that_uses_it(
