@@ -21,6 +21,13 @@ from nao_course.instructor.collecting.names import (
 _MOST_NAMED = 3
 _ZIP = ".zip"
 _OF_A_LESSON = "it is named after a lesson, not after a student. Grade this folder by itself"
+_BRIGHTSPACE = re.compile(
+    r"\d+-\d+ - (?P<student>.+) - .*\d{3,4} [AP]M"
+)  # the time at which it was handed in
+_HANDED_IN_AGAIN = (
+    "Brightspace made several folders for a student of this name. Rename the newest to the student's name and remove "
+    "the others"
+)
 # What students call their folders and copies.
 _OWN = re.compile(
     r"(?:my|old|new|backup|draft|final|copy|(?:version|v|attempt|try|lesson|week|exercise)[ _-]?\d+)[ _-]?\d*",
@@ -69,7 +76,8 @@ def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str]
     folders: dict[str, list[Item]] = defaultdict(list)
     for item in items:
         folders[item.parts[0]].append(item)
-    refused, several = dict[str, str](), dict[str, list[str]]()
+    refused = _handed_in_again(folders)
+    several = dict[str, list[str]]()
     for folder, inside in folders.items():
         if is_a_platforms(folder) or clean_name(folder).casefold() in theirs:
             continue
@@ -87,6 +95,15 @@ def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str]
             inner = unwrap([_without(around, item) for item in folders[first]], lessons, known)
             return replace(inner, wrapper="/".join(filter(None, [*around, inner.wrapper])))
     return Unwrapped(items, "", refused)
+
+
+def _handed_in_again(folders: Iterable[str]) -> dict[str, str]:
+    """Return Brightspace's folders of a student who has several, and the reason: each would count as a student."""
+    students: dict[str, list[str]] = defaultdict(list)
+    for folder in folders:
+        if found := _BRIGHTSPACE.fullmatch(folder):
+            students[found["student"]].append(folder)
+    return {each: _HANDED_IN_AGAIN for theirs in students.values() if len(theirs) > 1 for each in theirs}
 
 
 def _without(around: tuple[str, ...], item: Item) -> Item:

@@ -475,6 +475,17 @@ def test_a_folder_of_several_students_in_a_wrapper_is_no_student(look, tmp_path)
     assert not found.submissions and found.not_graded[0].startswith("class: it holds the work of several")
 
 
+def test_two_folders_of_brightspace_are_not_two_students(look, tmp_path):
+    first, second = (f"12-34 - Ada Lovelace - Mar {day}, 2026 905 AM" for day in (1, 2))
+    found = look(
+        put(tmp_path / "in", f"{first}/{HSL}", f"{second}/{HSL}", f"13-34 - Ben - Mar 1, 2026 1201 PM/{HSL}")
+    )
+    assert [student[:11] for student, _ in who(found)] == ["13-34 - Ben"]
+    assert [line.split(": ")[0] for line in found.not_graded] == [first, second]
+    put(tmp_path / "in2", f"class/{first}/{HSL}", f"class/{second}/{HSL}")
+    assert not look(tmp_path / "in2").submissions
+
+
 def test_an_empty_folder_beside_an_inner_wrapper_is_named(look, tmp_path):
     files = {f"a/b/Ada/{HSL}": NOTEBOOK, f"a/b/Ben/{HSL}": NOTEBOOK, "a/gil/": b""}
     found = look(packed(tmp_path / "in.zip", files))
