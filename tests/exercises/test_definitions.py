@@ -350,6 +350,9 @@ def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path
     ("data", "reason"),
     [
         (b'{"cells": [', "it is incomplete: it breaks off in line 1"),
+        (b'{"cells":\n ["import num', "it is incomplete: it breaks off in line 2"),
+        (b" ", "it is empty"),
+        (b'{"cells": [{"cell_type": "code", "source": 1}]}', "none of its cells has a type and a source"),
         (b"{}", "it has no list of cells"),
         (b"[]", "it contains other data than a notebook"),
         (b'{"cells": [], "nbformat": 3}', "its format is 3"),
@@ -360,6 +363,15 @@ def test_a_refused_notebook_has_a_reason_without_pythons_words(tmp_path, data, r
     with pytest.raises(ValueError, match=reason) as said:
         load_definitions(written(tmp_path / "bad.ipynb", data))
     assert "Error" not in str(said.value)
+
+
+def test_a_notebook_that_memory_does_not_suffice_for_is_refused_in_plain_words(tmp_path, monkeypatch):
+    def greedy(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("nao_course.exercises.definitions.json.loads", greedy)
+    with pytest.raises(ValueError, match="it is too large to be read; clear all outputs"):
+        load_definitions(written(tmp_path / "large.ipynb", b"{}"))
 
 
 def test_a_number_of_any_length_in_the_metadata_costs_nothing(tmp_path):
