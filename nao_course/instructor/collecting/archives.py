@@ -330,7 +330,7 @@ def _entry_problem(entry: zipfile.ZipInfo, names: list[str]) -> str:
 
 
 def _megabytes(size: int) -> str:
-    return f"{size / 2**20:.1f} MB"
+    return f"{size / 2**20:.2f} MB"
 
 
 @contextmanager

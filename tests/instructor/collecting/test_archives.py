@@ -99,7 +99,7 @@ def test_a_zip_bomb_is_refused_and_the_others_are_not(look, tmp_path):
     found = look(tmp_path / "in")
     assert who(found) == [("bob", "01_hsl_filtering")]
     assert all(
-        re.search("zip bomb: unpacking turns 0.0 MB into [46]0.0 MB", reason)
+        re.search("zip bomb: unpacking turns 0.0. MB into [46]0.00 MB", reason)
         for reason in reasons(found).values()
     )
     assert len(found.refused) == 2
