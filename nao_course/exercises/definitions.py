@@ -348,10 +348,8 @@ def _why_unreadable(error: Exception) -> str:
     match error:
         case _NotebookError():
             return str(error)
-        case json.JSONDecodeError() if not error.doc.strip():
-            return "it is empty; save it again with JupyterLab"
-        case json.JSONDecodeError() if not error.doc[error.pos :].strip() or error.msg.startswith(
-            "Unterminated"
+        case json.JSONDecodeError(doc=doc, pos=pos, msg=msg) if (
+            not doc[pos:].strip() or "Unterminated" in msg
         ):
             return f"it is incomplete: it breaks off in line {error.lineno}; save it again with JupyterLab"
         case json.JSONDecodeError():

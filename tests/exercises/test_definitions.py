@@ -351,7 +351,7 @@ def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path
     [
         (b'{"cells": [', "it is incomplete: it breaks off in line 1"),
         (b'{"cells":\n ["import num', "it is incomplete: it breaks off in line 2"),
-        (b" ", "it is empty"),
+        (b" ", "it is incomplete: it breaks off in line 1"),
         (b'{"cells": [{"cell_type": "code", "source": 1}]}', "none of its cells has a type and a source"),
         (b"{}", "it has no list of cells"),
         (b"[]", "it contains other data than a notebook"),
