@@ -348,12 +348,10 @@ def _why_unreadable(error: Exception) -> str:
     match error:
         case _NotebookError():
             return str(error)
-        case json.JSONDecodeError(doc=doc, pos=pos, msg=msg) if (
-            not doc[pos:].strip() or "Unterminated" in msg
-        ):
-            return f"it is incomplete: it breaks off in line {error.lineno}; save it again with JupyterLab"
-        case json.JSONDecodeError():
-            return f"line {error.lineno} is not JSON, the format of notebooks; save it again with JupyterLab"
+        case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
+            if not doc[at:].strip() or message.startswith("Unterminated"):
+                return f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"
+            return f"line {line} is not JSON, the format of notebooks; save it again with JupyterLab"
         case MemoryError():
             return "it is too large to be read; clear all outputs and save it again"
     return "its cells or metadata are damaged; save it again with JupyterLab"

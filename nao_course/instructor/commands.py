@@ -95,7 +95,7 @@ def _without_replacements(
 
 
 def _replacing(journal: Journal) -> Callable[[Submission], bool]:
-    """Return a function that says whether a submission would replace a result with that of another notebook."""
+    """Return a function that says whether a submission would replace the result of another notebook."""
     results = {
         (each.student.casefold(), each.lesson): (each.student, each.submission)
         for each in journal.each_result()
