@@ -21,9 +21,8 @@ from nao_course.instructor.collecting.names import (
 _MOST_NAMED = 3
 _ZIP = ".zip"
 _OF_A_LESSON = "it is named after a lesson, not after a student. Grade this folder by itself"
-_BRIGHTSPACE = re.compile(
-    r"\d+-\d+ - (?P<student>.+) - .*\d{3,4} [AP]M"
-)  # the time at which it was handed in
+# Ends in the time at which it was handed in.
+_BRIGHTSPACE = re.compile(r"\d+-\d+ - (?P<student>.+) - .*\d{3,4} [AP]M")
 _HANDED_IN_AGAIN = (
     "Brightspace made several folders for a student of this name. Rename the newest to the student's name and remove "
     "the others"
