@@ -56,19 +56,21 @@ def as_path(poses: PathLike, name: str = "path") -> FloatArray:
     return array
 
 
-def plot_pose(pose: Pose, ax: Axes, source: str = "truth", length: float = 0.35) -> None:
-    """Draw a robot: the marker of its source, and a line of `length` metres in its heading."""
+def plot_pose(pose: Pose, ax: Axes, source: str = "truth", length: float = 0.35, size: float = 9.0) -> None:
+    """Draw a robot: the marker of its source, `size` points wide, and a line of `length` metres in its heading."""
     style = style_of(source)
     tip = pose.to_parent([length, 0.0])[0]
-    ax.plot([pose.x, tip[0]], [pose.y, tip[1]], color=style.colour, lw=2.4, zorder=6, path_effects=HALO)
+    ax.plot(
+        [pose.x, tip[0]], [pose.y, tip[1]], color=style.colour, lw=2.4 * size / 9, zorder=6, path_effects=HALO
+    )
     ax.plot(
         pose.x,
         pose.y,
         style.marker,
         color=style.colour,
-        ms=9,
+        ms=size,
         mec="white",
-        mew=1.2,
+        mew=1.2 * size / 9,
         zorder=6.1,
         label=f"_{style.label}",
     )

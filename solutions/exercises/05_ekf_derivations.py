@@ -111,6 +111,8 @@ POSE = Exercise(
         "Return np.array([...]) with x plus distance times a cosine, y plus distance times a sine, and theta plus the turn. The angle in both is the old heading.",
     ),
     mistakes=catalogue("""
+        turn unpacked first: distance, turn = => turn, distance =
+            You unpack the control as (turn, distance). It is (distance, turn).
         turns first: (theta) =>> (theta + turn)
             Your robot drives along theta + alpha. This robot drives first and turns afterwards, so use the old heading in cosine and sine.
         cosine and sine swapped: distance * np.sin => distance *  np.cos
@@ -363,6 +365,11 @@ MOTION = Exercise(
             F[1, 2] has the wrong sign. The new y contains d sin(theta), and its derivative is +d cos(theta).
         theta + alpha: pose[2] => pose[2] + control[1]
             You evaluate at theta + alpha, the heading after the turn. The robot drives along the old heading.
+        theta + alpha in F: -distance * np.sin(theta)], [0, 1, distance * np.cos(theta) => -distance * np.sin(theta + control[1])], [0, 1, distance * np.cos(theta + control[1])
+            You evaluate F at theta + alpha, the heading after the turn. The robot drives along the old heading, which you use in G.
+        distance in G: return F, G => G[:2, :2] = distance * G[:2, :2]
+            + return F, G
+            Your G contains the factor d. In equation 5.5 e_x is added to d, so its factors are cos(theta) and sin(theta) alone. The factors of e_y are -sin(theta) and cos(theta).
         F and G swapped: return F, G => return G, F
             F and G are swapped. F, the Jacobian with respect to the pose, comes first. (The paper calls our F its G.)
         not differentiated: -distance * np.sin(theta)], [0, 1, distance * np.cos => distance * np.cos(theta)], [0, 1, distance * np.sin
@@ -543,6 +550,8 @@ LANDMARK = Exercise(
     mistakes=catalogue("""
         range first: return by_pose, by_measurement => return by_pose, by_measurement[:, ::-1]
             The columns of by_measurement are swapped. A measurement is (bearing, range).
+        cosine and sine swapped: c, s = => s, c =
+            Cosine and sine are swapped in all entries. In equation 5.3 l_x contains the cosine, so its derivative with respect to an angle is -r sin, and with respect to r it is cos.
         bearing's sign: [[across[0], c], [across[1], s]] => [[-across[0], c], [-across[1], s]]
             by_measurement's column for the bearing has the wrong sign. Heading and bearing are both positive to the left, so their derivatives are the same.
         minus forgotten: -measurement[1] => measurement[1]

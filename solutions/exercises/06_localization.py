@@ -75,6 +75,11 @@ FUSE = Exercise(
             Your formulas for the mean and v(w) are right, but your w is computed from standard deviations. The derivation gives variances, so leave out the square roots.
         variances squared: variance_a / (variance_a + variance_b) => variance_a**2 / (variance_a**2 + variance_b**2)
             Your weight squares the variances. The arguments are variances, sigma squared, already, so use them as they are.
+        variances squared in v(w): variance_a / (variance_a + variance_b) => variance_a**2 / (variance_a**2 + variance_b**2)
+            (1 - weight) * variance_a => (1 - weight) ** 2 * variance_a + weight**2 * variance_b
+            Your formulas for the mean and v(w) are right, but your w squares the variances. They are sigma squared already, so use them as they are.
+        variance first: return mean, (1 - weight) * variance_a => return (1 - weight) * variance_a, mean
+            You return (variance, mean). Return the mean first.
         taken for standard deviations: + variance_a, variance_b = variance_a**2, variance_b**2
             You square the arguments. They are variances, sigma squared, already, so use them as they are in both results.
         the other part of the variance: (1 - weight) => weight
@@ -171,6 +176,8 @@ INNOVATION = Exercise(
             Your bearings are between 0 and 2 pi, so a small difference to the right becomes nearly a full turn to the left. Use the range from -pi to pi.
         half a turn: (bearing + np.pi) % (2 * np.pi) - np.pi => (bearing + np.pi / 2) % np.pi - np.pi / 2
             You subtract half turns, so opposite directions become the same. A full turn is 2 pi. The arctangent of a tangent has this problem, too.
+        half a turn for a full one: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing - np.pi * (bearing > np.pi) + np.pi * (bearing < -np.pi)
+            You add or subtract pi, which is half a turn. A full turn is 2 * np.pi.
         0 to half a turn: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing % np.pi
             You take the remainder by half a turn, so the difference is never negative and opposite directions become the same. Use the range from -pi to pi, and full turns of 2 * np.pi.
         arcsin: (bearing + np.pi) % (2 * np.pi) - np.pi => np.arcsin(np.sin(bearing))
@@ -249,6 +256,8 @@ _SQUARE_MISTAKES = catalogue("""
         vector @ matrix @ vector is a number.
     * for @: + return error * np.linalg.inv(covariance) * error
         You multiply entry by entry with *, so the result is a matrix. Use the matrix product @: vector @ matrix @ vector is a number.
+    * for @, added up: + return np.sum(error * np.linalg.inv(covariance) * error)
+        You multiply entry by entry with * and add up the entries. Use the matrix product @: vector @ matrix @ vector is a number.
     standard deviations for variances: + return np.sum((error / np.diag(covariance)) ** 2)
         You divide by the diagonal and then square. The diagonal has variances already, and the other entries are missing:
         use the inverse of the whole matrix.
@@ -320,7 +329,7 @@ COVARIANCE_ELLIPSE = Exercise(
         Case((np.array([[2.0, 0.9], [0.9, 0.7]]), 0.3935), "the one-sigma ellipse"),
     ],
     hidden=_ellipse_hidden,
-    comparison=Each((Close(atol=1e-9), Close(atol=1e-6, period=np.pi))),
+    comparison=Each((Close(atol=1e-9), Close(atol=1e-6, period=np.pi)), names=("semi_axes", "the angle")),
     hints=(
         "np.linalg.eigh returns eigenvalues in ascending order and eigenvectors as columns. Each eigenvalue is the variance along its eigenvector, so equation 6.6 gives both semi-axes.",
         "The semi-axes are the square roots of the eigenvalues times np.sqrt(-2 * np.log(1 - probability)), the larger first. The angle is np.arctan2(y, x) of the last column, vectors[:, 1].",
@@ -333,6 +342,8 @@ COVARIANCE_ELLIPSE = Exercise(
         one dimension: + from scipy.stats import norm
             np.sqrt(-2 * np.log(1 - probability)) => norm.ppf((1 + probability) / 2)
             You use the factor for one dimension, 1.96 for 95 %. In the plane two values vary, and 95 % need 2.45: use equation 6.6.
+        the rounded factor of one dimension: np.sqrt(-2 * np.log(1 - probability)) => 1.96
+            You multiply by 1.96, the factor for 95 % in one dimension. In the plane it is 2.45 for 95 %, and it must depend on the argument probability: use equation 6.6.
         decimal logarithm: np.log(1 - probability) => np.log10(1 - probability)
             You use the decimal logarithm. Equation 6.6 has the natural logarithm, np.log.
         the 2 forgotten: -2 * np.log => -np.log
@@ -465,6 +476,10 @@ KALMAN_UPDATE = Exercise(
         S without R: H.T + R => H.T
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             R is missing in your S, so you treat the measurement as exact. The innovation has both sources of uncertainty: S = H P Hᵀ + R.
+        S without P: H @ covariance @ H.T + R => H @ H.T + R
+            np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(S)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            P is missing in your S. The innovation has both sources of uncertainty: S = H P Hᵀ + R.
         R squared: H.T + R => H.T + R @ R
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             Your S contains R @ R. R already is a covariance, with squared units, so add it as it is.
@@ -552,6 +567,8 @@ KALMAN_UPDATE = Exercise(
             You compute P (I - K H), and the result is not symmetric. Multiply from the other side: (I - K H) P.
         half of the Joseph form: left.T + K @ R @ K.T => left.T
             Your covariance is (I - K H) P (I - K H)ᵀ alone, which leaves out the measurement noise. Add K R Kᵀ.
+        minus in the Joseph form: left.T + K @ R => left.T - K @ R
+            You subtract K R Kᵀ. The measurement noise makes the covariance larger, so add it.
     """),
     alternatives={"subtraction": _subtracted, "information form": _information, "one by one": _one_by_one},
     equivalents={"left = K @ H - np.eye(len(mean))": "it occurs twice, so its sign does not matter"},
@@ -604,6 +621,14 @@ def _localize_public() -> list[Case]:
             "a heading that passes -180 degrees",
         ),
         _measured((3.4, 0.2, 3.0), (2.4, 1.1), (0.05, 0.1), (0.03, 0.05), tight, goal),
+        _measured(
+            (2.4, 0.3, 0.2),
+            (3.0, 0.7),
+            (0.1, 4.0),
+            (0.03, 0.1),
+            wide,
+            "a post 4 m farther away than expected",
+        ),
     ]
 
 
@@ -620,6 +645,12 @@ def _localize_hidden(rng: np.random.Generator) -> list[Case]:
         y = float(rng.uniform(-0.5, 0.5))
         landmark, wide = (-1.0, y + 0.1 * turn), random_covariance(rng, 3, scale=0.3)
         cases.append(_measured((1.0, y, 0.0), landmark, (turn, 0.1), (0.05, 0.1), wide))
+    far = (0.1, float(rng.uniform(3.6, 4.5)))  # a robot that has been carried away
+    cases.append(
+        _measured(
+            (2.4, rng.uniform(-0.5, 0.5), 0.2), (3.0, 0.7), far, (0.03, 0.1), np.diag([0.09, 0.09, 0.03])
+        )
+    )
     uncertain = np.diag([0.04, 0.04, 0.2])
     for side in (1.0, -1.0):  # the heading passes half a turn, on the field and beside it
         for x in (rng.uniform(0.5, 2.0), rng.uniform(3.5, 4.0)):
@@ -650,6 +681,10 @@ LOCALIZE = Exercise(
             Your H is the Jacobian with respect to the landmark's position. The landmark is known; you estimate the pose, so use measurement_jacobian_pose, which is (2, 3).
         landmark for expected measurement: innovation(expected_measurement(pose, landmark), measurement) => innovation(landmark, measurement)
             You compare the measurement with the landmark's position. The expected measurement is the bearing and range at which the estimated pose should see that landmark: expected_measurement(pose, landmark).
+        measurement for innovation: innovation(expected_measurement(pose, landmark), measurement) => measurement
+            You use the measurement itself as the innovation. Subtract the expected measurement from it, with your function innovation.
+        range wrapped: innovation(expected_measurement(pose, landmark), measurement) => (measurement - expected_measurement(pose, landmark) + np.pi) % (2 * np.pi) - np.pi
+            You wrap the innovation of the range, too. It is in metres, so a difference of 4 m must stay 4 m. Wrap the bearing only, as your function innovation does.
         heading not wrapped: np.arctan2(np.sin(theta), np.cos(theta)) => theta
             Your result is right until the new heading passes pi or -pi. Wrap the heading after the update.
         heading 0 to a full turn: np.arctan2(np.sin(theta), np.cos(theta)) => theta % (2 * np.pi)

@@ -23,10 +23,10 @@ BUG_DRIVE = np.array([1.5, 0.0])  # m, rad
 BUG_STEP, BUG_STEPS = np.array([0.3, 0.0]), 12  # of the drive in several steps
 HEADINGS = np.radians(np.arange(0, 181, 3))
 STEP_ERRORS = np.diag([0.03, 0.02, np.radians(2)]) ** 2  # of each step
-BUGS = {  # colour and line style of each
-    "FᵀPF": ("#c84b00", "--"),
-    "GᵀQG": ("#a14566", (0, (1.2, 1.2))),
-    "noise not rotated": ("#6b7280", (0, (6, 1.5, 1.5, 1.5))),
+BUGS = {  # colour, line style and line width of each
+    "FᵀPF": ("#c84b00", "--", 2.0),
+    "noise not rotated": ("#6b7280", (0, (6, 1.5, 1.5, 1.5)), 3.5),
+    "GᵀQG": ("#a14566", (0, (1.2, 1.2)), 2.0),
 }
 
 
@@ -106,13 +106,15 @@ def draw_bug_hunt(
     figure = Figure(figsize=(9.9, 4.1))
     ellipses, curves, drive = figure.subplots(1, 3, width_ratios=(1.25, 1, 1))
     plot_cloud(cloud, ellipses)
-    drive.plot(way, own, color=ESTIMATE.colour, lw=5, alpha=0.45)
-    for bug, (colour, line) in BUGS.items():
+    drive.plot(way, own, color=ESTIMATE.colour, lw=9, alpha=0.35)
+    for bug, (colour, line, width) in BUGS.items():
         wrong = predictions.wrong(bug, BUG_POSE, theta, BUG_DRIVE, BUG_NOISE)
         off, across = 100 * predictions.off(bug, HEADINGS), 100 * predictions.across(bug, theta)
-        ellipses.plot(*ellipse_outlines(cloud.mean, wrong[None, :2, :2])[0].T, color=colour, ls=line, lw=2)
-        curves.plot(np.degrees(HEADINGS), off, color=colour, ls=line, lw=2)
-        drive.plot(way, across, color=colour, ls=line, lw=2)
+        ellipses.plot(
+            *ellipse_outlines(cloud.mean, wrong[None, :2, :2])[0].T, color=colour, ls=line, lw=width
+        )
+        curves.plot(np.degrees(HEADINGS), off, color=colour, ls=line, lw=width)
+        drive.plot(way, across, color=colour, ls=line, lw=width)
         said.append(
             f"{bug}: a standard deviation wrong by {np.interp(theta, HEADINGS, off):.0f} % at 30 degrees and by up "
             f"to {off.max():.0f} %, {across[-1]:.0f} cm across after {way[-1]:.1f} m"
@@ -123,8 +125,8 @@ def draw_bug_hunt(
     curves.set_title("Largest error of a σ (%)", fontsize=11)
     drive.set(xlabel="distance driven (m)", ylim=0)
     drive.set_title("cross-track σ (cm)", fontsize=11)
-    lines = [Line2D([], [], color=c, ls=line, lw=2, label=bug) for bug, (c, line) in BUGS.items()]
-    lines.insert(0, Line2D([], [], color=ESTIMATE.colour, lw=5, alpha=0.45, label="your prediction"))
+    lines = [Line2D([], [], color=c, ls=line, lw=width, label=bug) for bug, (c, line, width) in BUGS.items()]
+    lines.insert(0, Line2D([], [], color=ESTIMATE.colour, lw=9, alpha=0.35, label="your prediction"))
     legend_below(figure, [*cloud_keys(), *lines])
     return Drawing(
         figure,

@@ -35,15 +35,25 @@ def plot_cloud(
     factors = np.asarray(scale)
     ax.plot(*(cloud.points * factors).T, ".", color=colour, ms=3, alpha=0.45, mew=0)
     plot_ellipse(cloud.mean * factors, cloud.covariance * np.outer(factors, factors), ax)
-    ax.plot(*(cloud.mean * factors), ESTIMATE.marker, color=ESTIMATE.colour, ms=9, mec="white", zorder=5)
-    ax.plot(*(cloud.sampled_mean * factors), "X", color=colour, ms=9, mec="white", zorder=6)
+    ax.plot(*(cloud.mean * factors), ESTIMATE.marker, color=ESTIMATE.colour, ms=12, mec="white", zorder=5)
+    ax.plot(*(cloud.sampled_mean * factors), "X", color=colour, ms=6, mec="white", mew=0.7, zorder=6)
 
 
 def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
     """Return the legend entries for `plot_cloud`."""
     return [
         Line2D([], [], color=TRUTH.colour, marker=".", ls="", ms=6, label=samples),
-        Line2D([], [], color=TRUTH.colour, marker="X", ls="", ms=9, mec="white", label="mean of the dots"),
+        Line2D(
+            [],
+            [],
+            color=TRUTH.colour,
+            marker="X",
+            ls="",
+            ms=6,
+            mec="white",
+            mew=0.7,
+            label="mean of the dots",
+        ),
         Line2D(
             [],
             [],

@@ -155,12 +155,11 @@ class LapPanel(PlayerPanel):
     ) -> None:
         """Draw the start and build the widgets."""
         given = {"predict_pose": predict_pose, "predict_covariance": predict_covariance}
+        begin = 3 * SIDE_STEPS if predict_pose is None else len(LAP)
         super().__init__(
             "The lap",
             self._show,
-            Slider(
-                "command", "Command", 0, len(LAP), 1, 3 * SIDE_STEPS, tooltip="How many commands were driven"
-            ),
+            Slider("command", "Command", 0, len(LAP), 1, begin, tooltip="How many commands were driven"),
             speeds={"6": 6},
             student={name: function for name, function in given.items() if function is not None},
             unfinished=_UNFINISHED,

@@ -16,7 +16,16 @@ from nao_course.challenges.worst_cases import draw_worst
 from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.lessons.localization.drives import FIELD, KINDS, LANDMARKS
-from nao_course.plotting import Drawing, plot_ellipse, plot_field, plot_landmarks, plot_pose
+from nao_course.lessons.localization.figures import SMALL
+from nao_course.plotting import (
+    STYLES,
+    Drawing,
+    ellipse_outlines,
+    plot_ellipse,
+    plot_field,
+    plot_landmarks,
+    plot_pose,
+)
 from nao_course.plotting.legends import source_key
 from nao_course.plotting.style import GREY
 from nao_course.sim import SensorNoise
@@ -130,10 +139,11 @@ def _plot_robot(ax: Axes, kept: Any) -> None:
     plot_field(FIELD, ax)
     plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
     plot_ellipse(robot.pose[:2], robot.covariance[:2, :2], ax, "odometry")
-    plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
-    plot_pose(Pose.from_array(robot.pose), ax, "odometry")
-    plot_pose(Pose.from_array(pose), ax, "ekf")
-    plot_pose(Pose.from_array(robot.truth), ax)
+    plot_pose(Pose.from_array(robot.pose), ax, "odometry", size=SMALL)
+    plot_pose(Pose.from_array(robot.truth), ax, size=SMALL)
+    plot_pose(Pose.from_array(pose), ax, "ekf", size=SMALL)
+    (outline,) = ellipse_outlines(pose[:2], covariance[None, :2, :2])
+    ax.plot(*np.vstack([outline, outline[:1]]).T, color=STYLES["ekf"].colour, lw=1.8, zorder=7)
 
 
 CHALLENGE = Challenge(

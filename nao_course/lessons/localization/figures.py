@@ -32,6 +32,8 @@ TRUE, START = Pose(1.7, 0.5, 0.25), Pose(1.15, 0.1, 0.5)  # true pose, and the w
 START_COVARIANCE = np.diag([0.4**2, 0.4**2, np.radians(15) ** 2])  # m^2, rad^2
 IN_PICTURE = (9, 7, 6)  # rows of LANDMARKS in one picture: a post and two corners of the goal area
 SEED = 12
+LINE = 0.4  # m, length of the line in a pose's heading
+SMALL = 5.0  # points, width of a marker that does not cover a small ellipse
 ONE_SIGMA = 1 - np.exp(-0.5)  # fraction of a plane Gaussian inside its one-sigma ellipse
 
 
@@ -93,10 +95,10 @@ def draw_wrong_start(localize: Callable[..., Any], covariance_ellipse: Callable[
         plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=6)
         for each in measured[:number]:
             _plot_measurement(ax, TRUE, each, faint=each is not measured[number - 1])
-        plot_pose(TRUE, ax)
+        plot_pose(TRUE, ax, length=LINE, size=SMALL)
         axes_and_angle = ellipse_of(covariance_ellipse, estimate.covariance[:2, :2], 0.95)
-        add_ellipse(ax, estimate.pose[:2], *axes_and_angle, STYLES["ekf"].colour)
-        plot_pose(Pose.from_array(estimate.pose), ax, "ekf")
+        add_ellipse(ax, estimate.pose[:2], *axes_and_angle, STYLES["ekf"].colour, order=7)
+        plot_pose(Pose.from_array(estimate.pose), ax, "ekf", LINE, SMALL)
         off, turned = estimate.error(TRUE)
         ax.set_title(title)
         ax.set_xlabel(f"x (m)\nerror {off:.2f} m and {turned:.0f}°")
@@ -229,12 +231,13 @@ def add_ellipse(
     ls: str = "-",
     label: str = "",
     lw: float = 1.8,
+    order: float = 3.6,
 ) -> None:
     """Draw an ellipse, given its semi-axes (2,) and the angle of the first one (rad)."""
     x, y = centre.tolist()
     width, height = (2 * semi_axes).tolist()
     degrees = float(np.degrees(angle))
-    edge = Ellipse((x, y), width, height, angle=degrees, fc="none", ec=colour, lw=lw, ls=ls, zorder=3.6)
+    edge = Ellipse((x, y), width, height, angle=degrees, fc="none", ec=colour, lw=lw, ls=ls, zorder=order)
     edge.set_label(label)
     ax.add_patch(edge)
     ax.add_patch(Ellipse((x, y), width, height, angle=degrees, fc=colour, alpha=0.12, zorder=3.5))

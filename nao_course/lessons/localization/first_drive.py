@@ -35,6 +35,7 @@ from nao_course.plotting.style import GREY, HALO
 
 FIRST = 6  # seed of the drive
 EVERY = 3  # steps between two ellipses on the map
+ARROWS = (11, 20)  # steps at which an arrow shows the direction of the true path
 LIMIT = 7.81  # a chi-square value with three degrees of freedom is below it with 95 %
 
 Function = Callable[..., Any]
@@ -211,6 +212,10 @@ def _plot_map(ax: Axes, trace: Trace, covariance_ellipse: Function | None) -> No
         else:
             shape = ellipse_of(covariance_ellipse, covariance[:2, :2], 0.95)
             add_ellipse(ax, pose[:2], *shape, STYLES["ekf"].colour, lw=1.2)
+    for step in ARROWS:
+        (x0, y0), (x1, y1) = trace.truth[step : step + 2, :2].tolist()
+        look = {"arrowstyle": "-|>", "color": STYLES["truth"].colour, "lw": 1.6, "mutation_scale": 16}
+        ax.annotate("", (x1, y1), (x0, y0), arrowprops=look, zorder=5)
     x, y = trace.truth[0, :2]
     ax.plot(x, y, "o", color=STYLES["truth"].colour, ms=6, mec="white", zorder=6)
     ax.annotate("start", (x, y), (-7, 3), textcoords="offset points", ha="right", path_effects=HALO, zorder=7)
@@ -241,8 +246,9 @@ def _plot_errors(ax: Axes, trace: Trace, broken: Trace | None) -> None:
         ms=5,
         label="true error",
     )
-    ax.set(title="Error of the position", xlabel="step", ylabel="error (m)", ylim=(0, None))
-    ax.legend(fontsize=9)
+    top = float(ax.dataLim.ymax)
+    ax.set(title="Error of the position", xlabel="step", ylabel="error (m)", ylim=(0, 1.3 * top))
+    ax.legend(fontsize=9, loc="upper right")
 
 
 def _plot_nees(ax: Axes, values: FloatArray, broken: FloatArray | None) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -91,7 +92,12 @@ def draw_remaining_uncertainty(localize: Callable[..., Any]) -> Drawing:
     for number, (ax, (title, values, unit, scale, levels)) in enumerate(
         zip(figure.subplots(1, 3, sharey=True), panels, strict=True)
     ):
-        _plot_remaining(ax, xs, ys, values * scale, unit, levels)
+        mesh = _plot_remaining(ax, xs, ys, values * scale, levels)
+        label = f"standard deviation that remains ({'degrees' if unit == '°' else unit})"
+        bar = figure.colorbar(
+            mesh, ax=ax, location="bottom", extend="both", shrink=0.9, aspect=30, pad=0.02, label=label
+        )
+        bar.set_ticks(levels)
         ax.set_title(title)
         ax.set_ylabel("y (m)" if number == 0 else "")
     keys = [
@@ -140,17 +146,13 @@ def _over_grid(localize: Callable[..., Any], xs: FloatArray, ys: FloatArray, use
 
 
 def _plot_remaining(
-    ax: Axes, xs: FloatArray, ys: FloatArray, values: FloatArray, unit: str, levels: tuple[int, ...]
-) -> None:
+    ax: Axes, xs: FloatArray, ys: FloatArray, values: FloatArray, levels: tuple[int, ...]
+) -> ScalarMappable:
     plot_field(FIELD, ax)
-    ax.pcolormesh(
+    mesh = ax.pcolormesh(
         xs, ys, values, cmap="cividis_r", zorder=0.15, shading="nearest", vmin=levels[0], vmax=levels[-1]
     )
-    lines = ax.contour(xs, ys, values, levels=levels, colors="black", linewidths=0.9, zorder=2)
-    for text in ax.clabel(
-        lines, fmt=lambda value: f"{value:.0f} {unit}".replace(" °", "°"), fontsize=9, zorder=8
-    ):
-        text.set(path_effects=HALO, color="black")
+    ax.contour(xs, ys, values, levels=levels, colors="black", linewidths=0.9, zorder=2)
     plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=7)
     (outline,) = ellipse_outlines((ROBOT.x, ROBOT.y), COVARIANCE[None, :2, :2])
     ax.plot(
@@ -161,3 +163,4 @@ def _plot_remaining(
         zorder=3.6,
     )
     plot_pose(ROBOT, ax, "ekf")
+    return mesh

@@ -49,10 +49,10 @@ def test_the_panel_gets_better_with_each_function(functions):
     first, second, third = LapPanel(), LapPanel(functions[0]), LapPanel(*functions)
     assert "is 1.36 m from its estimated position" in first.summary()
     assert "no covariance yet" in first.summary() and "no covariance yet" in second.summary()
-    assert "is 0.20 m from its estimated position" in second.summary()
+    assert "is 0.41 m from its estimated position" in second.summary()
+    assert "190 of 200 robots (95 %)" in third.summary(), "the text states this number below the panel"
+    third.set(command=18)
     assert "187 of 200 robots (94 %)" in third.summary()
-    third.set(command=len(LAP))
-    assert "190 of 200 robots (95 %)" in third.summary()
     third.set(command=0)
     assert "inside" not in third.summary()
 

@@ -73,7 +73,7 @@ def test_the_text_states_how_far_off_the_robots_are():
     off = np.array([np.hypot(*(each.truth - each.pose)[:2]) for each in robots])
     text = " ".join((SOLUTIONS / "06_localization.md").read_text(encoding="utf-8").split())
     assert (
-        f"{np.sum(off > 0.5)} of the estimated positions are wrong by more than half a metre, one by {off.max():.1f} m"
+        f"wrong by more than half a metre for {np.sum(off > 0.5)} robots, and by {off.max():.1f} m for one."
         in text
     )
 
@@ -107,7 +107,7 @@ def test_the_figure_shows_the_robots_that_lose_most():
 def test_the_lesson_says_what_the_board_says():
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
     rows = {row.name: row for row in CHALLENGE.rows}
-    assert f"Its NEES is {rows['the three nearest'].columns['NEES']:.0f}" in text
+    assert f"The entry's NEES is {rows['the three nearest'].columns['NEES']:.0f}" in text
     better = rows["a better filter"]
     assert f"gains {better.score:.1f} bits with a NEES of {better.columns['NEES']:.1f}" in text
     assert rows["the reference"].score > rows["the three nearest"].score > rows["no measurement"].score == 0.0

@@ -74,7 +74,10 @@ def test_the_text_states_where_the_nis_of_the_given_filter_is_large():
     assert trace.steps[large].tolist() == [14, 19, 19] and not np.isin((15, 16, 17, 18), trace.steps).any()
     first, *others = nis[large]
     assert 5500 < first < 6500 and [round(float(each)) for each in others] == [50, 9]
-    assert "At step 14 the NIS is about 6000, and at step 19 two measurements have 50 and 9." in TEXT
+    assert (
+        "At step 14 the NIS is about 6000, and the two measurements at step 19 have an NIS of 50 and 9."
+        in TEXT
+    )
     assert np.flatnonzero(trace.nees > first_drive.LIMIT)[-1] == 23
     assert np.hypot(*trace.errors[:, :2].T).argmax() == 18
 
