@@ -36,7 +36,7 @@ def plot_cloud(
     ax.plot(*(cloud.points * factors).T, ".", color=colour, ms=3, alpha=0.45, mew=0)
     plot_ellipse(cloud.mean * factors, cloud.covariance * np.outer(factors, factors), ax)
     ax.plot(*(cloud.mean * factors), ESTIMATE.marker, color=ESTIMATE.colour, ms=12, mec="white", zorder=5)
-    ax.plot(*(cloud.sampled_mean * factors), "X", color=colour, ms=6, mec="white", mew=0.7, zorder=6)
+    ax.plot(*(cloud.sampled_mean * factors), "X", color=colour, ms=7.5, mec="white", mew=0.9, zorder=6)
 
 
 def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
@@ -49,9 +49,9 @@ def cloud_keys(samples: str = "samples") -> list[Line2D | Patch]:
             color=TRUTH.colour,
             marker="X",
             ls="",
-            ms=6,
+            ms=7.5,
             mec="white",
-            mew=0.7,
+            mew=0.9,
             label="mean of the dots",
         ),
         Line2D(
