@@ -93,7 +93,7 @@ def draw_remaining_uncertainty(localize: Callable[..., Any]) -> Drawing:
         zip(figure.subplots(1, 3, sharey=True), panels, strict=True)
     ):
         mesh = _plot_remaining(ax, xs, ys, values * scale, levels)
-        label = f"standard deviation that remains ({'degrees' if unit == '°' else unit})"
+        label = f"remaining standard deviation ({'degrees' if unit == '°' else unit})"
         bar = figure.colorbar(
             mesh, ax=ax, location="bottom", extend="both", shrink=0.9, aspect=30, pad=0.02, label=label
         )

@@ -57,7 +57,7 @@ class FusePanel(FunctionPanel):
                 Slider("measurement_sigma", "Camera σ", 0.02, 0.6, 0.01, 0.15, **sigma),
                 Slider(
                     "measured",
-                    "Camera measures",
+                    "Camera",
                     1.0,
                     3.0,
                     0.05,

@@ -53,7 +53,7 @@ def test_the_given_filter_loses_the_robot_as_the_text_states_and_a_wrapped_innov
     stated = np.sqrt(broken.covariances[:, 0, 0] + broken.covariances[:, 1, 1])
     fault = first_drive.first_fault()
     assert f"The error of its position grows to {off.max():.2f} m" in TEXT and off[:fault].max() < 0.08
-    assert f"for {fault - 1} steps the filter works" in TEXT
+    assert f"For {fault - 1} steps the filter works" in TEXT
     assert stated[fault:].max() < 0.10 and broken.nees.max() > 800
     worst = max(records, key=lambda each: abs(each.innovation))
     expected, measured, difference = np.degrees(worst)
