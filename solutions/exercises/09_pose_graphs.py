@@ -274,6 +274,9 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
             Your column of theta contains the measurement z. The derivative contains the expected measurement, computed from the pose and the landmark.
         pose not subtracted: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => c * lx + s * ly, -s * lx + c * ly
             Your column of theta uses the landmark's position in the map. Subtract the pose's position first: dx = lx - x, dy = ly - y.
+        theta in degrees: left], => np.radians(left)],
+            -ahead] => -np.radians(ahead)]
+            Your column of theta is a derivative by degrees. All angles are in radians, so leave out the factor pi / 180.
         by the pose only: -ahead]]), matrices([[c, s], [-s, c]]) => -ahead]])
             You return only the Jacobian by the pose. Return two: by the pose, and by the landmark.
         order: return matrices => return (matrices
@@ -527,6 +530,8 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
             You rotate by the second heading. The residual is in the frame of the pose that z predicts, so the angle is theta plus the angle of z; with errors this is not the second heading.
         theta of the second: [[c, s, 0], [-s, c, 0], => [[c, s, s * dx - c * dy], [-s, c, c * dx + s * dy],
             A pose does not change its position when it turns. The column of theta in the Jacobian by the second pose contains only the 1 of the angle.
+        the second without rotation: [[c, s, 0], [-s, c, 0], => [[c**0, 0, 0], [0, c**0, 0],
+            Your Jacobian by the second pose is the unit matrix. That is correct only if the angle is 0, as in the example; otherwise its upper left block is the rotation.
         turned the wrong way: np.sin(angle) => np.sin(-angle)
             Your sines have the wrong signs. Rotate from the map frame into the frame of z, by minus the angle.
         order: return by_first, matrices => return (by_first, matrices
@@ -702,6 +707,8 @@ LINEARIZE = Exercise(
             The edges to landmarks, graph.landmark_edges, are missing.
         twice: J.mT @ => 2 * J.mT @
             H and b are twice as large as they should be. The factor 2 of the derivative cancels in H delta = -b, so leave it out.
+        b twice: shares = weighted => shares = 2 * weighted
+            H is correct, but b is twice as large as it should be. The factor 2 of the derivative cancels in H delta = -b, so leave it out of both.
         first pose removed: graph.add_blocks(*blocks), b => graph.add_blocks(*blocks)[3:, 3:], b[3:]
             You removed the rows of the first pose. linearize returns all of them; gauss_newton will fix the first pose.
         first pose held: return graph.add_blocks(*blocks), b => H = graph.add_blocks(*blocks)
@@ -713,7 +720,7 @@ LINEARIZE = Exercise(
             + return H, b
             You added a large number to the block of the first pose, as the constraint of lesson 08 did. linearize returns the sum over the edges and nothing else; gauss_newton will fix the first pose.
         residuals not as columns: residual(*pairs)[:, :, None] => residual(*pairs)
-            If this is the line of b: J.mT @ information is (E, 6, 3) and e is (E, 3), so @ does not multiply them edge by edge. Make each residual a column: e[..., None] is (E, 3, 1).
+            Which line is it? In the line of b, e is (E, 3), but @ needs columns: e[..., None] is (E, 3, 1). In a line with J.T, write J.mT, because .T reverses all three axes. In a line of the residuals, the second end of an edge to a landmark is a row of `landmarks`, not of `poses`.
         second ends of the first: ends[edges.second] => ends[edges.first]
             You take both ends of an edge from edges.first. The second end is ends[edges.second].
         b first: graph.add_blocks(*blocks), b => b, graph.add_blocks(*blocks)
@@ -854,7 +861,7 @@ GAUSS_NEWTON = Exercise(
             You linearise once and solve the same system in each iteration. Call linearize with the current states inside the loop.
         H once: H, b = linearize(graph, states) => _, b = linearize(graph, states)
             free = graph.elimination_order => free, (H, _) = graph.elimination_order, linearize(graph, states)
-            You compute b anew in each iteration, but H only once. Both depend on the states, so call linearize inside the loop.
+            You recompute b in each iteration, but H only once. Both depend on the states, so call linearize inside the loop.
         order forgotten: states[free] -= => states[3:] -=
             You solve for states[free] but add the step to states[3:], which has another order. A step that was solved with b[free] belongs to states[free].
         never uphill: H, b = linearize(graph, states) => H, b = linearize(graph, before := states.copy())
@@ -1017,6 +1024,10 @@ MARGINAL_COVARIANCES = Exercise(
             units[index] = 1 sets whole rows, so each of your columns has k ones. A unit vector has one: set units[index, np.arange(len(index))].
         always the first rows: in indices: => in map(np.arange, map(len, indices)):
             You return the upper left corner of the inverse for every block. Use the rows given in `indices`.
+        the first rows of the columns: (units)[index] => (units)[: len(index)]
+            You solve for the right columns of the inverse but keep their first k rows. Keep the rows of the block: [index].
+        rows in sequence: (units)[index] => (units)[index[0] : index[0] + len(index)]
+            You keep k consecutive rows, beginning with the first index. The rows of a block may be anywhere and in any order: keep [index].
         whole columns: (units)[index] => (units)
             You return whole columns of the inverse. Keep only the rows of the block.
         sorted: in indices: => in map(np.sort, indices):
@@ -1065,13 +1076,14 @@ def _reweight_public() -> list[Case]:
         Case((*_two(rng), 2.0), "one edge"),
         Case((square.graph, square.truth, 3.0), "the truth, where the weights are nearly 1"),
         Case((*_small_graph(rng), 5.0), "poses and landmarks that fit badly"),
+        Case((*_small_graph(rng, 4, 1), 0.1), "a kernel so narrow that all weights are small"),
     ]
 
 
 def _reweight_hidden(rng: np.random.Generator) -> list[Case]:
     walk = with_false_closures(building(int(rng.integers(1000)), 80), 3, 1)
     return [
-        Case((*_small_graph(rng), 0.5)),
+        Case((*_small_graph(rng), 0.1)),
         Case((*_small_graph(rng, 5, 2), 8.0)),
         Case((walk.graph, walk.odometry, 3.0)),
         Case((walk.graph, walk.truth, float(rng.uniform(1, 4)))),
@@ -1089,7 +1101,7 @@ REWEIGHT = Exercise(
     in_place=True,
     hints=(
         "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
-        "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with another information.",
+        "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with other information matrices.",
     ),
     mistakes=catalogue("""
         width not squared: width**2 => width
@@ -1104,7 +1116,7 @@ REWEIGHT = Exercise(
         assigned
             return replace(graph, information=graph.information * weights[:, None, None]) => graph.information = graph.information * weights[:, None, None]
             + return graph
-            You assign to an attribute of the graph, which is not possible. replace(graph, information=...) returns a copy with another information.
+            You assign to an attribute of the graph, which is not possible. replace(graph, information=...) returns a copy with other information matrices.
         square of the ratio: squares / width**2 => (squares / width) ** 2
             You square q / c. q is a squared error already, so only the width is squared: q / c^2.
         root of the weight: 1 / (1 + squares / width**2) => 1 / np.sqrt(1 + squares / width**2)
@@ -1117,6 +1129,9 @@ REWEIGHT = Exercise(
             Your weight is squared. This is the kernel of Geman and McClure, which is also used in practice; return Cauchy's weight, equation 9.6.
         cut off: 1 / (1 + squares / width**2) => np.where(squares > width**2, 0, 1)
             You remove edges whose error is larger than the width. Cauchy's kernel only reduces their weight, so that they can recover if they fit later.
+        small weights removed: weights = 1 / (1 + squares / width**2) => weights = 1 / (1 + squares / width**2)
+            + weights[weights < 1e-3] = 0
+            You set small weights to 0. Cauchy's weight never becomes 0, so an edge can recover if it fits later. Return it as it is.
         Huber: 1 / (1 + squares / width**2) => np.minimum(1, width / np.sqrt(squares))
             This is Huber's kernel, with which a false closure keeps a constant pull. Return Cauchy's weight, equation 9.6.
         the error, not its square: squares / width**2 => np.sqrt(squares) / width
@@ -1182,7 +1197,7 @@ PLAN = LessonPlan(
             "explain_headings",
             points=2,
             question="Why do wrong headings in the initial estimate make Gauss-Newton fail, while wrong positions do not?",
-            rubric="1 point: for given headings the residuals are linear in the positions (x and y are only subtracted and rotated by fixed angles), so one step finds the right positions from any initial estimate. 1 point: headings appear in sines and cosines. A linearisation approximates an arc only for a small angle, so from far away a step leads to a wrong place, and the steps can end in another minimum or in none.",
+            rubric="1 point: for given headings the residuals are linear in the positions (x and y are only subtracted and rotated by fixed angles), so one step finds the right positions from any initial estimate. 1 point: headings appear in sines and cosines. A linearisation approximates an arc only for a small angle, so from far away a step leads to a wrong place, and the steps can end in a local minimum or in none.",
         )
     ],
 )

@@ -58,6 +58,8 @@ PAYING_PRECISION = Exercise(
             Your function uses the paper's costs and ignores its arguments.
         signs lost: missed - hit => missed + hit
             A hit has a negative cost. It makes reporting better, so it is subtracted: false + missed - hit.
+        sign of the miss: false + missed - hit => false - missed - hit
+            The sign of `missed` is the wrong way round. A missed corner makes reporting better, so its cost is added: false + missed - hit.
         both signs changed: missed - hit => hit - missed
             The signs of `hit` and `missed` are the wrong way round. A missed corner and a cheap hit both make reporting better: false + missed - hit.
         reciprocal: return false / (false + missed - hit) => return (false + missed - hit) / false
@@ -257,6 +259,8 @@ DETECTION_COST = Exercise(
             You return a mean. The cost of a picture is a sum, so do not divide it.
         misses free: (len(truth) - hits) => 0
             Missed corners cost nothing in your function. Each corner without a report costs 1.
+        as many missed as reports are lacking: (len(truth) - hits) => max(len(truth) - len(detected), 0)
+            You count a corner as missed only if there are fewer reports than corners. A false report finds no corner, so subtract the number of hits: len(truth) - hits.
         all reports false: (len(detected) - hits) => len(detected)
             You count all reports as false, including the hits. Subtract the number of hits.
         all corners missed: (len(truth) - hits) => len(truth)
@@ -449,7 +453,7 @@ def _boot_public() -> list[Case]:
     return [
         case_of(_skewed(rng, 20), 0.95, "20 skewed costs, 95 %"),
         case_of(rng.normal(-1, 2, 30), 0.8, "30 costs, 80 %"),
-        case_of(_skewed(rng, 10), 0.68, "10 skewed costs, 68 %"),
+        case_of(_skewed(rng, 10), 0.55, "10 skewed costs, 55 %"),
         case_of(np.full(6, 2.5), 0.9, "six equal costs"),
         case_of(rng.normal(1, 3, 12), 0.5, "12 costs, 50 %"),
         case_of(_one_high(rng), 0.9, "20 costs, one of them high, 90 %"),
@@ -494,6 +498,8 @@ BOOTSTRAP_INTERVAL = Exercise(
             Your interval contains all means, from the smallest to the largest. Leave out half of 1 - probability on each side.
         all of the rest on each side: (1 - probability) / 2 => 1 - probability
             You leave 1 - probability out on each side. Leave half of it out on each side.
+        too much left out at the upper end: [outside, 1 - outside] => [outside, probability]
+            Your upper end is the quantile `probability`, which leaves out 1 - probability above it. Leave out half of 1 - probability on each side.
         from the lowest on: [outside, 1 - outside] => [0, probability]
             Your interval starts at the smallest mean. Leave out half of 1 - probability on each side.
         a normal curve: + from scipy.stats import norm
@@ -521,6 +527,10 @@ BOOTSTRAP_INTERVAL = Exercise(
             + own = bootstrap_interval.__dict__.setdefault("own", cycle(range(6)))
             + rng = np.random.default_rng(next(own))
             You do not use the argument rng. With np.random or a generator of your own, nobody can repeat the experiment.
+        a fixed seed: + rng = np.random.default_rng(0)
+            You replace rng by a generator with a fixed seed, so you always draw the same resamples. Draw with the argument rng.
+        reflected: return low, high => return 2 * values.mean() - high, 2 * values.mean() - low
+            You reflect the two ends at the mean, which is the basic bootstrap interval. The percentile interval has the quantiles themselves: return (low, high).
         the upper end first: return low, high => return high, low
             You return (high, low). Return the lower end first: (low, high).
         how far from the mean: return low, high => return low - values.mean(), high - values.mean()
@@ -567,6 +577,8 @@ def _possible_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((_printed(rng, n), n, int(rng.integers(3 * n, 9 * n)))) for n in sizes),
         *(Case((round(float(rng.uniform(0, 6)), 3), 30, 240)) for _ in range(4)),
         Case((-_printed(rng, 5) - 1.0, 5, 40)),
+        Case((-1.333, int(rng.integers(2, 7)), 20)),
+        Case((_printed(rng, 700) + 4.0, 700, int(rng.integers(30, 60)))),
     ]
 
 
@@ -619,6 +631,10 @@ POSSIBLE_HITS = Exercise(
             You return a mask. Return the numbers of hits: hits[mask].
         below nothing: (others >= 0) => True
             You accept negative values of 5 n_f + n_m. Numbers of false and missed corners cannot be negative.
+        something must be wrong: (others >= 0) => (others > 0)
+            You leave out 5 n_f + n_m = 0. It is possible that no report is false and no corner is missed.
+        searched up to a limit: (others >= 0) => (others >= 0) & (others < 1000)
+            Your search for 5 n_f + n_m ends too early: with many pictures it can be in the thousands. Compute it instead: it is close to n_pictures * mean_cost + 1.333 n_h.
         how many there are: return hits[(off <= 0.0005 + 1e-9) & (others >= 0)] => return sum((off <= 0.0005 + 1e-9) & (others >= 0))
             You return the number of possible values. Return the values themselves as an array.
         240 hits always: + most_hits = 240
@@ -728,6 +744,10 @@ ERROR_BUDGET = Exercise(
             You convert tilt_sigma to radians, but it is in radians already.
         not weighed: np.linalg.inv(D + by_tilt) => np.eye(len(D))
             You give all measurements the same weight, radians and metres alike. Use the inverse of R.
+        H as a stack: np.vstack => np.array
+            H should be (2k, 3), with two rows for each landmark, one below the other. np.vstack does this; np.array makes (k, 2, 3), and np.hstack puts the rows side by side.
+        P not inverted: np.linalg.inv(H.T @ W @ H) => (H.T @ W @ H)
+            Your P is Hᵀ W H, which is the information of the pose. P is its inverse.
         variances only: inv(D + by_tilt) => inv(np.diag(np.diag(D + by_tilt)))
             Your weights use only the variances. The tilt changes all measurements together, so invert the whole matrix R.
         the remainder without one source: return K @ D @ K.T, K @ by_tilt @ K.T => alone = np.linalg.inv(H.T @ np.linalg.inv(D) @ H)

@@ -65,16 +65,22 @@ class Interval(Comparison):
         one, other = pair
         if one is None or other is None:
             return one is None and other is None and repr(answer) == repr(got)
-        if any(ask(one) != ask(other) for ask in (_repeats, _fixed, self._scatters)):
+        if any(ask(one) != ask(other) for ask in (_repeats, _fixed)):
+            return False
+        less, more = sorted(float(_scatter(rows).mean()) for rows in pair if rows is not None)
+        if more > 3 * less + 1e-9:  # 100 resamples scatter 4.5 times as much as 2000
             return False
         width = max(float(np.ptp(one.mean(axis=0))), 1e-9)
-        near = 0.02 if _fixed(one) else 2 * self.share  # what is not drawn does not scatter
-        return bool((np.abs(one.mean(axis=0) - other.mean(axis=0)) <= near * width).all())
+        near = width * (0.035 if _fixed(one) else 2 * self.share)  # what is not drawn does not scatter
+        scatter = 3 * (
+            _scatter(one) + _scatter(other)
+        )  # wider than `near` if both ends are nearly the same quantile
+        return bool((np.abs(one.mean(axis=0) - other.mean(axis=0)) <= np.maximum(near, scatter)).all())
 
     def _scatters(self, rows: Any) -> bool:
         """Return whether the ends vary more between generators than with enough resamples."""
         width = float(np.ptp(rows.mean(axis=0)))
-        return bool(np.std(rows[:-1], axis=0).mean() > self.scatter * width + 1e-9)
+        return bool(_scatter(rows).mean() > self.scatter * width + 1e-9)
 
     def _judge_ends(self, wanted: Any, have: Any) -> Verdict:
         width = float(np.ptp(wanted.mean(axis=0)))
@@ -114,6 +120,11 @@ def _rows(answers: Any) -> Any:
     except (TypeError, ValueError):
         return None
     return rows if rows.shape == (len(SEEDS), 2) and np.isfinite(rows).all() else None
+
+
+def _scatter(rows: Any) -> Any:
+    """Return the standard deviation of each end over the generators."""
+    return np.std(rows[:-1], axis=0)
 
 
 def _repeats(rows: Any) -> bool:

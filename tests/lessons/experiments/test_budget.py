@@ -54,7 +54,11 @@ def test_a_hits_error_is_that_of_the_closest_report():
 def test_a_range_is_worth_less_farther_away_and_the_tilt_is_the_larger_part():
     alt = budget.draw_range_budget(FOUR["measurement_covariance"], 2.0).alt
     assert "tilt: 0.04 m at 1 m, 0.15 m at 2 m, 0.59 m at 4 m" in alt
-    assert "One degree is 15 cm at 2 m and 59 cm at 4 m" in TEXT
+    assert "one degree causes an error of 15 cm at 2 m and of 59 cm at 4 m" in TEXT
+    assert 'exactly two degrees the paper\'s "10 - 30 cm" are right only from about 1.1 to 2 m' in TEXT
+    height = usual_scene().view.height
+    two = [FOUR["range_sigma"](each, height, np.radians(2)) for each in (1.0, 1.1, 1.9, 2.0)]
+    assert two[0] < 0.1 < two[1] and two[2] < 0.3 < two[3]
 
 
 def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
@@ -116,8 +120,8 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
     _, y_before, heading_before = pixels_part((both, both), (both, both))
     x, y, heading = pixels_part((u, v), (both, both))
     assert (
-        f"cause {y:.1f} cm in y instead of {y_before:.1f}, {heading:.1f}° instead of {heading_before:.1f}°, "
-        f"and {x:.1f} cm in x" in TEXT
+        f"cause {y:.1f} cm in y where the budget has {y_before:.1f}, {heading:.1f}° where it has "
+        f"{heading_before:.1f}°, and {x:.1f} cm in x" in TEXT
     )
     x, y, heading = pixels_part((u, v), (u, v))
     assert f"would be {y:.1f} cm in y, {heading:.1f}°, and {x:.1f} cm in x" in TEXT

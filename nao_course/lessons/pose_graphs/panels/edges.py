@@ -110,9 +110,10 @@ def _draw(world: World, newest: int) -> Drawing:
     style = STYLES["graph"]
     ax.plot(*poses[:, :2].T, "o", color=style.colour, ms=15, mec="white")
     ax.plot(*marks.T, "P", color=style.colour, ms=17, mec="white")
-    for end, place in enumerate(places):
-        label = str(end) if end < graph.poses else "AB"[end - graph.poses]
-        ax.annotate(label, place, ha="center", va="center", color="white", fontsize=9)
+    for end, place in enumerate(poses[:, :2]):
+        ax.annotate(str(end), place, ha="center", va="center", color="white", fontsize=9)
+    for label, place in zip("AB", marks, strict=False):
+        ax.annotate(label, place, (12, 0), textcoords="offset points", va="center", fontsize=11)
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal")
     ax.margins(0.12)
