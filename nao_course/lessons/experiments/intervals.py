@@ -72,9 +72,8 @@ class Interval(Comparison):
             return False
         width = max(float(np.ptp(one.mean(axis=0))), 1e-9)
         near = width * (0.035 if _fixed(one) else 2 * self.share)  # what is not drawn does not scatter
-        scatter = 3 * (
-            _scatter(one) + _scatter(other)
-        )  # wider than `near` if both ends are nearly the same quantile
+        # Scatter is wider than `near` if both ends are nearly the same quantile.
+        scatter = 3 * (_scatter(one) + _scatter(other))
         return bool((np.abs(one.mean(axis=0) - other.mean(axis=0)) <= np.maximum(near, scatter)).all())
 
     def _scatters(self, rows: Any) -> bool:
