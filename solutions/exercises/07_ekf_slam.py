@@ -151,6 +151,12 @@ WARP2PI = Exercise(
             You wrap at 180, but the angles are in radians. Half a turn is np.pi.
         half turns: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + np.pi / 2) % np.pi - np.pi / 2
             You remove half turns, so ahead and behind become the same angle. A whole turn is 2 pi.
+        half turns, shifted: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + np.pi) % np.pi - np.pi
+            You take the remainder of a half turn. A whole turn is 2 pi, so use % (2 * np.pi).
+        sign lost: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.arccos(np.cos(angle))
+            Your angles are never negative, because arccos returns angles from 0 to pi only. Use np.arctan2(np.sin(angle), np.cos(angle)), or the operator %.
+        3.14 for pi: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + 3.14) % 6.28 - 3.14
+            3.14 is too coarse for pi, and the error grows with each turn. Use np.pi.
         shift kept: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + np.pi) % (2 * np.pi)
             You add pi but do not subtract it again, so straight ahead becomes half a turn.
         pi not added: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.asarray(angle) % (2 * np.pi) - np.pi
@@ -238,7 +244,7 @@ INIT_LANDMARKS = Exercise(
     public=_first_measurement_public,
     hidden=_first_measurement_hidden,
     comparison=Each(
-        (Exact(), Close(atol=1e-8), Close(atol=1e-8)), names=("k", "the landmarks", "the covariance")
+        (Exact(), Close(atol=1e-8), Close(atol=1e-8)), names=("k", "the landmark vector", "the covariance")
     ),
     hints=(
         "k is half the number of values. Landmark i has measurements[2 * i : 2 * i + 2], and its position has the same indices in the result.",
@@ -267,6 +273,12 @@ INIT_LANDMARKS = Exercise(
             You add the uncertainty of the pose to the block of each landmark but leave out the covariances between landmarks. The homework uses J_z R J_zᵀ alone; exercise 7.7 does it in full.
         heading forgotten: + pose = np.array([pose[0], pose[1], 0.0])
             You ignore the heading. A bearing is measured from the direction in which the robot looks, so heading and bearing add up.
+        landmarks in the robot frame: landmark_position(pose, => landmark_position(np.zeros(3),
+            Your covariances are correct, but your landmarks are in the robot's frame. The map needs them in the field frame: landmark_position(pose, measurement).
+        J_p for J_z: landmark_jacobians(pose, measurements[i : i + 2])[1] => landmark_jacobians(pose, measurements[i : i + 2])[0]
+            landmark_jacobians returns two matrices: J_p (2, 3), with respect to the pose, and then J_z (2, 2), with respect to the measurement. Here you need J_z.
+        all x, then all y: return k, landmarks, => return k, np.concatenate([landmarks[::2], landmarks[1::2]]),
+            You return all x and then all y. Return x and y of each landmark in turn.
         Jacobian without the heading: landmark_jacobians(pose, => landmark_jacobians(np.array([*pose[:2], 0.0]),
             Your landmarks are correct, but their covariances ignore the heading. Evaluate the Jacobian at the whole pose.
         six landmarks only: range(0, 2 * k, 2) => range(0, min(2 * k, 12), 2)
@@ -377,7 +389,7 @@ PREDICT = Exercise(
     hidden=_motion_hidden,
     comparison=Each((Close(atol=1e-8), Close(rtol=1e-7, atol=1e-9)), names=STATE),
     hints=(
-        "Copy both arrays. A motion changes the first three values of the state and all blocks of the covariance that have a p in their name.",
+        "Copy both arrays. Compute F and G at the old pose, before you overwrite state[:3]. A motion changes the first three values of the state and all blocks of the covariance that have a p in their name.",
         "The error of the pose becomes F e_p + G n, and the errors of the landmarks stay as they are. Multiply the one by the other and take the mean: this gives the block covariance[:3, 3:]. The block covariance[3:, :3] is its transpose.",
     ),
     mistakes=catalogue("""
@@ -390,6 +402,9 @@ PREDICT = Exercise(
         rows without columns: covariance[:3, 3:] = covariance[3:, :3].T => pass
             covariance[3:, :3] = covariance[3:, :3] @ F.T => covariance[:3, 3:] = F @ covariance[:3, 3:]
             You update the block above the diagonal but not the block P_lp below it, so your covariance is not symmetric. P_lp is the transpose of P_pl.
+        F twice below the diagonal: covariance[3:, :3] = covariance[3:, :3] @ F.T => covariance[:3, 3:] = F @ covariance[:3, 3:]
+            covariance[:3, 3:] = covariance[3:, :3].T => covariance[3:, :3] = covariance[:3, 3:].T @ F.T
+            Below the diagonal you multiply by F twice, because P_pl has already changed when you transpose it. The new P_lp is the transpose of the new P_pl.
         columns without rows: covariance[:3, 3:] = covariance[3:, :3].T => pass
             You update the block below the diagonal but not the block P_pl above it, so your covariance is not symmetric. P_pl is the transpose of P_lp.
         P_lp times F alone: covariance[:3, 3:] = covariance[3:, :3].T => pass
@@ -415,6 +430,8 @@ PREDICT = Exercise(
             You compute Gᵀ Q G, which rotates the noise in the wrong direction. Use G Q Gᵀ.
         no noise: F.T + G @ control_covariance @ G.T => F.T
             Your covariance lacks the noise of the motion. Add G Q Gᵀ to the pose's block.
+        noise subtracted: F.T + G @ => F.T - G @
+            You subtract the noise of the motion. A motion adds uncertainty: F P Fᵀ + G Q Gᵀ.
         noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.eye(k), (G @ control_covariance @ G.T)[:2, :2])
             + return state, covariance
             You add noise to the landmarks. They do not move, so P_ll stays as it is.
@@ -569,6 +586,7 @@ def _update_public() -> list[Case]:
         ),
         measurement_case(rng, 2, [1], "each", "a map with errors of a millimetre", heading=0.8, scale=1e-5),
         many_updates(rng, "60 updates, one after the other"),
+        measurement_case(np.random.default_rng(741), 2, [1, 0], "each", "both landmarks, the second first"),
     ]
 
 
@@ -590,28 +608,31 @@ def textbook(
     *,
     first: Callable[[int], int] = lambda i: 3 + 2 * i,
     pair: Callable[[int, int], int] = lambda j, i: j,
+    landmark_of: Callable[[int, int], int] = lambda j, i: i,
     wrapped: slice = slice(0, None, 2),
     by_landmark: Callable[[Array], Array] = lambda H: H,
     noise_of: Callable[[Array, int], Array] = joint_noise,
+    gain: Callable[[Array, Array, Array], Array] = lambda P, H, S: P @ H.T @ np.linalg.inv(S),
     corrected: slice = slice(None),
     reduced: Callable[[Array, Array, Array], Array] = lambda P, K, H: P - K @ H @ P,
 ) -> Callable[..., Any]:
     """Return the textbook's update with a symmetric covariance and with one slip.
 
-    first(i) is the first column of landmark i in H, and pair(j, i) the number of the pair of measurements that is used
-    for it. `wrapped` are the innovations that are wrapped, `corrected` the values of the state that are corrected.
+    first(i) is the first column of landmark i in H, pair(j, i) the number of the pair of measurements that is used for
+    it, and landmark_of(j, i) the landmark that is read from the state. `wrapped` are the innovations that are wrapped, `corrected` the values of the state that are corrected.
     """
 
     def updated(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
         m, n = len(indices), len(state)
         H, nu = np.zeros((2 * m, n)), np.zeros(2 * m)
         for j, i in enumerate(indices):
-            rows, landmark, number = slice(2 * j, 2 * j + 2), state[3 + 2 * i : 5 + 2 * i], pair(j, i)
+            rows, begin, number = slice(2 * j, 2 * j + 2), 3 + 2 * landmark_of(j, i), pair(j, i)
+            landmark = state[begin : begin + 2]
             H[rows, :3], own = measurement_jacobians(state[:3], landmark)
             H[rows, first(i) : first(i) + 2] = by_landmark(own)
             nu[rows] = z[2 * number : 2 * number + 2] - expected(state[:3], landmark)
         nu[wrapped] = wrap_angle(nu[wrapped])
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + noise_of(R, m))
+        K = gain(P, H, H @ P @ H.T + noise_of(R, m))
         new, P = state.copy(), reduced(P, K, H)
         new[corrected] += (K @ nu)[corrected]
         new[2] = wrap_angle(new[2])
@@ -650,6 +671,53 @@ TEXTBOOK_SLIPS = [
         "R left out",
         textbook(noise_of=lambda R, m: np.zeros((2 * m, 2 * m))),
         "You leave R out of S. The innovation also contains the noise of the measurement: S = H P Hᵀ + R.",
+    ),
+    Mistake(
+        "landmarks by the measurement",
+        textbook(landmark_of=lambda j, i: j),
+        "You read landmark j from the state. Measurement j belongs to landmark i = indices[j], so read state[3 + 2 * i : 5 + 2 * i].",
+    ),
+    Mistake(
+        "R of all landmarks",
+        lambda state, P, indices, z, R: textbook(noise_of=lambda R, m: joint_noise(R, (len(state) - 3) // 2))(
+            state, P, indices, z, R
+        ),
+        "You make R for all landmarks of the map. It needs two rows for each measured landmark: joint_noise(measurement_covariance, len(indices)).",
+    ),
+    Mistake(
+        "R subtracted",
+        textbook(noise_of=lambda R, m: -joint_noise(R, m)),
+        "You subtract R in S. The noise of the measurement adds to the uncertainty of the innovation: S = H P Hᵀ + R.",
+    ),
+    Mistake(
+        "the first R for all",
+        textbook(noise_of=lambda R, m: np.kron(np.eye(m), joint_noise(R, m)[:2, :2])),
+        "You use the R of the first landmark for all of them. joint_noise(measurement_covariance, len(indices)) returns the full matrix for each of the three forms.",
+    ),
+    Mistake(
+        "each entry of S inverted",
+        textbook(gain=lambda P, H, S: P @ H.T @ (1 / S)),
+        "1 / S takes the reciprocal of each entry. The inverse of a matrix is a different matrix: use np.linalg.inv(S) or np.linalg.solve.",
+    ),
+    Mistake(
+        "S for its inverse",
+        textbook(gain=lambda P, H, S: P @ H.T @ S),
+        "Your gain multiplies by S. Multiply by its inverse: K = P Hᵀ S⁻¹.",
+    ),
+    Mistake(
+        "gain without P",
+        textbook(gain=lambda P, H, S: H.T @ np.linalg.inv(S)),
+        "P is missing in your gain: K = P Hᵀ S⁻¹.",
+    ),
+    Mistake(
+        "only the landmarks corrected",
+        textbook(corrected=slice(3, None)),
+        "You correct only the landmarks. K @ innovation has a value for each number of the state, so add it to the pose, too.",
+    ),
+    Mistake(
+        "P forgotten, made symmetric",
+        textbook(reduced=lambda P, K, H: np.eye(len(P)) - K @ H),
+        "You return I - K H, made symmetric. Multiply it by P: P' = (I - K H) P.",
     ),
     Mistake(
         "one R repeated",
@@ -702,7 +770,7 @@ UPDATE_LANDMARKS = Exercise(
         ranges wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
             You wrap ranges as well as bearings. Ranges are in metres, so wrap only innovation[::2].
         innovation's sign: innovation[::2] = warp2pi(innovation[::2]) => innovation = np.where(np.arange(2 * m) % 2, -innovation, -warp2pi(innovation))
-            Your innovation has the wrong sign, so the correction moves the state in the wrong direction. The innovation is measured minus expected.
+            Your correction has the wrong sign, so it moves the state away from the measurement. The innovation is measured minus expected, and K times the innovation is added to the state.
         R's blocks only: joint_noise(measurement_covariance, m) => joint_noise(measurement_covariance, m) * np.kron(np.eye(m), np.ones((2, 2)))
             You use only the 2 x 2 blocks on the diagonal of R. A full R also holds the covariances between the noise of different landmarks; joint_noise(measurement_covariance, m) keeps them.
         R as given: joint_noise(measurement_covariance, m) => measurement_covariance
@@ -741,6 +809,8 @@ UPDATE_LANDMARKS = Exercise(
             Your H contains only the Jacobian with respect to the landmark, as if the pose were exact. Put the Jacobian with respect to the pose in the first three columns.
         landmark's Jacobian with the wrong sign: = measurement_jacobian_landmark => = -measurement_jacobian_landmark
             Your Jacobian with respect to the landmark has the wrong sign. A landmark that is farther away has a longer range, so that derivative is positive.
+        pose's Jacobian with the wrong sign: = measurement_jacobian_pose => = -measurement_jacobian_pose
+            Your Jacobian with respect to the pose has the wrong sign. Use measurement_jacobian_pose as it is: if the robot moves towards a landmark, the range becomes shorter, so that derivative is negative.
         only the measured landmarks: state, reduction = state + A.T @ (L_inverse @ innovation), A.T @ A => shift, reduction = A.T @ (L_inverse @ innovation), A.T @ A
             + shift[np.setdiff1d(np.arange(len(shift)), columns)] = 0
             + state = state + shift
@@ -755,6 +825,8 @@ UPDATE_LANDMARKS = Exercise(
             Your gain has the wrong shape, so NumPy reports that shapes do not match. K needs one row for each value of the state; np.linalg.solve(S, H @ P) returns its transpose.
         covariance kept: np.subtract(covariance, reduction, out=reduction) => covariance.copy()
             Your state is correct, but you return the old covariance. An update reduces it.
+        sum not halved: np.subtract(covariance, reduction, out=reduction) => 2 * (covariance - reduction)
+            You add P' and its transpose but do not halve the sum, so all variances are twice as large. Return (P + P.T) / 2.
         plus for minus: np.subtract(covariance, reduction, out=reduction) => covariance + reduction
             Your covariance grows with an update. A measurement reduces uncertainty, so subtract K H P.
         wrong side: L_inverse = np.linalg.inv(np.linalg.cholesky( => S_inverse = np.linalg.inv((
@@ -788,7 +860,7 @@ UPDATE_LANDMARKS = Exercise(
         never made symmetric: return state, np.subtract(covariance, reduction, out=reduction) => whole = H @ np.eye(len(state))[columns]
             + K = covariance @ whole.T @ L_inverse.T @ L_inverse
             + return state, covariance - K @ whole @ covariance
-            Your formula is correct, but you return a covariance that is not exactly symmetric. Each update amplifies the rounding errors, and after these 60 updates it is wrong by between 3 and 200 percent of its largest entry, depending on the form. Return (P + P.T) / 2, also with Joseph's form.
+            Your formula is correct, but you return a covariance that is not exactly symmetric. Each update amplifies the rounding errors, and after these 60 updates it is wrong by between 3 and 200 percent of its largest entry, depending on the form. Return (P + P.T) / 2, also with the Joseph form.
         unwrapped and never made symmetric: innovation[::2] = warp2pi(innovation[::2]) => pass
             return state, np.subtract(covariance, reduction, out=reduction) => whole = H @ np.eye(len(state))[columns]
             + K = covariance @ whole.T @ L_inverse.T @ L_inverse
@@ -824,7 +896,7 @@ UPDATE_LANDMARKS = Exercise(
     alternatives={
         "information form": _by_information,
         "Cholesky factor": _by_roots,
-        "Joseph's form, made symmetric": _joseph,
+        "Joseph form, made symmetric": _joseph,
     },
     equivalents={
         "innovation, H = (np.ones(2 * m), np.zeros((2 * m, 3 + 2 * m)))": "all entries are overwritten"
@@ -885,13 +957,15 @@ UPDATE = Exercise(
             Your indices run backwards. The first pair of measurements belongs to landmark 0.
         indices from 1: list(range(k)) => list(range(1, k + 1))
             An index is too large. The landmarks are numbered from 0 to k - 1, so the indices are range(k).
+        arguments that do not fit: + raise ValueError
+            update_landmarks cannot use your arguments. The indices of all k landmarks are range(k), from 0 to k - 1. Pass the other arguments of update as they are, in the order of the first line of update_landmarks.
         no update: + return state, covariance
             You return the state and covariance unchanged. Call update_landmarks and return its result.
     """),
     alternatives={
         "information form": _all_of(_by_information),
         "Cholesky factor": _all_of(_by_roots),
-        "Joseph's form": _all_of(_joseph),
+        "Joseph form": _all_of(_joseph),
     },
     equivalents={
         "return update_landmarks(state, covariance, range(k), measurements, measurement_covariance)": "the same numbers"
@@ -962,6 +1036,14 @@ EVALUATE_LANDMARKS = Exercise(
             1 / P inverts each entry of P, and an entry of 0 becomes infinite. The inverse of a matrix is a different matrix: use np.linalg.solve(P, d).
         all errors as one matrix: squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances, strict=True)] => squares = (errors * np.linalg.solve(covariances, errors)).sum(axis=1)
             np.linalg.solve(covariances, errors) treats the errors of all landmarks as one matrix. Solve for each landmark on its own, in a loop.
+        the first covariance for all: np.linalg.solve(P, error) => np.linalg.solve(covariances[0], error)
+            You use the covariance of the first landmark for all of them. Each landmark has its own, covariances[i].
+        truth added: errors = estimates - truth => errors = estimates + truth
+            You add the truth. The error is the estimate minus the truth.
+        means: np.hypot(errors[:, 0], errors[:, 1]), np.sqrt(squares) => np.hypot(errors[:, 0], errors[:, 1]).mean(), np.sqrt(squares).mean()
+            You return means over the map. Return the two distances of each landmark.
+        mean of the squares: np.hypot(errors[:, 0], errors[:, 1]) => np.sqrt((errors**2).mean(axis=1))
+            You take the mean of the two squares. The Euclidean distance is the square root of their sum.
         unweighed: error @ np.linalg.solve(P, error) => error @ error
             Your two distances are equal, because the second does not use the covariance.
         squared metres: np.hypot(errors[:, 0], errors[:, 1]) => (errors**2).sum(axis=1)
@@ -1057,6 +1139,21 @@ ADD_LANDMARK = Exercise(
             own = by_pose @ cross[:3] + by_measurement @ measurement_covariance @ by_measurement.T => own = by_pose @ cross[:3] + by_measurement @ measurement_covariance @ by_measurement.T
             + cross[3:] = 0
             You compute the covariance with the pose but leave zeros with the other landmarks. They are correlated with the pose, so they are correlated with the new landmark: use all rows of P[:, :3].
+        without J_p beside the diagonal: by_pose @ cross[:3] => by_pose @ covariance[:3, :3] @ by_pose.T
+            + cross = covariance[:, :2]
+            You use the covariances of the pose's x and y with the old state. An error of the heading moves the landmark, too: multiply P[:, :3] by J_pᵀ.
+        a large variance: own = by_pose @ cross[:3] + by_measurement @ measurement_covariance @ by_measurement.T => own = 100 * np.eye(2)
+            + cross = 0 * cross
+            You give the landmark a large variance. Its covariance follows from the pose and the measurement: propagate both errors into x and y of the landmark.
+        J_p and J_z exchanged: by_pose, by_measurement = landmark_jacobians => by_measurement, by_pose = landmark_jacobians
+            landmark_jacobians returns J_p (2, 3) first and J_z (2, 2) second. Check that you unpack them in this order, and print the shapes.
+        not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
+            You insert the landmark behind the pose. Append it at the end of the state.
+        covariance kept: np.block([[covariance, cross], [cross.T, own]]) => covariance
+            You return the old covariance. The new landmark needs two more rows and columns.
+        only variances of the pose: cross = covariance[:, :3] @ by_pose.T => cross = covariance[:, :3] @ by_pose.T
+            by_pose @ cross[:3] => by_pose @ np.diag(np.diag(covariance[:3, :3])) @ by_pose.T
+            In the landmark's own covariance you use only the variances of the pose. Its x, y and heading are correlated, so use all of covariance[:3, :3].
         one side only: [cross.T, own] => [0 * cross.T, own]
             Your covariance is not symmetric. The block below the diagonal is the transpose of the block above it.
         below the diagonal only: [covariance, cross] => [covariance, 0 * cross]
@@ -1100,9 +1197,9 @@ PLAN = LessonPlan(
             "which_block",
             "The filter with one bug computed its covariance after a motion of 1 m. Which part of it differs from the covariance of the samples?",
             {
-                "The pose's own 3 x 3 block.": "Its largest difference is 0.02, which is what 20,000 samples scatter by. Motion and noise of the pose are correct.",
-                "The landmarks' block, everything but the first three rows and columns.": "Its largest difference is 0.02, which is what 20,000 samples scatter by. Landmarks do not move, and the filter leaves their block as it is.",
-                "The first three rows and columns without the pose's own block: the covariance between pose and map.": "There the difference reaches 0.67, in units of both standard deviations. So the filter's motion step is wrong for the errors that pose and map share.",
+                "The pose's own 3 x 3 block.": "Its largest difference is 0.02, and 20,000 samples scatter by that much. The filter treats the motion and its noise correctly here.",
+                "The landmarks' block, everything but the first three rows and columns.": "Its largest difference is 0.02, and 20,000 samples scatter by that much. Landmarks do not move, and the filter leaves their block as it is.",
+                "The first three rows and columns without the pose's own block: the covariance between pose and map.": "There the difference reaches 0.67, in units of both standard deviations. So the filter's prediction is wrong for the covariance between pose and map.",
                 "All of it, a little.": "Small differences are everywhere, because 20,000 samples scatter by up to 0.02. Look for a part where the difference is much larger.",
             },
             "The first three rows and columns without the pose's own block: the covariance between pose and map.",
@@ -1122,7 +1219,7 @@ PLAN = LessonPlan(
             "constant_time",
             "A robot has mapped 1,000 landmarks and sees one of them. Which of the report's ideas makes the time of an update independent of the 1,000 without changing the result?",
             {
-                "Update only what is in range.": "The landmark in view is correlated with all the others, so P - K H P changes all four million entries, with one landmark in view as with six.",
+                "Update only what is in range.": "The landmark in view is correlated with all the others, so P - K H P changes all four million entries, even if only one landmark is in view.",
                 "Forget landmarks that are uncertain or old.": "A smaller map is faster, but it also loses what the removed landmarks contributed. The result is different.",
                 "Use local maps: update the neighbourhood, and update the rest once, when the robot leaves it.": "This is the compressed filter. It accumulates the matrix by which the rest must be multiplied and applies it once, so the result is the same up to rounding.",
                 "Find matches with a KD-tree.": "A KD-tree makes the search for a match faster. The update itself takes as long as before.",

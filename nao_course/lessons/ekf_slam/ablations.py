@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
@@ -165,14 +166,7 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
     grid[0, 0].tick_params(labelbottom=True)
     grid[1, 1].set_ylabel("y (m)")
     grid[1, 1].tick_params(labelleft=True)
-    handles = [
-        Line2D([], [], color=STYLES["truth"].colour, lw=0.8, label="estimated path"),
-        *(
-            PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
-            for colour, label in ((ROBOT, "robot, predicted, 95 %"), (LANDMARK, "landmark, at the end, 95 %"))
-        ),
-    ]
-    legend_below(figure, handles)
+    legend_below(figure, _keys())
     changes = "; ".join(
         f"{each.title}: {each.position / base.position:.2g} and {each.landmark / base.landmark:.2g} times"
         for each in changed
@@ -201,6 +195,18 @@ def _frame(ax: Axes, *runs: LogRun) -> None:
     ax.set(aspect="equal", xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.label_outer()
+
+
+def _keys() -> list[Artist]:
+    """Return the legend's entries."""
+    ellipses = ((ROBOT, "robot, predicted, 95 %"), (LANDMARK, "landmark, at the end, 95 %"))
+    return [
+        Line2D([], [], color=STYLES["truth"].colour, lw=0.8, label="estimated path"),
+        *(
+            PolyCollection([], facecolor=to_rgba(colour, 0.2), edgecolor=colour, label=label)
+            for colour, label in ellipses
+        ),
+    ]
 
 
 def _plot_run(ax: Axes, run: LogRun) -> None:
@@ -260,10 +266,11 @@ def draw_turn_last(
             shown.append(each.run)
             size = "unchanged" if factor == 1 else "× 10"
             when = "each step" if often == 1 else f"every {often}th step"
-            ax.set_title(f"σα {size}, update in {when}")
+            ax.set_title(f"σα {size},\nupdate in {when}")
             means.append(f"{when}, {size}: {100 * each.position:.1f} cm")
     for ax in grid.flat:
         _frame(ax, *shown)
+    legend_below(figure, _keys())
     return Drawing(
         figure, f"Mean standard deviation of the robot's predicted position. Update in {'; '.join(means)}."
     )

@@ -115,13 +115,21 @@ def test_slips_of_predict_are_named_alone_and_together(functions, slips, words):
         ),
         ({"innovation": 0}, ["You wrap only the first bearing"]),
         ({"innovation": 0, "heading": False}, ["only the first bearing", "when it is corrected"]),
-        ({"form": "joseph", "symmetric": False}, ["not exactly symmetric", "also with Joseph's form"]),
+        ({"form": "joseph", "symmetric": False}, ["not exactly symmetric", "also with the Joseph form"]),
         ({"form": "factor", "symmetric": False, "innovation": None}, ["two errors", "(P + P.T) / 2"]),
     ],
 )
 def test_slips_of_update_landmarks_are_named_alone_and_together(functions, slips, words):
     text = said("update_landmarks", updating(functions, **slips))
     assert all(each in text for each in words), text
+
+
+def test_a_wrong_sign_of_the_poses_jacobian_is_one_error(functions):
+    def negative(pose, landmark):
+        return -functions["measurement_jacobian_pose"](pose, landmark)
+
+    text = said("update_landmarks", updating({**functions, "measurement_jacobian_pose": negative}))
+    assert "respect to the pose has the wrong sign" in text and "two errors" not in text
 
 
 @pytest.mark.parametrize("form", ["joseph", "factor", "difference"])
