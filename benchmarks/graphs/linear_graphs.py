@@ -46,7 +46,7 @@ def sparse(order: str) -> Callable[[Any, FloatArray], int]:
 WAYS: dict[str, Callable[[Any, FloatArray], int]] = {
     "dense": dense,
     "sparse, as numbered": sparse("NATURAL"),
-    "sparse, a good order": sparse("MMD_AT_PLUS_A"),
+    "sparse, a good ordering": sparse("MMD_AT_PLUS_A"),
 }
 
 

@@ -191,7 +191,8 @@ class FunctionPanel:
 
     def drawing(self) -> Drawing:
         """Return the panel's contents as a figure, for places without widgets."""
-        marks = {self._picture_of(each): self._values[each.name] for each in self._pixels()}
+        values = ((each, self._values[each.name]) for each in self._pixels())
+        marks = {self._picture_of(each): value for each, value in values if each.is_marked(value)}
         return self._shown.drawing(f"{self.title}: {'; '.join(self.summary().splitlines())}", marks)
 
     def __repr__(self) -> str:

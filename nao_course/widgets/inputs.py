@@ -300,11 +300,14 @@ class Pixel(Control):
         Start value (u, v); by default the picture's centre.
     picture : str, optional
         Title of the picture; by default the first picture.
+    marks_start : bool
+        Whether the start value is marked in the picture and named; False if it means that nothing is selected.
     """
 
     size: tuple[int, int]
     start: Any = None
     picture: str = field(default="", kw_only=True)
+    marks_start: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         """Set the start value to the picture's centre unless it is given."""
@@ -344,8 +347,14 @@ class Pixel(Control):
         return line
 
     def say(self, value: Any) -> str:
-        """Return the label with (u, v)."""
+        """Return the label with (u, v), or nothing where no mark is shown."""
+        if not self.is_marked(value):
+            return ""
         return f"{self.label} ({value[0]}, {value[1]})"
+
+    def is_marked(self, value: Any) -> bool:
+        """Return whether a value is marked in the picture."""
+        return self.marks_start or tuple(value) != tuple(self.start)
 
     def pad(self) -> str:
         """Return the HTML of the layer over the picture that receives clicks and keys."""
@@ -361,6 +370,8 @@ class Pixel(Control):
 
     def mark(self, value: tuple[int, int]) -> str:
         """Return the HTML of the mark at a pixel; it covers the picture without changing its pixels."""
+        if not self.is_marked(value):
+            return ""
         across, down = (100 * (each + 0.5) / length for each, length in zip(value, self.size, strict=True))
         return f'<i class="nao-cursor" style="left: {across:.3f}%; top: {down:.3f}%"></i>'
 

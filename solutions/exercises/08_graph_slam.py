@@ -119,6 +119,10 @@ ADD_INITIAL_POSITION = Exercise(
             You start with arrays of zeros, so all earlier constraints are lost. Start with omega.copy() and xi.copy().
         numbered from 1: + index = (index + 1) % len(xi)
             You change variable index + 1. The variables are numbered from 0, as the rows are, so use `index` as it is.
+        one too small: + index = index - 1
+            You change variable index - 1. The variables are numbered from 0, as the rows are, so use `index` as it is.
+        whole numbers: omega, xi = omega.copy(), xi.copy() => omega, xi = omega.astype(int), xi.astype(int)
+            You convert the arrays to whole numbers, which cuts off all decimals. Begin with omega.copy() and xi.copy().
         sign of xi: xi[index] += => xi[index] -=
             You subtract the position from xi, so your map starts at minus the position. Add it.
         a whole row: omega[index, index] => omega[index]
@@ -193,6 +197,10 @@ one entry off the diagonal: omega[SECOND, FIRST] -= weight => pass
     Omega must be symmetric. You change omega[FIRST, SECOND] but not omega[SECOND, FIRST].
 nothing on one diagonal: omega[FIRST, FIRST] += weight => pass
     You do not change omega[FIRST, FIRST]. The square contains FIRST as well as SECOND, so both diagonal entries get the weight.
+a block by pairs: omega[FIRST, FIRST] += weight => omega[[FIRST, SECOND], [FIRST, SECOND]] += weight * np.array([[1, -1], [-1, 1]])
+    With two lists, omega[[FIRST, SECOND], [FIRST, SECOND]] selects two entries of the diagonal. The block of four entries is omega[np.ix_([FIRST, SECOND], [FIRST, SECOND])].
+twice on a diagonal: omega[FIRST, FIRST] += weight => omega[FIRST, FIRST] += 2 * weight
+    You add twice the weight to omega[FIRST, FIRST]. Each of the two diagonal entries gets the weight once.
 one equation of two: omega[FIRST, FIRST] += weight => pass
     omega[FIRST, SECOND] -= weight => pass
     xi[FIRST] -= weight * VALUE => pass
@@ -219,6 +227,8 @@ xi without its weight: weight * VALUE =>> VALUE
 root of the weight in xi: xi[FIRST] -= weight * VALUE => xi[FIRST] -= np.sqrt(weight) * VALUE
     xi[SECOND] += weight * VALUE => xi[SECOND] += np.sqrt(weight) * VALUE
     In xi your weight is 1 / sqrt(epsilon). If you divide a row by sqrt(epsilon), divide its VALUE by it, too. The product of both then has the weight 1 / epsilon.
+whole numbers: 1 / epsilon => 1 // epsilon
+    You use //, which rounds 1 / epsilon down to a whole number. Use /.
 epsilon not used: 1 / epsilon => 1.0
     You do not use epsilon, so the result is right only for epsilon = 1. Everything that you add has the factor 1 / epsilon.
 sign of xi and epsilon: 1 / epsilon => epsilon
@@ -329,9 +339,15 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
             a start besides
                 return add_relative_motion(omega, xi, pose, landmark, offset, epsilon) => omega, xi = add_relative_motion(omega, xi, pose, landmark, offset, epsilon)
                 + return add_initial_position(omega, xi, landmark, offset)
-                The link is right. In addition you give the landmark the position `offset`, but `offset` is relative to the pose. Leave the second call out.
+                The edge is right. In addition you give the landmark the position `offset`, but `offset` is relative to the pose. Leave the second call out.
             the next variable: + landmark = (pose + 1) % len(xi)
                 You use the variable pose + 1. The measurement leads to the variable `landmark`, whatever its number.
+            a start of the pose besides
+                return add_relative_motion(omega, xi, pose, landmark, offset, epsilon) => omega, xi = add_relative_motion(omega, xi, pose, landmark, offset, epsilon)
+                + return add_initial_position(omega, xi, pose, 0.0)
+                The edge is right. In addition you give the pose the position 0. A measurement says nothing about the position of the pose: leave the second call out.
+            a start: + return add_initial_position(omega, xi, landmark, offset)
+                You use `offset` as the position of the landmark, with the weight 1. It is relative to the pose, so the row and the column of the pose change, too.
             a position: + omega, xi = omega.copy(), xi.copy()
                 + omega[landmark, landmark] += 1 / epsilon
                 + xi[landmark] += offset / epsilon
@@ -402,6 +418,7 @@ def _solve_public() -> list[Case]:
         Case((np.zeros((2, 2)), np.zeros(2)), "no constraint yet: Omega is all zeros"),
         Case(linked(40, a_drive(np.random.default_rng(842), 30, 10), {}), "40 variables without a start"),
         Case(_precise(np.random.default_rng(843)), "weights of 1e8, and five parts without a start"),
+        Case(_in_parts(np.random.default_rng(844), 9), "two parts of nine, in mixed order"),
     ]
 
 
@@ -504,16 +521,20 @@ SOLVE = Exercise(
             Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
             Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
+        entries exactly 0: np.linalg.norm(free, axis=1) > 1e-6 => (free != 0).any(axis=1)
+            You name every variable whose entry in a free direction is not exactly 0. Rounding leaves about 1e-17 where an entry should be 0, so compare the absolute values with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
             You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
         a fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
             Your limit for an eigenvalue of 0 is a fixed number. With weights of 1e8, rounding errors alone are larger than it. Compare with a small fraction of the largest eigenvalue.
+        rows for columns: vectors[:, => vectors.T[:,
+            You take rows of the matrix of eigenvectors. np.linalg.eigh returns the eigenvectors in its columns: vectors[:, number].
         less than a part of nothing: <= 1e-12 => < 1e-9
             Without any constraint omega is all zeros, so the largest eigenvalue is 0, too, and a comparison with < (or a division by it) finds no free direction. Use values <= limit * largest.
         only those without a constraint: loose = np.flatnonzero(np.linalg.norm(free, axis=1) > 1e-6) => loose = np.flatnonzero(np.diag(omega) == 0)
             + if free.size and not len(loose):
             +     raise ValueError("the system is singular")
-            You name only the variables without any constraint. A group of variables with links among them but without a start can also be moved: name all of its variables.
+            You name only the variables without any constraint. A group of variables that edges connect, but without a start, can also be moved: name all of its variables.
         all variables: str, loose => str, range(len(xi))
             You name every variable. Name only the variables that can be moved freely.
         one of them: str, loose => str, loose[:1]
@@ -523,7 +544,7 @@ SOLVE = Exercise(
         a product: + return omega @ xi
             You return omega @ xi. Find the x with omega @ x = xi.
         only the diagonal: + return xi / np.where(np.diag(omega) == 0, 1, np.diag(omega))
-            You divide by the diagonal, as if there were no links between the variables. Solve the whole system at once.
+            You divide by the diagonal, as if there were no edges between the variables. Solve the whole system at once.
         the first at 0: + return np.concatenate([[0.0], np.linalg.lstsq(omega[1:, 1:], xi[1:], rcond=None)[0]])
             You set the first variable to 0. Its position is already in omega and xi, and it need not be 0.
     """),
@@ -606,6 +627,12 @@ MARGINALIZE = Exercise(
             You return the covariance and the solution of the kept variables. Return the omega and the xi of the smaller system.
         single entries: + return omega[keep, keep], xi[keep]
             omega[keep, keep] selects single entries of the diagonal. A block is omega[np.ix_(keep, keep)]. After that, the second terms of equation 8.5 are missing.
+        kept block by pairs: omega[np.ix_(keep, keep)] => omega[keep, keep]
+            omega[keep, keep] selects entries of the diagonal and not the block of the kept variables. The block is omega[np.ix_(keep, keep)].
+        x of the removed variables: + removed = [number for number in range(len(xi)) if number not in keep]
+            + x = np.linalg.solve(omega[np.ix_(removed, removed)], xi[removed])
+            + return omega[np.ix_(keep, keep)], xi[keep] - omega[np.ix_(keep, removed)] @ x
+            You solve for the removed variables as if the kept ones were 0. Their values depend on the kept variables, so omega changes, too: subtract the second term of equation 8.5 there.
         pairs of numbers: between = omega[np.ix_(keep, removed)] => between = omega[keep, removed]
             omega[keep, removed] does not select a block: NumPy pairs the two lists, number by number. A block is omega[np.ix_(keep, removed)], and likewise for the other blocks.
         the removed block by pairs: omega[np.ix_(removed, removed)] => omega[removed, removed]
@@ -735,6 +762,10 @@ def _sparse_public() -> list[Case]:
             _sparse(linked(8, a_drive(np.random.default_rng(861), 6, 2, (0.0008, 0.001)), {0: 1.0}), "csc"),
             "a drive in metres, measured to 3 cm",
         ),
+        Case(
+            _sparse(_precise(np.random.default_rng(843)), "csr"),
+            "weights of 1e8, and five parts without a start",
+        ),
     ]
 
 
@@ -747,6 +778,7 @@ def _sparse_hidden(rng: np.random.Generator) -> list[Case]:
         Case(_walk(rng, 1500)),
         Case(_sparse(_coarse(rng), "csc")),
         Case(_sparse(_fine(rng), "csr")),
+        Case(_sparse(_precise(rng), "csc")),
         Case(_sparse(linked(9, a_drive(rng, 6, 3, (0.0008, 0.001)), {2: float(rng.normal())}), "csr")),
         Case(_sparse(a_solved_drive(rng, 12, 5), "csc")),
         *(Case(_sparse(_in_parts(rng, size), "csr")) for size in (3, 6)),
@@ -789,8 +821,8 @@ SOLVE_SPARSE = Exercise(
     driver=DRIVER,
     seconds=10.0,  # a poor order takes a minute, a good one milliseconds
     hints=(
-        "There are two parts. To solve, scipy.sparse.linalg.splu factors a csc matrix, and its permc_spec chooses the order of elimination; its documentation says which choice suits symmetric patterns. To name the variables, scipy.sparse.csgraph.connected_components finds the groups that are linked with each other.",
-        'A link adds 0 to the sum of a row, and a start adds 1. So a group is held if the sums of its rows add up to more than rounding errors. For the order, splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A") applies minimum degree to the pattern of omega + omega.T.',
+        "There are two parts. To solve, scipy.sparse.linalg.splu factors a csc matrix, and its permc_spec chooses the order of elimination; its documentation says which choice suits symmetric patterns. To name the variables, scipy.sparse.csgraph.connected_components finds the groups of variables that edges connect.",
+        'An edge adds 0 to the sum of a row, and a start adds 1. So a group is held if the sums of its rows add up to more than rounding errors. For the order, splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A") applies minimum degree to the pattern of omega + omega.T.',
     ),
     mistakes=catalogue("""
         in the order of the numbers: permc_spec="MMD_AT_PLUS_A" => permc_spec="NATURAL"
@@ -818,8 +850,15 @@ SOLVE_SPARSE = Exercise(
             You treat one part as held, either the part of variable 0 or the largest part. A part is held if it contains a start, and there may be none.
         all parts but the first: starts[part] < 0.5 => part != part[0]
             You treat the part of variable 0 as held. A part is held only if it contains a start, and the first part may have none.
+        all, if splu notices: + try:
+            +     return scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi)
+            + except RuntimeError as error:
+            +     raise ValueError(f"nothing holds {list(range(len(xi)))}") from error
+            There are two errors. Because of rounding, splu does not notice every singular matrix. And you name all variables: leave out the variables that are connected to a start.
         a large sum only: starts[part] < 0.5 => starts[part] < 1e-3 * omega.diagonal().max()
             Your limit for the sum of the rows is too large. A start adds 1, and measurements of 3 cm add weights of 1,000 to the diagonal. Compare with a much smaller fraction of the weights.
+        a fixed limit: starts[part] < 0.5 => starts[part] < 1e-9
+            Your limit for the sum of the rows is a fixed number that is too small. With weights of 1e8, rounding errors alone are larger. Compare with a small fraction of the weights.
         a sum that is exactly 0: starts[part] < 0.5 => starts[part] == 0
             + import warnings
             return scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => with warnings.catch_warnings(action="ignore"):
@@ -849,7 +888,7 @@ SOLVE_SPARSE = Exercise(
         the default tolerance: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)[0]
             An iterative solver stops at a tolerance, and its default, 1e-5, is too coarse here. Set rtol to 1e-12, or use a direct solver such as splu.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
-            You demand a start of every variable. A variable is also held if links connect it to a start: find the connected parts, and add up the sums of the rows in each part.
+            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)
             cg returns x and a status code. Return x only, and set rtol to 1e-12, because the default is too coarse.
         a little on the diagonal: + return scipy.sparse.linalg.spsolve((omega + 1e-6 * scipy.sparse.eye_array(len(xi))).tocsc(), xi)
@@ -877,30 +916,30 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "why_minus",
-            "Why does a motion of 10 steps put -1 into two entries off the diagonal of Omega? Why are +10 and -10 in xi not enough?",
+            "Suppose that you leave out both -1: for a motion of 10 steps you add only 1 to both diagonal entries of Omega, and -10 and 10 to xi. What do the two rows then say?",
             {
-                "Because the robot could also walk backwards.": "A walk backwards is a negative motion, and its sign appears in xi. The entries of Omega are the same for every motion.",
-                "Because the square contains the product of both variables, and its derivative appears in both rows.": "Yes: the square of (after - before - motion) contains -2 * after * before. Its derivative with respect to either pose contains the other pose, with a minus.",
-                "So that Omega can be inverted.": "It is the other way round: because of the -1, the rows of a link sum to 0, so without a start Omega has no inverse. Shifting the whole map does not change any difference.",
+                "The same as before, with a larger variance.": "A larger variance makes all entries smaller, but it does not remove any. Write out both rows.",
+                "That the first variable is -10 and the second is 10.": "Without the -1 each row contains one variable only, like a start. Only the entries off the diagonal say that the two positions depend on each other.",
+                "Nothing, because Omega then has no inverse.": "It is the other way round: this Omega can be inverted. With the -1, the rows that a motion adds sum to 0, so without a start Omega has no inverse.",
             },
-            "Because the square contains the product of both variables, and its derivative appears in both rows.",
+            "That the first variable is -10 and the second is 10.",
         ),
         Question(
             "weight_of_the_start",
             "add_initial_position has the weight 1. What happens to the solution x if you give the only start the weight 100 instead?",
             {
                 "The poses near the start move a little towards it.": "They would if another constraint pulled the start away. But no other constraint depends on where the map is, so the residual of the start is 0 with any weight.",
-                "Nothing.": "Yes: all other constraints are about differences, so the whole map can be shifted until the residual of the start is 0. The covariance does change: with the weight 1, the standard deviation of the whole map's position is one unit.",
+                "Nothing.": "All other constraints are about differences, so the whole map can be shifted until the residual of the start is 0. The covariance does change: with the weight 1, the standard deviation of the whole map's position is one unit.",
                 "The map becomes smaller.": "The size of the map depends on differences only, and the start is not a difference.",
             },
             "Nothing.",
         ),
         Question(
             "zero_in_omega",
-            "The entry of two landmarks in Omega is 0, but their correlation by its inverse is 0.8. Is one of these numbers wrong?",
+            "The entry of two landmarks in Omega is 0, but the inverse of Omega gives them a correlation of 0.8. Is one of these numbers wrong?",
             {
                 "Yes: a 0 means that they are independent, so the correlation must be 0.": "The 0 means that they are independent once all other variables are known. But the poses are not known, and both landmarks were measured from them.",
-                "No: no constraint links them directly, but both were measured from the same poses.": "Yes: Omega lists direct links, and its inverse combines all paths from one variable to the other.",
+                "No: no constraint links them directly, but both were measured from the same poses.": "Omega contains the edges, and its inverse combines all paths from one variable to the other.",
                 "You need the measured values to decide.": "Omega and its inverse depend only on which measurements there are and on their variances. The measured values appear in xi only.",
             },
             "No: no constraint links them directly, but both were measured from the same poses.",

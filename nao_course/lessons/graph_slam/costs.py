@@ -22,7 +22,7 @@ from nao_course.plotting.style import style_of
 System = tuple[scipy.sparse.csc_array, FloatArray]
 
 RECORDED = Path(__file__).with_suffix(".json")
-_STYLES = {"dense": "odometry", "sparse, as numbered": "ekf", "sparse, a good order": "graph"}
+_STYLES = {"dense": "odometry", "sparse, as numbered": "ekf", "sparse, a good ordering": "graph"}
 
 
 OWN_SIZES = (300, 1000, 3000)

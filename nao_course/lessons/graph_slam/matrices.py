@@ -235,23 +235,28 @@ def draw_correlations(drive: LinearDrive, builders: Builders) -> Drawing:
     figure.colorbar(image, ax=middle, shrink=0.75, ticks=[-1, 0, 1])
     style, other = STYLES["graph"], STYLES["ekf"]
     right.plot(
-        stops, 100 * of_omega, color=style.colour, marker=style.marker, ms=5, label=r"not zero in $\Omega$"
+        stops,
+        of_omega,
+        color=style.colour,
+        marker=style.marker,
+        ms=5,
+        label=r"part of $\Omega$ that is not zero",
     )
     right.plot(
         stops,
-        100 * correlated,
+        correlated,
         color=other.colour,
         marker=other.marker,
         ms=5,
         label="mean correlation of landmarks",
     )
-    right.set(xlabel="stops", ylabel="%", ylim=(0, 100), xticks=stops[::3])
+    right.set(xlabel="stops", ylim=(0, 1), xticks=stops[::3])
     right.legend(loc="lower left", fontsize=9)
     right.grid(color="#e3e5e8")
     return Drawing(
         figure,
         f"Information and covariance. After {stops[-1]:.0f} stops {100 * of_omega[-1]:.0f} % of Omega's entries are "
-        f"not zero; two landmarks are correlated by {100 * correlated[-1]:.0f} % in the mean.",
+        f"not zero; the mean correlation of two landmarks is {correlated[-1]:.2f}.",
     )
 
 

@@ -93,6 +93,7 @@ class GraphPanel(FunctionPanel):
                     self._map.size,
                     (0, 0),
                     picture="Your map",
+                    marks_start=False,
                     tooltip="Click an edge of the map to see what it adds; beside the map: the newest constraint",
                 ),
             ],

@@ -115,9 +115,8 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
         total = f"sum of squares {sum_of_squares(drive, positions):.0f}, largest residual {missed.max():.1f} sigma"
         below.set_title(total, fontsize=10)
         words.append(f"{name.replace('_', ' ')}: {said}, {total}")
-    for row in axes:
-        for ax in row[1:]:
-            ax.set(ylabel="")
+    for ax in axes[0, 1:]:
+        ax.set(ylabel="")
     legend_below(figure, map_keys("estimated"), columns=3)
     return Drawing(figure, f"Maps of one drive, and the residuals of its constraints. {'; '.join(words)}.")
 

@@ -146,6 +146,12 @@ def test_a_stopped_order_is_wrong_also_if_the_student_catches_its_error():
     assert comparison.alike(got, dict(got)) and not comparison.alike(np.ones(2), got)
 
 
+def test_messages_that_were_cut_off_are_alike_if_they_begin_with_the_same_numbers():
+    names = {"named": list(range(2000)), "said": ""}
+    cut, other = {**names, "named": list(range(1800))}, {**names, "named": list(range(1, 2000))}
+    assert SolvedOrNamed().alike(names, cut) and not SolvedOrNamed().alike(names, other)
+
+
 def test_the_solvers_of_scipy_are_as_before_afterwards():
     before = scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve
     with pytest.raises(KeyError), watched_orders():

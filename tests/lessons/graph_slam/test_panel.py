@@ -130,3 +130,11 @@ def test_what_is_not_written_is_named_and_the_rest_is_shown():
         shown = panel(**{name: blank})
         assert f"Finish exercise 8.{number}" in shown.summary()
         assert ("Your Omega" in shown.shown.pictures) is (name == "solve")
+
+
+def test_no_edge_is_marked_until_one_is_clicked():
+    shown = panel()
+    mark = shown._pads["edge"][1]
+    assert mark.value == "" and "Edge" not in shown.summary()
+    shown.set(edge=(150, 200))
+    assert "nao-cursor" in mark.value and "Edge (150, 200)" in shown.summary()
