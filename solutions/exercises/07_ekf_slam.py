@@ -826,7 +826,7 @@ UPDATE_LANDMARKS = Exercise(
         covariance kept: np.subtract(covariance, reduction, out=reduction) => covariance.copy()
             Your state is correct, but you return the old covariance. An update reduces it.
         sum not halved: np.subtract(covariance, reduction, out=reduction) => 2 * (covariance - reduction)
-            You add P' and its transpose but do not halve the sum, so all variances are twice as large. Return (P + P.T) / 2.
+            You add P and its transpose but do not halve the sum, so all variances are twice as large. Return (P + P.T) / 2.
         plus for minus: np.subtract(covariance, reduction, out=reduction) => covariance + reduction
             Your covariance grows with an update. A measurement reduces uncertainty, so subtract K H P.
         wrong side: L_inverse = np.linalg.inv(np.linalg.cholesky( => S_inverse = np.linalg.inv((

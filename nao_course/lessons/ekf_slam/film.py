@@ -254,9 +254,8 @@ def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
         image = plot_correlations(below, covariance)
     bar = figure.colorbar(image, ax=list(axes[1]), label="correlation", shrink=0.9, ticks=[-0.5, 0, 0.5, 1])
     lowest = min(correlations(film.at(frame)[2]).min() for frame in chosen)
-    bar.ax.set_ylim(
-        np.floor(10 * lowest) / 10, 1
-    )  # the palette of a small PNG has no room for unused colours
+    # The palette of the small PNG has no room for colours that do not occur.
+    bar.ax.set_ylim(np.floor(10 * lowest) / 10, 1)
     legend_below(figure, keys(), columns=5)
     words = " ".join(say_frame(film, frame) for frame in chosen)
     return Drawing(figure, f"Maps of robot and landmarks with 95 % ellipses, the correlations below. {words}")
