@@ -95,6 +95,12 @@ LINE_PICTURE = Exercise(
             Yellow (label 2) becomes 255 as well. The posts are yellow and are not lines, so keep label 3 only.
         all but green: == 3 => != 1
             Everything that is not green becomes 255. Only label 3 is white.
+        all labels but 0: == 3 => > 0
+            Green and yellow pixels become 255 as well. Only label 3 is white.
+        labels multiplied: np.where(labels == 3, 255, 0) => (labels * 85)
+            Green and yellow pixels become grey, because you multiply every label. Pixels that are not white must be 0.
+        three channels: .astype(np.uint8) => .astype(np.uint8)[..., None].repeat(3, axis=2)
+            Your picture has three numbers for each pixel. Return one, shape (H, W).
     """),
     alternatives={
         "a product": lambda labels: (labels == 3).astype(np.uint8) * np.uint8(255),
@@ -232,6 +238,20 @@ ERASE_BACKGROUND = Exercise(
             You also remove green and yellow below the start of the run. Keep all labels there.
         a mask: labels, 0) => labels, 0) > 0
             You return True and False. Return labels: the old ones where they are kept, 0 elsewhere.
+        the count never reset: + kept, count = labels.copy(), 0
+            + for u in range(labels.shape[1]):
+            +     for v in range(len(labels)):
+            +         count = count + 1 if labels[v, u] == 1 else 0
+            +         if count == run:
+            +             break
+            +     else:
+            +         v = len(labels) + run - 1
+            +     kept[: v - run + 1, u] = 0
+            + return kept
+            You do not set the count back to 0 at the top of each column, so a run can continue from the bottom of one column to the top of the next.
+        only runs that end: in range(run)]) => in range(run)])
+            + begins &= ~np.logical_and.accumulate(green[:height][::-1])[::-1]
+            You test the count only at a pixel that is not green, so you miss a run that reaches the last row. Test it at each green pixel, or once more after the last row.
     """),
     alternatives={
         "a loop over columns": _erase_loop,
@@ -319,7 +339,7 @@ HOUGH_SEGMENTS = Exercise(
         no Canny: cv2.Canny(picture, 50, 150) => picture
             Your segments run through the inside of the lines, because HoughLinesP got the line picture itself. Give it the edges from cv2.Canny.
         gap and length swapped: minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
-            The largest gap and the least length are swapped. Pass them by name: minLineLength=..., maxLineGap=...
+            The maximum gap and the minimum length are swapped. Pass them by name: minLineLength=..., maxLineGap=...
         theta of one: np.pi / 180 => 1.0
             You find almost no lines. The usual cause is the step of the angle, which is in radians: one degree is np.pi / 180. If that is right, you require too many votes: use 20.
         the gap not used: maxLineGap=max_line_gap => maxLineGap=0
@@ -331,7 +351,7 @@ HOUGH_SEGMENTS = Exercise(
             Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and its step of the angle is in radians: one degree is np.pi / 180.
         no Canny, gap and length swapped: cv2.Canny(picture, 50, 150) => picture
             minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=max_line_gap, maxLineGap=min_line_length
-            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and the largest gap and the least length are swapped.
+            Your code has two errors. HoughLinesP must get the edges from cv2.Canny, and the maximum gap and the minimum length are swapped.
         no Canny and None: if not picture.any(): => if False:
             cv2.Canny(picture, 50, 150) => picture
             np.zeros((0, 4)) if found is None else =>
@@ -388,6 +408,11 @@ HOUGH_SEGMENTS = Exercise(
             You accept lines with fewer than 20 votes. The votes are the fourth argument of HoughLinesP.
         the first only: .astype(float) => .astype(float)[:1]
             You return one segment. Return all of them, shape (N, 4).
+        the defaults always: minLineLength=min_line_length, maxLineGap=max_line_gap => minLineLength=40, maxLineGap=5
+            Your result does not depend on max_line_gap and min_line_length. Pass both to HoughLinesP.
+        endless lines, or none: + found = cv2.HoughLines(cv2.Canny(picture, 50, 150), 1, np.pi / 180, 20)
+            + return np.zeros((0, 4)) if found is None else found[..., :2].reshape(-1, 2).astype(float)
+            You call HoughLines, which returns a distance and an angle for each infinite line. HoughLinesP, with a P, returns segments.
     """),
     alternatives={
         "other limits of Canny": lambda *args: _hough(*args, canny=(100, 200)),
@@ -473,6 +498,7 @@ def _meet_public() -> list[Case]:
         Case((level, segment(10, 16.7, 50, 23.3)), "at 9.4 degrees"),
         Case((level, segment(10, 16.3, 50, 23.7)), "at 10.5 degrees"),
         Case((level, segment(50, 22, 10, 18)), "at 6 degrees, in the opposite direction"),
+        Case((segment(50, 20, 10, 20), segment(50, 22, 10, 18)), "at 6 degrees, both to the left"),
         Case((segment(29, 0, 31, 40), segment(31, 0, 29, 40)), "two vertical ones at 6 degrees"),
         Case((level, segment(30, 24, 30, 34)), "a long and a short segment, 4 px apart"),
         Case((level, segment(58, 16, 58, 26)), "8 px beyond the long segment's end"),
@@ -506,6 +532,7 @@ def _meet_hidden(rng: np.random.Generator) -> list[Case]:
         *(Case((flat, segment(u, v - up, u + 60, v + up))) for up in (4.95, 5.55)),  # at 9.4 and 10.5 degrees
         Case((segment(5, 5, 5, 40), segment(9, 5, 9, 40), 5.0)),
         Case((flat, segment(u + 60, v + 3, u, v - 3))),
+        Case((segment(u + 60, v, u, v), segment(u + 60, v + 3, u, v - 3))),
         Case((segment(u - 1, v, u + 2, v + 60), segment(u + 2, v, u - 1, v + 60))),
         *(Case((flat, segment(u + 30, v + short, u + 30, v + short + 12), 7.0)) for short in (6, 8)),
         *(Case((flat, segment(u + 60 + far, v - 5, u + 60 + far, v + 6), 7.0)) for far in (6, 10)),
@@ -631,6 +658,16 @@ SEGMENT_INTERSECTION = Exercise(
             Your point is rounded. Crossings lie between pixels, so keep the fractions.
         shape (1, 2): p + t * d => (p + t * d)[None]
             Your point has shape (1, 2). One point has shape (2,).
+        angles near 360 degrees: across = d[0] * e[1] - d[1] * e[0] => across = d[0] * e[1] - d[1] * e[0]
+            + angle = abs(np.degrees(np.arctan2(d[1], d[0]) - np.arctan2(e[1], e[0])))
+            abs(across) <= np.sin(np.radians(10)) * n * m => min(angle, abs(angle - 180)) < 10
+            Two segments that point to the left can have angles near 180 and -180 degrees. These differ by almost 360 degrees, although the segments are parallel. Use D x E instead.
+        angles near 180 and 360 degrees: across = d[0] * e[1] - d[1] * e[0] => across = d[0] * e[1] - d[1] * e[0]
+            + angle = abs(np.degrees(np.arctan2(d[1], d[0]) - np.arctan2(e[1], e[0])))
+            abs(across) <= np.sin(np.radians(10)) * n * m => angle < 10
+            The angles of two parallel segments from arctan2 can differ by almost 180 or 360 degrees: the segments may run in opposite directions, or both to the left. Use D x E instead.
+        extended at the start: -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t * n <= n and -reach <= s * m <= m
+            You extend the segments at their starts, but not at their ends. If you move the start back by reach, the segment must become longer by twice the reach.
     """),
     alternatives={
         "a linear system": _meet_solved,
@@ -722,6 +759,20 @@ REMOVE_DUPLICATES = Exercise(
             You average points that are near each other, as in lesson 02. Here the first of them stays unchanged, and the others are deleted.
         each averaged: + return np.unique(np.array([points[np.linalg.norm(points - each, axis=1) <= radius].mean(axis=0) for each in points]).reshape(-1, 2), axis=0)
             You replace each point by the average of the points near it. Keep the first of several near points as it is, and delete the others.
+        averaged one after the other: + rest, means = points, []
+            + while len(rest):
+            +     near = np.linalg.norm(rest - rest[0], axis=1) <= radius
+            +     means.append(rest[near].mean(axis=0))
+            +     rest = rest[~near]
+            + return np.array(means).reshape(-1, 2)
+            You average points that are near each other, as in lesson 02. Here the first of them stays unchanged, and the others are deleted.
+        removed in the loop: + rest = [tuple(point) for point in points]
+            + for point in rest:
+            +     for other in rest:
+            +         if other != point and np.hypot(point[0] - other[0], point[1] - other[1]) <= radius:
+            +             rest.remove(other)
+            + return np.array(rest).reshape(-1, 2)
+            You remove points from the list while you loop over it, so the loop skips some of them. Start a new list and append the points that you keep.
         both deleted: for point in points => for i, point in enumerate(points)
             for other in kept => for other in np.delete(points, i, axis=0)
             If two points are near each other, you delete both. Keep the first.
@@ -982,6 +1033,9 @@ FIND_CORNERS = Exercise(
             Your points are (v, u). A point is (u, v), the column first.
         no shape: 10.0) => 10.0) if inside.any() else np.array([])
             If there is no corner, np.array([]) has shape (0,). Use .reshape(-1, 2) to get (0, 2).
+        no shape before the test: .reshape(-1, 2) =>
+            inside = ((points >= 0) & (points < labels.shape[::-1])).all(axis=1) => inside = (points[:, 0] >= 0) & (points[:, 1] >= 0) & (points < labels.shape[::-1]).all(axis=1)
+            If there are no crossings, np.array([]) has shape (0,), so [:, 0] fails. Use .reshape(-1, 2) before you remove crossings outside the picture.
     """),
     alternatives={
         "the alternatives of all steps": _corners,
@@ -1104,7 +1158,8 @@ def _merge_public() -> list[Case]:
         Case((_several((10, 50, 60, 50), (40, 60, 40, 20)), 20.0), "a right angle, the second one upwards"),
         Case((_several((10, 20, 13, 20), (10, 22, 13, 22)), 20.0), "two edges of 3 px"),
         Case((_several(level, (12, 25, 48, 27)), 20.0), "edges that are 3 degrees apart"),
-        Case((_several((0, 0, 100, 0), (0, 16, 100, 24)), 20.0), "one end 16 px away, the other 24 px"),
+        Case((_several((0, 0, 100, 0), (0, 15, 100, 23)), 20.0), "one end 15 px away, the other 23 px"),
+        Case((_several(level, (12, 18, 48, 23)), 20.0), "segments that cross at 8 degrees"),
         Case((_several(level, (20, 21.4, 70, 21.4)), 20.0), "edges that are 1.4 px apart"),
         Case((_several(level), 20.0), "a single segment"),
         Case((np.zeros((0, 4)), 20.0), "no segments"),
@@ -1137,6 +1192,7 @@ def _merge_hidden(rng: np.random.Generator) -> list[Case]:
         (u + 30, v - 28, u + 30, v + 10),
         (u - 10, v + 6, u + 70, v + 6),
         (u, v + 17, u + 50, v + 22),
+        (u, v - 2, u + 50, v + 3),
     ]
     cases += [Case((_several(level, pair),)) for pair in pairs]
     cases.append(Case((_several(level, (u + 8, v + 6, u + 58, v + 6), (u - 5, v + 14, u + 40, v + 14)),)))
@@ -1226,6 +1282,14 @@ MERGE_EDGES = Exercise(
             Your segments are (v1, u1, v2, u2). The order is (u1, v1, u2, v2), columns first.
         no shape: np.array(merged).reshape(-1, 4) => np.array(merged)
             If there is no centre line, np.array([]) has shape (0,). Use .reshape(-1, 4) to get (0, 4).
+        absolute values averaged: 1 <= abs(across.mean()) => 1 <= abs(across).mean()
+            You average the distances of both ends without their signs. Average them with their signs first, and take the absolute value last.
+        each segment in one pair: + used = set()
+            for q in ends[i + 1 :]: => for j, q in enumerate(ends[i + 1 :], i + 1):
+            if parallel and => if not used & {i, j} and parallel and
+            merged.append( => merged.append(
+            + used |= {i, j}
+            You use each segment once only. A segment can be paired with several others: take every pair.
     """),
     alternatives={
         "the first segment turned into an axis": _merge_axes,

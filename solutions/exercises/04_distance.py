@@ -215,6 +215,8 @@ DISTANCE = Exercise(
             You add the pitch. A camera that is pitched down by view.pitch looks at the angle np.pi / 2 - view.pitch from straight down.
         90 degrees: np.pi / 2 - view.pitch => 90 - view.pitch
             You subtract radians from 90 degrees. A right angle is np.pi / 2 in radians.
+        divided by the tangent: view.height * np.tan(vertical) / np => view.height / np.tan(vertical) / np
+            You divide by the tangent. The angle is measured from straight down, so multiply the height by its tangent.
         sine for tangent: np.tan(vertical) => np.sin(vertical)
             You use a sine. The distance over the ground is the height times the tangent of the angle from straight down.
         hfov twice: view.vfov =>> view.hfov
@@ -252,6 +254,8 @@ DISTANCE = Exercise(
             You remove the lens distortion, but the paper does not. Use the pixels as they are.
         the head's yaw: np.cos(horizontal) => np.cos(horizontal - view.yaw)
             You use the head's yaw. The paper's horizontal angle is measured from the middle of the picture.
+        taken for degrees: np.tan(vertical) / np.cos(horizontal) => np.tan(np.radians(vertical)) / np.cos(np.radians(horizontal))
+            You convert the angles to radians, but all angles of the view are in radians already.
     """),
     alternatives={"a loop": _distance_loop, "sines": _distance_sines, "float32": single(_distance_sines)},
     equivalents={
@@ -441,6 +445,10 @@ GROUND = Exercise(
             Without pixels your answer is an empty list, shape (0,). It should have shape (0, 2): add .reshape(-1, 2), or compute with whole columns.
         height along the ray: -rays[:, 2], np.nan => np.linalg.norm(rays, axis=1), np.nan
             You move by view.height along the ray. The ray has to go down by this height, so divide by -z.
+        u and v exchanged: right, below = => below, right =
+            You exchanged u and v. The second component of the ray depends on u, and the third on v.
+        rotations in another order: view.rotation.T => (replace(view, yaw=0.0, roll=0.0).rotation @ replace(view, pitch=0.0, roll=0.0).rotation @ replace(view, pitch=0.0, yaw=0.0).rotation).T
+            You multiply the rotations in the wrong order. view.rotation is their product in the right order.
     """),
     alternatives={"angles": _by_angles, "equations": _by_equations, "float32": single(_by_angles)},
     equivalents={
@@ -470,7 +478,7 @@ SIGMA = Exercise(
     comparison=Close(rtol=1e-4),
     hints=(
         "The derivative of 1 / tan(x) is -1 / sin(x) ** 2. Use its absolute value, because a standard deviation has no sign.",
-        "Eliminate the angle: in the right triangle of camera, foot and point, its sine is the height divided by the length of the line of sight. Check the example of the docstring on paper.",
+        "Eliminate the angle: in the right triangle of the camera, the point below it and the landmark, its sine is the height divided by the length of the line of sight. Check the example of the docstring on paper.",
     ),
     mistakes=catalogue("""
         r squared not divided: (height**2 + range_m**2) / height => (height + range_m**2)
@@ -509,6 +517,11 @@ SIGMA = Exercise(
             Your result is negative, but a standard deviation is not. Use the absolute value of the derivative.
         one over the sine squared: / height => / height**2
             A factor of the height is missing. r is the height over tan(x), so its derivative is the height over sin(x) ** 2.
+        without squares: (height**2 + range_m**2) => (height + range_m)
+            You add h and r themselves. The squared length of the line of sight is h squared plus r squared.
+        two exact tilts: + down = np.arctan2(height, range_m)
+            + return abs(height / np.tan(down - tilt_sigma) - height / np.tan(down + tilt_sigma)) / 2
+            You tilt the camera by tilt_sigma in both directions and return half of the exact difference. To first order the result is the derivative times tilt_sigma.
     """),
     alternatives={
         "by the sine": lambda r, h, s: h / np.sin(np.arctan2(h, r)) ** 2 * s,
@@ -630,6 +643,10 @@ COVARIANCE = Exercise(
             You compute Jᵀ J. The rows of J belong to the measurement and its columns to the pixel, so a block is J Jᵀ.
         v alone: np.column_stack([by_u[i : i + 2], by_v[i : i + 2]]) => by_v[i : i + 2, None]
             You use only errors of v. The errors of u cause most of the bearing's error.
+        diagonal of the Jacobian: J @ J.T => np.diag(np.diag(J) ** 2)
+            You use only the diagonal of J. To the sides, an error of v also changes the bearing, and an error of u the range.
+        the first Jacobian for all: by_u[i : i + 2], by_v[i : i + 2] => by_u[:2], by_v[:2]
+            You use the Jacobian of the first landmark for all of them. Landmark i has the rows 2 i and 2 i + 1.
     """),
     alternatives={
         "product of a square root": lambda *given: _errors(*given).T @ _errors(*given),
@@ -781,6 +798,14 @@ PITCH = Exercise(
             You treat each pixel as if it were in the middle column of a camera at the robot's centre. Use view.project or your pixel_to_ground, which are also right to the sides and with an offset.
         nothing: + return 0.0
             Your offset is always 0. Does your search end at its start?
+        whole degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.radians(np.round(np.degrees(least_squares(misses, [0.0]).x[0]))))
+            Your offset is a whole number of degrees. Search in smaller steps, because it must be accurate to 0.1 degrees.
+        angles below the horizon, where there are any: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.nanmean(below[0] - below[1]))
+            You compare angles below the horizon. They change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
+        median of these: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.nanmedian(below[0] - below[1]))
+            You compare angles below the horizon, and take their median. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
     """),
     alternatives={
         "absolute errors": partial(_search, 1),

@@ -147,7 +147,7 @@ def draw_arrows(
 
 def _grid_in_view(view: CameraView) -> FloatArray:
     """Return visible points (N, 2) on rings in the robot frame."""
-    rings = np.array([0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
+    rings = np.array([1.0, 2.0, 3.0, 4.0])  # far enough apart that no arrow reaches the next ring
     away, bearing = np.meshgrid(rings, np.radians(np.arange(-40, 41, 8)))
     points = np.column_stack([(away * np.cos(bearing)).ravel(), (away * np.sin(bearing)).ravel()])
     return points[view.contains(view.project(points))]

@@ -66,7 +66,7 @@ class CornerPanel(FunctionPanel):
                 ),
                 _whole("run", "Run of green", 1, 15, 7, "Length of the green run where the field begins"),
                 _whole("gap", "Largest gap", 0, 20, 5, "Largest gap within a segment"),
-                _whole("length", "Least length", 10, 80, 40, "Shortest segment that is returned"),
+                _whole("length", "Minimum length", 10, 80, 40, "Length of the shortest segment that is returned"),
                 _whole("reach", "Reach", 0, 60, 5, "How far segments are extended at each end"),
             ],
             student={
