@@ -13,14 +13,15 @@ from matplotlib.colors import to_rgb
 
 from nao_course.geometry import FloatArray, Pose, as_points
 from nao_course.lessons.distance.looks import MarkedPicture, look_around, points_covariance
-from nao_course.plotting import STYLES, table
+from nao_course.plotting import LANDMARK_MARKERS, STYLES, table
 from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind
 from nao_course.widgets import FunctionPanel, Pixel, Slider
-from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
+from nao_course.widgets.control_panel.live_map import POINT_MARKER, LiveMap, MapContents
 
 POSE = Pose(0.75, 0.25, -0.05)
 START = (150, 150)  # px: on the carpet
+AHEAD = 1.3  # m of the map beyond the carpet, for points that are measured too far away
 COLOUR = tuple(round(255 * each) for each in to_rgb(STYLES["ekf"].colour))
 
 
@@ -50,7 +51,15 @@ class TiltPanel(FunctionPanel):
     ) -> None:
         """Put the marks on the map and build the widgets."""
         self._look = upright_picture()
-        self._map = LiveMap(Field(2012), {"truth": "robot, ★ truth", "ekf": "your points"})
+        self._map = LiveMap(
+            Field(2012),
+            {"truth": "true landmark", "ekf": "your corners and posts"},
+            ahead=AHEAD,
+            markers={
+                "truth": POINT_MARKER,
+                "ekf": "".join(LANDMARK_MARKERS[kind] for kind in ("corner", "post")),
+            },
+        )
         super().__init__(
             "Tilt panel",
             self._measure,
@@ -67,7 +76,7 @@ class TiltPanel(FunctionPanel):
                 ),
                 Slider(
                     "sigma",
-                    "Tilt, std. dev.",
+                    "Tilt sigma",
                     0.0,
                     3.0,
                     0.1,
@@ -75,7 +84,16 @@ class TiltPanel(FunctionPanel):
                     unit="°",
                     tooltip="Standard deviation of the tilt for your covariance",
                 ),
-                Slider("pixel_sigma", "Pixel, std. dev.", 0.0, 3.0, 0.1, 0.7, unit="px", tooltip="Of a mark"),
+                Slider(
+                    "pixel_sigma",
+                    "Pixel sigma",
+                    0.0,
+                    3.0,
+                    0.1,
+                    0.7,
+                    unit="px",
+                    tooltip="Standard deviation of u and v of a mark",
+                ),
                 Pixel("pixel", "Pixel", self._look.view.size, START, tooltip="One more point for the map"),
             ],
             student={

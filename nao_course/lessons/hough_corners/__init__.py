@@ -4,6 +4,7 @@ from nao_course._internal.lazy_names import import_when_asked
 
 _NAMES = {
     "figures": ("draw_close_up", "draw_places", "draw_segments"),
+    "labels": ("or_recorded",),
     "measuring": ("all_crossings", "count_corners", "with_others"),
     "panel": ("CornerPanel",),
     "results": ("draw_costs", "draw_funnel", "draw_goal_line", "goal_line_left", "last_seen", "mean_cost"),

@@ -65,8 +65,10 @@ class CornerPanel(FunctionPanel):
                     "beta", "Beta", 60, 200, 120, "Parameter of the white threshold, a lightness", unit=""
                 ),
                 _whole("run", "Run of green", 1, 15, 7, "Length of the green run where the field begins"),
-                _whole("gap", "Largest gap", 0, 20, 5, "Largest gap within a segment"),
-                _whole("length", "Minimum length", 10, 80, 40, "Length of the shortest segment that is returned"),
+                _whole("gap", "Max. gap", 0, 20, 5, "Largest gap within a segment"),
+                _whole(
+                    "length", "Min. length", 10, 80, 40, "Length of the shortest segment that is returned"
+                ),
                 _whole("reach", "Reach", 0, 60, 5, "How far segments are extended at each end"),
             ],
             student={

@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose
@@ -70,18 +71,34 @@ class LiveMap:
     sources : mapping of str to str
         Names for the legend of the sources whose paths may appear, in drawing order. The estimate has the colours of
         the last source.
+    ahead : float
+        Room on the map beyond the carpet's end at the largest x, m.
+    markers : mapping of str to str
+        Markers of the legend, one letter for each, for sources that are not drawn as a path.
     """
 
     @course_style()
-    def __init__(self, field: Field, sources: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        field: Field,
+        sources: Mapping[str, str],
+        ahead: float = 0.0,
+        markers: Mapping[str, str] | None = None,
+    ) -> None:
         """Draw the field, and create the artists of everything that moves."""
-        figure = Figure(figsize=_size(field), dpi=DPI)
+        figure = Figure(figsize=_size(field, ahead), dpi=DPI)
         self._canvas = _agg(figure)
         self._ax = figure.add_subplot()
         self._ax.tick_params(labelsize=9)
         plot_field(field, self._ax)
+        if ahead:
+            self._ax.set_xlim(right=field.carpet[2] + ahead)
+            self._ax.set_xticks(np.arange(np.ceil(field.carpet[0]), field.carpet[2] + ahead))
+        self._labels = {**sources, _MEASURED: "measured from here"}
         self._keys: dict[str, Any] = {name: source_key(name, label) for name, label in sources.items()}
         self._keys[_MEASURED] = _measured_key()
+        for name, letters in (markers or {}).items():
+            self._keys[name] = tuple(_marker_key(each, style_of(name).colour) for each in letters)
         self._legend = self._made_legend(figure, tuple(self._keys))
         self._canvas.draw()
         figure.set_layout_engine("none")  # the layout has room for the largest legend
@@ -139,12 +156,14 @@ class LiveMap:
     def _made_legend(self, figure: Figure, keys: tuple[str, ...]) -> Any:
         return figure.legend(
             handles=[self._keys[key] for key in keys],
+            handler_map={tuple: HandlerTuple(ndivide=None)},
             loc="outside lower center",
             ncols=2 if _MEASURED in keys else 3,
             fontsize=9,
             handlelength=1.9,
             handletextpad=0.4,
             columnspacing=0.9,
+            **({"labels": [self._labels[key] for key in keys]} if keys else {}),
         )
 
 
@@ -157,7 +176,12 @@ def _measured_key() -> Line2D:
         "mfc": "none",
         "mew": 1.4,
     }
-    return Line2D([], [], label="measured from here", **style)
+    return Line2D([], [], **style)
+
+
+def _marker_key(marker: str, colour: str) -> Line2D:
+    """Return the legend's key for points that are drawn with a marker."""
+    return Line2D([], [], marker=marker, ms=8, ls="", color=colour, mec="white")
 
 
 def _agg(figure: Figure) -> Any:
@@ -165,9 +189,10 @@ def _agg(figure: Figure) -> Any:
     return FigureCanvasAgg(figure)
 
 
-def _size(field: Field) -> tuple[float, float]:
+def _size(field: Field, ahead: float) -> tuple[float, float]:
     """Return the figure's width and height (inches) with room for the carpet, the axes' labels and the legend."""
     x0, y0, x1, y1 = field.carpet
+    x1 += ahead
     scale = min((LARGEST[0] - 0.55) / (x1 - x0), (LARGEST[1] - 0.85) / (y1 - y0))
     return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 1.05, 2)
 

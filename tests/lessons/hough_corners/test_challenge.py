@@ -65,7 +65,10 @@ def test_the_text_says_what_the_board_says():
         f"Reporting nothing costs {nothing.score:.2f}." in text
         and f"board, costs {own.score:.2f}, and the" in text
     )
-    assert f"saturation) costs {paper.score:.2f}.\n" in text and f"costs {better.score:.2f}; it beats" in text
+    assert (
+        f"minimum saturation, costs {paper.score:.2f}.\n" in text
+        and f"costs {better.score:.2f}; it beats" in text
+    )
     hits, false = (round(PICTURES * better.columns[name]) for name in ("found", "false"))
     corners = round(PICTURES * nothing.columns["missed"])
     assert f"finds {hits} of these {corners} corners with {false} false ones" in text

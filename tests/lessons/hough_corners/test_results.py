@@ -133,7 +133,7 @@ def test_with_centre_lines_the_detector_is_better_than_nothing_and_the_text_says
     match, cost, less, (low, high) = against_nothing(tuning_pictures(), with_centre_lines)
     assert f"finds {match.hits} of {len(match.found)} corners and no false one" in TEXT and match.false == 0
     assert (
-        f"cost is {cost:.2f}, that is {-less:.2f} lower than reporting nothing costs (95 % interval of the "
+        f"cost is {cost:.2f}; reporting nothing costs {-less:.2f} more (95 % interval of the "
         f"difference: {low:.2f} to {high:.2f})" in TEXT
     )
     assert high < 0
@@ -184,7 +184,8 @@ def test_the_running_picture_gets_fewer_segments_as_the_text_says():
     raw, labelled, erased = (len(ready_made_segments(each)) for each in (place.pixels, white, kept))
     assert f"It finds {raw} segments" in TEXT and len(place.truth.corners) == 3
     assert (
-        f"found {raw} segments. In your line picture it finds {labelled}, and after erasing {erased}." in TEXT
+        f"found {raw} segments. In your line picture it finds {labelled}, and {erased} once the background"
+        in TEXT
     )
     found = OWN["find_corners"](label(place.pixels))
     near = found[np.linalg.norm(found - place.truth.corners[2], axis=1) < 10]
