@@ -19,6 +19,7 @@ from nao_course.exercises.recorded_labels import (
     write_labels,
 )
 from nao_course.lessons.hough_corners.scenes import goal_line_at, three_places, tuning_pictures
+from nao_course.sim import Reality
 
 RECORDED = Path(__file__).with_name("labels.npz")
 DISTANCES = np.arange(2.4, 6.3, 0.2)  # m, of the goal line
@@ -29,8 +30,8 @@ _NOTE = (
 
 
 def lesson_pictures() -> list[Pixels]:
-    """Return every simulated picture that the lesson labels, without those of the challenge."""
-    pictures = [*three_places().values(), *tuning_pictures(), *goal_line_at(DISTANCES)]
+    """Return every simulated picture that the lesson labels; the challenge has others."""
+    pictures = [*three_places().values(), *tuning_pictures(), *goal_line_at(DISTANCES, Reality(seed=11))]
     return [each.pixels for each in pictures]
 
 
