@@ -31,8 +31,8 @@ _NOTE = (
 
 def lesson_pictures() -> list[Pixels]:
     """Return every simulated picture that the lesson labels; the challenge has others."""
-    pictures = [*three_places().values(), *tuning_pictures(), *goal_line_at(DISTANCES, Reality(seed=11))]
-    return [each.pixels for each in pictures]
+    places = [each.pixels for each in (*three_places().values(), *tuning_pictures())]
+    return [*places, *(each.pixels for each in goal_line_at(DISTANCES, Reality(seed=11)))]
 
 
 def record(label: Callable[[Any], Any], path: Path = RECORDED) -> None:
