@@ -55,6 +55,7 @@ class TiltPanel(FunctionPanel):
             Field(2012),
             {"truth": "true landmark", "ekf": "your corners and posts"},
             ahead=AHEAD,
+            largest=(4.4, 3.6),  # the panel fits on a small screen
             markers={
                 "truth": POINT_MARKER,
                 "ekf": "".join(LANDMARK_MARKERS[kind] for kind in ("corner", "post")),

@@ -75,6 +75,8 @@ class LiveMap:
         Room on the map beyond the carpet's end at the largest x, m.
     markers : mapping of str to str
         Markers of the legend, one letter for each, for sources that are not drawn as a path.
+    largest : (float, float)
+        Largest width and height, inches.
     """
 
     @course_style()
@@ -84,9 +86,10 @@ class LiveMap:
         sources: Mapping[str, str],
         ahead: float = 0.0,
         markers: Mapping[str, str] | None = None,
+        largest: tuple[float, float] = LARGEST,
     ) -> None:
         """Draw the field, and create the artists of everything that moves."""
-        figure = Figure(figsize=_size(field, ahead), dpi=DPI)
+        figure = Figure(figsize=_size(field, ahead, largest), dpi=DPI)
         self._canvas = _agg(figure)
         self._ax = figure.add_subplot()
         self._ax.tick_params(labelsize=9)
@@ -189,11 +192,11 @@ def _agg(figure: Figure) -> Any:
     return FigureCanvasAgg(figure)
 
 
-def _size(field: Field, ahead: float) -> tuple[float, float]:
+def _size(field: Field, ahead: float, largest: tuple[float, float]) -> tuple[float, float]:
     """Return the figure's width and height (inches) with room for the carpet, the axes' labels and the legend."""
     x0, y0, x1, y1 = field.carpet
     x1 += ahead
-    scale = min((LARGEST[0] - 0.55) / (x1 - x0), (LARGEST[1] - 0.85) / (y1 - y0))
+    scale = min((largest[0] - 0.55) / (x1 - x0), (largest[1] - 0.85) / (y1 - y0))
     return round(scale * (x1 - x0) + 0.55, 2), round(scale * (y1 - y0) + 1.05, 2)
 
 
