@@ -412,7 +412,7 @@ HOUGH_SEGMENTS = Exercise(
             Your result does not depend on max_line_gap and min_line_length. Pass both to HoughLinesP.
         endless lines, or none: + found = cv2.HoughLines(cv2.Canny(picture, 50, 150), 1, np.pi / 180, 20)
             + return np.zeros((0, 4)) if found is None else found[..., :2].reshape(-1, 2).astype(float)
-            You call HoughLines, which returns a distance and an angle for each infinite line. HoughLinesP, with a P, returns segments.
+            HoughLines returns infinite lines, each as a distance and an angle. Call HoughLinesP, with a P, which returns segments.
     """),
     alternatives={
         "other limits of Canny": lambda *args: _hough(*args, canny=(100, 200)),
@@ -765,7 +765,7 @@ REMOVE_DUPLICATES = Exercise(
             +     means.append(rest[near].mean(axis=0))
             +     rest = rest[~near]
             + return np.array(means).reshape(-1, 2)
-            You average points that are near each other, as in lesson 02. Here the first of them stays unchanged, and the others are deleted.
+            You average each point with the points near it, as in lesson 02. Here the first of them stays unchanged, and the others are deleted.
         removed in the loop: + rest = [tuple(point) for point in points]
             + for point in rest:
             +     for other in rest:

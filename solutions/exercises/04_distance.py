@@ -802,10 +802,10 @@ PITCH = Exercise(
             Your offset is a whole number of degrees. Search in smaller steps, because it must be accurate to 0.1 degrees.
         angles below the horizon, where there are any: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
             + return float(np.nanmean(below[0] - below[1]))
-            You compare angles below the horizon. They change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
+            You compare angles below the horizon and leave out pixels above it. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
         median of these: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
             + return float(np.nanmedian(below[0] - below[1]))
-            You compare angles below the horizon, and take their median. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
+            You take the median of angles below the horizon, without the pixels above it. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.
     """),
     alternatives={
         "absolute errors": partial(_search, 1),
