@@ -22,7 +22,7 @@ from nao_course.codec import Limits, decode, encode
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.comparisons.comparison import with_article
-from nao_course.exercises.earlier import watching
+from nao_course.exercises.earlier import split_use, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
@@ -112,7 +112,7 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
     with watching(exercise.earlier) as calls, _numpy_warnings() as warned:
         outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
         report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
-    remarks = [f"{why} Recorded answers were used instead." for why in calls.answered.values()]
+    remarks = [_said_of_recorded(calls.answered)] if calls.answered else []
     if report and warned:
         remarks.append(_said_of_warning(warned[0]))
     return replace(report, lines=(*report.lines, *remarks))
@@ -129,6 +129,17 @@ def _numpy_warnings() -> Iterator[list[warnings.WarningMessage]]:
     for each in caught:
         if each not in warned:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+
+
+def _said_of_recorded(answered: Mapping[str, str]) -> str:
+    """Say which functions of earlier lessons were not usable; the set-up cell gives the reason of each."""
+    (reason, *others), names = (
+        answered.values(),
+        (f"{name} ({lesson})" for lesson, name in map(split_use, answered)),
+    )
+    if others:
+        reason = f"These functions of earlier lessons are not usable yet: {', '.join(names)}."
+    return f"{reason} Recorded answers were used instead."
 
 
 def _said_of_warning(warning: warnings.WarningMessage) -> str:

@@ -123,6 +123,7 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "slice indices must be integers": "The limits of a slice must be whole numbers: round(...) turns a float into one.",
     "mismatch in its core dimension": "Two shapes do not fit: the left side of @ needs as many columns as "
     "the right side has rows. Print each .shape: is a .T missing, or is one too many?",
+    "maximum recursion depth": "Your function calls itself too often. Use a loop instead.",
     "Singular matrix": "That matrix has no inverse. Print it: is a row 0, or a multiple of another row?",
     "could not be broadcast together": "Two arrays need the same shape for +, - and *. Print each .shape, and check "
     "that the arguments are in the order of the function's first line.",

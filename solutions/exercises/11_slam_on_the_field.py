@@ -53,6 +53,7 @@ color_labels = earlier("01:color_labels")
 find_goalposts = earlier("02:find_goalposts")
 find_corners = earlier("03:find_corners")
 pixel_to_ground = earlier("04:pixel_to_ground")
+ground_to_measurement = earlier("04:ground_to_measurement")
 measurement_jacobian_pose = earlier("05:measurement_jacobian_pose")
 measurement_jacobian_landmark = earlier("05:measurement_jacobian_landmark")
 predict = earlier("07:predict")
@@ -95,7 +96,7 @@ NO_PIXELS: Array = np.zeros((0, 2))
 def _pixels_public() -> list[Case]:
     post, both = np.array([[200.0, 110.0]]), np.array([[40.0, 90.0], [260.0, 95.0]])
     corners, high = np.array([[60.0, 150.0], [250.0, 200.0]]), np.array([[100.0, 2.0], [150.0, 120.0]])
-    return [
+    cases = [
         Case((NO_PIXELS, corners, _a_view()), "two corners, no post"),
         Case((post, NO_PIXELS, _a_view()), "a post, no corner"),
         Case((post, corners, _a_view(yaw=30.0)), "a post and two corners, the head turned to the left"),
@@ -103,6 +104,15 @@ def _pixels_public() -> list[Case]:
         Case((high, high + (20.0, 30.0), _a_view(pitch=-38.0)), "one point of four above the horizon"),
         Case((NO_PIXELS, NO_PIXELS, _a_view()), "nothing found"),
     ]
+    for posts, corners, view in (case.args for case in cases):
+        # Other ways to call both functions; these calls are recorded like the reference's
+        together = np.concatenate([posts, corners])
+        for pixels in (posts, corners, together, *together[:, None]):
+            ground = pixel_to_ground(pixels, view)
+            ground_to_measurement(ground)
+            if len(pixels) > 1:
+                ground_to_measurement(ground[np.isfinite(ground[:, 0])])
+    return cases
 
 
 def _pixels_hidden(rng: np.random.Generator) -> list[Case]:
@@ -638,6 +648,10 @@ ASSOCIATE = Exercise(
         in turn: i, j = np.unravel_index(distances.argmin(), distances.shape) => i = (distances <= gate).any(axis=1).argmax()
             + j = distances[i].argmin()
             You match the measurements in their order. The closest pair of all comes first; otherwise an early measurement takes the landmark of a nearer one.
+        in the order of the loops: np.unravel_index(distances.argmin(), distances.shape) => np.argwhere(distances <= gate)[0]
+            You take the pairs in the order of your loops. The closest pair of all comes first, so sort the pairs by their distance.
+        matched again: indices[i], distances[i], distances[:, j] => indices[i], distances[i, j], distances[:, j]
+            Your measurement can be matched again, and the farther landmark then replaces the closer one. Neither the measurement nor the landmark of a pair can be used again.
         no second choice: indices = np.full => indices = np.full
             + distances[distances > distances.min(axis=1, initial=np.inf, keepdims=True)] = np.inf
             If its nearest landmark is taken, your measurement gets -1. Its second nearest may also be within the gate.
@@ -658,7 +672,7 @@ ASSOCIATE = Exercise(
         the squared distance: distances.min() <= gate => distances.min() ** 2 <= gate
             You compare the squared distance with the gate. Both the distance and the gate are in standard deviations.
         the first one's noise: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [:2, :2]
-            You use the first measurement's R for all. Measurement i has the rows and columns 2 i and 2 i + 1.
+            You do not use each measurement's own R. For measurement i it is the whole block of rows and columns 2 i and 2 i + 1, including the entries off its diagonal.
         metres
             joint_distance(state, covariance, [j], [seen], R) => np.linalg.norm(landmark_position(state[:3], (seen.bearing, seen.range)) - state[3 + 2 * j : 5 + 2 * j])
             You compare metres with a gate in standard deviations. Half a metre is a large error at 1 m and a small one at 4 m. Use joint_distance.
@@ -969,8 +983,6 @@ EKF_SLAM = Exercise(
     mistakes=catalogue("""
         from zeros: start.as_array() => np.zeros(3)
             Your state begins with zeros. It begins with `start`, which the robot knows.
-        an uncertain start: np.zeros((3, 3)) => 0.01 * np.eye(3)
-            Your first covariance is not zero, but the start is known.
         no noise of motion: self.odometry.covariance(motion) => np.zeros((3, 3))
             Your covariance does not grow when the robot moves. Pass self.odometry.covariance(motion) to predict.
         the prediction thrown away: self.state, self.covariance = predict( => predict(
@@ -1030,6 +1042,8 @@ EKF_SLAM = Exercise(
             self.state[2] = warp2pi(self.state[2]) => self.state[2] = warp2pi(self.state[2])
             + self.heading = self.state[2] + nu
             Your self.heading is too far: you add nu to the heading that is already corrected. Store theta + nu with theta from before the correction.
+        no landmark 0 in correct: self.indices >= 0) => self.indices > 0)
+            In correct you leave out landmark 0. Only -1 means that a measurement has no landmark.
         distant compasses rejected: nu = wrap_quarter => nu = wrap_quarter
             + if abs(nu) > self.gate * np.sqrt(self.covariance[2, 2] + sigma**2):
             +     return
@@ -1060,9 +1074,6 @@ EKF_SLAM = Exercise(
             In number your list of kinds grows while you still decide with it, because a second name for a list is not a copy. It then has more entries than the state. Take a copy first: list(self.kinds).
         new beyond one gate: 3 * self.gate => self.gate
             Everything outside the gate becomes a landmark. Leave a measurement out if a landmark of its kind is within three gates; otherwise a second map grows.
-        new by the first one's noise: associate(*belief, one, one.covariance, => associate(*belief, one, seen.covariance[:2, :2],
-            vague = VAGUE * one.covariance => vague = VAGUE * seen.covariance[:2, :2]
-            In number you use the R of the first measurement for every measurement. seen.part([i]).covariance is the R of measurement i.
         a number too large: self.indices[i] = len(self.kinds) => pass
             self.kinds.append(one[0].kind) => self.kinds.append(one[0].kind)
             + self.indices[i] = len(self.kinds)

@@ -23,7 +23,9 @@ from nao_course.student import earlier
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
+expected_measurement = earlier("05:expected_measurement")
 measurement_jacobian_landmark = earlier("05:measurement_jacobian_landmark")
+warp2pi = earlier("07:warp2pi")
 predict = earlier("07:predict")
 update_landmarks = earlier("07:update_landmarks")
 
@@ -112,7 +114,7 @@ RESAMPLE = Exercise(
         shifted by up to one: (np.arange(n) + rng.random()) / n => np.arange(n) / n + rng.random()
             Your shift goes up to 1, which moves teeth off the line. The largest shift is 1/N: rng.random() / N.
         shift divided twice: rng.random() => rng.random() / n
-            Your shift goes only up to 1/N^2, because you divide it by N twice. The comb can be shifted by up to 1/N: draw q from 0 to 1, and divide once.
+            Your shift is nearly the same in each call: either it goes only up to 1/N^2, because you divide by N twice, or it does not come from rng. Draw q with rng.random(), and divide it by N once.
         half of the shift: rng.random() => 0.5 * rng.random()
             Your shift goes only up to 1/(2 N), so some parts of the line are never reached. Draw q from 0 to 1 and divide it by N.
         whole copies, the others drawn: + n = len(weights)
@@ -142,6 +144,10 @@ RESAMPLE = Exercise(
             You return how often each particle is kept. Return N indices instead; np.repeat converts counts into indices.
         one too many: ends[-1], teeth) => ends[-1], teeth) + 1
             Your indices are one too large. The first particle has index 0.
+        one too few: ends[-1], teeth) => ends[-1], teeth) - 1
+            Your indices are one too small. np.searchsorted already returns 0 for a tooth in the first interval.
+        sorted: np.cumsum(weights) => np.cumsum(np.sort(weights)[::-1])
+            You sort the weights first, so your indices belong to other particles. Lay the intervals in the order of the particles.
     """),
     alternatives={
         "comparing all": lambda weights, rng: np.sum(
@@ -208,7 +214,14 @@ _WEIGHED: dict[str, Any] = {
 
 def _weigh_public() -> list[Case]:
     rng = np.random.default_rng(12)
-    return _tabled(_WEIGHED, lambda: _measured(rng, _crowd(rng, 8)))
+    cases = _tabled(_WEIGHED, lambda: _measured(rng, _crowd(rng, 8)))
+    for particles, landmark, measurement, _ in (case.args for case in cases):
+        # The calls of a loop over the particles are recorded like the reference's
+        expected = np.array([expected_measurement(each, landmark) for each in particles])
+        warp2pi(measurement[0] - expected[:, 0])
+        for bearing in measurement[0] - expected[:, 0]:
+            warp2pi(bearing)
+    return cases
 
 
 def _weigh_hidden(rng: np.random.Generator) -> list[Case]:
@@ -440,6 +453,8 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
             Your log weight has the wrong sign. Both terms of equation 12.4 are subtracted.
         K H alone: covariance - K @ H @ covariance => covariance - K @ H
             You subtract K H. The update subtracts K H P: P' = P - K H P.
+        1 minus K H: covariance - K @ H @ covariance => (1 - K @ H) @ covariance
+            1 - K @ H subtracts K H from a matrix of ones. Use the identity matrix: (np.eye(2) - K @ H) @ P, which is P - K @ H @ P.
         I minus K H: covariance - K @ H @ covariance => np.eye(2) - K @ H
             You return I - K H. Multiply it by P: (I - K H) P is the same as P - K H P.
         H not transposed in the gain: K = covariance @ H.T => K = covariance @ H
@@ -772,6 +787,10 @@ FIND_FRONTIERS = Exercise(
             You return the unknown cells. A frontier is the free cell beside an unknown cell, because the robot can stand there.
         boxes too: (grid == 0) => (grid != -1)
             You also return occupied cells. A frontier is a free cell.
+        any cell beside an unknown one: (grid == 0) & beside => beside
+            You return all cells beside an unknown cell, also unknown and occupied ones. A frontier is a free cell.
+        dilated alone: (grid == 0) & beside => (grid == -1) | beside
+            You return the unknown cells and all their neighbours. Keep only the free cells: (grid == 0) & ...
         beside a box: grid == -1 => grid == 1
             You return cells beside boxes. Unknown cells are -1, occupied cells are 1.
         as numbers: (grid == 0) & beside => np.argwhere((grid == 0) & beside)
@@ -871,6 +890,9 @@ TRAVEL_STEPS = Exercise(
             Your steps can be diagonal. A step leads to one of the four neighbours.
         the last first: wave.pop(0) => wave.pop()
             You process the newest cell first, which follows a single path to its end and gives too many steps. Process the oldest cell first: wave.pop(0).
+        the last first, upwards: wave.pop(0) => wave.pop()
+            ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1))
+            You process the newest cell first, which follows a single path to its end and gives too many steps. Process the oldest cell first: wave.pop(0).
         through boxes: inside and free[cell] => inside
             Your path leads through cells that are not free.
         onto boxes: inside and free[cell] => inside
@@ -901,7 +923,14 @@ TRAVEL_STEPS = Exercise(
         started with zeros: np.full(free.shape, -1) => np.zeros(free.shape, dtype=int)
             steps[cell] < 0 => not steps[cell]
             You use 0 for cells that have not been reached, but the start has 0 as well. Fill the array with -1 at first.
+        started with zeros, boxes at last: np.full(free.shape, -1) => np.zeros(free.shape, dtype=int)
+            steps[cell] < 0 => not steps[cell]
+            return steps => return np.where(free, steps, -1)
+            You use 0 for cells that have not been reached, but the start has 0 as well. Fill the array with -1 at first.
         outside the grid: if inside and free => if free
+            You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you access it.
+        outside the grid, upwards: if inside and free => if free
+            ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1))
             You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you access it.
         infinite: return steps => return np.where(steps < 0, np.inf, steps)
             Unreachable cells have infinity in your result. They must have -1.
@@ -1010,7 +1039,7 @@ def _moves_public() -> list[Case]:
         return _situation(np.random.default_rng([127, k, seed]), k, moves)
 
     state, covariance, offered = drawn(2, 3, 0)
-    return [
+    cases = [
         Case((state, covariance, [*offered, *offered]), "each move offered twice"),
         Case(drawn(2, 6, 10), "two landmarks, six moves"),
         Case(drawn(3, 7, 4), "three landmarks, seven moves"),
@@ -1021,6 +1050,12 @@ def _moves_public() -> list[Case]:
         Case(drawn(6, 9, 3), "six landmarks, nine moves"),
         Case(drawn(4, 1, 0), "a single move"),
     ]
+    for before, P, options in (case.args for case in cases):
+        for option in (each for each in options if not each.indices):
+            # An update without a measurement is recorded like the reference's calls
+            after = predict(before, P, option.control, option.control_covariance, len(before[3:]) // 2)
+            update_landmarks(*after, option.indices, option.measurements, option.measurement_covariance)
+    return cases
 
 
 def _deciding(rng: np.random.Generator, k: int, moves: int, other: Callable[..., int]) -> Case:
@@ -1179,7 +1214,7 @@ PLAN = LessonPlan(
         ),
         Question(
             "greedy",
-            "After the start with the back to the goal, your choice ended with a larger standard deviation than random moves. Why?",
+            "After the start with its back to the goal, your choice ended with a larger standard deviation than random moves. Why?",
             {
                 "It plans only one move ahead. With two moves it would have turned to the goal.": "Two moves ahead its map is just as empty, so it would not expect to see anything there either.",
                 "Landmarks that are not on its map count for nothing, so for some moves it keeps looking at the only landmark that it has found.": "Each option contains only landmarks of the map. The goal is not on it, so no option promises anything in that direction. Random moves are not biased in this way: after four moves they have found five landmarks (median), your choice one.",

@@ -247,9 +247,9 @@ CHALLENGE = Challenge(
     "function of robot: robot.start is its pose, robot.look() returns numbers, measurements and their covariances, "
     "robot.options(state) returns the moves of exercise 12.7, and robot.move(option) makes a move. Return numbers, "
     "state and covariance: the numbers of your landmarks in the order of your map, and the map as in lesson 07.",
-    scoring="bits: how much denser your map is at the true landmarks than a uniform density over the carpet, as a "
-    "logarithm to the base 2, mean over all robots. A missing landmark adds nothing, and a landmark far outside its "
-    f"ellipse costs points. A consistent map has a NEES per coordinate of {_LOW:.1f} to {_HIGH:.1f}.",
+    scoring="bits: the logarithm to the base 2 of your map's probability density at the true landmarks, relative to a "
+    "uniform density over the carpet, mean over all robots. A missing landmark adds nothing, and a landmark far "
+    f"outside its ellipse costs points. A consistent map has a NEES per coordinate of {_LOW:.1f} to {_HIGH:.1f}.",
     seeds=range(ROBOTS),
     make=make_case,
     given=lambda case: (case.robot,),

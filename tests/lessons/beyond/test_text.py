@@ -106,16 +106,19 @@ def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty
     assert f"is {saved} % smaller (95 % interval from {low} to {high} %)" in told
     assert 1 - chosen[0] / chance[0] >= 0.25  # asked of the course
     nees, (low, high) = np.mean(moves["variants"]["smallest variance"]["nees"]), moves["band"]
-    assert f"The mean NEES of the choice is {nees:.1f}, inside the band" in told and low < nees < high
+    assert (
+        f"With chosen moves the filter's mean NEES is {nees:.1f}, inside the band" in told
+        and low < nees < high
+    )
     edge = f"{at_end['along the edge'][0]:.0f} cm"
-    assert f"Along the edge, where all known landmarks are behind the robot, it ends at {edge}" in told
+    assert f"all known landmarks are behind the robot, and the standard deviation ends at {edge}" in told
     half_way = 100 * np.array(moves["variants"]["in a circle"]["sigmas"])[:, 1].max()
     assert f"ends at {circle[0]:.1f} cm, although it was {half_way:.0f} cm half-way round" in told
 
 
 def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_with_a_larger_error():
     back = recorded("moves")["back"]
-    told = section("With the back to the goal")
+    told = section("With its back to the goal")
     assert f"of twelve such drives is {np.median(back['at random']['sigma'][:12]):.2f} m" in told
     chosen, chance = (
         [np.median(back[name][key]) for key in ("sigma", "error")]
@@ -233,7 +236,7 @@ def test_the_worked_rays_pass_where_the_text_says(own):
 
 
 def drawn(heading):
-    """The grids of a section's drawing, each as rows of its signs."""
+    """Return the grids of a section's drawing, each as rows of its signs."""
     rows = [
         re.split(r" {3,}", line)
         for line in re.search(r"```text\n(.*?)```", section(heading), re.DOTALL)[1].splitlines()

@@ -90,9 +90,9 @@ def test_the_lesson_states_what_thirty_drives_say():
         f"correct little: the drives end {tight['off cm']:.0f} cm off",
         f"associates {wide['wrong %']:.0f} % incorrectly",
         f"end more than {wide['off cm']:.0f} cm off",
-        f"is correct in {usual['right %']:.0f} %",
+        f"**With a gate of 3**, {usual['right %']:.0f} % of the associations are correct",
         f"{usual['> 10 cm']} of 30 drives end more than 10 cm off",
-        f"correct in {usual_j['right %']:.0f} %, and {usual_j['> 10 cm']} of 30",
+        f"the same gate, {usual_j['right %']:.0f} % are correct, and {usual_j['> 10 cm']} of 30",
         f"still {wide_j['> 50 cm']} of 30 drives end more than 50 cm off",
     ):
         assert words in text, words

@@ -13,7 +13,7 @@ TEXT = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
 
 
 def numbers(alt, title):
-    """Wrong matches, and centimetres off, of a panel."""
+    """Return the wrong matches, and centimetres off, of a panel."""
     wrong, off = re.search(rf"{title}: (?:(\d+) of 98 [a-z ]+, )?off by (\d+) cm", alt).groups()
     return int(wrong or 0), int(off)
 
@@ -28,7 +28,7 @@ def test_the_text_says_what_associate_does_on_the_drive(own):
     (metres, _), (wrong, off), (jointly, _) = (
         numbers(alt, title) for title in ("nearest in metres", "your associate", "joint compatibility")
     )
-    assert f"{wrong} of 98 are wrong, and in metres it was {metres}" in TEXT and jointly == 0
+    assert f"{wrong} of 98 are wrong, and with distances in metres {metres} were" in TEXT and jointly == 0
     assert f"still {off} cm off" in TEXT
 
 
@@ -42,7 +42,7 @@ def test_the_drive_gets_better_method_by_method_and_the_text_says_so(own):
     assert "Odometry ends 39 cm off. With the compass alone the error falls to 17 cm." in TEXT
     assert (
         f"it falls to 11 cm, although {ends[2][0]} of 98 measurements" in TEXT
-        and "the error fell from 39 cm to 11 cm by your own code, and to 1 cm with joint" in TEXT
+        and "the error fell from 39 cm to 11 cm with your own code, and to 1 cm with joint" in TEXT
     )
     graph = draw_one_drive(EkfSlam=own["EkfSlam"], GraphSlam=own["GraphSlam"]).alt
     off = numbers(graph, "your GraphSlam, jointly")[1]

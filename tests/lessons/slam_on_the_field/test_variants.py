@@ -38,8 +38,8 @@ def lost(variant):
 
 def test_the_text_says_what_the_drives_recorded(text):
     for variant, digits, words in (
-        ("odometry", 0, "Odometry ends {} cm off"),
-        ("the paper's corners and distances", 0, "the paper's corners and distances end {} cm off"),
+        ("odometry", 0, "The median error at the end is {} cm with odometry"),
+        ("the paper's corners and distances", 0, "and {} cm with the paper's corners and distances"),
         ("joint compatibility", 1, "Joint compatibility brings the error down to {} cm"),
         ("tilt from lines", 1, "tilt from lines to {} cm"),
         (EKF, 1, "the compass to {} cm"),
@@ -91,8 +91,10 @@ def test_the_text_says_what_the_order_is_worth_on_the_drives_that_were_looked_at
     assert (
         f"the usual order loses {round(usual['lost'] * usual['drives'])} drives and this order none" in text
     )
-    at_most = f"the worst drive {100 * surest['position worst']:.0f} cm, with a mean NEES of {surest['NEES mean']:.1f}"
-    assert f"ends {100 * surest['position']:.1f} cm off, {at_most}" in text
+    at_most = (
+        f"the worst {100 * surest['position worst']:.0f} cm, and the mean NEES {surest['NEES mean']:.1f}"
+    )
+    assert f"the median error is {100 * surest['position']:.1f} cm, {at_most}" in text
 
 
 def test_the_text_says_what_short_pieces_do_to_the_compass(text):
