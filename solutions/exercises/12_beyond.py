@@ -219,8 +219,9 @@ def _weigh_public() -> list[Case]:
         # The calls of a loop over the particles are recorded like the reference's
         expected = np.array([expected_measurement(each, landmark) for each in particles])
         warp2pi(measurement[0] - expected[:, 0])
-        for bearing in measurement[0] - expected[:, 0]:
-            warp2pi(bearing)
+        for off in measurement - expected:
+            warp2pi(off)
+            warp2pi(off[0])
     return cases
 
 

@@ -167,9 +167,10 @@ def draw_depletion(update_particle_landmark: Function, resample: Function) -> Dr
     paths = runs[COUNTS[-1]].paths
     figure = Figure(figsize=(9.9, 4.9))
     ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    for n, shade in zip(COUNTS, (0.4, 0.7, 1.0), strict=True):
-        ax.plot(runs[n].ancestors, color=STYLES["ekf"].colour, alpha=shade, lw=2, drawstyle="steps-post")
-        ax.annotate(f"{n} particles", (0, n), (6, 5), textcoords="offset points", fontsize=9.5)
+    for n, shade, dashes in zip(COUNTS, (0.4, 0.7, 1.0), (":", "--", "-"), strict=True):
+        style = {"color": STYLES["ekf"].colour, "alpha": shade, "ls": dashes}
+        ax.plot(runs[n].ancestors, lw=2, drawstyle="steps-post", label=f"{n} particles", **style)
+    ax.legend(loc="upper right", reverse=True)
     ax.set(xlabel="move", ylabel="initial particles with descendants", xlim=(0, SLAM_MOVES))
     ax.set(yscale="log", ylim=(0.8, 160))
     ax.set_yticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
