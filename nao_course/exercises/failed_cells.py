@@ -35,6 +35,8 @@ class FailedCells:
 
     def why_old(self, name: str) -> str:
         """Return why the latest cell that should define a name failed; empty if it succeeded."""
+        if name in self._before and self._shell.user_ns.get(name) is not self._before[name]:
+            return ""  # the cell that is running has defined it before it called the check
         why = self._why.get(name)
         return f"The cell that defines {name} did not run: {why}." if why else ""
 

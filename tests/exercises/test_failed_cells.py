@@ -49,6 +49,17 @@ def test_a_cell_that_raises_before_its_definition_leaves_the_old_one_and_after_i
     assert cells.why_old("double") == ""
 
 
+def test_a_corrected_cell_that_also_checks_its_function_is_not_out_of_date(shell, cells, capsys):
+    """The check runs before the cell has ended, so the cell's own definition has to count already."""
+    shell.user_ns["why_old"] = cells.why_old
+    shell.run_cell("def double(x):\n    return 2 *")
+    shell.run_cell("def double(x):\n    return 2 * x\nsaid = why_old('double')")
+    assert shell.user_ns["said"] == ""
+    shell.run_cell("def double(x):\n    return 3 *")
+    shell.run_cell("said = why_old('double')\ndef double(x):\n    return 2 * x")
+    assert shell.user_ns["said"].startswith("The cell that defines double did not run")
+
+
 def test_a_class_and_a_name_that_was_never_defined_count_too_and_a_method_does_not(shell, cells, capsys):
     shell.run_cell("class Filter:\n    def update(self):\n        return (")
     assert cells.why_old("Filter") and not cells.why_old("update")
