@@ -100,6 +100,10 @@ def show(what: object) -> None:
 _BRACKETS = "binds more tightly than >= and <=: put each comparison in brackets."
 _POWER = "A power is written ** in Python: x**2. The sign ^ means something else."
 _PLACE = "the position of a pose (x, y, theta) is pose[:2]."
+_IN_A_LIST = (
+    "remove, index and in compare an array with each element of the list, and an array has no single True or False. "
+    "Build a new list with the elements that stay, or compare positions in the list."
+)
 _ADVICE = {  # NumPy's own messages about the most common errors are correct, but do not help a beginner
     "The truth value of an array": "An array has no single True or False. Instead of and, or, a < b < c and if, "
     "write & and | between comparisons in brackets, or use np.where.",
@@ -141,6 +145,10 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "loop of ufunc does not support argument 0 of type": "np.sin and similar functions need numbers, not "
     "symbols: use SymPy's sin, cos, sqrt and atan2.",
     "has no attribute 'arctan2'": "np.arctan2 needs numbers, not symbols: use SymPy's atan2.",
+    "'int' object has no attribute": "That is a whole number. Are the arguments in the order of the function's first "
+    "line?",
+    "missing 1 required positional argument": "That call has too few arguments. A tuple counts as one argument: a star "
+    "before it, as in f(x, *limits), passes its values one by one.",
     "high <= 0": "rng.integers excludes its upper end: pass the size itself, not one less.",
 }
 _PARTS = {  # names that lessons give to the parts of an argument
@@ -161,8 +169,20 @@ _RUN_ABOVE = (
 )
 
 
-def advice_on(complaint: str) -> list[str]:
+def advice_on(complaint: str, line: str = "") -> list[str]:
     """Return the first advice that fits an exception, because its own message does not help a beginner.
+
+    Parameters
+    ----------
+    complaint : str
+        The exception's class and message.
+    line : str
+        The student's line that raised it, if it is known.
+
+    Returns
+    -------
+    list of str
+        At most one sentence of advice.
 
     Examples
     --------
@@ -176,6 +196,10 @@ def advice_on(complaint: str) -> list[str]:
         ]
     if advice := _on_unknown_part(complaint):
         return [advice]
+    if "The truth value of an array" in complaint and re.search(
+        r"\.(?:remove|index)\(| not in |\bif \w+ in ", line
+    ):
+        return [_IN_A_LIST]
     return [advice for start, advice in _ADVICE.items() if start in complaint][:1]
 
 

@@ -165,6 +165,8 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(ca
         (lambda: np.zeros(3) + np.zeros(2), "the position of a pose (x, y, theta) is pose[:2]"),
         (lambda: float(sympy.Symbol("x")), "SymPy symbols"),
         (lambda: cv2.Canny(np.zeros((3, 3)), 50, 150), "a picture of bytes"),
+        (lambda: (1000).integers(0, 9), "in the order of the function's first line"),
+        (lambda: (lambda low, high: low)((340, 10)), "as in f(x, *limits)"),
     ],
 )
 def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
@@ -172,3 +174,10 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
         slip()
     (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
     assert advice in said
+
+
+@pytest.mark.parametrize("line", ["clusters.remove(each)", "if point not in seen:", "if point in seen:"])
+def test_arrays_in_a_list_cannot_be_searched_and_the_advice_says_so(line):
+    complaint = "ValueError: The truth value of an array with more than one element is ambiguous."
+    assert "Build a new list" in trying.advice_on(complaint, line)[0]
+    assert "no single True or False. Instead of" in trying.advice_on(complaint, "if low <= hue <= high:")[0]

@@ -190,11 +190,12 @@ def _explain(
             if (wanted := exercise.cases[first].raises)
             else []
         )
-        lines += advice_on(outcome.text)
         if re.search(rf"[ .](?:{exercise.name}(?:\.\w+)?|<lambda>)\(\) .*positional argument", outcome.text):
             lines.append(
                 "Keep the function's first line as the lesson gives it: the check calls it with those arguments."
             )
+        else:
+            lines += advice_on(outcome.text, outcome.line)
     parts = _right_parts(exercise, wrong)
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong), *parts))
 
