@@ -43,6 +43,8 @@ TO_RADIANS = Exercise(
             Your results are twice as large as they should be. 360 degrees are 2 pi radians, so 180 degrees are pi radians.
         whole degrees: return angle_deg => return int(angle_deg)
             You drop the decimals of the angle: 22.5 degrees become 22. Use angle_deg as it is.
+        rounded down: angle_deg * np.pi / 180.0 => angle_deg // 180.0 * np.pi
+            You round down to whole half turns, because // drops the remainder. Divide with /.
         wrapped: angle_deg * np.pi / 180.0 => (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi
             You wrap the result to (-pi, pi]. That is right for directions, but this is an amount of turning: a whole turn is 2 pi, not 0.
         modulo a whole turn: / 180.0 => / 180.0 % (2 * np.pi)

@@ -80,6 +80,8 @@ RGB_TO_HSL = Exercise(
             Some of your hues are negative. Take the hue modulo 360; pinks are just below 360 degrees.
         the red line left out: sixths = np.where(largest == red, (green - blue) / divisor, sixths) => pass
             Where red is the largest channel, your hues come from another line of equation 1.3. The given code has the lines for green and blue; add the first line, for M = r.
+        the red line left out, grey given hue 0: sixths = np.where(largest == red, (green - blue) / divisor, sixths) => sixths = np.where(grey, 0.0, sixths)
+            Where red is the largest channel, your hues come from another line of equation 1.3. The given code has only the lines for green and blue; add the first line, for M = r.
         the red line reversed: (green - blue) / divisor, sixths => (blue - green) / divisor, sixths
             Where red is the largest channel, your hues run the wrong way round the circle. The numerator of the first line is g - b.
         only the red line: (green - blue) / divisor, sixths => (green - blue) / divisor, 0.0
@@ -127,6 +129,8 @@ RGB_TO_HSL = Exercise(
             Your saturation is 1 for every colour, because its denominator equals M - m. The denominator of equation 1.2 is 1 - |M + m - 1|, with a plus sign.
         60 forgotten: 60 * sixths % 360 => sixths % 6
             Your hues are between 0 and 6, in sixths of the circle. Multiply them by 60 degrees.
+        60 before the modulo of 6: 60 * sixths % 360 => 60 * sixths % 6
+            You multiply by 60 and then take the modulo of 6. In degrees a whole circle is 360.
         60 forgotten before the modulo: 60 * sixths % 360 => sixths % 360
             You take sixths modulo 360, but sixths counts sixths of the circle. Multiply by 60 degrees before you take the modulo.
         modulo before 60: 60 * sixths % 360 => 60 * (sixths % 360)
@@ -191,6 +195,7 @@ AVERAGE_LIGHTNESS = Exercise(
     public=lambda: [
         Case((_patchy(12, 40, 32).T.copy(), 40, 120), "120 samples of 40 pixels"),
         Case((np.array([[250.0, 0.0]]), 1, 260), "a picture of two pixels"),
+        Case((np.array([[0.5, 0.0]]), 1, 260), "two pixels that are nearly black"),
         Case((_patchy(31, 24, 32), 40, 120), "a picture with a bright top"),
     ],
     hidden=lambda rng: [
@@ -198,6 +203,7 @@ AVERAGE_LIGHTNESS = Exercise(
         Case((_patchy(rng, 60, 40).T.copy(), 20, 120)),
         Case((np.array([[float(rng.uniform(200, 250))], [0.0]]), 1, 260)),
         Case((_two_values(rng), 2, 260), "the mean of two pixels has three values"),
+        Case((np.array([[float(rng.uniform(0.1, 0.4)), 0.0]]), 1, 260)),
     ],
     comparison=Sampled(),
     driver="each_seed",
@@ -242,6 +248,8 @@ AVERAGE_LIGHTNESS = Exercise(
             Your results vary as much as the lightness of a single pixel, because you draw only one. Draw n_samples pixels and return their mean.
         the mean and noise: lightness.ravel()[chosen].mean() => lightness.mean() + rng.normal(0, lightness.std() / np.sqrt(n_samples))
             You add noise to the mean of all pixels. Draw n_samples pixels and return their mean. This is the purpose of a sample: the other pixels are not needed.
+        whole numbers: float(lightness.ravel()[chosen].mean()) => int(lightness.ravel()[chosen].mean())
+            You round the mean to a whole number. Return the mean itself, which is a float.
         the median: lightness.ravel()[chosen].mean() => np.median(lightness.ravel()[chosen])
             You return the median of the sample. Return its mean; in a picture with a bright wall above dark grass the two are far apart.
     """),
@@ -292,6 +300,10 @@ WHITE_THRESHOLD = Exercise(
             Your threshold is far above 255, because you do not divide. The fraction is mean_lightness / max_lightness.
         difference reversed: (max_lightness - beta) => (beta - max_lightness)
             Your threshold falls when the mean rises, because you exchange the two terms of the difference. It is max_lightness - beta.
+        sum in the brackets: (max_lightness - beta) => (max_lightness + beta)
+            You add beta inside the brackets. The fraction multiplies the difference (max_lightness - beta).
+        255 in the brackets: (max_lightness - beta) => (255.0 - beta)
+            In the brackets you use 255. Use the argument max_lightness there, too.
         beta inside the brackets: + return (beta + (max_lightness - beta)) * mean_lightness / max_lightness
             You return the mean itself, because you multiply beta by the fraction, too. Add beta after the multiplication.
         a comparison: + return mean_lightness > beta + (max_lightness - beta) * mean_lightness / max_lightness
@@ -355,6 +367,13 @@ HUE_MASK = Exercise(
             If low is larger than high, your mask is empty. Such an interval goes through 0: a hue is inside if it is above low *or* below high.
         limits excluded: >= low, hue <= high => > low, hue < high
             You leave out hues that are equal to a limit. Equations 1.6 and 1.7 include both limits.
+        upper limit excluded: hue <= high => hue < high
+            You leave out hues that are equal to high. Equations 1.6 and 1.7 include both limits.
+        lower limit excluded: hue >= low => hue > low
+            You leave out hues that are equal to low. Equations 1.6 and 1.7 include both limits.
+        everything moved to -180..180: + turn = lambda angle: (angle + 180) % 360 - 180
+            + return (turn(hue) >= turn(low)) & (turn(hue) <= turn(high))
+            You move all angles to -180..180. This works for red, but an interval that contains 180 is then interrupted, for example the one from 170 through 180 and 0 to 10.
         equal limits for all hues: if low <= high => if low < high
             If both limits are equal, only that one hue is inside, but you return all hues. The interval goes through 0 only if low is *larger* than high.
         hues above 180 moved: + if low > high:
@@ -491,6 +510,17 @@ COLOR_LABELS = Exercise(
             You exchange saturation and lightness. rgb_to_hsl returns hue, saturation and lightness, in this order.
         no white: labels[lightness > threshold] = 3 => pass
             No pixel is labelled white. Assign 3 where the lightness is above the threshold, after green and yellow.
+        sum of the labels: + hue, saturation, lightness = rgb_to_hsl(picture)
+            + coloured = saturation >= min_saturation
+            + greens, yellows = hue_mask(hue, *green) & coloured, hue_mask(hue, *yellow) & coloured
+            + return (1 * greens + 2 * yellows + 3 * (lightness > threshold)).astype(np.uint8)
+            You add the labels, so a pixel that passes several filters gets their sum. It should get only one label: assign green, then yellow, then white.
+        blue first: rgb_to_hsl(picture) => rgb_to_hsl(picture[..., ::-1])
+            Red and blue are exchanged. The pictures of this course are red, green, blue, and so is the argument of rgb_to_hsl.
+        saturation in 0..255: saturation >= min_saturation => 255 * saturation >= min_saturation
+            You multiply the saturation by 255. Both saturation and min_saturation are between 0 and 1.
+        the mean of the channels: lightness > threshold => picture.mean(axis=2) > threshold
+            You compare the mean of the three channels with the threshold. Use the lightness from rgb_to_hsl.
         labels as floats: dtype=np.uint8 => dtype=float
             Your labels are right, but they are floats. Pass dtype=np.uint8 when you create the array.
         luma: lightness > threshold => picture @ [0.299, 0.587, 0.114] > threshold
@@ -557,6 +587,7 @@ CALIBRATE_HUE = Exercise(
         Case((*_grass(16, 4, 12), 3.0), "a red ball, epsilon 3"),
         Case((*_row([2, 10, 20], [0.5, 0.4, 0.01]), 5.0), "epsilon moves a limit past 0"),
         Case((*_row([200, 330], [0.5, 0.4]), 0.0), "two hues, 200 and 330"),
+        Case((*_row([345, 355]), 5.0), "epsilon moves a limit to 0"),
         Case((*_row([0, 5, 10], [0.5, 0.4, 0.3]), 1.0), "pure red, which has the hue 0, and no grey"),
         Case((*_row([350, 355, 5, 10]), 2.0), "the example of the docstring"),
         Case((*_row([0, 0, 0, 170, 200]), 0.0), "hues 0, 170 and 200"),
@@ -566,6 +597,8 @@ CALIBRATE_HUE = Exercise(
         *(Case((*_grass(rng, *rng.uniform((-6, 10), (6, 30))), e)) for e in (0.0, 4.0)),
         Case((*_row([1, 8, 30], [0.5, 0.9, 0.01]), 5.0)),
         Case((*_row([350, 358, 300], [0.5, 0.9, 0.2]), 5.0)),
+        Case((*_row([350, 357]), 3.0)),
+        Case(_row([1, 167 + int(rng.integers(6)), 201], 0.4)),
         Case((*_row([90, 90, 10], [0.5, 0.9, 0.0]), 2.0)),
         Case(_grass(rng, 55.0, 10.0)),
         Case(_row([rng.uniform(185, 215), 340], [0.3, 0.02])),
@@ -626,6 +659,19 @@ CALIBRATE_HUE = Exercise(
             You widen only low. Add epsilon to high as well.
         swapped before epsilon: low, high = => high, low =
             low and high are exchanged. The widest gap is outside the arc, so low is the hue after it and high the hue before it.
+        swapped after epsilon: return float((low - epsilon) % 360), float((high + epsilon) % 360) => return float((high + epsilon) % 360), float((low - epsilon) % 360)
+            You return high first. Return low, the hue after the widest gap, and then high, the hue before it.
+        cut off at 0 and 360: (low - epsilon) % 360 => max(low - epsilon, 0)
+            (high + epsilon) % 360 => min(high + epsilon, 360)
+            You stop at 0 and at 360. A limit that moves past 0 goes on from 360, so take both modulo 360.
+        360 instead of 0: (high + epsilon) % 360 => high + epsilon if high + epsilon <= 360 else high + epsilon - 360
+            You return a limit of 360. Hues are below 360, so this one is 0: take it modulo 360.
+        cut at 0 or at 180: + there = hue[saturation > 0]
+            + turned = (there + 180) % 360
+            + if np.ptp(there) <= np.ptp(turned):
+            +     return float((there.min() - epsilon) % 360), float((there.max() + epsilon) % 360)
+            + return float((turned.min() - 180 - epsilon) % 360), float((turned.max() - 180 + epsilon) % 360)
+            You cut the circle either at 0 or at 180. The widest gap can be anywhere else, for example between 0 and 170 with the hues 0, 170 and 200. Find the widest gap itself.
         epsilon forgotten: + epsilon = 0
             You do not use epsilon. Subtract it from low and add it to high.
         modulo forgotten: (low - epsilon) % 360 => low - epsilon

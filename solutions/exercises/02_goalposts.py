@@ -105,6 +105,7 @@ def _candidates_public() -> list[Case]:
         ),
         Case((turns, 2, 3, 0.25), "green and white alternating, runs of 4, 3 and 2 of 10"),
         Case((field(12, 10, 4), 2, 3, 0.25), "no yellow at all"),
+        Case((_columns("yyyyggwg oyyygggg"), 2, 3, 0.5), "a run of half the height that begins in row 0"),
         Case((scattered(21, 24, 40), 2, 5, 0.125), "random labels"),
     ]
 
@@ -128,6 +129,7 @@ def _candidates_hidden(rng: np.random.Generator) -> list[Case]:
         Case((_columns("ooyyyygg oooyyyyg ooooyyyy ogyyyygw yyyygggw"), int(rng.integers(1, 3)), 4, 0.5)),
         *(Case((np.full((12, int(rng.integers(5, 9))), YELLOW, dtype=np.uint8), n, 4, 0.25)) for n in (1, 0)),
         Case((_columns("ooyyyygg oooyyyyg ogyyyygw"), 2, int(rng.integers(4, 7)), 0.25)),
+        Case((_columns("yyyggwgg oyyggggg yyygwggg"), 2, int(rng.integers(3, 5)), 0.375)),
         Case((field(16, int(rng.integers(8, 20)), 5), 1, 4, 0.25)),
     ]
 
@@ -157,7 +159,19 @@ POST_CANDIDATES = Exercise(
             +         v -= 1
             If a column is yellow up to its top, you go on counting beyond the picture, because labels[-1, u] is the last row. Stop at row 0.
         height rounded down: np.ceil(min_height * height) => int(min_height * height)
-            int() rounds the smallest height down. A quarter of 10 rows is 2.5, so a run of 2 pixels is too short. Compare with the number without rounding.
+            You round the smallest height down, for example with int() or round(). A quarter of 10 rows is 2.5, so a run of 2 pixels is too short. Compare with the number without rounding.
+        row 0 not counted: labels[run, columns[:, None]] == 2 => (labels[run, columns[:, None]] == 2) & (run > 0)
+            Your count ends before row 0, so a run that begins there is one pixel too short. range(v, 0, -1) ends at 1; range(v, -1, -1) includes row 0.
+        always ten pixels: np.arange(1, look_down + 1) => np.arange(1, 11)
+            You always test ten pixels below the foot. Test look_down pixels.
+        not yellow is enough: columns[:, None]] == 1) & (below < height) => columns[:, None]] != 2) & (below < height)
+            You count all pixels that are not yellow. Count only the green ones, label 1.
+        missing pixels are green: & (below < height) => | (below >= height)
+            At the lower edge you count missing pixels as green, for example because you limit the number of pixels that are not green. Compare the number of green pixels with min_green.
+        fraction of the row: & yellow.all(axis=1) => & np.array([np.cumprod(labels[v::-1, u] == 2).sum() >= min_height * v for u, v in zip(columns, foot)], dtype=bool)
+            You multiply min_height by the row of the foot. It is a fraction of the picture's height, labels.shape[0].
+        one row too low: columns[good], foot[good] => columns[good], foot[good] + 1
+            Your points are one row below the foot. The foot is the lowest yellow pixel itself.
         more than both: >= min_green => > min_green
             np.ceil(min_height * height) => int(min_height * height) + 1
             A column with exactly min_green green pixels, or exactly the smallest height, passes. Use >= in both tests.
@@ -172,6 +186,15 @@ POST_CANDIDATES = Exercise(
             In some columns you continue to search after the first yellow pixel has failed. Reject such a column, because what is above its lowest yellow pixel is hardly ever a foot.
         stops at a column without yellow: (labels == 2).any(axis=0) => np.cumprod((labels == 2).any(axis=0))
             You stop at the first column without yellow. If your loop has a break or a return there, use continue.
+        stops at the first failed test for green: (green.sum(axis=1) >= min_green) & => np.cumprod(green.sum(axis=1) >= min_green).astype(bool) &
+            You stop at the first column without enough green below its foot. If your loop has a break or a return there, use continue.
+        the lowest yellow with green below: + found = []
+            + for u in range(labels.shape[1]):
+            +     rows = [v for v in np.flatnonzero(labels[:, u] == 2) if (labels[v + 1 :, u][:look_down] == 1).sum() >= min_green]
+            +     if rows and np.cumprod(labels[rows[-1] :: -1, u] == 2).sum() >= min_height * len(labels):
+            +         found.append((u, rows[-1]))
+            + return np.array(found).reshape(-1, 2)
+            In some columns you search further up for a yellow pixel with green below it. Test only the lowest yellow pixel, and reject the column if it fails.
         stops at a rejected column: & yellow.all(axis=1) => & yellow.all(axis=1)
             + good = np.cumprod(good).astype(bool)
             You stop at the first column that fails a test. If your loop has a break or a return there, use continue.
@@ -429,6 +452,15 @@ CLUSTER_POINTS = Exercise(
             A list's remove(c) compares c with the other clusters, and arrays cannot be compared to a single True or False. Build a new list of the clusters that the point is not near.
         nothing found: + return np.zeros((0, 2))
             You return no points. Return one for each cluster; a point without neighbours is also a cluster.
+        rounded means: .mean(axis=0) => .mean(axis=0).round()
+            You round the means to whole numbers. Return them as they are.
+        means of means: + clusters = []
+            + for point in points:
+            +     near = [each for each in clusters if np.linalg.norm(point - each) <= max_distance]
+            +     clusters = [each for each in clusters if np.linalg.norm(point - each) > max_distance]
+            +     clusters.append(np.mean([point, *near], axis=0))
+            + return np.array(clusters).reshape(-1, 2)
+            You keep only the mean of each cluster. A point belongs to a cluster if it is near any of its points, and a mean of means gives all clusters the same weight. Keep all points of a cluster until the end.
         whole numbers: .mean(axis=0) => .mean(axis=0).astype(int)
             You cut off the decimals of the means with int. Return floats.
         only neighbours averaged: [points[names == name].mean(axis=0) for name in np.unique(names)] => [points[row].mean(axis=0) for row in near]
@@ -689,6 +721,8 @@ FIND_GOALPOSTS = Exercise(
             You merge two posts into one. They may be only a fifth of the picture's height apart, so use a smaller distance for clustering.
         a low height: 0.1 => 1 / 40
             You report objects that lie on the carpet, because your smallest height is too low. A post is at least a tenth of the picture's height tall.
+        a thirtieth of the height: 0.1 => 0.03
+            You report objects on the carpet that are only a thirtieth of the picture's height tall. A post is at least a tenth of it.
         arguments swapped: min_green, look_down = np.ceil => look_down, min_green = np.round
             You require more green pixels than you test. The order of the arguments is min_green, look_down.
         part of the width: len(labels) / 240 => labels.shape[1] / 320

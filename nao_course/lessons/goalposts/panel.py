@@ -45,7 +45,7 @@ _SLIDERS = (
     ),
     Slider(
         "max_distance",
-        "Linkage",
+        "Cluster distance",
         0,
         60,
         1,

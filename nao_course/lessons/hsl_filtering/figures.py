@@ -167,7 +167,7 @@ def draw_stray_pixel(
     parts = np.asarray(shares, dtype=float)
     figure = Figure(figsize=(9.9, 3.4))
     axes = figure.subplots(1, 3, width_ratios=(1, 1, 0.95))
-    titles = ("clean example", "with one pixel of grass")
+    titles = ("clean example", "with one pixel of the carpet")
     for ax, labels, title in zip(axes, (before, after), titles, strict=False):
         plot_picture(painted(labels), ax, ticks=False)
         ax.set_title(title, fontsize=11)
@@ -178,12 +178,12 @@ def draw_stray_pixel(
     ax.text(100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT)
     ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
     ax.set(xlabel="carpet labelled yellow (%)", ylabel=f"number of stray pixels (of {len(parts)})")
-    ax.set_title("other pixels of grass", fontsize=11)
+    ax.set_title("other pixels of the carpet", fontsize=11)
     legend_below(figure, label_keys(LABELS))
     low, middle, high = np.percentile(100 * parts, (5, 50, 95))
     words = (
-        f"Labels with a clean example of the goal and with one pixel of grass in it: {share:.0%} of the carpet is "
-        f"labelled yellow. For {len(parts)} other pixels of grass it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
+        f"Labels with a clean example of the goal and with one pixel of the carpet in it: {share:.0%} of the carpet is "
+        f"labelled yellow. For {len(parts)} other pixels it is {low:.0f} % to {high:.0f} % (5 % and 95 % of "
         f"them), with a median of {middle:.0f} %."
     )
     return Drawing(figure, words)

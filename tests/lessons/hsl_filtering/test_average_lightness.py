@@ -29,4 +29,4 @@ def verdicts(function, seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_mean_with_noise_loses_the_case_of_two_pixels(seed):
     assert all(verdicts(reference(LESSON)["average_lightness"], seed))
-    assert verdicts(mean_and_noise, seed) == [True, True, True, False]
+    assert verdicts(mean_and_noise, seed) == [True, True, True, False, True]
