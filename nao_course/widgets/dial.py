@@ -43,7 +43,7 @@ _GROUPS = {  # effect: its slider's label and explanation, which also appears be
         ),
         "exposure": ("auto exposure", "the camera makes every picture equally bright on average"),
         "overexposure": (
-            "too bright a white",
+            "overexposure",
             "white is brighter than the largest value that the camera records",
         ),
         "vignette": ("dark corners", "corners of the picture are darker than its centre"),

@@ -45,7 +45,7 @@ _SLIDERS = (
     ),
     Slider(
         "max_distance",
-        "Cluster distance",
+        "Max. distance",
         0,
         60,
         1,

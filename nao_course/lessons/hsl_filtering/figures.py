@@ -177,7 +177,7 @@ def draw_stray_pixel(
     ax.axvline(100 * share, ymax=0.88, color="#c84b00", lw=2)
     ax.text(100 * share, 0.91, f"this pixel: {share:.0%}", transform=ax.get_xaxis_transform(), **_PIXEL_TEXT)
     ax.set(ylim=(0, ax.get_ylim()[1] * 1.2), xlim=(0, 100))
-    ax.set(xlabel="carpet labelled yellow (%)", ylabel=f"number of stray pixels (of {len(parts)})")
+    ax.set(xlabel="carpet labelled yellow (%)", ylabel=f"stray pixels (of {len(parts)})")
     ax.set_title("other pixels of the carpet", fontsize=11)
     legend_below(figure, label_keys(LABELS))
     low, middle, high = np.percentile(100 * parts, (5, 50, 95))
