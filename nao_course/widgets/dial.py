@@ -42,10 +42,7 @@ _GROUPS = {  # effect: its slider's label and explanation, which also appears be
             "the camera assumes a light that is redder or bluer than the real one",
         ),
         "exposure": ("auto exposure", "the camera makes every picture equally bright on average"),
-        "overexposure": (
-            "overexposure",
-            "white is brighter than the largest value that the camera records",
-        ),
+        "overexposure": ("overexposure", "white is brighter than the largest value that the camera records"),
         "vignette": ("dark corners", "corners of the picture are darker than its centre"),
         "blur": ("blur", "lens and sensor smear the picture"),
         "noise": ("noise", "the sensor adds random numbers to each pixel"),

@@ -245,8 +245,11 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
     ax.plot([distance] * 2, [0, post], color="#d9a800", lw=7, solid_capstyle="butt")
     ax.plot(*np.transpose([camera, camera + 1.2 * distance * along]), color=axis, ls="--", lw=1.6)
     across = np.array([np.sin(pitch), np.cos(pitch)])
-    # place of the word for y in points, of the arrow for z beside the axis in m, and of its word along and beside the arrow
-    aside = {"foot": ((10, -4), "left", -0.14, (0.45, -0.035)), "top": ((-8, 18), "right", 0.06, (0.68, 0.035))}
+    # Place of the word for y in points, of the arrow for z beside the axis in m, and of its word at the arrow.
+    aside = {
+        "foot": ((10, -4), "left", -0.14, (0.45, -0.035)),
+        "top": ((-8, 18), "right", 0.06, (0.68, 0.035)),
+    }
     for name, end in ends.items():
         at = camera + ((end - camera) @ along) * along
         at_line, ha, beside, (part, away) = aside[name]
