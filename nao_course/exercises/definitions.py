@@ -316,7 +316,7 @@ def without_outputs(name: str, content: bytes | bytearray) -> bytes:
     kept = {key: metadata(notebook, key) for key in ("kernelspec", "nao_course")}
     short = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kept, "cells": cells}).encode()
     if len(short) > LARGEST_CODE:
-        raise ValueError(f"{name}: its code cells may have at most {LARGEST_CODE // 2**20} MB")
+        raise ValueError(f"{name}: its code and metadata may have at most {LARGEST_CODE // 2**20} MB")
     return short
 
 
@@ -350,7 +350,8 @@ def _why_unreadable(error: Exception) -> str:
             return str(error)
         case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
             if not doc[at:].strip() or message.startswith("Unterminated"):
-                return f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"
+                end = f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"
+                return end if doc.strip() else "it is empty"
             return f"line {line} is not JSON, the format of notebooks; save it again with JupyterLab"
         case MemoryError():
             return "it is too large to be read; clear all outputs and save it again"
@@ -481,8 +482,7 @@ def _compile(statement: ast.stmt, file: str, flags: int) -> CodeType:
 
 def _stands_beside(value: Any, notebook: Path) -> bool:
     """Return whether an object comes from a file of the student's own, in the notebook's folder."""
-    module = sys.modules.get(getattr(value, "__module__", None) or "")
-    file = getattr(module, "__file__", None)
+    file = getattr(sys.modules.get(getattr(value, "__module__", None) or ""), "__file__", None)
     return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
 
 

@@ -351,7 +351,7 @@ def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path
     [
         (b'{"cells": [', "it is incomplete: it breaks off in line 1"),
         (b'{"cells":\n ["import num', "it is incomplete: it breaks off in line 2"),
-        (b" ", "it is incomplete: it breaks off in line 1"),
+        (b" ", "it is empty"),
         (b'{"cells": [{"cell_type": "code", "source": 1}]}', "none of its cells has a type and a source"),
         (b"{}", "it has no list of cells"),
         (b"[]", "it contains other data than a notebook"),
@@ -491,7 +491,7 @@ def test_a_notebook_without_its_outputs_has_the_same_contents_and_a_tenth_of_the
 
 def test_a_notebook_without_its_outputs_may_not_be_large(tmp_path):
     notebook = toy.write(tmp_path / "own.ipynb", f"data = '{'x' * LARGEST_CODE}'")
-    with pytest.raises(ValueError, match="^own.ipynb: its code cells may have at most 12 MB$"):
+    with pytest.raises(ValueError, match="^own.ipynb: its code and metadata may have at most 12 MB$"):
         without_outputs(notebook.name, notebook.read_bytes())
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nao_course.codec import encode
 from nao_course.instructor.sandbox.processes import start_process, wait_until_ready
-from nao_course.instructor.sandbox.protocol import Allowance, Ended
+from nao_course.instructor.sandbox.protocol import Allowance, Ended, printable
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
 SECONDS = 30.0  # for one notebook; 50 MB take about one second
@@ -57,7 +57,7 @@ def without_outputs(
                 case ("shortened", bytes(content)):
                     return content
                 case ("refused", str(reason)):
-                    raise Ended("not found", reason)
+                    raise Ended("not found", printable(reason))
                 case _:
                     channel.give_up()
         finally:

@@ -24,6 +24,7 @@ from nao_course.exercises.running import Outcome, Status
 REPLY = Limits(size=32 * 2**20, header=4 * 2**20)  # a picture of 1280 x 960 in float64 has 28 MB
 MOST_OUTPUT = 8 * 2**10  # bytes of what a call prints that are kept
 MOST_NOTES = 20  # reports of denied attempts from a worker
+LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 MOST_REQUEST = 2**16  # bytes of a message to or from the warm server
 UNREADABLE = "its answer could not be read"
 LIMITED = "--limited"  # argument of a worker's process that sets limits for itself
@@ -53,6 +54,11 @@ class EarlierNotebook:
     content: bytes
     helpers: Mapping[str, bytes] = field(default_factory=dict)
     setup: str = ""
+
+
+def printable(text: str) -> str:
+    """Return the beginning of an untrusted text, without control characters."""
+    return "".join(each if each.isprintable() else " " for each in text[:LONGEST_REASON])
 
 
 def scrubbed_environment(*names: str) -> dict[str, str]:

@@ -28,6 +28,7 @@ from nao_course.instructor.sandbox.protocol import (
     EarlierNotebook,
     Ended,
     ended_from_outside,
+    printable,
 )
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
@@ -39,7 +40,6 @@ MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # requests of one call for reference functions,
 MOST_ASKED_BYTES = 512 * 2**20  # and their size
 TOO_OFTEN = "too often"  # how the reason ends when there were more
-LONGEST_REASON = 500  # characters: why a notebook cannot be loaded
 _SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all else only the grader can know
 
 
@@ -232,7 +232,7 @@ class Worker:
             match said:
                 case ("attempt", str(text)):
                     if len(self._noted) < MOST_NOTES:
-                        self._noted[_printable(text[:200])] = None
+                        self._noted[printable(text[:200])] = None
                 case _:
                     return said
 
@@ -340,7 +340,7 @@ class Worker:
                         at = (cell, line)
                     case ("refused", str(reason)):
                         at = None
-                        raise Ended("not found", _printable(reason))
+                        raise Ended("not found", printable(reason))
                     case ("found", [*names], [*skipped], dict(written), str(lesson), str(version)):
                         told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
                         self._found = Found(
@@ -357,13 +357,8 @@ class Worker:
     def _skipped(self, statement: Any) -> Skipped:
         match statement:
             case (int(cell), int(line), str(reason)):
-                return Skipped(cell, line, self._left_out.get((cell, line), _printable(reason)))
+                return Skipped(cell, line, self._left_out.get((cell, line), printable(reason)))
         raise Ended("died", UNREADABLE)
-
-
-def _printable(text: str) -> str:
-    """Return the beginning of an untrusted text, without control characters."""
-    return "".join(each if each.isprintable() else " " for each in text[:LONGEST_REASON])
 
 
 def _texts(values: Any) -> tuple[str, ...]:

@@ -49,6 +49,15 @@ def test_what_is_no_notebook_is_refused_with_the_reason(content, server):
     assert (ended.value.outcome.status, ended.value.outcome.text) == ("not found", str(reason.value))
 
 
+def test_a_reason_cannot_control_a_terminal(server):
+    kernel = {"kernelspec": {"language": "\x1b[2J\u202eR"}}
+    cells = [{"cell_type": "code", "source": "x <- 1", "metadata": {}}]
+    content = json.dumps({"nbformat": 4, "metadata": kernel, "cells": cells}).encode()
+    with pytest.raises(Ended) as ended:
+        shortened(content, server)
+    assert ended.value.outcome.text == "own.ipynb: expected a notebook in Python, got  [2J R"
+
+
 def test_its_time_counts_and_has_an_end(large, server):
     allowance = Allowance()
     shortened(large, server, allowance=allowance)
