@@ -22,6 +22,7 @@ FIRST = (
     "tests/attacks/test_accidents.py",
     "tests/instructor/autograding/test_batch.py",
     "tests/attacks/test_siege.py",
+    "tests/attacks/test_fourth_siege.py",
     *APART,
     "tests/attacks/test_mutations.py",
     "tests/browser/test_lab.py",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.attacks import accidents, laws, siege
+from tests.attacks import accidents, fourth_siege, laws, siege
 from tests.attacks.code import ATTACKS
 from tests.attacks.conftest import LAYERS
 from tests.attacks.range import POINTS, REAL_POINTS, ROWS, Attack, all_but, lined_up, points
@@ -24,7 +24,9 @@ def test_the_catalogue_covers_every_row_that_is_about_code():
 
 
 @pytest.mark.parametrize(
-    "attacks", [ATTACKS, siege.ATTACKS, accidents.ATTACKS], ids=["code", "siege", "accidents"]
+    "attacks",
+    [ATTACKS, siege.ATTACKS, accidents.ATTACKS, fourth_siege.ATTACKS],
+    ids=["code", "siege", "accidents", "fourth"],
 )
 def test_each_attack_stands_between_right_and_half_right_work_of_its_own_lesson(attacks):
     line = list(lined_up(attacks).values())
