@@ -525,7 +525,7 @@ def large(
     honest: Mapping[str, float] | None = None,
     says: str = "",
 ) -> Attack:
-    """Make a notebook with three megabytes of output that is odd in one place; it is built only when it is handed in."""
+    """Make a notebook with three megabytes of output that is odd in one place, when it is handed in."""
 
     def make(folder: Path) -> None:
         made = copy.deepcopy(HONEST)
