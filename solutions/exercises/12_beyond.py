@@ -893,7 +893,7 @@ TRAVEL_STEPS = Exercise(
             You process the newest cell first, which follows a single path to its end and gives too many steps. Process the oldest cell first: wave.pop(0).
         the last first, upwards: wave.pop(0) => wave.pop()
             ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1))
-            You process the newest cell first, which follows a single path to its end and gives too many steps. Process the oldest cell first: wave.pop(0).
+            You process the newest cell first, which follows a single path to its end and gives too many steps. Use wave.pop(0), which takes the oldest cell.
         through boxes: inside and free[cell] => inside
             Your path leads through cells that are not free.
         onto boxes: inside and free[cell] => inside
@@ -927,12 +927,12 @@ TRAVEL_STEPS = Exercise(
         started with zeros, boxes at last: np.full(free.shape, -1) => np.zeros(free.shape, dtype=int)
             steps[cell] < 0 => not steps[cell]
             return steps => return np.where(free, steps, -1)
-            You use 0 for cells that have not been reached, but the start has 0 as well. Fill the array with -1 at first.
+            You use 0 for cells that have not been reached, but the start has 0 as well. Fill the array with -1 at first, and then the boxes need no step of their own.
         outside the grid: if inside and free => if free
             You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you access it.
         outside the grid, upwards: if inside and free => if free
             ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1))
-            You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you access it.
+            You access neighbours outside the grid: an index that is too large raises an IndexError, and -1 is the last row or column. Check that a neighbour is inside before you use its index.
         infinite: return steps => return np.where(steps < 0, np.inf, steps)
             Unreachable cells have infinity in your result. They must have -1.
         NaN for unreachable: return steps => return np.where(steps < 0, np.nan, steps)

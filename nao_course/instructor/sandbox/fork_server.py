@@ -56,6 +56,9 @@ _LIBRARIES = (
 )
 _MOST_WAITING = 10.0  # seconds for a namespace to end
 _WATCH = 0.05  # seconds between two measurements of the workers' memory
+# Bytes above the limit at which a worker's processes are ended. One process alone stays below, because it gets a
+# MemoryError at the limit: then only the statement that took all memory is left out.
+_ABOVE = 16 * 2**20
 TOO_MUCH_MEMORY = "the process and its children used more than {0} MB of memory"
 
 
@@ -313,7 +316,7 @@ class ForkServer:
         for worker in self.workers.values():
             roots = {worker.process, worker.init.process if worker.init else None}
             held = sum(max(_held(str(each)) - own, 0) for each in parents if _descends(each, roots, parents))
-            if worker.init and not worker.over and held > self.confinement.bounds.memory:
+            if worker.init and not worker.over and held > self.confinement.bounds.memory + _ABOVE:
                 worker.over = True
                 worker.init.kill()
 

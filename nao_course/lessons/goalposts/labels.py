@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from nao_course.exercises.recorded_labels import (
+from nao_course.datasets.recorded_labels import (
     Pixels,
     Recorded,
     find_labels,
