@@ -45,7 +45,7 @@ _SLIDERS = (
     ),
     Slider(
         "max_distance",
-        "Max. distance",
+        "Distance",
         0,
         60,
         1,
