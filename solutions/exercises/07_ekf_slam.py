@@ -705,11 +705,6 @@ TEXTBOOK_SLIPS = [
         "Your gain multiplies by S. Multiply by its inverse: K = P Hᵀ S⁻¹.",
     ),
     Mistake(
-        "gain without P",
-        textbook(gain=lambda P, H, S: H.T @ np.linalg.inv(S)),
-        "P is missing in your gain: K = P Hᵀ S⁻¹.",
-    ),
-    Mistake(
         "only the landmarks corrected",
         textbook(corrected=slice(3, None)),
         "You correct only the landmarks. K @ innovation has a value for each number of the state, so add it to the pose, too.",

@@ -521,8 +521,6 @@ SOLVE = Exercise(
             Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
             Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
-        entries exactly 0: np.linalg.norm(free, axis=1) > 1e-6 => (free != 0).any(axis=1)
-            You name every variable whose entry in a free direction is not exactly 0. Rounding leaves about 1e-17 where an entry should be 0, so compare the absolute values with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
             You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
         a fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12

@@ -62,14 +62,14 @@ def test_the_text_says_what_the_instruments_show(functions):
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
     r = readings_of(functions, len(lab.LAB_SEEDS))
     for sentence in (
-        f"A uses standard deviations for $R$: NIS is {r['A'].nis_early:.1f} early and {r['A'].nis_late:.1f} late.",
+        f"and $P$ stays too large: NIS is {r['A'].nis_early:.1f} early and {r['A'].nis_late:.1f} late.",
         f"its NIS falls to {r['E'].nis_late:.2f}",
         f"NIS is {r['C'].nis_peak:.0f} at that step",
         f"H leaves $R$ out of $S$: NIS is {r['H'].nis_early:.1f} to {r['H'].nis_late:.0f}, and NEES is a million",
         f"NIS is {r['G'].nis_late:.1f}, and NEES is {r['G'].nees_late:.1f}",
         f"its innovations of the range have a median of {r['B'].range:.1f} standard deviations",
         f"its NIS grows from {r['D'].nis_early:.0f} to {r['D'].nis_late:.0f}",
-        "F has bearings in degrees: NIS is near 1000",
+        "F computes with bearings in degrees: NIS is near 1000",
         f"NIS is {r['K'].nis_early:.1f} early and {r['K'].nis_late:.1f} late, and NEES is {r['K'].nees_late:.0f}",
     ):
         assert sentence in text, sentence
