@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import wraps
+from dataclasses import dataclass
+from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any
 
@@ -15,75 +16,84 @@ from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.exercises.trying import Message
 
 Pixels = npt.NDArray[np.uint8]
-Recorded = tuple[Pixels, Pixels]  # the pictures' thumbnails, and their labels, four in a byte
 _COLUMNS, _ROWS = 8, 6  # size of the thumbnails by which pictures are recognised
 _SAME = 1.0  # largest mean difference of two thumbnails of the same picture
 _SHIFTS = np.arange(4, dtype=np.uint8) * 2  # four labels in a byte
 
 
-def write_labels(path: Path, pictures: Sequence[Pixels], label: Callable[[Any], Any]) -> None:
-    """Write the labels of pictures to a file: ``label(pixels)`` returns labels (H, W), 0 to 3."""
-    labels = np.array([label(picture) for picture in pictures], dtype=np.uint8)
-    quarters = labels.reshape(*labels.shape[:2], -1, 4) << _SHIFTS
-    np.savez_compressed(
-        path, thumbnails=np.array([_thumbnail(each) for each in pictures]), labels=quarters.sum(3, np.uint8)
-    )
-
-
-def read_labels(path: Path) -> Recorded:
-    """Return the thumbnails and the packed labels of a file."""
-    with np.load(path) as file:
-        return file["thumbnails"], file["labels"]
-
-
-def find_labels(recorded: Recorded, picture: npt.ArrayLike) -> Pixels | None:
-    """Return the recorded labels (H, W) of a picture; None if it is not among the recorded pictures."""
-    thumbnails, labels = recorded
-    pixels = np.asarray(picture)
-    if pixels.shape != (labels.shape[1], 4 * labels.shape[2], 3) or pixels.dtype != np.uint8:
-        return None
-    differences = np.abs(thumbnails.astype(float) - _thumbnail(pixels)).mean(axis=(1, 2, 3))
-    best = int(differences.argmin())
-    if differences[best] > _SAME:
-        return None
-    return (labels[best][..., None] >> _SHIFTS & 3).reshape(pixels.shape[:2])
-
-
-def with_recorded(
-    label: Callable[..., Any], find: Callable[[Any], Pixels | None], note: str
-) -> Callable[..., Any]:
-    """Use recorded labels if a function of lesson 01 is not usable.
+@dataclass(frozen=True, eq=False)
+class RecordedLabels:
+    """Labels of a lesson's pictures in a file.
 
     Parameters
     ----------
-    label : callable
-        ``label(pixels, ...)`` returns labels (H, W). It may call functions of lesson 01.
-    find : callable
-        ``find(pixels)`` returns the recorded labels of a picture, or None.
+    path : Path
+        The file.
+    pictures : callable
+        Returns all pictures of the lesson that are recorded, each (H, W, 3).
     note : str
-        Shown at the first recorded answer.
-
-    Returns
-    -------
-    callable
-        A function like `label`.
+        Shown to the student at the first recorded answer.
     """
-    noted: list[bool] = []
 
-    @wraps(label)
-    def labels_of(picture: Any, *values: Any, **named: Any) -> Any:
-        try:
-            return label(picture, *values, **named)
-        except EarlierNotUsable as reason:
-            labels = find(picture)
-            if labels is None:
-                raise EarlierNotUsable(f"{reason} There are no recorded labels for this picture.") from None
-            if not noted:
-                noted.append(True)
-                _show(note)
-            return labels
+    path: Path
+    pictures: Callable[[], Sequence[Pixels]]
+    note: str
 
-    return labels_of
+    def record(self, label: Callable[[Any], Any]) -> None:
+        """Write the labels of all pictures: ``label(pixels)`` returns labels (H, W), 0 to 3."""
+        pictures = self.pictures()
+        labels = np.array([label(picture) for picture in pictures], dtype=np.uint8)
+        quarters = labels.reshape(*labels.shape[:2], -1, 4) << _SHIFTS
+        np.savez_compressed(
+            self.path,
+            thumbnails=np.array([_thumbnail(each) for each in pictures]),
+            labels=quarters.sum(3, np.uint8),
+        )
+
+    def find(self, picture: npt.ArrayLike) -> Pixels | None:
+        """Return the recorded labels (H, W) of a picture; None if it is not among the recorded pictures."""
+        thumbnails, labels = self._read
+        pixels = np.asarray(picture)
+        if pixels.shape != (labels.shape[1], 4 * labels.shape[2], 3) or pixels.dtype != np.uint8:
+            return None
+        differences = np.abs(thumbnails.astype(float) - _thumbnail(pixels)).mean(axis=(1, 2, 3))
+        best = int(differences.argmin())
+        if differences[best] > _SAME:
+            return None
+        return (labels[best][..., None] >> _SHIFTS & 3).reshape(pixels.shape[:2])
+
+    @cached_property
+    def _read(self) -> tuple[Pixels, Pixels]:
+        """The pictures' thumbnails, and their labels, four in a byte."""
+        with np.load(self.path) as file:
+            return file["thumbnails"], file["labels"]
+
+    def or_recorded(self, label: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function like `label` that uses recorded labels if a function of lesson 01 is not usable.
+
+        Parameters
+        ----------
+        label : callable
+            ``label(pixels, ...)`` returns labels (H, W). It may call functions of lesson 01.
+        """
+        noted: list[bool] = []
+
+        @wraps(label)
+        def labels_of(picture: Any, *values: Any, **named: Any) -> Any:
+            try:
+                return label(picture, *values, **named)
+            except EarlierNotUsable as reason:
+                labels = self.find(picture)
+                if labels is None:
+                    raise EarlierNotUsable(
+                        f"{reason} There are no recorded labels for this picture."
+                    ) from None
+                if not noted:
+                    noted.append(True)
+                    _show(self.note)
+                return labels
+
+        return labels_of
 
 
 def _thumbnail(picture: npt.NDArray[Any]) -> Pixels:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.colours import GREEN, YELLOW, mean_lightness
+from nao_course.datasets.recorded_labels import RecordedLabels
 from nao_course.exercises import load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.geometry import Pose
@@ -50,13 +51,11 @@ def test_another_picture_has_none():
         unusable(scene(0.7))
 
 
-def test_what_is_written_can_be_read(tmp_path, monkeypatch):
+def test_what_is_written_can_be_read(tmp_path):
     pictures = [scene(x) for x in (0.8, 0.9)]
-    monkeypatch.setattr(labels, "lesson_pictures", lambda: pictures)
-    labels.record(label, tmp_path / "labels.npz")
-    monkeypatch.setattr(labels, "RECORDED", tmp_path / "labels.npz")
-    monkeypatch.setattr(labels, "_load", labels._load.__wrapped__)
-    assert all((labels.recorded_labels(each) == label(each)).all() for each in pictures)
+    RecordedLabels(tmp_path / "labels.npz", lambda: pictures, "").record(label)
+    written = RecordedLabels(tmp_path / "labels.npz", lambda: pictures, "")
+    assert all((written.find(each) == label(each)).all() for each in pictures)
 
 
 @pytest.mark.slow
