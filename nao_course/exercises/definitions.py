@@ -143,9 +143,9 @@ def load_definitions(
     """Load the functions and classes that a notebook defines.
 
     The statements of solution cells and of cells that the student added run in document order: imports, definitions,
-    assignments, calls such as `table.append(x)`, and if, for, try, with and match statements. An error in one of them
-    does not stop the others. From the set-up cell, only imports and ``name = earlier("01:name")`` run. Checks and
-    demonstrations do not run. The last definition of a name is used.
+    assignments, calls such as `table.append(x)` and `exec(text)`, and if, for, try, with and match statements. An error
+    in one of them does not stop the others. From the set-up cell, only imports and ``name = earlier("01:name")`` run.
+    Checks and demonstrations do not run. The last definition of a name is used.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def load_definitions(
                     except Exception as error:  # noqa: BLE001 - an unknown lesson, or a lesson that cannot be loaded
                         skipped.append(Skipped(number, statement.lineno, describe(error)))
                 continue
-            if not isinstance(statement, _RUN) and not _fills_a_table(statement):
+            if not isinstance(statement, _RUN) and not _may_define(statement):
                 if not _is_text(statement):
                     skipped.append(Skipped(number, statement.lineno, NO_DEFINITION))
                 continue
@@ -486,10 +486,10 @@ def _stands_beside(value: Any, notebook: Path) -> bool:
     return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
 
 
-def _fills_a_table(statement: ast.stmt) -> bool:
-    """Return whether a statement adds something to a list, set or dict that has a name, or is `(name := value)`."""
+def _may_define(statement: ast.stmt) -> bool:
+    """Return whether a statement adds to a list, set or dict that has a name, is `(name := value)`, or calls exec."""
     match statement:
-        case ast.Expr(ast.NamedExpr()):
+        case ast.Expr(ast.NamedExpr() | ast.Call(ast.Name("exec"))):
             return True
         case ast.Expr(ast.Call(ast.Attribute(ast.Name(), name))):
             return name in _FILLS

@@ -759,7 +759,7 @@ WORK = (
     style("coroutine_that_is_run", "clamp", "def inner(low, high):\n    x = yield\n    while True:\n"
           "        x = yield max(low, min(high, x))\n\ndef clamp(x, low, high):\n    made = inner(low, high)\n"
           "    next(made)\n    return made.send(x)"),
-    style("made_by_exec", "clamp", f"exec({CLAMP!r})", honest=all_but("clamp")),  # is not run
+    style("made_by_exec", "clamp", f"exec({CLAMP!r})"),
     style("made_by_eval", "clamp", "clamp = eval('lambda x, low, high: max(low, min(high, x))')"),
     style("put_among_the_globals", "clamp", "globals()['clamp'] = lambda x, low, high: max(low, min(high, x))"),
     style("defined_and_deleted_and_defined", "clamp", f"{BLANK['clamp']}\n\ndel clamp\n\n{CLAMP}"),

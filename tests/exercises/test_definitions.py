@@ -116,6 +116,12 @@ def test_lambdas_partials_classes_and_decorated_functions_count(load):
     )
 
 
+def test_what_exec_defines_counts_and_its_error_is_reported(load):
+    found = load("exec('def f(): return 1')\nexec('def g() return 2')\nexec('x = 5; h = lambda: x')")
+    assert (list(found), found["f"](), found["h"]()) == (["f", "h"], 1, 5)
+    assert [(each.line, each.reason[:11]) for each in found.skipped] == [(2, "SyntaxError")]
+
+
 def test_what_is_imported_is_not_the_students_unless_it_stands_beside(load, tmp_path, monkeypatch):
     (tmp_path / "my_own_helpers.py").write_text("def helper(): return 7\n")
     monkeypatch.syspath_prepend(str(tmp_path))

@@ -23,10 +23,11 @@ from nao_course.instructor.collecting.names import (
     name_file,
     student_of_a_platforms,
 )
-from nao_course.instructor.collecting.wrappers import reason_for, students_in, unwrap
+from nao_course.instructor.collecting.wrappers import reason_for, students_in, students_of_zips, unwrap
 
 _MOST_NOTES = 20
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
+_MOVE_ZIPS = "Put each zip into a folder that is named after its student"
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
 
@@ -196,6 +197,8 @@ class _Search:
         self.known: set[str] = set()  # students whose folders and zips are their own, in lower case
         self.refused: dict[str, str] = {}  # folders that are not one student's
         self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
+        # Names of the zips that hold a lesson, by folder and lesson: they may be of several students.
+        self.zips: dict[tuple[tuple[str, ...], str], set[str]] = defaultdict(set)
         self.unpacked = 0
 
     def look_at(self, item: Item) -> None:
@@ -236,16 +239,17 @@ class _Search:
             else:
                 self.leave_out(shown, str(refused))
             return
-        if not (
-            student_of_a_platforms(item.parts[0], self.lessons)
+        is_certain = (
+            bool(student_of_a_platforms(item.parts[0], self.lessons))
             or is_a_platforms(item.parts[0])
             or clean_name(name.student).casefold() in self.known
-        ):
+        )
+        if not is_certain:
             several = students_in(
                 [each.parts for each in inside if not each.ignored], self.lessons, name.student
             )
             if several:
-                self.leave_out(shown, reason_for(several, is_zip=True))
+                self.leave_out(shown, reason_for(several, "Grade this zip by itself"))
                 return
         time = _receipt_time(inside) or item.time
         if not any(
@@ -261,6 +265,8 @@ class _Search:
                 self.leave_out(within, "a zip within a zip is not opened")
             else:
                 self.take(each, inner, (path, each.parts[:-1]), name.order, time, within)
+                if not is_certain and (lesson := lesson_of(inner.file, self.lessons)):
+                    self.zips[item.parts[:-1], lesson].add(item.parts[-1].rpartition(".")[0])
 
     def take(
         self, item: Item, name: NamedFile, place: tuple[Any, ...], order: Any, time: float, shown: str
@@ -319,6 +325,7 @@ class _Search:
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""
+        self.leave_out_zips_of_several()
         keys = sorted(key for key in self.candidates if key[1] in self.wanted)
         chosen = [self.choose(*key) for key in keys]
         empty = [
@@ -333,6 +340,18 @@ class _Search:
             (*lost, *self.unknown),
             lost,
         )
+
+    def leave_out_zips_of_several(self) -> None:
+        """Leave out each folder whose zips hold the same lesson and are named after several students."""
+        several: dict[tuple[str, ...], set[str]] = defaultdict(set)
+        for (folder, _), zips in self.zips.items():
+            if folder:
+                several[folder].update(students_of_zips(zips, self.lessons, folder[0]))
+        for folder, names in several.items():
+            if names:
+                self.lost.append(f"{clean_name('/'.join(folder))}: {reason_for(sorted(names), _MOVE_ZIPS)}")
+                for key in [each for each in self.candidates if each[0] == clean_name(folder[0])]:
+                    del self.candidates[key]
 
     def without_a_wanted_lesson(self) -> list[str]:
         """Name the students who handed in notebooks, but none of a wanted lesson."""

@@ -29,7 +29,8 @@ _HANDED_IN_AGAIN = (
 )
 # What students call their folders and copies.
 _OWN = re.compile(
-    r"(?:my|old|new|backup|draft|final|copy|(?:version|v|attempt|try|lesson|week|exercise)[ _-]?\d+)[ _-]?\d*",
+    r"(?:\d|my|old|new|backup|draft|final|copy|work|homework|hw|submission(?:-\d+)*"
+    r"|(?:version|v|attempt|try|lesson|week|exercise)[ _-]?\d+)[ _-]?\d?(?: ?\(\d+\))?",
     re.IGNORECASE,
 )
 
@@ -196,13 +197,38 @@ def _is_named_after(student: str, folder: str) -> bool:
     return folder.casefold() == student.casefold() or _letters(folder) == _letters(name)
 
 
+def students_of_zips(zips: Collection[str], lessons: Sequence[str], folder: str) -> list[str]:
+    """Return the students after whom zips with work of one lesson in one folder seem to be named, if several.
+
+    Parameters
+    ----------
+    zips : collection of str
+        Their names without ".zip".
+    lessons : sequence of str
+        Names of the lessons that there are.
+    folder : str
+        Name of the folder's student, whose own zips do not count.
+    """
+    named = {
+        each
+        for each in zips
+        if not (
+            _is_a_students_own(each, lessons)
+            or lesson_of(f"{each}.zip", lessons)
+            or _letters(each) == _letters(folder)
+        )
+    }
+    return sorted(named) if len(named) > 1 else []
+
+
 def _letters(name: str) -> list[str]:
     return sorted(each for each in name.casefold() if each.isalnum())
 
 
-def reason_for(names: Sequence[str], *, is_zip: bool = False) -> str:
-    """Return the reason why the work of several students is not graded as one student's."""
+def reason_for(
+    names: Sequence[str], instead: str = "Move their folders up, or grade this folder by itself"
+) -> str:
+    """Return the reason why the work of several students is not graded as one student's, and what to do instead."""
     shown = ", ".join(clean_name(name) for name in names[:_MOST_NAMED])
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-    instead = "Grade this zip" if is_zip else "Move their folders up, or grade this folder"
-    return f"it holds the work of several students ({shown}{more}), not of one. {instead} by itself"
+    return f"it holds the work of several students ({shown}{more}), not of one. {instead}"

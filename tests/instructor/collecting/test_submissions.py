@@ -406,6 +406,24 @@ def test_no_form_of_several_students_is_graded_as_one(look, tmp_path, names):
     assert not found.submissions and "several students" in found.not_graded[0]
 
 
+@pytest.mark.parametrize("beside", [{}, {"readme.txt": b"x"}, {f"Carl/{HSL}": NOTEBOOK}])
+@pytest.mark.parametrize("folder", ["class/", "class/monday/"])
+def test_plain_zips_of_one_lesson_in_a_folder_are_not_graded_as_one_student(look, tmp_path, folder, beside):
+    inner = packed(tmp_path / "inner.zip", {HSL: NOTEBOOK}).read_bytes()
+    files = {f"{folder}{student}.zip": inner for student in ("Ada", "Ben")}
+    found = look(packed(tmp_path / "in.zip", files | beside))
+    assert who(found) == ([("Carl", HSL[:-6])] if f"Carl/{HSL}" in beside else [])
+    (line,) = found.not_graded
+    assert line == (
+        f"{folder[:-1]}: it holds the work of several students (Ada, Ben), not of one. "
+        "Put each zip into a folder that is named after its student"
+    )
+    apart = {f"{student}/{student}.zip": inner for student in ("Ada", "Ben")}
+    assert [student for student, _ in who(look(packed(tmp_path / "apart.zip", apart)))] == ["Ada", "Ben"]
+    moodles = {f"Eve_7_assignsubmission_file_/{student}.zip": inner for student in ("Ada", "Ben")}
+    assert [student for student, _ in who(look(packed(tmp_path / "moodle.zip", moodles)))] == ["Eve_7"]
+
+
 @pytest.mark.parametrize("name", ["late_01_hsl_filtering.zip", "late/moodle.zip"])
 def test_a_zip_of_several_students_is_no_student(look, tmp_path, name):
     for folder in ("{}", "{}_7_assignsubmission_file_"):
@@ -433,6 +451,7 @@ def test_a_wrapper_is_compared_with_students_in_any_case(look, tmp_path):
         [f"Ada/ada_123456_1234567_{HSL}"],
         ["Ada/lesson 0/a.zip", "Ada/lesson 1/b.zip"],
         ["Ada/00.zip", "Ada/01.zip"],
+        ["Ada/Ada.zip", "Ada/homework.zip", "Ada/submission-20260301-120000.zip", "Ada/hsl.zip"],
     ],
 )
 def test_copies_in_a_students_own_folder_are_that_students(look, tmp_path, names):
