@@ -27,6 +27,7 @@ LAYERS = (
     {"sim"},
     {"datasets", "metrics"},
     {"plotting"},
+    {"films"},
     {"field_slam"},
     {"widgets"},
     {"challenges"},
@@ -34,7 +35,7 @@ LAYERS = (
 )
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 # Sim and all that stands on it
-WORLD = {"sim", "datasets", "metrics", "plotting", "field_slam", "widgets", "challenges", "lessons"}
+WORLD = {"sim", "datasets", "metrics", "plotting", "films", "field_slam", "widgets", "challenges", "lessons"}
 
 MOST_MODULES = 11  # of a folder, its __init__ and the folders in it not counted
 MOST_LINES = 500  # of a module
@@ -292,7 +293,18 @@ def test_a_long_module_and_a_crowded_folder_are_found_out():
 # What tab completion shows
 
 FACING = (
-    *("geometry", "slam", "datasets", "student", "homework", "sim", "plotting", "widgets", "challenges"),
+    *(
+        "geometry",
+        "slam",
+        "datasets",
+        "student",
+        "homework",
+        "sim",
+        "plotting",
+        "films",
+        "widgets",
+        "challenges",
+    ),
     "exercises",
 )
 

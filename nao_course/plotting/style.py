@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import matplotlib.style
+import numpy as np
 from matplotlib.patheffects import withStroke
 
 from nao_course.sim.field import MarkKind
@@ -48,8 +50,11 @@ STYLES: Mapping[Source, Style] = MappingProxyType(
 LANDMARK_MARKERS: Mapping[MarkKind, str] = MappingProxyType({"corner": "P", "post": "o", "cross": "x"})
 
 CARPET, LINE, YELLOW, GREY = "#b5d1ac", "#ffffff", "#f0c419", "#6b7280"
+# Of maps on a dark page, and of maps without a field
+DARK_CARPET, DARK_LINE, PAPER, DARK_PAPER = "#24382b", "#bccabd", "#f1f3f1", "#1f2622"
 LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
 FOUND = "#ff3b81"  # rings around detected points; differs from the carpet, posts and lines
+_CONTRAST = 5.0  # of a colour with the dark carpet
 HALO = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
 _OWN_STYLE = {
     "font.family": "DejaVu Sans",  # included in matplotlib, so that text looks the same on every machine
@@ -71,6 +76,33 @@ def course_style() -> Iterator[None]:
     """Use the course's settings for matplotlib within a ``with`` block."""
     with matplotlib.style.context(["default", _OWN_STYLE]):
         yield
+
+
+def luminance(colour: str) -> float:
+    """Return the relative luminance, 0 to 1, of a colour "#rrggbb" as the WCAG defines it."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(first: str, second: str) -> float:
+    """Return the contrast of two colours "#rrggbb", 1 to 21, as the WCAG defines it."""
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def on_dark(colour: str) -> str:
+    """Return a colour "#rrggbb" for dark pages: black becomes white, and other colours as light as legibility needs."""
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    hue, lightness, saturation = colorsys.rgb_to_hls(red, green, blue)
+    if max(red, green, blue) < 0.2:
+        return "#f4f4f4"
+    for light in np.arange(lightness, 1.0, 0.02):
+        parts = colorsys.hls_to_rgb(hue, float(light), saturation)
+        lighter = "#" + "".join(f"{round(255 * each):02x}" for each in parts)
+        if contrast(lighter, DARK_CARPET) >= _CONTRAST:
+            return lighter
+    return "#ffffff"
 
 
 def style_of(source: str) -> Style:

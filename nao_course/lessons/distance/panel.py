@@ -17,7 +17,8 @@ from nao_course.plotting import LANDMARK_MARKERS, STYLES, table
 from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind
 from nao_course.widgets import FunctionPanel, Pixel, Slider
-from nao_course.widgets.control_panel.live_map import POINT_MARKER, LiveMap, MapContents
+from nao_course.widgets.control_panel.live_map import POINT_MARKER, LiveMap
+from nao_course.widgets.vector_map import MapContents
 
 POSE = Pose(0.75, 0.25, -0.05)
 START = (150, 150)  # px: on the carpet

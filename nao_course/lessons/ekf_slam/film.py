@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, to_rgba
 from matplotlib.figure import Figure
@@ -53,8 +52,6 @@ CORRELATION = LinearSegmentedColormap.from_list(
     N=801,
 )
 HEADING = 0.05  # length of the heading line as a part of the map's width
-SIZE, DPI = (4.8, 4.9), 115  # inches; 552 px wide, which a panel sends unscaled
-Pixels = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,63 +108,32 @@ def between_landmarks(covariance: npt.ArrayLike) -> float:
     return float(np.mean([matrix[axis::2, axis::2][different].mean() for axis in (0, 1)]))
 
 
-class MapArtists:
-    """Moving artists on the map of a film.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        In metres; static artists are drawn on it at once.
-    film : Film
-        The film to show.
-    """
-
-    def __init__(self, ax: Axes, film: Film) -> None:
-        """Draw the static artists, and create the moving ones."""
-        run = film.run
-        self._film = film
-        self._robots = {
-            name: ellipse_outlines(states[:, :2], covariances[:, :2, :2])
-            for name, states, covariances in (
-                ("predicted", run.predicted_states, run.predicted_covariances),
-                ("updated", run.states, run.covariances),
-            )
-        }
-        self._landmarks = [
-            ellipse_outlines(state[3:].reshape(-1, 2), landmark_blocks(P))
-            for state, P in zip(run.states, run.covariances, strict=True)
-        ]
-        around = np.concatenate([run.states[:, :2], *self._landmarks[0], *self._landmarks[-1]])
-        metric_axes(ax, around, margin=0.3)
-        self._length = HEADING * float(np.ptp(ax.get_xlim()))
-        ax.plot(*film.truth.T, "o", color=STYLES["truth"].colour, ms=4, zorder=2)
-        for number, position in enumerate(film.truth, start=1):  # like the rows of the matrix
-            ax.annotate(str(number), position, (6, 6), textcoords="offset points", fontsize=10, zorder=6)
-        ax.add_collection(_outlines(INITIAL, self._landmarks[0]))
-        self._ellipses = {colour: _outlines(colour) for colour in (PREDICTED, UPDATED, IMPROVED)}
-        self._path = Line2D([], [], color=GREY, lw=1.0)
-        self._places = Line2D([], [], color=IMPROVED, marker="+", ms=9, mew=1.6, ls="")
-        self._robot = Line2D([], [], marker=STYLES["ekf"].marker, ms=9, mec="white", ls="")
-        self._heading = Line2D([], [], lw=2.2)
-        self.all: list[Any] = [self._path, *self._ellipses.values(), self._places, self._heading, self._robot]
-        for artist in self.all:
-            ax.add_artist(artist)
-
-    def show(self, frame: int) -> None:
-        """Show one half step."""
-        step, state, _ = self._film.at(frame)
-        is_updated = frame % 2 == 0
-        before = self._film.run.states[: step + 1 if is_updated else step, :2]
-        self._path.set_data(*np.vstack([before, state[:2]]).T)
-        self._ellipses[PREDICTED].set_verts(list(self._robots["predicted"][:step]))
-        self._ellipses[UPDATED].set_verts(list(self._robots["updated"][: len(before)]))
-        self._ellipses[IMPROVED].set_verts(list(self._landmarks[step if is_updated else step - 1]))
-        self._places.set_data(*state[3:].reshape(-1, 2).T)
-        x, y, theta = state[:3]
-        colour = UPDATED if is_updated else PREDICTED
-        self._robot.set(data=([x], [y]), color=colour, markeredgecolor="white")
-        ahead = x + self._length * np.cos(theta), y + self._length * np.sin(theta)
-        self._heading.set(data=([x, ahead[0]], [y, ahead[1]]), color=colour)
+def plot_half_step(ax: Axes, film: Film, frame: int) -> None:
+    """Plot one half step of a film as a map with all ellipses so far; the axes are the same for every half step."""
+    run, (step, state, _) = film.run, film.at(frame)
+    landmarks = [
+        ellipse_outlines(run.states[n, 3:].reshape(-1, 2), landmark_blocks(run.covariances[n]))
+        for n in (0, frame // 2, -1)
+    ]
+    metric_axes(ax, np.concatenate([run.states[:, :2], *landmarks[0], *landmarks[-1]]), margin=0.3)
+    ax.plot(*film.truth.T, "o", color=STYLES["truth"].colour, ms=4, zorder=2)
+    for number, position in enumerate(film.truth, start=1):  # like the rows of the matrix
+        ax.annotate(str(number), position, (6, 6), textcoords="offset points", fontsize=10, zorder=6)
+    before = run.states[: frame // 2 + 1, :2]
+    predicted = run.predicted_states[:step, :2], run.predicted_covariances[:step, :2, :2]
+    for colour, outlines in (
+        (INITIAL, landmarks[0]),
+        (PREDICTED, ellipse_outlines(*predicted)),
+        (UPDATED, ellipse_outlines(before, run.covariances[: len(before), :2, :2])),
+        (IMPROVED, landmarks[1]),
+    ):
+        ax.add_collection(_outlines(colour, outlines))
+    ax.plot(*np.vstack([before, state[:2]]).T, color=GREY, lw=1.0)
+    ax.plot(*state[3:].reshape(-1, 2).T, color=IMPROVED, marker="+", ms=9, mew=1.6, ls="")
+    x, y, theta = state[:3]
+    length, colour = HEADING * float(np.ptp(ax.get_xlim())), PREDICTED if frame % 2 else UPDATED
+    ax.plot([x, x + length * np.cos(theta)], [y, y + length * np.sin(theta)], color=colour, lw=2.2)
+    ax.plot(x, y, STYLES["ekf"].marker, color=colour, ms=9, mec="white", ls="")
 
 
 def _outlines(colour: str, outlines: Sequence[FloatArray] | FloatArray = ()) -> PolyCollection:
@@ -246,8 +212,7 @@ def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     image: Any = None
     for number, frame in enumerate(chosen):
         above, below = axes[:, number]
-        artists = MapArtists(above, film)
-        artists.show(frame)
+        plot_half_step(above, film, frame)
         step, _, covariance = film.at(frame)
         above.set_title("Start" if frame == 0 else f"Step {step}")
         above.set_ylabel("y (m)" if number == 0 else "")
@@ -259,63 +224,6 @@ def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     legend_below(figure, keys(), columns=5)
     words = " ".join(say_frame(film, frame) for frame in chosen)
     return Drawing(figure, f"Maps of robot and landmarks with 95 % ellipses, the correlations below. {words}")
-
-
-class _Scene:
-    """Figure with few moving artists, which are drawn by blitting."""
-
-    def __init__(self, figure: Figure, ax: Axes, moving: Sequence[Any]) -> None:
-        """Draw the static artists once."""
-        self._ax, self._moving, self._canvas = ax, list(moving), _agg(figure)
-        for artist in self._moving:
-            artist.set_animated(True)
-        self._canvas.draw()
-        self._background = self._canvas.copy_from_bbox(figure.bbox)
-
-    def picture(self) -> Pixels:
-        """Return the current figure as an RGB picture (H, W, 3)."""
-        self._canvas.restore_region(self._background)
-        for artist in self._moving:
-            self._ax.draw_artist(artist)
-        return np.array(self._canvas.buffer_rgba())[:, :, :3]
-
-
-class FilmStrip:
-    """Two pictures of each half step of a film: the map and the correlations.
-
-    Parameters
-    ----------
-    film : Film
-        The film to show.
-    """
-
-    @course_style()
-    def __init__(self, film: Film) -> None:
-        """Draw the static artists once."""
-        self._film = film
-        figure = Figure(figsize=SIZE, dpi=DPI)
-        ax = figure.add_subplot()
-        self._map = MapArtists(ax, film)
-        legend_below(figure, keys(), columns=2)
-        self._left = _Scene(figure, ax, self._map.all)
-        figure = Figure(figsize=SIZE, dpi=DPI)
-        ax = figure.add_subplot()
-        self._image = plot_correlations(ax, film.run.covariances[-1])
-        figure.colorbar(
-            self._image, ax=ax, location="bottom", label="correlation", shrink=0.8, ticks=[-1, 0, 1]
-        )
-        self._right = _Scene(figure, ax, (self._image, *ax.lines))
-
-    def pictures(self, frame: int) -> tuple[Pixels, Pixels]:
-        """Return map and correlations of one half step, RGB pictures (H, W, 3)."""
-        self._map.show(frame)
-        self._image.set_data(correlations(self._film.at(frame)[2]))
-        return self._left.picture(), self._right.picture()
-
-
-def _agg(figure: Figure) -> Any:
-    """Return a canvas in memory; matplotlib's methods have no types."""
-    return FigureCanvasAgg(figure)
 
 
 def draw_film(init_landmarks: Function, predict: Function, update: Function) -> Drawing:

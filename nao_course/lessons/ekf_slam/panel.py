@@ -1,21 +1,31 @@
-"""The film panel of lesson 07: play the run of a log step by step, forwards and backwards."""
+"""The film panel of lesson 07: the run of a log, half step by half step, with the correlations beside the map."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
-from nao_course.lessons.ekf_slam.film import Film, FilmStrip, record_film, say_frame
-from nao_course.lessons.ekf_slam.homework_log import own_log
-from nao_course.widgets import PlayerPanel, Slider
-from nao_course.widgets.attempts import newest_definition
-from nao_course.widgets.inputs import Values
+import numpy as np
 
-SPEEDS = {"1 a second": 1.0, "3 a second": 3.0, "8 a second": 8.0}
-FRAMES = "frame"
+from nao_course import films
+from nao_course.lessons.ekf_slam.film import (
+    IMPROVED,
+    INITIAL,
+    KEYS,
+    PREDICTED,
+    UPDATED,
+    Film,
+    correlations,
+    draw_frames,
+    record_film,
+    say_frame,
+)
+from nao_course.plotting.style import STYLES
+from nao_course.sim.drives import landmark_blocks
+from nao_course.widgets.vector_map import FilmPanel as Panel
 
 
-class FilmPanel(PlayerPanel):
+class FilmPanel(Panel):
     """Film of the log, computed once with your functions and then played.
 
     Parameters
@@ -27,42 +37,52 @@ class FilmPanel(PlayerPanel):
     def __init__(
         self, init_landmarks: Callable[..., Any], predict: Callable[..., Any], update: Callable[..., Any]
     ) -> None:
-        """Create the panel at the start of the log."""
-        self._functions = {"init_landmarks": init_landmarks, "predict": predict, "update": update}
-        self._made: dict[Any, tuple[Film, FilmStrip]] = {}
+        """Record the film."""
         super().__init__(
             "The film",
-            self._play,
-            Slider(
-                FRAMES,
-                "Half step",
-                0,
-                2 * len(own_log().controls),
-                1,
-                0,
-                tooltip="Even half steps are updates, odd ones predictions. The arrow keys move by one half step",
-            ),
-            speeds=SPEEDS,
-            speed="3 a second",
-            student=self._functions,
+            lambda student: browser_film(_recorded(student)),
+            student={"init_landmarks": init_landmarks, "predict": predict, "update": update},
             unfinished={
                 "init_landmarks": "Finish exercise 7.2 to see the film: it begins with your first landmarks.",
                 "predict": "Finish exercise 7.3 to see the film.",
                 "update": "Finish exercises 7.4 and 7.5 to see the film.",
             },
+            still=lambda student: draw_frames(_recorded(student)),
         )
 
-    def _play(self, values: Values, student: Any) -> Iterator[Any]:
-        """Show one half step; run the log again only if a function has changed."""
-        key = tuple(newest_definition(each) for each in self._functions.values())
-        if key not in self._made:
-            film = record_film(student.init_landmarks, student.predict, student.update)
-            self._made = {key: (film, FilmStrip(film))}
-        film, strip = self._made[key]
-        map_picture, matrix = strip.pictures(values.frame)
-        yield {"The map": map_picture, "Correlations": matrix}
-        yield say_frame(film, values.frame)
 
-    def say_pace(self, seconds: float) -> str:
-        """Return a sentence on the time that the student's code took for the whole log."""
-        return f"Your code took {1000 * seconds:.0f} ms for the whole log." if self._student.called else ""
+def _recorded(student: Any) -> Film:
+    return record_film(student.init_landmarks, student.predict, student.update)
+
+
+def browser_film(film: Film) -> films.Film:
+    """Return a run as a film for the browser, with two frames for each step: the prediction and the update."""
+    frames = [film.at(number) for number in range(film.last + 1)]
+    robots = [(state[None, :2], covariance[None, :2, :2]) for _, state, covariance in frames]
+    nothing = np.empty((0, 2)), np.empty((0, 2, 2))
+    # A prediction leaves the landmarks as they were.
+    landmarks = [
+        (frames[number - number % 2][1][3:].reshape(-1, 2), landmark_blocks(frames[number - number % 2][2]))
+        for number in range(film.last + 1)
+    ]
+    predicted = [each if number % 2 else nothing for number, each in enumerate(robots)]
+    updated = [nothing if number % 2 else each for number, each in enumerate(robots)]
+    k = len(film.truth)
+    numbers = [str(number) for number in range(1, k + 1)]
+    layers = [
+        films.ellipse_layer(INITIAL, landmarks[:1], KEYS[INITIAL], fill=0.07),
+        films.ellipse_layer(PREDICTED, predicted, KEYS[PREDICTED], keeps=True, fill=0.07),
+        films.ellipse_layer(UPDATED, updated, KEYS[UPDATED], keeps=True, fill=0.07),
+        films.ellipse_layer(IMPROVED, landmarks, KEYS[IMPROVED], fill=0.07),
+        films.point_layer(IMPROVED, [places for places, _ in landmarks], marker="+", size=5),
+        films.point_layer(STYLES["truth"].colour, [film.truth], "landmark, true", size=3, texts=numbers),
+        films.path_layer("ekf", [state[:3] for _, state, _ in frames], "robot, estimated", dash=[]),
+    ]
+    matrix = films.Matrix(
+        "Correlations",
+        [correlations(covariance) for _, _, covariance in frames],
+        [3, *[2] * k],
+        ["pose", *numbers],
+    )
+    captions = [say_frame(film, number) for number in range(film.last + 1)]
+    return films.Film("EKF SLAM on our log", layers, captions, matrices=[matrix], step="Half step")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from nao_course.plotting import (
 from nao_course.plotting.legends import source_key
 from nao_course.sim import Field
 from nao_course.slam import KINDS, Estimate, Measurement, measured_points
+from nao_course.widgets.vector_map import MapContents
 
 DPI = 100
 LARGEST = (4.4, 4.3)  # inches
@@ -34,31 +34,6 @@ _MEASURED = "measured"  # key of the measurements in the legend, beside the sour
 HEADING = 0.32  # m, length of the line that shows a robot's heading
 POINT_MARKER = "*"  # for points that the student's code found; landmarks have other markers
 _NO_POINTS = np.empty((0, 2))
-
-
-@dataclass(frozen=True)
-class MapContents:
-    """The contents of a map at one time.
-
-    Parameters
-    ----------
-    paths : mapping of str to sequence of Pose
-        Paths in world coordinates, by source. The robot is drawn at the last pose.
-    estimate : Estimate or None
-        Estimate in world coordinates; its landmarks and ellipses are drawn.
-    seen : sequence of Measurement
-        Measurements, drawn from the robot of `observer`.
-    observer : str
-        Source whose robot measured.
-    points : ndarray, shape (N, 2)
-        Points that the student's code found, in the frame of that robot, m.
-    """
-
-    paths: Mapping[str, Sequence[Pose]]
-    estimate: Estimate | None = None
-    seen: Sequence[Measurement] = ()
-    observer: str = "odometry"
-    points: FloatArray = field(default_factory=lambda: _NO_POINTS)
 
 
 class LiveMap:

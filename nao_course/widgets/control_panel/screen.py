@@ -9,11 +9,12 @@ from typing import Any
 from nao_course.plotting import Drawing
 from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit
 from nao_course.widgets.control_panel.controls import Controls
-from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
+from nao_course.widgets.control_panel.live_map import LiveMap
 from nao_course.widgets.control_panel.pipeline import VIEWS
 from nao_course.widgets.control_panel.still import draw_still
 from nao_course.widgets.control_panel.student_view import StudentView
 from nao_course.widgets.parts import jpeg, png, status_box
+from nao_course.widgets.vector_map import MapContents
 
 
 class Screen:

@@ -20,7 +20,8 @@ from nao_course.plotting import (
 )
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.sim import Field
-from nao_course.widgets.control_panel.live_map import POINT_MARKER, MapContents
+from nao_course.widgets.control_panel.live_map import POINT_MARKER
+from nao_course.widgets.vector_map import MapContents
 
 
 @course_style()

@@ -1,11 +1,10 @@
-"""The film: half steps in order, correlations that are none at first, and pictures drawn by blit as by hand."""
+"""The film: half steps in order, correlations that are none at first, and figures of single half steps."""
 
 import numpy as np
 import pytest
 
 from nao_course.lessons.ekf_slam.film import (
     CORRELATION,
-    FilmStrip,
     between_landmarks,
     correlations,
     draw_film,
@@ -52,17 +51,6 @@ def test_the_lessons_words_about_the_film_hold(film):
     assert np.mean(sure[0::2]) == pytest.approx(5.5, abs=1.0) and np.mean(sure[1::2]) == pytest.approx(
         4, abs=0.7
     )
-
-
-def test_a_picture_by_blit_is_what_a_canvas_that_is_drawn_anew_shows(film):
-    strip = FilmStrip(film)
-    first = strip.pictures(7)
-    for frame in (0, 30, 7):
-        again = strip.pictures(frame)
-    following = strip.pictures(8)
-    for one, same, other in zip(first, again, following, strict=True):
-        assert one.dtype == np.uint8 and one.shape[2] == 3 and one.shape[1] <= 640  # sent as it is
-        assert np.array_equal(one, same) and not np.array_equal(one, other)
 
 
 def test_the_drawn_robot_looks_where_it_is_heading(film):

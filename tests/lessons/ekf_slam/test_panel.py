@@ -1,8 +1,13 @@
-"""The player: run once, then step by step, forwards and backwards, at speed."""
+"""The film panel: the filter runs once, and the film holds what it computed."""
 
+import numpy as np
 import pytest
 
+from nao_course.films.film import frames_of
+from nao_course.lessons.ekf_slam.film import UPDATED, correlations, record_film
 from nao_course.lessons.ekf_slam.panel import FilmPanel
+
+HALF = 0.0005 + 1e-9  # m and rad: the largest difference of a number and its rounded millimetres
 
 
 @pytest.fixture
@@ -10,11 +15,7 @@ def panel(film_functions):
     return FilmPanel(*film_functions)
 
 
-def press(panel, name):
-    panel._widgets[name].click()
-
-
-def test_the_filter_runs_once_however_often_the_film_is_shown(film_functions):
+def test_the_filter_runs_once(film_functions):
     init_landmarks, predict, update = film_functions
     calls = []
 
@@ -23,42 +24,68 @@ def test_the_filter_runs_once_however_often_the_film_is_shown(film_functions):
         return update(*given)
 
     panel = FilmPanel(init_landmarks, predict, counted)
-    for frame in (5, 6, 7, 50, 0):
-        panel.set(frame=frame)
+    panel._asked(None, {"ask": "newest"}, [])  # Play was pressed, and nothing has changed
     assert len(calls) == 25
 
 
-def test_buttons_go_on_and_back_and_stop_at_both_ends(panel):
-    press(panel, "on")
-    press(panel, "on")
-    assert panel.values.frame == 2 and "After step 1, updated" in panel.summary()
-    press(panel, "back")
-    assert panel.values.frame == 1
-    panel.set(frame=0)
-    press(panel, "back")
-    assert panel.values.frame == 0
-    panel.set(frame=50)
-    press(panel, "on")
-    assert panel.values.frame == 50
+def test_a_function_that_was_defined_again_is_used_when_the_film_is_played(film_functions):
+    init_landmarks, predict, update = film_functions
+    module = {"update": lambda *given: update(*given)}
+    exec("def later(*given): return update(*given)", module)
+    panel = FilmPanel(init_landmarks, predict, module["later"])
+    before = panel.film.to_json()
+    module["worse"] = lambda state, covariance, *given: (state, covariance)
+    exec("def later(*given): return worse(*given)", module)
+    panel._asked(None, {"ask": "newest"}, [])
+    assert panel.film.to_json() != before
 
 
-def test_what_the_code_took_is_said_of_the_whole_log_and_not_as_if_the_panel_followed_it(panel, monkeypatch):
-    monkeypatch.setattr("nao_course.widgets.function_panel.SLOW", -1.0)
-    panel._update()
-    assert "slows the panel down" not in panel._status.value
-    fresh = FilmPanel(*panel._functions.values())
-    assert (
-        "ms for the whole log." in fresh._status.value and "slows the panel down" not in fresh._status.value
-    )
+def test_the_film_holds_the_run_within_its_rounding(panel, film_functions):
+    film = record_film(*film_functions)
+    data = panel.film.data()
+    kinds = [each["kind"] for each in data["layers"]]
+    path = frames_of(data, kinds.index("path"))
+    states = np.array([film.at(number)[1][:3] for number in range(film.last + 1)])
+    assert np.abs(np.vstack(path) - states).max() <= HALF
+    landmarks = [
+        n for n, kind in enumerate(kinds) if kind == "points" and len(data["layers"][n]["frames"]) > 1
+    ]
+    for number, places in enumerate(frames_of(data, landmarks[0])):
+        assert np.abs(places - film.at(number)[1][3:].reshape(-1, 2)).max() <= HALF
+    [updated] = [
+        n for n, each in enumerate(data["layers"]) if each["colour"] == UPDATED and kinds[n] == "ellipses"
+    ]
+    shown = frames_of(data, updated)
+    assert [len(each) for each in shown] == [1 - number % 2 for number in range(film.last + 1)]
+    for number in range(0, film.last + 1, 10):
+        _, _, a, b, d = shown[number][0]
+        root = np.array([[a, b], [b, d]])
+        covariance = root @ root / (-2 * np.log(0.05))
+        assert covariance == pytest.approx(film.at(number)[2][:2, :2], abs=3e-5)
+    [matrix] = data["matrices"]
+    last = np.array([each for each in matrix["frames"] if each is not None][-1]) / matrix["levels"]
+    assert last == pytest.approx(correlations(film.at(film.last)[2])[np.triu_indices(15)], abs=0.0026)
 
 
-def test_an_unfinished_exercise_is_named(film_functions):
+def test_an_unfinished_exercise_is_named_and_there_is_no_film(film_functions):
     def blank(*given):
         raise NotImplementedError
 
     init_landmarks, predict, _ = film_functions
-    assert "exercises 7.4 and 7.5" in FilmPanel(init_landmarks, predict, blank).summary()
+    unfinished = FilmPanel(init_landmarks, predict, blank)
+    assert "exercises 7.4 and 7.5" in unfinished.summary() and unfinished.film is None
+    assert "exercises 7.4 and 7.5" in unfinished._status.value
     assert "exercise 7.2" in FilmPanel(blank, blank, blank).summary()
+
+
+def test_an_error_is_shown_and_can_be_raised(film_functions):
+    init_landmarks, predict, _ = film_functions
+
+    def broken(*given):
+        raise KeyError("gain")
+
+    panel = FilmPanel(init_landmarks, predict, broken)
+    assert "KeyError in update()" in panel.summary() and isinstance(panel.error, KeyError)
 
 
 def test_where_no_widget_lives_there_are_a_picture_and_words(panel):

@@ -5,7 +5,8 @@ import numpy as np
 from nao_course.geometry import Pose
 from nao_course.sim import Field
 from nao_course.slam import Estimate, Measurement
-from nao_course.widgets.control_panel.live_map import LiveMap, MapContents
+from nao_course.widgets.control_panel.live_map import LiveMap
+from nao_course.widgets.vector_map import MapContents
 
 
 def test_the_live_map_of_a_whole_field_is_a_picture():

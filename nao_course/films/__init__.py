@@ -1,0 +1,42 @@
+"""Films: drives that were recorded as numbers, which a browser draws and plays without Python.
+
+A `Film` consists of layers, such as paths, ellipses and landmarks, each with its numbers for every step, and of one
+caption for each step. It is stored as JSON with whole millimetres and milliradians. The same script draws the films and
+the live map of the panels (`nao_course.widgets.vector_map`).
+"""
+
+from nao_course.films.film import Film, Matrix, read_film
+from nao_course.films.layers import (
+    Layer,
+    cell_layer,
+    curve_layer,
+    ellipse_layer,
+    landmark_layer,
+    line_layer,
+    path_layer,
+    point_layer,
+)
+from nao_course.films.pages import film_html, film_page, script, style_sheet
+
+__all__ = [
+    "Film",
+    "Layer",
+    "Matrix",
+    "cell_layer",
+    "curve_layer",
+    "ellipse_layer",
+    "film_html",
+    "film_page",
+    "landmark_layer",
+    "line_layer",
+    "path_layer",
+    "point_layer",
+    "read_film",
+    "script",
+    "style_sheet",
+]
+
+
+def __dir__() -> list[str]:
+    """Return the public names, so that tab completion omits the modules."""
+    return __all__

@@ -1,0 +1,50 @@
+"""The contents of a map at one time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nao_course.geometry import FloatArray, Pose
+from nao_course.slam import Estimate, Measurement
+
+_NO_POINTS = np.empty((0, 2))
+
+
+@dataclass(frozen=True)
+class MapContents:
+    """The contents of a map at one time.
+
+    Parameters
+    ----------
+    paths : mapping of str to sequence of Pose
+        Paths in world coordinates, by source. The robot is drawn at the last pose.
+    estimate : Estimate or None
+        Estimate in world coordinates; its landmarks and ellipses are drawn.
+    seen : sequence of Measurement
+        Measurements, drawn from the robot of `observer`.
+    observer : str
+        Source whose robot measured.
+    points : ndarray, shape (N, 2)
+        Points that the student's code found, in the frame of that robot, m.
+    cells : ndarray, shape (N, 2)
+        Centres of grid cells in world coordinates, m, for example frontiers. A `VectorMap` draws them under everything.
+    view : (float, float) or None
+        Direction and half of the opening angle of the camera's view, in the frame of that robot, rad. A `VectorMap`
+        draws it as a cone.
+    """
+
+    paths: Mapping[str, Sequence[Pose]]
+    estimate: Estimate | None = None
+    seen: Sequence[Measurement] = ()
+    observer: str = "odometry"
+    points: FloatArray = field(default_factory=lambda: _NO_POINTS)
+    cells: FloatArray = field(default_factory=lambda: _NO_POINTS)
+    view: tuple[float, float] | None = None
+
+    @property
+    def observer_pose(self) -> Pose:
+        """Pose of the robot that measured; the origin if it has no path."""
+        return (self.paths.get(self.observer) or [Pose()])[-1]
