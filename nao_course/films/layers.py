@@ -129,7 +129,11 @@ def ellipse_layer(
         As in `Layer`.
     """
     return Layer(
-        "ellipses", [ellipse_numbers(*each, probability) for each in frames], colour, label, appearance=look
+        "ellipses",
+        [ellipse_numbers(*each, probability) for each in frames],
+        colour,
+        label,
+        appearance=appearance,
     )
 
 
@@ -183,7 +187,7 @@ def point_layer(colour: str, frames: Iterable[npt.ArrayLike], label: str = "", *
 
 def curve_layer(colour: str, frames: Iterable[npt.ArrayLike], label: str = "", **appearance: Any) -> Layer:
     """Return a curve through points (N, 2), m, of each frame, for example a path that is estimated anew."""
-    return Layer("curve", [_pairs(each) for each in frames], colour, label, appearance=look)
+    return Layer("curve", [_pairs(each) for each in frames], colour, label, appearance=appearance)
 
 
 def cell_layer(
@@ -197,7 +201,7 @@ def cell_layer(
 def line_layer(colour: str, frames: Iterable[npt.ArrayLike], label: str = "", **appearance: Any) -> Layer:
     """Return straight lines (N, 4) as x1, y1, x2, y2, m, of each frame, for example rays or the edges of a graph."""
     lines = [np.asarray(each, dtype=float).reshape(-1, 4) for each in frames]
-    return Layer("lines", lines, colour, label, appearance=look)
+    return Layer("lines", lines, colour, label, appearance=appearance)
 
 
 def _pairs(points: npt.ArrayLike) -> FloatArray:
