@@ -39,9 +39,8 @@ class Lamps:
             across = where[0] * np.cos(towards) + where[1] * np.sin(towards)
             gain *= 1 + np.float32(reality.gradient) * np.tanh(across / 3).astype(np.float32)[..., None]
         if reality.vignette:  # measured in lightness, which is the square root of light
-            side = (eye.view.size[1], eye.view.size[0])
-            some = np.ix_(*(centre_pixels(n, _COARSE) for n in side))
-            right, below = (a.reshape(side)[some] for a in (eye.grid.right, eye.grid.down))
+            some = np.ix_(*(centre_pixels(n, _COARSE) for n in eye.grid.right.shape))
+            right, below = eye.grid.right[some], eye.grid.down[some]
             corner = np.tan(eye.view.hfov / 2) ** 2 + np.tan(eye.view.vfov / 2) ** 2
             fall = reality.vignette * ((right**2 + below**2) / corner)[..., None] * _FALL_OFF
             gain *= np.maximum(1 - fall, 0).astype(np.float32) ** 2
@@ -80,12 +79,10 @@ class Lamps:
         if r.glare:
             azimuth = np.arctan2(self._rays[1], self._rays[0])
             dip = np.arcsin(np.clip(-self._rays[2], 0, 1))
-            shine = np.zeros_like(dip)
-            for where, low, wide, strength in self._lamps:
-                off = (azimuth - where + np.pi) % (2 * np.pi) - np.pi
-                shine += np.float32(strength) * np.exp(
-                    -((off / wide) ** 2) - ((dip - low) / 0.2) ** 2
-                ).astype(np.float32)
+            where, low, wide, strength = self._lamps.T[..., None, None]
+            off = (azimuth - where + np.pi) % (2 * np.pi) - np.pi
+            lights = np.exp(-((off / wide) ** 2) - ((dip - low) / 0.2) ** 2).astype(np.float32)
+            shine = (strength.astype(np.float32) * lights).sum(axis=0)
             shine *= np.clip(dip / 0.06, 0, 1) * np.float32(r.glare)  # only the ground reflects
             cv2.add(light, _enlarged(np.repeat(shine[..., None], 3, axis=2), size), dst=light)
 
@@ -117,12 +114,12 @@ def _exposure(light: Float32, reality: Reality, rng: np.random.Generator | None)
     some = np.sqrt(light[_COARSE // 2 :: _COARSE, _COARSE // 2 :: _COARSE].reshape(-1, 3))
     if not len(some):
         return 1.0
-    brightest, darkest = some.max(axis=1), some.min(axis=1)
+    extremes = np.stack([some.max(axis=1), some.min(axis=1)])
     wanted = _MEAN_LIGHTNESS + (rng.normal(0, 4) if rng is not None else 0.0)
     low, high = 0.4, 1.8
     for _ in range(14):
         gain = (low + high) / 2
-        mean = 127.5 * (np.minimum(gain * brightest, 1) + np.minimum(gain * darkest, 1)).mean()
+        mean = 127.5 * np.minimum(gain * extremes, 1).sum(axis=0).mean()
         low, high = (gain, high) if mean < wanted else (low, gain)
     return float(gain**reality.exposure)
 

@@ -23,7 +23,7 @@ from nao_course.sim.furniture import Furniture, outlines_in_view, scatter, strew
 from nao_course.sim.light import Lamps, develop
 from nao_course.sim.reality import Reality
 from nao_course.sim.room import furnish, paint_curtains
-from nao_course.sim.shapes import Covered, Eye, Float32
+from nao_course.sim.shapes import Covered, Eye, Float32, cross
 
 Labels = npt.NDArray[np.uint8]
 
@@ -383,7 +383,7 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
         centre, above, beyond, south, north = eye.to_camera(
             [(x, y, 0.0), (x, y, 1.0), (x + 1.0, y, 0.0), (x, y - 1.0, 0.0), (x, y + 1.0, 0.0)]
         )
-        halfway = np.cross(south, north)  # the plane through the camera and the halfway line
+        halfway = cross(south, north)  # the plane through the camera and the halfway line
         part = halfway * np.sign(halfway @ beyond) if last - first < 2 * np.pi else None
         yield eye.ring(centre, above - centre, (radius - half, radius + half), part)
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import FloatArray
-from nao_course.sim.carpet import Bytes, Rectangle, cloud, halved, with_fourth
+from nao_course.sim.carpet import Bytes, Rectangle, cloud, halved
 from nao_course.sim.furniture import Furniture, Workshop, choose_piece, sides, wall
 from nao_course.sim.shapes import Eye, Float32
 
@@ -28,17 +28,14 @@ class Curtain:
         Left end of the plane as seen from outside, m, and unit vectors along the plane and away from the carpet; field
         frame.
     paint : tuple of ndarray of uint8, shape (rows, columns, 4)
-        Texture of colours times the covered area, from the top down, and the same at half the size for large
-        distances. The fourth channel is unused.
-    shows : tuple of ndarray of uint8, shape (rows, columns, 4)
-        Transparency at both sizes; 255 is fully transparent.
+        Texture of colours times the covered area, and of transparency (255 is fully transparent), from the top down;
+        and the same at half the size for large distances.
     """
 
     start: FloatArray
     along: FloatArray
     outwards: FloatArray
     paint: tuple[Bytes, Bytes]
-    shows: tuple[Bytes, Bytes]
 
 
 _PIXEL = 0.008  # m: width of a texture's pixel
@@ -182,10 +179,9 @@ class _Canvas:
 
     def done(self) -> Curtain:
         """Return the finished curtain."""
-        shows = np.repeat(cv2.convertScaleAbs(1 - self.covered, alpha=255)[..., None], 4, axis=2)
-        paint = with_fourth(cv2.convertScaleAbs(self.paint))
-        (paint, paint_half), (shows, shows_half) = ((each, halved(each)) for each in (paint, shows))
-        return Curtain(self.start, self.along, self.outwards, (paint, paint_half), (shows, shows_half))
+        shows = cv2.convertScaleAbs(1 - self.covered, alpha=255)
+        paint = np.dstack([cv2.convertScaleAbs(self.paint), shows])
+        return Curtain(self.start, self.along, self.outwards, (paint, halved(paint)))
 
 
 def _with_rim(grid: Float32) -> Float32:
@@ -214,7 +210,7 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
         reach = distance / np.maximum(towards, _GRAZING)
         sideways = np.tensordot(curtain.along.astype(np.float32), rays[:2], axes=1)
         level = int(distance / eye.view.focal[0] > 0.6 * _PIXEL)
-        paint, shows, pixel = curtain.paint[level], curtain.shows[level], np.float32(_PIXEL * 2**level)
+        paint, pixel = curtain.paint[level], np.float32(_PIXEL * 2**level)
         across = (reach * sideways + np.float32(offset @ curtain.along)) / pixel
         down = (np.float32(_TOP - eye.view.height) - reach * rays[2]) / pixel
         rows, columns = paint.shape[:2]
@@ -238,6 +234,7 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
             ]
             for each in (across, down)
         )
-        through = cv2.remap(shows, u, v, cv2.INTER_LINEAR, borderValue=(255, 255, 255, 255))
+        shown = cv2.remap(paint, u, v, cv2.INTER_LINEAR, borderValue=(0, 0, 0, 255))
+        through = cv2.cvtColor(cv2.extractChannel(shown, 3), cv2.COLOR_GRAY2RGBA)
         cv2.multiply(part, through, dst=part, scale=1 / 255)
-        cv2.add(part, cv2.remap(paint, u, v, cv2.INTER_LINEAR), dst=part)
+        cv2.add(part, shown, dst=part)

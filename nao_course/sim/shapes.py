@@ -24,6 +24,9 @@ Indices = npt.NDArray[np.intp]
 
 _EDGE_PIECES = 12  # segments of a straight edge, which the lens bends
 _INSIDE, _RIM = 1, 2
+_STEPS = np.linspace(0, 1, _EDGE_PIECES, endpoint=False)[:, None]
+_X_AXIS, _Y_AXIS = np.eye(3)[:2]
+_NEXT, _BEFORE = [1, 2, 0], [2, 0, 1]  # indices of the coordinates in a cross product
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,28 +53,33 @@ class Covered:
         uncovered[self.rim] *= 1 - self.area
 
 
-@dataclass(frozen=True, eq=False)
 class Grid:
-    """Rays (1, -right, -down) through the centres of all pixels, flat (H * W,), and their derivatives."""
+    """Rays (1, -right, -down) through the centres of all pixels, and their derivatives along a row and a column.
 
-    right: Float32
-    down: Float32
-    right_du: Float32
-    right_dv: Float32
-    down_du: Float32
-    down_dv: Float32
+    Parameters
+    ----------
+    right, down, right_du, right_dv, down_du, down_dv : array_like, shape (H, W)
+        The two coordinates of each ray, and their changes from one pixel to the next.
 
+    Attributes
+    ----------
+    flat : ndarray of float32, shape (6, H * W)
+        All of them in this order, so that one call looks up what a pixel needs.
+    right, down : ndarray of float32, shape (H, W)
+        The two coordinates.
+    """
 
-def flat32(array: FloatArray) -> Float32:
-    """Return an array as flat float32."""
-    return np.ascontiguousarray(array, dtype=np.float32).ravel()
+    def __init__(self, *parts: npt.ArrayLike) -> None:
+        stacked = np.array(parts, dtype=np.float32)
+        self.flat = stacked.reshape(len(parts), -1)
+        self.right, self.down = stacked[:2]
 
 
 def _turned(grid: Grid, size: tuple[int, int], turning: FloatArray) -> Grid:
     """Return the rays of a camera that rotates by small angles (3,) while its rows are read out."""
-    width, height = size
+    height = size[1]
     about_ahead, about_left, about_up = turning.astype(np.float32)
-    left, up = -grid.right.reshape(height, width), -grid.down.reshape(height, width)
+    left, up = -grid.right, -grid.down
     when = ((np.arange(height, dtype=np.float32) - (height - 1) / 2) / max(height - 1, 1))[:, None]
     ahead = 1 + when * (about_left * up - about_up * left)
     right = -(left + when * (about_up - about_ahead * up)) / ahead
@@ -80,11 +88,8 @@ def _turned(grid: Grid, size: tuple[int, int], turning: FloatArray) -> Grid:
     def derivative(a: Float32, axis: int) -> FloatArray:
         return np.asarray(np.gradient(a, axis=axis)) if a.shape[axis] > 1 else np.zeros_like(a)
 
-    parts = (
-        *(right, down),
-        *(derivative(right, 1), derivative(right, 0), derivative(down, 1), derivative(down, 0)),
-    )
-    return Grid(*(flat32(part) for part in parts))
+    changes = (derivative(part, axis) for part in (right, down) for axis in (1, 0))
+    return Grid(right, down, *changes)
 
 
 @lru_cache(maxsize=6)
@@ -95,14 +100,12 @@ def _lens_grid(lens: CameraView) -> Grid:
     u, v = np.meshgrid(np.arange(-1.0, width + 1), np.arange(-1.0, height + 1))
     flat = (lens.undistort(np.column_stack([u.ravel(), v.ravel()])) - lens.centre) / lens.focal
     right, down = (flat[:, i].reshape(height + 2, width + 2) for i in (0, 1))
-    return Grid(
-        flat32(right[1:-1, 1:-1]),
-        flat32(down[1:-1, 1:-1]),
-        flat32((right[1:-1, 2:] - right[1:-1, :-2]) / 2),
-        flat32((right[2:, 1:-1] - right[:-2, 1:-1]) / 2),
-        flat32((down[1:-1, 2:] - down[1:-1, :-2]) / 2),
-        flat32((down[2:, 1:-1] - down[:-2, 1:-1]) / 2),
+    changes = (
+        change
+        for part in (right, down)
+        for change in ((part[1:-1, 2:] - part[1:-1, :-2]) / 2, (part[2:, 1:-1] - part[:-2, 1:-1]) / 2)
     )
+    return Grid(right[1:-1, 1:-1], down[1:-1, 1:-1], *changes)
 
 
 def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
@@ -145,6 +148,13 @@ class Eye:
     turning : array_like, shape (3,), optional
         Rotation of the camera about its own axes (ahead, left, up) from the first row to the last, rad. With a rolling
         shutter, each row then has another direction.
+
+    Attributes
+    ----------
+    grid : Grid
+        Rays of all pixels in the camera frame.
+    ground_position : ndarray, shape (2,)
+        Point on the ground below the camera, in the field frame, m.
     """
 
     def __init__(self, seen_from: Pose, view: CameraView, turning: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -158,28 +168,30 @@ class Eye:
             _turned(_lens_grid(lens), view.size, self.turning) if self.turning.any() else _lens_grid(lens)
         )
         self._planes = self._clip_planes()
-
-    @property
-    def ground_position(self) -> FloatArray:
-        """Point (2,) on the ground below the camera, in the field frame, m."""
-        return self.seen_from.to_parent([self.view.offset])[0]
+        self._rotation, self._position = view.rotation, view.position
+        self.ground_position: FloatArray = seen_from.to_parent([view.offset])[0]
 
     def field_rays(self, every: int = 1) -> Float32:
         """Return the directions (3, rows, columns), in the field frame, of the rays through every n-th pixel."""
         width, height = self.view.size
-        some = np.ix_(centre_pixels(height, every), centre_pixels(width, every))
-        right, down = (a.reshape(height, width)[some] for a in (self.grid.right, self.grid.down))
+        right, down = self.grid.right, self.grid.down
+        if every > 1:
+            some = np.ix_(centre_pixels(height, every), centre_pixels(width, every))
+            right, down = right[some], down[some]
         c, s = np.cos(self.seen_from.theta), np.sin(self.seen_from.theta)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self.view.rotation
-        ahead, left, up = turn.astype(np.float32).T
-        return np.stack([ahead[i] - left[i] * right - up[i] * down for i in range(3)])
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self._rotation
+        rays = np.empty((3, *right.shape), dtype=np.float32)
+        for ray, (ahead, left, up) in zip(rays, turn.astype(np.float32), strict=True):
+            np.subtract(ahead, left * right, out=ray)
+            ray -= up * down
+        return rays
 
     def to_camera(self, points: npt.ArrayLike) -> FloatArray:
         """Transform points (..., 3) from the field frame to the camera frame (ahead, left, up), m."""
         array = np.asarray(points, dtype=float)
         flat = array.reshape(-1, 3)
         robot = np.column_stack([self.seen_from.to_local(flat[:, :2]), flat[:, 2]])
-        return np.asarray((robot - self.view.position) @ self.view.rotation).reshape(array.shape)
+        return np.asarray((robot - self._position) @ self._rotation).reshape(array.shape)
 
     # --- outlines ---
 
@@ -203,21 +215,25 @@ class Eye:
 
     def outlines(self, polygons: Iterable[FloatArray]) -> list[npt.NDArray[np.int32] | None]:
         """Return outlines in integer pixels of convex polygons (N, 3) in the camera frame; None if out of view."""
-        paths, owners = [], []
-        steps = np.linspace(0, 1, _EDGE_PIECES, endpoint=False)[:, None]
         shapes = list(polygons)
-        for i, polygon in enumerate(shapes):
-            clipped = clip_polygon(polygon, self._planes)
+        found: list[npt.NDArray[np.int32] | None] = [None] * len(shapes)
+        areas = [i for i, shape in enumerate(shapes) if len(shape) >= 3]
+        if not areas:
+            return found
+        starts = np.cumsum([0, *(len(shapes[i]) for i in areas[:-1])])
+        reached, inside = self.reached(np.concatenate([shapes[i] for i in areas]), starts)
+        paths, owners = [], []
+        for i, seen, whole in zip(areas, reached.tolist(), inside.tolist(), strict=True):
+            if not seen:
+                continue
+            clipped = shapes[i] if whole else clip_polygon(shapes[i], self._planes)
             if len(clipped) < 3:
                 continue
-            if len(clipped) > 2 * _EDGE_PIECES:  # a circle already has enough points
-                path = clipped
-            else:
-                ahead = np.roll(clipped, -1, axis=0)
-                path = (clipped[:, None] + steps * (ahead - clipped)[:, None]).reshape(-1, 3)
-            paths.append(path)
+            if len(clipped) <= 2 * _EDGE_PIECES:  # a circle already has enough points
+                edges = clipped[[*range(1, len(clipped)), 0]] - clipped
+                clipped = (clipped[:, None] + _STEPS * edges[:, None]).reshape(-1, 3)
+            paths.append(clipped)
             owners.append(i)
-        found: list[npt.NDArray[np.int32] | None] = [None] * len(shapes)
         if not paths:
             return found
         pixels = np.rint(self.pixels(np.concatenate(paths))).astype(np.int32)
@@ -233,7 +249,7 @@ class Eye:
         if self.turning.any():
             for _ in range(3):  # the time depends on the row, and the row on the rotation at that time
                 when = (uv[:, 1:] - self.view.centre[1]) / max(self.view.size[1] - 1, 1)
-                uv = self._still_pixels(points - np.cross(np.clip(when, -1, 1) * self.turning, points))
+                uv = self._still_pixels(points - cross(np.clip(when, -1, 1) * self.turning, points))
         return uv
 
     def _still_pixels(self, points: FloatArray) -> FloatArray:
@@ -249,11 +265,12 @@ class Eye:
         nothing = np.empty(0, dtype=np.intp)
         if not filled:
             return nothing, nothing
-        low = np.maximum(np.min([o.min(axis=0) for o in filled], axis=0) - 2, 0)
-        high = np.minimum(np.max([o.max(axis=0) for o in filled], axis=0) + 3, (width, height))
-        if (low >= high).any():
+        left, top, wide, high = cv2.boundingRect(filled[0] if len(filled) == 1 else np.concatenate(filled))
+        first_row, first_column = max(top - 2, 0), max(left - 2, 0)
+        rows, columns = min(top + high + 2, height) - first_row, min(left + wide + 2, width) - first_column
+        if rows <= 0 or columns <= 0:
             return nothing, nothing
-        mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
+        mask, low = np.zeros((rows, columns), dtype=np.uint8), np.array([first_column, first_row], dtype=np.int32)
         for outline in filled:
             cv2.fillPoly(mask, [outline - low], _INSIDE)
         for outline in holes:
@@ -263,35 +280,35 @@ class Eye:
 
         def flat(kind: int) -> Indices:
             found = np.flatnonzero(mask == kind)
-            rows, columns = np.divmod(found, mask.shape[1])
-            return np.asarray((rows + low[1]) * width + columns + low[0])
+            found += found // columns * (width - columns) + (first_row * width + first_column)
+            return found
 
         return flat(_INSIDE), flat(_RIM)
 
     # --- exact areas ---
 
     def side(self, normals: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
-        """Return the area of pixels on the positive side of planes through the centre of the camera.
+        """Return the areas (..., M) of pixels (M,) on the positive side of planes through the centre of the camera.
 
-        `normals` is one plane (3,) for all pixels, or planes (N, 3), of which `owner` contains an index for each pixel.
+        `normals` are planes (..., 3) for all pixels; or planes (..., N, 3), and `owner` (M,) has each pixel's index.
         """
         scale = np.maximum(np.hypot(normals[..., 1:2], normals[..., 2:3]), 1e-12)
-        ahead, left, up = np.asarray(normals / scale, dtype=np.float32).T
-        if owner is not None:
-            ahead, left, up = ahead[owner], left[owner], up[owner]
-        g = self.grid
-        value = ahead - left * g.right[pixels] - up * g.down[pixels]
-        du = left * g.right_du[pixels] + up * g.down_du[pixels]
-        dv = left * g.right_dv[pixels] + up * g.down_dv[pixels]
-        return cut_square(value, du, dv)
+        planes = np.moveaxis(np.asarray(normals / scale, dtype=np.float32), -1, 0)
+        ahead, left, up = planes[..., None] if owner is None else planes[..., owner]
+        right, down, right_du, right_dv, down_du, down_dv = self.grid.flat.take(pixels, axis=1)
+        value = ahead - left * right - up * down
+        return cut_square(value, left * right_du + up * down_du, left * right_dv + up * down_dv)
 
     def quad_area(self, corners: FloatArray, pixels: Indices, owner: Indices | None = None) -> Float32:
-        """Return the area of pixels inside quadrilaterals (N, 4, 3) of the camera frame, with corners in order."""
-        normals = np.cross(corners, np.roll(corners, -1, axis=1))
+        """Return the area of pixels inside quadrilaterals (N, 4, 3) of the camera frame, with corners in order.
+
+        `owner` has the index of each pixel's quadrilateral; without it there is only one.
+        """
+        normals = cross(corners, corners[:, [1, 2, 3, 0]])
         facing = np.sign((normals[:, 0] * corners[:, 2]).sum(axis=1))
         normals *= np.where(facing == 0, 1, facing)[:, None, None]
-        owner = np.zeros(len(pixels), dtype=np.intp) if owner is None else owner
-        first, second, third, fourth = (self.side(normals[:, i], pixels, owner) for i in range(4))
+        sides = normals[0] if owner is None else normals.transpose(1, 0, 2)
+        first, second, third, fourth = self.side(sides, pixels, owner)
         # Two opposite edges may cut the same pixel. The area between them is the sum of both areas minus 1.
         return np.maximum(first + third - 1, 0) * np.maximum(second + fourth - 1, 0)
 
@@ -331,8 +348,8 @@ class Eye:
 
     def disc_area(self, centre: FloatArray, normal: FloatArray, radius: float, pixels: Indices) -> Float32:
         """Return the area of pixels inside a flat disc; `centre` and unit `normal` are in the camera frame."""
-        g = self.grid
-        right, down = g.right[pixels].astype(float), g.down[pixels].astype(float)
+        right, down, right_du, right_dv, down_du, down_dv = self.grid.flat.take(pixels, axis=1)
+        right, down = right.astype(float), down.astype(float)
         depth = float(normal @ centre)
 
         def away(
@@ -355,8 +372,7 @@ class Eye:
                 2 * (radius**2 * slope * slope_d - sum(a * d for a, d in zip(here, there, strict=True)))
             )
 
-        du = change(g.right_du[pixels], g.down_du[pixels])
-        dv = change(g.right_dv[pixels], g.down_dv[pixels])
+        du, dv = change(right_du, down_du), change(right_dv, down_dv)
         scale = np.maximum(np.maximum(np.abs(du), np.abs(dv)), 1e-30)
         area = cut_square(*((x / scale).astype(np.float32) for x in (value, du, dv)))
         return np.where(slope * depth > 0, area, np.float32(0))
@@ -388,7 +404,7 @@ class Eye:
         if distance <= radius:
             return nothing, nothing.area, nothing.area  # the camera is inside the cylinder
         towards = across / distance
-        aside = np.cross(axis, towards)
+        aside = cross(axis, towards)
         # The tangent planes through the camera touch the cylinder here.
         reach, wide = radius**2 / distance, radius * np.sqrt(1 - (radius / distance) ** 2)
         left, right = (reach * towards + s * wide * aside for s in (1, -1))
@@ -402,7 +418,8 @@ class Eye:
             area = np.maximum(area, self.disc_area(point, axis, radius, rim))
 
         def facing(pixels: Indices) -> Float32:
-            rays = np.stack([np.ones(len(pixels)), -self.grid.right[pixels], -self.grid.down[pixels]], axis=1)
+            right, down = self.grid.flat[:2].take(pixels, axis=1)
+            rays = np.stack([np.ones(len(pixels)), -right, -down], axis=1)
             sideways = (rays @ aside) / np.maximum(-(rays @ towards), 1e-6) * distance / wide
             return np.sqrt(np.clip(1 - sideways**2, 0, 1)).astype(np.float32)
 
@@ -416,31 +433,39 @@ def centre_pixels(pixels: int, every: int) -> Indices:
 
 def circle_points(centre: FloatArray, axis: FloatArray, radius: float, count: int) -> FloatArray:
     """Return points (count, 3) on a circle about a unit axis (3,)."""
-    first = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.9 else [0.0, 1.0, 0.0])
+    first = cross(axis, _X_AXIS if abs(axis[0]) < 0.9 else _Y_AXIS)
     first /= np.linalg.norm(first)
-    second = np.cross(axis, first)
+    cosines, sines = _unit_circle(count)
+    return np.asarray(centre + radius * (cosines * first + sines * cross(axis, first)))
+
+
+@lru_cache(maxsize=4)
+def _unit_circle(count: int) -> tuple[FloatArray, FloatArray]:
     angles = np.linspace(0, 2 * np.pi, count, endpoint=False)[:, None]
-    return np.asarray(centre + radius * (np.cos(angles) * first + np.sin(angles) * second))
+    return np.cos(angles), np.sin(angles)
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the cross products of vectors (..., 3); NumPy's own takes four times as long for a few vectors."""
+    return np.asarray(a[..., _NEXT] * b[..., _BEFORE] - a[..., _BEFORE] * b[..., _NEXT])
 
 
 def clip_polygon(polygon: FloatArray, planes: FloatArray) -> FloatArray:
     """Clip a convex polygon (N, 3) to half-spaces n . p >= 0 (Sutherland and Hodgman)."""
-    heights = polygon @ planes.T
-    if (heights >= 0).all():
-        return polygon
-    if (heights < 0).all(axis=0).any():
+    outside = polygon @ planes.T < 0
+    if outside.all(axis=0).any():
         return np.empty((0, 3))
-    for normal in planes:
-        height = polygon @ normal
-        if (height >= 0).all():
-            continue
-        kept: list[FloatArray] = []
-        for i, here in enumerate(polygon):
-            h, before = height[i], height[i - 1]
+    for normal in planes[outside.any(axis=0)]:
+        heights = (polygon @ normal).tolist()
+        points = polygon.tolist()  # plain floats, because a polygon has few corners
+        kept: list[list[float]] = []
+        last, before = points[-1], heights[-1]
+        for here, h in zip(points, heights, strict=True):
             if (h >= 0) != (before >= 0):
-                kept.append(polygon[i - 1] + (here - polygon[i - 1]) * before / (before - h))
+                kept.append([b + (a - b) * before / (before - h) for a, b in zip(here, last, strict=True)])
             if h >= 0:
                 kept.append(here)
+            last, before = here, h
         polygon = np.array(kept).reshape(-1, 3)
         if not len(polygon):
             break
