@@ -432,15 +432,15 @@ def outlines_in_view(
     seen, starts = eye.to_camera(furniture.points), furniture.starts
     reached, inside = eye.reached(seen, starts[:-1])
     wanted = np.flatnonzero(reached & near_enough[furniture.piece])
+    wanted = wanted[np.argsort(-away[furniture.piece[wanted]], kind="stable")]
+    polygons = {i: seen[starts[i] : starts[i + 1]] for i in wanted.tolist()}
+    cut = [i for i in polygons if not inside[i]]
+    clipped = dict(zip(cut, eye.outlines(polygons[i] for i in cut), strict=True))
     found = []
-    for i in wanted[np.argsort(-away[furniture.piece[wanted]], kind="stable")]:
-        polygon = seen[starts[i] : starts[i + 1]]
+    for i, polygon in polygons.items():
+        at_edge = clipped.get(i)
         if inside[i]:
-            outline = np.rint(eye.pixels(polygon) * 16).astype(np.int32)
-        else:
-            clipped = eye.outlines([polygon])[0]
-            if clipped is None:
-                continue
-            outline = clipped * 16
-        found.append((outline, furniture.colours[i]))
+            found.append((np.rint(eye.pixels(polygon) * 16).astype(np.int32), furniture.colours[i]))
+        elif at_edge is not None:
+            found.append((at_edge * 16, furniture.colours[i]))
     return found

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from nao_course.geometry import FloatArray
 from nao_course.sim.field import Field
 from nao_course.sim.reality import Reality
 from nao_course.sim.shapes import Eye, Float32, centre_pixels
@@ -27,9 +28,7 @@ class Lamps:
 
     def __init__(self, field: Field, eye: Eye, reality: Reality) -> None:
         self.reality, self.width = reality, eye.view.size[0]
-        rng = np.random.default_rng([reality.seed, 3])
-        towards, cast = rng.uniform(-np.pi, np.pi), rng.normal(0, 1, 3)
-        self._lamps = rng.uniform((-np.pi, 0.12, 0.25, 0.4), (np.pi, 0.40, 0.60, 1.0), (6, 4))
+        towards, cast, self._lamps = _lamps(reality.seed)
         rays = eye.field_rays(_COARSE)
         rays /= np.sqrt((rays**2).sum(axis=0))
         down = np.maximum(-rays[2], np.float32(0.02))
@@ -84,11 +83,22 @@ class Lamps:
             lights = np.exp(-((off / wide) ** 2) - ((dip - low) / 0.2) ** 2).astype(np.float32)
             shine = (strength.astype(np.float32) * lights).sum(axis=0)
             shine *= np.clip(dip / 0.06, 0, 1) * np.float32(r.glare)  # only the ground reflects
-            cv2.add(light, _enlarged(np.repeat(shine[..., None], 3, axis=2), size), dst=light)
+            cv2.add(light, cv2.cvtColor(_enlarged(shine, size), cv2.COLOR_GRAY2RGB), dst=light)
+
+
+@lru_cache(maxsize=8)
+def _lamps(seed: int) -> tuple[float, FloatArray, FloatArray]:
+    """Draw the direction in which the light grows (rad), the tint (3,), and the lamps that a room's carpet reflects.
+
+    A lamp (of six, with four values) has an azimuth and a dip below the horizon, a width (rad) and a brightness.
+    """
+    rng = np.random.default_rng([seed, 3])
+    towards, cast = rng.uniform(-np.pi, np.pi), rng.normal(0, 1, 3)
+    return towards, cast, rng.uniform((-np.pi, 0.12, 0.25, 0.4), (np.pi, 0.40, 0.60, 1.0), (6, 4))
 
 
 def _enlarged(coarse: Float32, size: tuple[int, ...]) -> Float32:
-    """Interpolate a coarse grid (h, w, 3), with a point in the centre of each 8 by 8 pixels, to (width, height)."""
+    """Interpolate a coarse grid (h, w[, 3]), with a point in the centre of each 8 by 8 pixels, to (width, height)."""
     whole = (coarse.shape[1] * _COARSE, coarse.shape[0] * _COARSE)
     return cv2.resize(coarse, whole, interpolation=cv2.INTER_LINEAR)[: size[1], : size[0]]
 

@@ -236,12 +236,12 @@ def _paint(field: Field, eye: Eye, reality: Reality) -> tuple[Float32, Labels]:
 
 def _room(field: Field, eye: Eye, reality: Reality, carpet: Labels) -> npt.NDArray[np.uint8]:
     """Paint the room into the upper rows (rows, W, 4) of a picture, as far down as the carpet leaves pixels free."""
-    rows = 1 + int(np.flatnonzero(cv2.reduce(carpet, 1, cv2.REDUCE_MIN) == 0).max(initial=0))
+    rows = 1 + int(np.flatnonzero(carpet.min(axis=1) == 0).max(initial=0))
     behind = _plain(rows, eye.view.size[0], "wall")
     x0, y0, x1, y1 = field.carpet
-    for margin, light in _FLOOR if reality.clutter else _FLOOR[:1]:
-        m = margin
-        floor = eye.outlines([_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m)])[0]
+    shades = _FLOOR if reality.clutter else _FLOOR[:1]
+    floors = eye.outlines(_rectangle(eye, x0 - m, y0 - m, x1 + m, y1 + m) for m, _ in shades)
+    for floor, (_, light) in zip(floors, shades, strict=True):
         if floor is not None:
             cv2.fillPoly(behind, [floor], [light * shade for shade in SHOWN["floor"]], cv2.LINE_AA)
     if reality.clutter:
@@ -310,8 +310,12 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
     with np.errstate(divide="ignore"):
         reach = np.float32(eye.view.height) / np.maximum(-up, np.float32(1e-4))
     x, y = eye.ground_position - field.carpet[:2]
-    columns = (ahead * reach + np.float32(x)) / np.float32(TEXEL)
-    rows = (left * reach + np.float32(y)) / np.float32(TEXEL)
+    columns, rows = ahead, left
+    for each, origin in ((columns, x), (rows, y)):
+        each *= reach
+        each += np.float32(origin)
+        each /= np.float32(TEXEL)
+        each += np.float32(0.5)
     # A pixel covers reach / focal metres across, and more along. But the fibres stand upright, so their grain is also
     # visible from the side. The resolution of the texture is therefore hardly coarser than the width of a pixel.
     middle = np.minimum(reach[:, width // 2], 30.0)
@@ -323,7 +327,7 @@ def _carpet(field: Field, eye: Eye, reality: Reality) -> npt.NDArray[np.uint8]:
             continue
         k = level[first]
         scale = np.float32(0.5**k)
-        x, y = ((m[first:last] + np.float32(0.5)) * scale - np.float32(0.5) for m in (columns, rows))
+        x, y = (each[first:last] * scale - np.float32(0.5) for each in (columns, rows))
         picture[first:last] = cv2.remap(levels[k], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return picture
 
@@ -346,6 +350,8 @@ def _paint_lines(field: Field, eye: Eye, light: Float32, labels: Labels, lamps: 
 
 
 def _paint_goal(field: Field, goal: int, eye: Eye, light: Float32, labels: Labels, lamps: Lamps) -> None:
+    if not eye.reached(_goal_box(field, goal, eye), np.zeros(1, dtype=np.intp))[0].item():
+        return
     colour = field.dimensions.goal_colour
     flat, flat_labels = light.reshape(-1, 3), labels.reshape(-1)
     bare = np.ones(len(flat_labels), dtype=np.float32)
@@ -386,6 +392,16 @@ def _line_shapes(field: Field, eye: Eye) -> Iterator[Covered]:
         halfway = cross(south, north)  # the plane through the camera and the halfway line
         part = halfway * np.sign(halfway @ beyond) if last - first < 2 * np.pi else None
         yield eye.ring(centre, above - centre, (radius - half, radius + half), part)
+
+
+def _goal_box(field: Field, goal: int, eye: Eye) -> FloatArray:
+    """Return the corners (8, 3), in the camera frame, of an upright box around a goal."""
+    d, bar = field.dimensions, field.bars[goal]
+    around = max(d.post_diameter, d.bar_diameter)
+    low, high = bar.min(axis=0) - around, bar.max(axis=0) + around
+    return eye.to_camera(
+        [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (0.0, high[2])]
+    )
 
 
 def _goal_shapes(field: Field, goal: int, eye: Eye) -> Iterator[tuple[Covered, Float32, Float32]]:

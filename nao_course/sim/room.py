@@ -195,6 +195,12 @@ def _with_rim(grid: Float32) -> Float32:
     return grid
 
 
+def _along(direction: FloatArray, rays: Float32) -> Float32:
+    """Return the components of rays (3, h, w) along a horizontal direction (2,)."""
+    x, y = direction.astype(np.float32)
+    return np.asarray(x * rays[0] + y * rays[1])
+
+
 def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> None:
     """Paint a room over the upper rows of a picture (rows, W, 4).
 
@@ -204,11 +210,11 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
     for curtain in curtains:
         offset = eye.ground_position - curtain.start
         distance = np.float32(-offset @ curtain.outwards)
-        towards = np.tensordot(curtain.outwards.astype(np.float32), rays[:2], axes=1)
+        towards = _along(curtain.outwards, rays)
         if distance <= 0 or towards.max() < _GRAZING:
             continue
         reach = distance / np.maximum(towards, _GRAZING)
-        sideways = np.tensordot(curtain.along.astype(np.float32), rays[:2], axes=1)
+        sideways = _along(curtain.along, rays)
         level = int(distance / eye.view.focal[0] > 0.6 * _PIXEL)
         paint, pixel = curtain.paint[level], np.float32(_PIXEL * 2**level)
         across = (reach * sideways + np.float32(offset @ curtain.along)) / pixel
