@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 
 from nao_course.plotting.style import FOUND
 
-CELL = 14  # px
+CELL = 20  # px
 POSITIVE, NEGATIVE = "#2c6e8f", "#e39a2d"
 
 
@@ -28,7 +28,7 @@ def paint_matrix(matrix: npt.ArrayLike, border: int, newest: Sequence[int] = ())
 
     Returns
     -------
-    ndarray of uint8, shape (14 N, 14 N, 3)
+    ndarray of uint8, shape (20 N, 20 N, 3)
         RGB.
     """
     colours = np.array([_rgb(NEGATIVE), (255, 255, 255), _rgb(POSITIVE)], dtype=np.uint8)

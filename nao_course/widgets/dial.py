@@ -13,7 +13,9 @@ import numpy.typing as npt
 from nao_course.geometry import Pose
 from nao_course.plotting import Drawing, draw_picture
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
-from nao_course.widgets.parts import LabelledImage, RateLimited, bundle, jpeg
+from nao_course.widgets.layout import lay_out, place_beside
+from nao_course.widgets.parts import RateLimited, box, bundle, status_box
+from nao_course.widgets.picture_row import CSS, PictureRow
 
 PRESETS = ("clean", "lab", "dark", "harsh", "messy")
 _FRACTIONS = ("seams", "gradient", "exposure", "vignette")  # at most 1
@@ -49,6 +51,13 @@ _GROUPS = {  # effect: its slider's label and explanation, which also appears be
     },
 }
 _WORDS = {name: words for group in _GROUPS.values() for name, words in group.items()}
+_CSS = """
+.nao-controls, .nao-fold { overflow: visible; }
+.nao-presets { flex-wrap: wrap; }
+.nao-presets button { flex: 1 1 60px; width: auto; margin: 0; padding: 0 4px; }
+.nao-controls .widget-slider { width: 100%; height: 24px; margin: 0; }
+.nao-controls .jupyter-widget-Collapse-contents { padding: 4px; }
+"""
 _TILT = float(np.radians(3.0))  # the largest on the slider, rad
 
 
@@ -79,8 +88,7 @@ class RealityDial:
         self.reality, self.tilt = Reality.lab(), 0.0
         self._moving_sliders, self._newest = False, RateLimited(self._show)
         self._moved: tuple[str, str] | None = None  # label and explanation of the last slider that was moved
-        self._image = LabelledImage(format="jpeg", layout=ipywidgets.Layout(width="480px"))
-        self._said = ipywidgets.HTML()
+        self._row, self._said = PictureRow("The reality dial"), ipywidgets.HTML()
         self._sliders = {name: self._slider(name) for name in _STANDING}
         self._tilt = self._made(_TILT_WORDS, -3.0, 3.0, self._tilted)
         buttons = [
@@ -88,16 +96,13 @@ class RealityDial:
         ]
         for button in buttons:
             button.on_click(lambda pressed: self.preset(pressed.description))
-        shown = ipywidgets.VBox(
-            [ipywidgets.HBox(buttons), self._image, self._said], layout=ipywidgets.Layout(width="500px")
-        )
         folds = ipywidgets.Accordion(
-            [ipywidgets.VBox([self._sliders[name] for name in group]) for group in _GROUPS.values()],
+            [box("V", "nao-fold", *(self._sliders[name] for name in group)) for group in _GROUPS.values()],
             titles=[f"{title}: {len(group)} sliders" for title, group in _GROUPS.items()],
             selected_index=0,
         )
-        sliders = ipywidgets.VBox([self._tilt, folds])
-        self.widget = ipywidgets.HBox([shown, sliders], layout=ipywidgets.Layout(flex_flow="row wrap"))
+        sliders = box("V", "nao-controls", box("H", "nao-presets", *buttons), self._tilt, folds)
+        self.widget = lay_out(CSS + _CSS, self._row.widget, [sliders], self._said)
         self._show()
 
     # --- from code ---
@@ -176,7 +181,6 @@ class RealityDial:
             readout_format=".2f",
             tooltip=f"{label}: {meaning}; from {low:g} to {high:g}",
             style={"description_width": "9.5em"},
-            layout=ipywidgets.Layout(height="24px", width="350px"),
         )
         slider.observe(action, names="value")
         return slider
@@ -201,7 +205,7 @@ class RealityDial:
         self._show()
 
     def _show(self) -> None:
-        self._image.value = jpeg(self.pixels)
-        self._image.alt = repr(self)
-        meaning = "<b>{}</b>: {}<br>".format(*self._moved) if self._moved else ""
-        self._said.value = f'<div role="status">{meaning}{self.summary()}</div>'
+        self._row.show({" ": self.pixels})
+        place_beside(self.widget, self._row.ratio)
+        label, meaning = self._moved or ("", "")
+        self._said.value = status_box(f"{label}: {meaning}" if label else "", self.summary())

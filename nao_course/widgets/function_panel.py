@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -24,18 +24,12 @@ from nao_course.widgets.inputs import (
     check_controls,
 )
 from nao_course.widgets.keyboard import key_field, key_names, key_sign
-from nao_course.widgets.parts import RateLimited, box, bundle, html_line, status_box, styles
-from nao_course.widgets.picture_row import PictureRow
+from nao_course.widgets.layout import lay_out, place_beside, switch
+from nao_course.widgets.parts import RateLimited, box, bundle, html_line, status_box
+from nao_course.widgets.picture_row import CSS, SMALL, PictureRow
 from nao_course.widgets.shown import Shown, parts_of
 
-SLOW = 0.1  # s for one call of the student's code; the panel warns if a call takes longer
 _CSS = """
-.nao-function .nao-pictures { gap: 8px; flex-wrap: wrap; overflow: visible; }
-.nao-function .nao-column { flex: 1 1 0; min-width: 150px; overflow: visible; }
-.nao-function .nao-frame { position: relative; overflow: visible; }
-.nao-function .nao-frame img { display: block; width: 100%; height: auto; margin: 0; box-sizing: border-box; }
-.nao-function .nao-photo img { border: 1px solid #888; }
-.nao-function .nao-small img { image-rendering: pixelated; }
 .nao-function .nao-pad { position: absolute; inset: 0; width: 100%; height: 100%; margin: 0; overflow: visible; }
 .nao-function .nao-pad .widget-html-content, .nao-function .nao-pad-over { position: absolute; inset: 0; }
 .nao-function .nao-pad-over { cursor: crosshair; touch-action: none; }
@@ -52,18 +46,18 @@ _CSS = """
 .nao-function .nao-choices button { width: auto; padding: 0 14px; }
 .nao-function .nao-choices .widget-label { width: auto; }
 .nao-function .nao-choices .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
-.nao-function .nao-choices .nao-key-line { flex: 1 1 200px; max-width: 100%; }
-.nao-function .nao-below { gap: 24px; flex-wrap: wrap; align-items: flex-start; overflow: visible; margin-top: 2px; }
-.nao-function .nao-sliders { flex: 1 1 480px; overflow: visible; }
-.nao-function .nao-sliders .widget-slider { width: 100%; max-width: 560px; height: 26px; margin: 0; }
-.nao-function .nao-sliders .widget-label { width: 120px; }
+.nao-function .nao-choices .nao-key-line { flex: 1 1 200px; min-width: 0; }
+.nao-function .nao-controls { gap: 6px; }
+.nao-function .nao-sliders { display: grid; gap: 0 16px; overflow: visible; margin: 0;
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)); }
+.nao-function .nao-sliders .widget-slider { width: 100%; min-width: 0; height: 26px; margin: 0; }
+.nao-function .nao-sliders .widget-label { width: 130px; }
 .nao-function .noUi-handle:focus { outline: 2px solid #0b5fa5; outline-offset: 2px; }
-.nao-function .nao-scores { flex: 0 0 auto; }
 .nao-function .nao-scores table { border-collapse: collapse; font-size: 13px; line-height: 22px; margin: 0; }
-.nao-function .nao-scores th, .nao-function .nao-scores td { padding: 1px 10px; text-align: right; }
-.nao-function .nao-scores b { padding: 0 10px; }
+.nao-function .nao-scores th, .nao-function .nao-scores td { padding: 1px 6px; text-align: right; }
+.nao-function .nao-scores b { padding: 0 6px; }
 .nao-function .nao-scores tbody th { text-align: left; font-weight: normal; }
-.nao-function .nao-scores td { font-variant-numeric: tabular-nums; min-width: 70px; }
+.nao-function .nao-scores td { font-variant-numeric: tabular-nums; min-width: 44px; }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
 .nao-function .nao-legend { font-size: 12px; line-height: 18px; }
@@ -89,6 +83,8 @@ class FunctionPanel:
         The student's functions, by the names under which `show` finds them.
     unfinished : str or mapping of str to str, optional
         Message for a function that raises NotImplementedError; a mapping has a message for each function.
+    small : collection of str
+        Titles of pictures that are shown among the controls, and smaller than the others.
     seed : int
         Seed of ``values.rng``, which starts in the same state at each call.
     time_limit : float
@@ -121,6 +117,7 @@ class FunctionPanel:
         *,
         student: Mapping[str, Callable[..., Any]] | None = None,
         unfinished: str | Mapping[str, str] | None = None,
+        small: Collection[str] = (),
         seed: int = 0,
         time_limit: float = TIME_LIMIT,
     ) -> None:
@@ -128,6 +125,7 @@ class FunctionPanel:
         check_controls(controls)
         self.title, self.time_limit, self.seed = title, time_limit, seed
         self._show, self._student, self._unfinished = show, StudentCode(student or {}), unfinished
+        self._small = small
         self._controls = {each.name: each for each in controls}
         self._values = self._start()
         self._shown, self._latest = Shown({}, {}), Attempt[None]()
@@ -298,11 +296,20 @@ class FunctionPanel:
             for title, pixels in before.pictures.items()
             if not self._latest.done and title not in self._shown.pictures
         }
-        self._row.show(self._shown.pictures, self._shown.drawings, missing)
-        self._lay_pads([*self._shown.pictures, *missing])
+        shown = {**self._shown.pictures, **missing}
+        for row, is_small in ((self._row, False), (self._small_row, True)):
+            row.show(
+                {title: pixels for title, pixels in shown.items() if (title in self._small) == is_small},
+                self._shown.drawings,
+                missing,
+            )
+        place_beside(self.widget, self._row.ratio)
+        self._lay_pads(list(self._row.titles))
         self._legend.value = "".join(each._repr_html_() for each in self._shown.legends)
         self._table.value = self._shown.tables_html()
-        self._table.layout.display = "" if self._shown.tables else "none"
+        switch(
+            self._beside, "nao-empty", not (self._small_row.titles or self._legend.value or self._table.value)
+        )
         self._status.value = self._say_status()
 
     def _lay_pads(self, titles: list[str]) -> None:
@@ -328,8 +335,7 @@ class FunctionPanel:
         """Return the run time of the student's code as text."""
         if not self._student.called:
             return ""
-        slowly = " This slows the panel down." if seconds > SLOW else ""
-        return f"Your code took {1000 * seconds:.0f} ms.{slowly}"
+        return f"Your code took {1000 * seconds:.0f} ms."
 
     # --- widgets ---
 
@@ -344,7 +350,7 @@ class FunctionPanel:
 
     def _build(self) -> None:
         self._widgets = {name: each.widget() for name, each in self._controls.items()}
-        self._row = PictureRow(self.title)
+        self._row, self._small_row = PictureRow(self.title), PictureRow(self.title, SMALL)
         self._pads = {
             each.name: (html_line(each.pad(), "nao-pad"), html_line("", "nao-pad")) for each in self._pixels()
         }
@@ -358,15 +364,11 @@ class FunctionPanel:
         self._legend = html_line("", "nao-legend")
         self._table, self._status = html_line("", "nao-scores"), ipywidgets.HTML()
         sliders = [self._widgets[name] for name, each in self._controls.items() if _slides(each)]
-        self.widget = box(
-            "V",
-            "nao-panel",
-            styles(_CSS + self.css),
-            self._row.widget,
-            box("H", "nao-choices", *self._small_controls(), *self._key_line(), self._legend),
-            box("H", "nao-below", box("V", "nao-sliders", *sliders), self._table),
-            self._status,
-        )
+        choices = box("H", "nao-choices", *self._small_controls(), *self._key_line())
+        controls = box("V", "nao-controls", choices, box("", "nao-sliders", *sliders))
+        self._beside = box("V", "nao-beside-controls", self._small_row.widget, self._legend, self._table)
+        side = [controls, self._beside]
+        self.widget = lay_out(CSS + _CSS + self.css, self._row.widget, side, self._status)
         self.widget.add_class("nao-function")
 
     def _small_controls(self) -> list[Any]:

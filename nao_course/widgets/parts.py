@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import anywidget
 import cv2
 import ipywidgets
 import numpy as np
@@ -22,7 +23,7 @@ BREATH = 0.01  # s that every frame leaves for buttons and sliders
 JPEG_QUALITY = 90
 SHOWN_WIDTH = 640  # px; larger pictures are reduced before they are sent to the browser
 COMMON_CSS = """
-.nao-panel { max-width: 1000px; font-size: 13px; overflow: visible; }
+.nao-panel { font-size: 13px; overflow: visible; }
 .nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
 .nao-panel .nao-caption .widget-html-content { line-height: 18px; }
 .nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
@@ -32,9 +33,9 @@ COMMON_CSS = """
 .nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
 .nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
 .nao-panel .nao-alarm { border-left-color: #c84b00; }
-.nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 8px;
-  border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb); background: var(--jp-layout-color1, white);
-  color: var(--jp-ui-font-color1, black); caret-color: transparent; }
+.nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 6px;
+  font-size: 11px; border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb);
+  background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
 """
@@ -62,10 +63,41 @@ panel.naoNames.observe(panel, {subtree: true, childList: true, attributes: true,
 name();"""
 
 
-class LabelledImage(ipywidgets.Image):  # type: ignore[misc]  # ipywidgets has no types
-    """A picture with a tooltip, which needs a description because ipywidgets uses it as the accessible name."""
+class LabelledImage(anywidget.AnyWidget):
+    """A picture with a text alternative, which the pictures of ipywidgets do not have.
 
-    description = traitlets.Unicode("").tag(sync=True)
+    Attributes
+    ----------
+    value : bytes
+        The file.
+    format : str
+        Its kind, such as "jpeg".
+    alt : str
+        The text alternative; by default the tooltip.
+    """
+
+    _esm = """
+    export default { render({ model, el }) {
+      const image = document.createElement("img");
+      let url = "";
+      const name = () => { image.alt = model.get("alt") || model.get("tooltip") || ""; };
+      const show = () => {
+        const before = url;
+        url = URL.createObjectURL(new Blob([model.get("value")], { type: `image/${model.get("format")}` }));
+        image.src = url;
+        URL.revokeObjectURL(before);
+      };
+      model.on("change:alt change:tooltip", name);
+      model.on("change:value", show);
+      name();
+      show();
+      el.append(image);
+      return () => URL.revokeObjectURL(url);
+    } };
+    """
+    value = traitlets.Bytes(b"").tag(sync=True)
+    format = traitlets.Unicode("jpeg").tag(sync=True)
+    alt = traitlets.Unicode("").tag(sync=True)
 
 
 class RateLimited:

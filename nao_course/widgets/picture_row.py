@@ -8,17 +8,32 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.plotting import Drawing
+from nao_course.widgets.layout import switch
 from nao_course.widgets.parts import LabelledImage, box, html_line
 from nao_course.widgets.shown import encoded
 
-TALLEST = 430  # px of a picture on the page: the panel fits on a laptop's screen
+# px, of a picture's height on the page. Pictures wrap into the next line where they would be lower than the first
+# number; the second one keeps a panel on a laptop's screen.
+LARGE, SMALL = (260, 510), (120, 260)
+ENLARGED = 1.25  # times: figures become blurred if they are enlarged more than that
+CSS = """
+.nao-pictures { gap: 8px; flex-wrap: wrap; overflow: visible; margin: 0; }
+.nao-pictures .nao-column { min-width: min(100%, 150px); overflow: visible; margin: 0; }
+.nao-pictures .nao-frame { position: relative; overflow: visible; margin: 0; }
+.nao-pictures .nao-frame > :first-child { width: 100%; margin: 0; overflow: visible; }
+.nao-pictures img { display: block; width: 100%; height: auto; margin: 0; box-sizing: border-box; }
+.nao-pictures .nao-photo img { border: 1px solid #888; }
+.nao-pictures .nao-small img { image-rendering: pixelated; }
+"""
 
 
 class Place:
     """One picture of a row, with its caption."""
 
-    def __init__(self) -> None:
+    def __init__(self, heights: tuple[int, int]) -> None:
         """Build the widgets of an empty place."""
+        self._heights = heights
         self.image = LabelledImage()
         self.caption = html_line("", "nao-caption")
         self.frame = box("", "nao-frame", self.image)
@@ -27,21 +42,23 @@ class Place:
 
     def fill(self, title: str, pixels: Any, alt: str, note: str, *, is_figure: bool) -> None:
         """Show a picture; it is sent to the page only if it has changed."""
+        self.image.alt = f"{alt}{note}"
         before, sent = self._sent
         if sent is not None and title == before and np.array_equal(pixels, sent):
             return
         self._sent = (title, pixels)
-        image, caption, column = self.image, self.caption, self.column
-        image.format, image.value = encoded(pixels, is_figure)
-        image.alt = image.description = image.tooltip = f"{title.strip() or alt}{note}"
+        caption, column = self.caption, self.column
+        with self.image.hold_sync():
+            self.image.format, self.image.value = encoded(pixels, is_figure)
         caption.layout.display = "" if title.strip() else "none"
         caption.value = f"<b>{html.escape(title.strip())}</b>{note}"
         height, width = pixels.shape[:2]
-        most = width if is_figure else max(width, 322)
-        column.layout.max_width = f"{min(most, TALLEST * width // height)}px"
-        column.layout.flex = f"{width / height:.3f} 1 {'340px' if is_figure else '0'}"
-        for name, holds in (("nao-photo", not is_figure), ("nao-small", width <= 64)):
-            (column.add_class if holds else column.remove_class)(name)
+        shortest, tallest = self._heights
+        highest = min(tallest, ENLARGED * height) if is_figure else tallest
+        column.layout.max_width = f"{highest * width / height:.0f}px"
+        column.layout.flex = f"{width / height:.3f} 1 {shortest * width / height:.0f}px"
+        switch(column, "nao-photo", not is_figure)
+        switch(column, "nao-small", width <= 64)
 
 
 class PictureRow:
@@ -49,8 +66,10 @@ class PictureRow:
 
     Parameters
     ----------
-    alt : str
-        Text alternative of a picture without a title.
+    name : str
+        Name of the pictures together, in their text alternatives.
+    heights : (int, int)
+        Smallest height of a picture beside others, and greatest height, px.
 
     Attributes
     ----------
@@ -58,19 +77,25 @@ class PictureRow:
         The row.
     places : list of Place
         The places so far; the last ones may be hidden.
+    titles : tuple of str
+        Titles of the pictures that are shown.
+    ratio : float
+        Width of all of them side by side, divided by their height.
     """
 
-    def __init__(self, alt: str) -> None:
+    def __init__(self, name: str, heights: tuple[int, int] = LARGE) -> None:
         """Begin without pictures."""
-        self._alt = alt
+        self._name, self._heights = name, heights
         self.widget = box("H", "nao-pictures")
         self.places: list[Place] = []
+        self.titles: tuple[str, ...] = ()
+        self.ratio = 0.0
 
     def show(
         self,
         pictures: Mapping[str, Any],
-        figures: Container[str] = (),
-        missing: Mapping[str, Any] | None = None,
+        figures: Mapping[str, Drawing] | None = None,
+        missing: Container[str] = (),
     ) -> None:
         """Show pictures under their titles.
 
@@ -78,18 +103,19 @@ class PictureRow:
         ----------
         pictures : mapping of str to ndarray
             Pixels by title.
-        figures : container of str
-            Titles of the figures among the pictures.
-        missing : mapping of str to ndarray, optional
-            Substitutes for pictures that could not be made, by title.
+        figures : mapping of str to Drawing, optional
+            The figures among the pictures, by title.
+        missing : container of str
+            Titles of pictures that stand for others that could not be made.
         """
-        missing = missing or {}
-        every = {**pictures, **missing}
-        self.places += [Place() for _ in range(len(every) - len(self.places))]
-        for place, (title, pixels) in zip(self.places, every.items(), strict=False):
+        self.titles, figures = tuple(pictures), figures or {}
+        self.ratio = sum(pixels.shape[1] / pixels.shape[0] for pixels in pictures.values())
+        self.places += [Place(self._heights) for _ in range(len(pictures) - len(self.places))]
+        for place, (title, pixels) in zip(self.places, pictures.items(), strict=False):
             note = " (nothing yet)" if title in missing else ""
-            place.fill(title, pixels, self._alt, note, is_figure=title in figures)
-        columns = tuple(place.column for place in self.places[: len(every)])
+            alt = figures[title].alt if title in figures else f"{self._name}: {title.strip() or 'picture'}"
+            place.fill(title, pixels, alt, note, is_figure=title in figures)
+        columns = tuple(place.column for place in self.places[: len(pictures)])
         if self.widget.children != columns:
             self.widget.children = columns
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.plotting.marks import TRUE, rgb, with_crosses, with_rings
+from nao_course.plotting.marks import TRUE, at_scale, enlarged, rgb, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
 
 PLAIN = np.full((60, 80, 3), 90, dtype=np.uint8)
@@ -39,3 +39,11 @@ def test_a_ring_lies_around_its_point_on_a_copy():
 def test_points_of_another_shape_are_named():
     with pytest.raises(ValueError, match=r"corners \(u, v\)"):
         with_rings(PLAIN, np.zeros((2, 3)), "corners (u, v)")
+
+
+def test_a_pixel_of_an_enlarged_picture_is_a_square_around_its_point(rng):
+    picture = rng.integers(0, 255, (4, 5, 3)).astype(np.uint8)
+    large = enlarged(picture, 3)
+    (u, v), *_ = at_scale([(2, 1)], 3).round().astype(int)
+    assert large.shape == (12, 15, 3) and (large[v - 1 : v + 2, u - 1 : u + 2] == picture[1, 2]).all()
+    assert at_scale([(-0.5, -0.5), (4.5, 3.5)], 3).tolist() == [[-0.5, -0.5], [14.5, 11.5]]

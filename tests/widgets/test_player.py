@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from nao_course.widgets import Action, Choice, PlayerPanel, Slider
+from tests.widgets.robots import all_widgets
 
 FAST = {"fast": 1e4, "slow": 2.0}
 
@@ -24,9 +25,7 @@ def press(panel, name):
 
 
 def reset_button(panel):
-    return next(
-        each for each in panel.widget.children[2].children if getattr(each, "description", "") == "Reset"
-    )
+    return next(each for each in all_widgets(panel.widget) if getattr(each, "description", "") == "Reset")
 
 
 def label(panel, name="forwards"):
@@ -147,6 +146,6 @@ def test_what_else_can_be_set_and_pressed_is_as_in_any_panel():
 
 def test_all_of_the_keys_hint_has_room():
     hint = "Keys: space Play, b Backwards, \N{LEFTWARDS ARROW} Step back, \N{RIGHTWARDS ARROW} Step on"
-    keyed = next(each for each in make().widget.children[2].children if "nao-key-line" in each._dom_classes)
+    keyed = next(each for each in all_widgets(make().widget) if "nao-key-line" in each._dom_classes)
     assert hint in keyed.value and keyed.layout.min_width == f"min(100%, {len(hint)}ch)"
     assert "arrow left: Step back" in keyed.value  # what a screen reader says

@@ -145,12 +145,14 @@ class TiltPanel(FunctionPanel):
         return self._map.draw(MapContents({"truth": [POSE]}, estimate, observer="truth", points=true))
 
 
-def mark_pixels(pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Return a copy of a picture (H, W, 3) with rings around (u, v)."""
+def mark_pixels(
+    pixels: npt.NDArray[np.uint8], marks: npt.ArrayLike, radius: int = 6
+) -> npt.NDArray[np.uint8]:
+    """Return a copy of a picture (H, W, 3) with rings of a radius (px) around (u, v)."""
     shown = np.ascontiguousarray(pixels).copy()
     for u, v in as_points(marks, name="marks (u, v)"):
-        for colour, thickness in (((255, 255, 255), 3), (COLOUR, 2)):
-            cv2.circle(shown, (round(u), round(v)), 6, colour, thickness, cv2.LINE_AA)
+        for colour, thickness in (((255, 255, 255), radius // 2), (COLOUR, radius // 3)):
+            cv2.circle(shown, (round(u), round(v)), radius, colour, thickness, cv2.LINE_AA)
     return shown
 
 

@@ -13,11 +13,13 @@ from nao_course.lessons.experiments.landscape import NOTHING, OURS, interval_of
 from nao_course.lessons.experiments.resampling import as_table
 from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs
 from nao_course.plotting import Drawing, course_style
-from nao_course.plotting.marks import TRUE, with_crosses, with_rings
+from nao_course.plotting.marks import TRUE, at_scale, enlarged, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Action, FunctionPanel, Legend, Slider
 
+SIZE = 2  # times: how much larger than the camera's the shown pictures are
 WORST = 2  # pictures that are shown
+COSTS = "Cost of each picture"
 
 
 class SettingPanel(FunctionPanel):
@@ -74,6 +76,7 @@ class SettingPanel(FunctionPanel):
                 Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
             ],
             student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
+            small=(COSTS,),
             unfinished={
                 "grid_search": "Finish exercise 10.3 to see what a setting costs.",
                 "bootstrap_interval": "Finish exercise 10.4 to see the interval.",
@@ -86,14 +89,15 @@ class SettingPanel(FunctionPanel):
         setting = (values.beta, values.gap, values.length)
         table = as_table(student.grid_search(self._scenes, *([each] for each in setting)))
         costs = next(iter(table.values()))
-        yield {"Cost of each picture": _draw_costs(costs, self._nothing)}
+        yield {COSTS: _draw_costs(costs, self._nothing)}
         yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
         low, high = interval_of(student.bootstrap_interval, costs)
         better, worse = interval_of(student.bootstrap_interval, costs - self._nothing)
         for i in np.argsort(-costs, kind="stable")[:WORST]:
             pixels, corners = self._scenes[i]
             found = student.find(pixels, *setting)
-            marked = with_crosses(with_rings(pixels, found, "corners (u, v)"), corners)
+            rings = with_rings(enlarged(pixels, SIZE), at_scale(found, SIZE, "corners (u, v)"), scale=SIZE)
+            marked = with_crosses(rings, at_scale(corners, SIZE), SIZE)
             yield {f"Picture {i + 1} costs {costs[i]:.2f}": marked}
         yield (
             f"Mean cost {costs.mean():.2f}, 95 % from {low:.2f} to {high:.2f}. Reporting nothing costs "

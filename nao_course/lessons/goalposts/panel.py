@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course._internal.counts import say_count
-from nao_course.geometry import FloatArray, as_points
+from nao_course.geometry import as_points
 from nao_course.lessons.goalposts.figures import CANDIDATE
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.plotting import painted
-from nao_course.plotting.marks import TRUE, rgb, with_crosses
+from nao_course.plotting.marks import TRUE, at_scale, enlarged, rgb, with_crosses
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
@@ -68,21 +68,16 @@ def mark_feet(
 
     Points are (u, v) px of the picture as it was given.
     """
-    shown = np.ascontiguousarray(pixels, dtype=np.uint8).repeat(SIZE, axis=0).repeat(SIZE, axis=1)
+    shown = enlarged(pixels, SIZE)
     scale = max(1, round(len(shown) / 240))
-    dots = _shown_at(candidates, "candidates (u, v)")
+    dots = at_scale(candidates, SIZE, "candidates (u, v)")
     for colour, radius in (((255, 255, 255), 3 * scale), (rgb(CANDIDATE), 2 * scale)):
         for u, v in dots:
             cv2.circle(shown, (round(u), round(v)), radius, colour, -1, cv2.LINE_AA)
-    for u, v in _shown_at(feet, "feet (u, v)"):
+    for u, v in at_scale(feet, SIZE, "feet (u, v)"):
         for colour, thickness in (((255, 255, 255), 3 * scale), (rgb(FOUND), 2 * scale)):
             cv2.circle(shown, (round(u), round(v)), 7 * scale, colour, thickness, cv2.LINE_AA)
-    return with_crosses(shown, _shown_at(true, "true feet (u, v)"), scale)
-
-
-def _shown_at(points: npt.ArrayLike, name: str) -> FloatArray:
-    """Return the centres of pixels (u, v) in the enlarged picture."""
-    return as_points(points, name=name) * SIZE + (SIZE - 1) / 2
+    return with_crosses(shown, at_scale(true, SIZE, "true feet (u, v)"), scale)
 
 
 class PostPanel(FunctionPanel):

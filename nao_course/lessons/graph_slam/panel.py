@@ -23,10 +23,10 @@ from nao_course.lessons.graph_slam.systems import (
 from nao_course.plotting.drawing import table
 from nao_course.plotting.matrix_signs import NEGATIVE, POSITIVE, paint_matrix
 from nao_course.plotting.style import FOUND
-from nao_course.widgets import Choice, FunctionPanel, Legend, Pixel, Slider, Toggle
+from nao_course.widgets import Choice, Legend, Pixel, PlayerPanel, Slider, Toggle
 
 ORDERS = ("as measured", "odometry first")
-NEAR = 12.0  # px: an edge that is farther from the click is not selected
+NEAR = 16.0  # px: an edge that is farther from the click is not selected
 
 
 def clicked(ends: FloatArray, at: tuple[int, int]) -> int | None:
@@ -46,7 +46,7 @@ def clicked(ends: FloatArray, at: tuple[int, int]) -> int | None:
     return int(np.argmin(away)) if len(away) and away.min() <= NEAR else None
 
 
-class GraphPanel(FunctionPanel):
+class GraphPanel(PlayerPanel):
     """A drive's constraints, your matrix and your map, step by step.
 
     Parameters
@@ -69,16 +69,16 @@ class GraphPanel(FunctionPanel):
         super().__init__(
             "Graph panel",
             self._grow,
+            Slider(
+                "count",
+                "Constraints",
+                1,
+                every,
+                1,
+                22,
+                tooltip="How many constraints are in the matrix; the arrow keys add one",
+            ),
             [
-                Slider(
-                    "count",
-                    "Constraints",
-                    1,
-                    every,
-                    1,
-                    22,
-                    tooltip="How many constraints are in the matrix; the arrow keys add one",
-                ),
                 Choice("order", "Order", ORDERS, tooltip="The order in which they are added"),
                 Choice(
                     "variance",
@@ -97,6 +97,8 @@ class GraphPanel(FunctionPanel):
                     tooltip="Click an edge of the map to see what it adds; beside the map: the newest constraint",
                 ),
             ],
+            speeds={"5 a second": 5.0},
+            backwards=False,
             student={
                 "add_initial_position": add_initial_position,
                 "add_relative_motion": add_relative_motion,

@@ -15,11 +15,12 @@ from nao_course.lessons.hough_corners.figures import SEGMENTS
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import corner_cost
 from nao_course.plotting import painted
-from nao_course.plotting.marks import TRUE, rgb, with_crosses, with_rings
+from nao_course.plotting.marks import TRUE, at_scale, enlarged, rgb, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
 from nao_course.widgets import Choice, FunctionPanel, Legend, Slider
 
 Pixels = npt.NDArray[np.uint8]
+SIZE = 2  # times: how much larger than the camera's the shown pictures are
 
 
 class CornerPanel(FunctionPanel):
@@ -89,7 +90,7 @@ class CornerPanel(FunctionPanel):
         """Show the picture, then its labels, the segments and the corners, as far as the functions are written."""
         picture = self._searched[values.picture]
         true = picture.truth.corners
-        yield {"What you find": with_crosses(picture.pixels, true)}
+        yield {"What you find": mark_found(picture.pixels, (), (), true)}
         yield Legend(
             {"true corner (cross)": TRUE, "corner found (ring)": FOUND}
             | {f"segments {i + 1}, {i + 4}, ... (line)": colour for i, colour in enumerate(SEGMENTS)}
@@ -100,9 +101,9 @@ class CornerPanel(FunctionPanel):
         segments = as_points(
             student.find_segments(left, values.gap, values.length), 4, "segments (u1, v1, u2, v2)"
         )
-        yield {"What you find": with_crosses(mark_found(picture.pixels, segments, ()), true)}
+        yield {"What you find": mark_found(picture.pixels, segments, (), true)}
         corners = student.find_corners(labels, values.run, values.gap, values.length, float(values.reach))
-        yield {"What you find": with_crosses(mark_found(picture.pixels, segments, corners), true)}
+        yield {"What you find": mark_found(picture.pixels, segments, corners, true)}
         match = picture.match(corners)
         yield (
             f"{say_count(len(segments), 'segment')}, {say_count(len(corners), 'corner')}: {match.hits} of "
@@ -110,12 +111,19 @@ class CornerPanel(FunctionPanel):
         )
 
 
-def mark_found(pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.ArrayLike) -> Pixels:
-    """Return a copy of a picture (H, W, 3) with segments (N, 4) as lines and corners (K, 2) as rings."""
-    shown = np.ascontiguousarray(pixels, dtype=np.uint8).copy()
-    for i, (u1, v1, u2, v2) in enumerate(as_points(segments, 4).round().astype(int).tolist()):
-        cv2.line(shown, (u1, v1), (u2, v2), rgb(SEGMENTS[i % len(SEGMENTS)]), 1, cv2.LINE_AA)
-    return with_rings(shown, corners, "corners (u, v)")
+def mark_found(
+    pixels: npt.ArrayLike, segments: npt.ArrayLike, corners: npt.ArrayLike, true: npt.ArrayLike = ()
+) -> Pixels:
+    """Return a picture (H, W, 3) at twice its size: segments (N, 4) as lines, corners as rings, true ones as crosses.
+
+    Corners are (K, 2), (u, v) px of the picture as it was given.
+    """
+    shown = enlarged(pixels, SIZE)
+    ends = at_scale(as_points(segments, 4).reshape(-1, 2), SIZE).round().astype(int).reshape(-1, 4)
+    for i, (u1, v1, u2, v2) in enumerate(ends.tolist()):
+        cv2.line(shown, (u1, v1), (u2, v2), rgb(SEGMENTS[i % len(SEGMENTS)]), SIZE, cv2.LINE_AA)
+    shown = with_rings(shown, at_scale(corners, SIZE, "corners (u, v)"), scale=SIZE)
+    return with_crosses(shown, at_scale(true, SIZE), SIZE)
 
 
 def _whole(name: str, label: str, low: int, high: int, start: int, tooltip: str, unit: str = "px") -> Slider:

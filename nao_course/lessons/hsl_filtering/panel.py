@@ -27,7 +27,6 @@ from nao_course.plotting.legends import label_keys, legend_below
 from nao_course.sim import LABELS
 from nao_course.widgets import Action, Choice, FunctionPanel, Legend, Pixel
 from nao_course.widgets.attempts import TIME_LIMIT, StudentCode, attempt
-from nao_course.widgets.function_panel import SLOW
 from nao_course.widgets.inputs import Values
 
 Pixels = npt.NDArray[np.uint8]
@@ -38,6 +37,7 @@ Calibrate = Callable[[Any, Any, float], Limits]
 # Names of the student's functions in messages.
 FILTER, THRESHOLD, CALIBRATE = ("your filter", "white_threshold", "calibrate_hue")
 TRUTH = "True labels"
+SLOW = 0.1  # s for one picture; whole-array code needs a tenth of it
 SHOWN = {"Labels": "", TRUTH: "", **{f"Errors in {colour}": colour for colour in COLOURS}}
 EPSILON = {"green": 10.0, "yellow": 0.0}  # degrees, as the paper widens limits
 SCENE, LIGHTNESS, HUE = "The scene", "Lightness", "Hue"
@@ -45,17 +45,6 @@ _CSS = """
 .nao-filter .nao-hue .noUi-connects { background: linear-gradient(to right, hsl(0 85% 55%), hsl(60 85% 50%),
   hsl(120 85% 42%), hsl(180 85% 45%), hsl(240 85% 60%), hsl(300 85% 55%), hsl(359 85% 55%)); }
 .nao-filter .nao-hue .noUi-connect { background: none; }
-@media (min-width: 900px) {
-  .nao-filter.nao-panel { display: grid; max-width: 1100px; column-gap: 14px;
-    grid-template-columns: minmax(0, 1.9fr) minmax(310px, 1fr); align-content: start; }
-  .nao-filter > .widget-html:first-child { position: absolute; }
-  .nao-filter > .nao-pictures { grid-column: 1; grid-row: 1 / span 2; display: grid;
-    grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); align-content: start; }
-  .nao-filter > .nao-choices { grid-column: 2; grid-row: 1; gap: 6px; }
-  .nao-filter > .nao-choices button { padding: 0 8px; }
-  .nao-filter > .nao-below { grid-column: 2; grid-row: 2 / span 2; gap: 4px; }
-  .nao-filter > .nao-status-line { grid-column: 1; grid-row: 3; }
-}
 """
 
 
@@ -151,10 +140,10 @@ class FilterPanel(FunctionPanel):
             ],
             student={name: function for name, function in given.items() if function is not None},
             unfinished={FILTER: unfinished, THRESHOLD: "Finish exercise 1.3 to see the threshold."},
+            small=(LIGHTNESS, HUE),
             time_limit=time_limit,
         )
         self.widget.add_class("nao-filter")
-        self._status.add_class("nao-status-line")
 
     def _pixel_control(self) -> Pixel:
         height, width = next(iter(self._scenes.values()))[0].shape[:2]

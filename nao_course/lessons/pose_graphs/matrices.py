@@ -27,7 +27,7 @@ def factor_of(H: Any, ordering: str) -> Any:
     )
 
 
-def block_picture(H: Any, poses: int, side: int = 400) -> npt.NDArray[np.uint8]:
+def block_picture(H: Any, poses: int, side: int = 500) -> npt.NDArray[np.uint8]:
     """Paint which blocks of H are not zero, one cell for each pair of unknowns, with a frame.
 
     Parameters

@@ -30,7 +30,7 @@ from nao_course.lessons.slam_on_the_field.worlds import (
 from nao_course.plotting import LANDMARK_MARKERS, Drawing, course_style, plot_ellipse, plot_field, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.slam import measured_points
-from nao_course.widgets import FunctionPanel, Slider, Toggle
+from nao_course.widgets import FunctionPanel, PlayerPanel, Slider, Toggle
 
 LANDMARK_SIGMA = 0.04  # m
 MAP_COLOUR, SEEN_COLOUR = "#0b5fa5", "#222222"
@@ -74,7 +74,7 @@ class AssociationPanel(FunctionPanel):
         )
 
 
-class ReplayPanel(FunctionPanel):
+class ReplayPanel(PlayerPanel):
     """Nearest neighbour and joint compatibility on one picture, one pair at a time.
 
     Parameters
@@ -88,12 +88,14 @@ class ReplayPanel(FunctionPanel):
         super().__init__(
             "One picture, pair by pair",
             _replayed,
+            Slider("step", "Pairs", 1, 8, 1, 3, tooltip="How many pairs have been added"),
             [
-                Slider("step", "Pairs", 1, 8, 1, 3, tooltip="How many pairs have been added"),
                 Slider(
                     "picture", "Picture", 0, RUNS - 1, 1, WRONG_PICTURE, tooltip="Another place, other errors"
-                ),
+                )
             ],
+            speeds={"1 a second": 1.0},
+            backwards=False,
             student={"associate": associate, "joint_distance": joint_distance},
             unfinished="Finish exercises 11.3 and 11.4 to see the replay.",
         )
@@ -168,7 +170,7 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
     estimated = Pose.from_array(each.state[:3])
     ends = measured_points(each.observation, estimated)
     marks: FloatArray = np.reshape(each.state[3:], (-1, 2))
-    figure = Figure(figsize=(6.2, 5.6))
+    figure = Figure(figsize=(6.2, 6.0))
     ax = figure.add_subplot()
     plot_field(FIELD, ax)
     for place, kind in zip(marks, KINDS, strict=True):

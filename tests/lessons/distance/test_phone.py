@@ -12,6 +12,7 @@ from nao_course.lessons.distance.phone.sheet import (
     CLICKED,
     PAPER,
     SCALE,
+    on_paper,
     sheet_pixels,
     usual_phone,
     usual_photo,
@@ -194,12 +195,24 @@ def test_from_an_upload_to_landmarks_on_the_map():
     click_all(panel)
     assert "From the four letters, the phone was 32." in panel.summary() or "was 33." in panel.summary()
     assert len(offs(panel)) == 4 and max(offs(panel)) < 0.8
-    assert "The map" in panel.shown.drawings
+    assert "The phone is above" in panel.shown.drawings["The paper"].alt
+
+
+def test_a_clicked_corner_gets_a_ring_in_the_photo_and_one_on_the_paper():
+    panel = lab()
+    before = panel.shown.pictures["The photo"]
+    assert "0 of 4 letters" in panel.shown.drawings["The paper"].alt
+    panel.set(pixel=(100, 50))
+    panel.set(a=1)
+    changed = np.argwhere((panel.shown.pictures["The photo"] != before).any(axis=2))
+    assert before.shape == (720, 960, 3) and np.abs(changed - (151, 301)).max() < 60
+    assert "1 of 4 letters" in panel.shown.drawings["The paper"].alt
+    assert on_paper([CLICKED["A"], CLICKED["C"]]) == pytest.approx(100 / 15 * np.array([(-2, 0), (2, 3)]))
 
 
 def test_without_the_letters_height_and_pitch_are_the_sliders():
     panel = lab()
-    assert "Click the corner A" in panel.summary() and "The map" not in panel.shown.drawings
+    assert "Click the corner A" in panel.summary() and "phone" not in panel.shown.drawings["The paper"].alt
     (table,) = panel.shown.tables.values()
     near = [float(row[0].removesuffix(" cm")) for row in table.rows]
     panel.set(height=66.0)

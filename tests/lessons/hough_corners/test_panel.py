@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from nao_course.lessons.hough_corners.panel import CornerPanel, mark_found
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import CornerTruth
+from nao_course.plotting.marks import enlarged
 
 LABELS = np.full((48, 64), 3, dtype=np.uint8)
 SEGMENTS = np.array([[5.0, 6.0, 40.0, 6.0], [5.0, 6.0, 5.0, 40.0]])
@@ -50,7 +51,7 @@ def test_a_ring_is_drawn_at_each_corner_found():
     found, none = panel(), panel(find_corners=lambda *given: np.zeros((0, 2)))
     rings = found.shown.pictures["What you find"] != none.shown.pictures["What you find"]
     rows, columns = np.nonzero(rings.any(axis=2))
-    assert rows.max() <= 6 + 10 and columns.max() <= 5 + 10 and len(rows) > 20
+    assert rows.max() <= 2 * (6 + 10) and columns.max() <= 2 * (5 + 10) and len(rows) > 80
 
 
 def test_it_says_what_was_found_and_what_it_costs():
@@ -78,9 +79,11 @@ def test_what_is_not_written_is_named_and_the_rest_is_shown(name, number):
 def test_segments_are_drawn_and_corners_have_rings_on_a_copy():
     shown = picture((20, 30)).pixels
     found = mark_found(shown, np.zeros((0, 4)), [(40, 20)])
-    assert (found != shown).any() and (found[20, 40] == 90).all(), "the corner itself stays visible"
+    plain = enlarged(shown, 2)
+    assert (found != plain).any() and (found[40, 80] == 90).all(), "the corner itself stays visible"
     lines = mark_found(shown, [(1, 45, 60, 45)], ())
-    assert (lines[45] != shown[45]).any() and (lines[:40] == shown[:40]).all()
+    assert (lines[90] != plain[90]).any() and (lines[:80] == plain[:80]).all()
+    assert (picture((20, 30)).pixels == shown).all()
 
 
 def test_there_is_something_to_choose():

@@ -233,13 +233,13 @@ def test_in_another_light_the_student_gets_another_picture_and_histogram_and_thr
     )
     picture = panel._scene[0]
     mean = float(panel.summary().split("Mean lightness ")[1].split(".")[0])
-    before = decoded(panel._row.places[2].image)
+    before = decoded(panel._small_row.places[0].image)
     panel.set(light=0.5)
     assert np.array_equal(got[-1], in_light(picture, 0.5))
     darker = float(panel.summary().split("Mean lightness ")[1].split(".")[0])
     assert darker == pytest.approx(mean / 2, abs=1.5)
     assert f"Threshold {darker + 12:.0f}." in panel.summary()
-    assert not np.array_equal(decoded(panel._row.places[2].image), before)
+    assert not np.array_equal(decoded(panel._small_row.places[0].image), before)
 
 
 def test_a_histogram_stands_upright_over_its_lightnesses_with_each_mark_where_it_belongs():

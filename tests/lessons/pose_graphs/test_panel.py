@@ -161,4 +161,4 @@ def test_blocks_of_h_are_as_large_for_every_graph():
         world = world_named(name)
         H = OWN["linearize"](world.graph, world.odometry)[0]
         sizes.add(block_picture(H, world.graph.poses).shape)
-    assert sizes == {(402, 402, 3)}
+    assert sizes == {(502, 502, 3)}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from matplotlib.lines import Line2D
 from nao_course.geometry import FloatArray, Pose, as_points
 from nao_course.lessons.distance.panel import mark_pixels
 from nao_course.lessons.distance.phone.photo import (
+    ENLARGED,
     FOCALS_35,
     LARGEST_FILE,
     SIZE,
@@ -23,9 +25,20 @@ from nao_course.lessons.distance.phone.photo import (
     read_photo,
     view_from_points,
 )
-from nao_course.lessons.distance.phone.sheet import CLICKED, FIELD, SCALE, usual_photo
-from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_pose, table
+from nao_course.lessons.distance.phone.sheet import (
+    BELOW,
+    CLICKED,
+    FIELD,
+    PAPER,
+    SCALE,
+    on_paper,
+    sheet_pixels,
+    usual_photo,
+)
+from nao_course.plotting import STYLES, Drawing, course_style, plot_pose, table
 from nao_course.plotting.legends import legend_below
+from nao_course.plotting.marks import at_scale, rgb
+from nao_course.plotting.style import FOUND
 from nao_course.sim import CameraView
 from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
 
@@ -80,10 +93,7 @@ class PhoneLab(FunctionPanel):
         photo: str | Path | None = None,
     ) -> None:
         """Begin with the stand-in photo, or with the file that is named."""
-        self._photo, self._said = (
-            Photo(cv2.resize(usual_photo(), SIZE, interpolation=cv2.INTER_AREA)),
-            STAND_IN,
-        )
+        self._photo, self._said = Photo.of(usual_photo()), STAND_IN
         self._points: dict[str, tuple[int, int]] = {}
         self._pressed_before: dict[str, int] = {}
         super().__init__(
@@ -148,15 +158,15 @@ class PhoneLab(FunctionPanel):
     def _look(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the photo with the letters, then the landmarks in it, then the map."""
         clicked = self._clicked(values)
-        photo = self._photo.pixels
-        yield {"The photo": _lettered(photo, clicked)}
+        yield {"The photo": _lettered(self._photo.large, clicked), "The paper": _draw_paper(clicked)}
         view, pose, words = self._camera(values, clicked)
         yield " ".join(filter(None, (self._said, words)))
-        marks = as_points(student.find_landmarks(photo), name="landmarks (u, v)")
+        marks = as_points(student.find_landmarks(self._photo.pixels), name="landmarks (u, v)")
         if not len(marks):
             yield "Your code finds no post and no corner in this photo."
             return
-        yield {"The photo": _lettered(mark_pixels(photo, marks), clicked)}
+        marked = mark_pixels(self._photo.large, at_scale(marks, ENLARGED), radius=13)
+        yield {"The photo": _lettered(marked, clicked)}
         ground = as_points(student.pixel_to_ground(marks, view), name="points on the ground")
         if len(ground) != len(marks):
             raise ValueError(f"{len(marks)} pixels need as many points on the ground, got {len(ground)}")
@@ -169,7 +179,7 @@ class PhoneLab(FunctionPanel):
             rows = [(f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°") for away, bearing in _polar(ground)]
             yield table(("from below the phone", "to the left"), rows)
         else:
-            yield {"The map": _draw_sheet_map(pose, pose.to_parent(ground))}
+            yield {"The paper": _draw_paper(clicked, pose, pose.to_parent(ground))}
             yield _nearest(pose.to_parent(ground))
 
     def _clicked(self, values: Any) -> dict[str, tuple[int, int]]:
@@ -212,13 +222,16 @@ class PhoneLab(FunctionPanel):
 
 
 def _lettered(pixels: npt.NDArray[np.uint8], clicked: Mapping[str, tuple[int, int]]) -> npt.NDArray[np.uint8]:
-    """Return a copy of a picture with crosses and letters at the clicked pixels."""
+    """Return a copy of the large picture with a ring and a letter at each clicked pixel."""
     shown = np.ascontiguousarray(pixels).copy()
-    for letter, (u, v) in clicked.items():
-        cv2.drawMarker(shown, (u, v), (255, 60, 130), cv2.MARKER_CROSS, 9, 1)
-        cv2.putText(
-            shown, letter, (u + 4, v - 4), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1, cv2.LINE_AA
-        )
+    for letter, (u, v) in zip(
+        clicked, at_scale(list(clicked.values()), ENLARGED).round().astype(int), strict=True
+    ):
+        for colour, thickness in (((255, 255, 255), 7), (rgb(FOUND), 4)):
+            cv2.circle(shown, (u, v), 20, colour, thickness, cv2.LINE_AA)
+            cv2.putText(
+                shown, letter, (u + 24, v - 14), cv2.FONT_HERSHEY_SIMPLEX, 1.2, colour, thickness, cv2.LINE_AA
+            )
     return shown
 
 
@@ -228,23 +241,48 @@ def _polar(points: FloatArray) -> list[tuple[float, float]]:
 
 
 @course_style()
-def _draw_sheet_map(pose: Pose, points: FloatArray) -> Drawing:
-    """Draw the field from above with the phone and the points, in metres of the field."""
-    colour = STYLES["ekf"].colour
-    figure = Figure(figsize=(4.2, 4.0))
+def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.ArrayLike = ()) -> Drawing:
+    """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame."""
+    figure = Figure(figsize=(5.6, 5.2))
     ax = figure.add_subplot()
-    plot_field(FIELD, ax)
-    ax.plot(*points.T, "P", color=colour, mec="white", ms=11, zorder=5)
-    plot_pose(pose, ax, "truth")
-    ax.set(xlim=(min(pose.x, -0.7) - 0.3, 4.0), ylim=(-3.0, 3.0))
+    half, low = 50 * PAPER[0], -100 * BELOW
+    lowest = low
+    ax.imshow(_small_sheet(), extent=(-half, half, low, low + 100 * PAPER[1]))
+    rings = on_paper([CLICKED[letter] for letter in clicked] or np.empty((0, 2)))
+    ax.plot(*rings.T, "o", color="none", mec=FOUND, mew=2.5, ms=13)
     keys = [
-        Line2D([], [], color=colour, marker="P", mec="white", ls="", ms=10, label="your landmarks"),
-        Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="phone"),
+        Line2D([], [], color="none", marker="o", mec=FOUND, mew=2.5, ls="", ms=10, label="clicked corner")
     ]
+    said = f"The paper with {len(clicked)} of {len(CLICKED)} letters clicked."
+    if pose is not None:
+        marks, (phone,) = on_paper(as_points(points)), on_paper([(pose.x, pose.y)])
+        ax.plot(*marks.T, "P", color=STYLES["ekf"].colour, mec="white", ms=11)
+        plot_pose(Pose(float(phone[0]), float(phone[1]), pose.theta + np.pi / 2), ax, "truth", length=4.0)
+        lowest = min(lowest, phone[1] - 5)
+        keys += [
+            Line2D(
+                [],
+                [],
+                color=STYLES["ekf"].colour,
+                marker="P",
+                mec="white",
+                ls="",
+                ms=10,
+                label="your landmarks",
+            ),
+            Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="phone"),
+        ]
+        places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in marks)
+        said += f" The phone is above ({phone[0]:.1f}, {phone[1]:.1f}) cm; landmarks: {places or 'none'}."
+    ax.set(xlabel="to the right on the paper (cm)", ylabel="up on the paper (cm)", ylim=(lowest, None))
     legend_below(figure, keys)
-    said = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in points)
-    where = f"The phone is above ({pose.x:.2f}, {pose.y:.2f})"
-    return Drawing(figure, f"Map of the sheet in metres of the field. {where}; landmarks: {said or 'none'}.")
+    return Drawing(figure, said)
+
+
+@cache
+def _small_sheet() -> npt.NDArray[np.uint8]:
+    """Return the sheet in the map's size."""
+    return np.asarray(cv2.resize(sheet_pixels(), (560, 396), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _nearest(points: FloatArray) -> Any:

@@ -14,6 +14,8 @@ from nao_course.geometry import FloatArray, Pose, as_points, finite, yaw_pitch_r
 from nao_course.sim import CameraView
 
 SIZE = (320, 240)  # px: what lessons 01 to 03 were made for; other shapes get black bars
+ENLARGED = 3  # times: the photo that is shown
+LARGE = (ENLARGED * SIZE[0], ENLARGED * SIZE[1])
 DIAGONAL_35 = 43.27  # mm, of a 35 mm picture: focal lengths "in 35 mm terms" go by it
 FOCALS_35 = (10.0, 200.0)  # mm in 35 mm terms: from a phone's widest camera to its longest
 LARGEST_FILE = 40_000_000  # bytes
@@ -33,6 +35,8 @@ class Photo:
     ----------
     pixels : ndarray of uint8, shape (240, 320, 3)
         RGB; the picture lies in the middle, between black bars where it has another shape.
+    large : ndarray of uint8, shape (720, 960, 3)
+        The same at three times the size.
     part : (float, float)
         Which part of the width and of the height the picture takes.
     focal_35 : float or None
@@ -40,8 +44,15 @@ class Photo:
     """
 
     pixels: npt.NDArray[np.uint8]
+    large: npt.NDArray[np.uint8]
     part: tuple[float, float] = (1.0, 1.0)
     focal_35: float | None = None
+
+    @classmethod
+    def of(cls, pixels: npt.NDArray[np.uint8], focal_35: float | None = None) -> Photo:
+        """Shrink a picture (H, W, 3) into the middle of both sizes; its own middle stays the middle."""
+        (small, part), (large, _) = _framed(pixels, SIZE), _framed(pixels, LARGE)
+        return cls(small, large, part, focal_35)
 
     def hfov(self, focal_35: float) -> float:
         """Return the horizontal field of view (rad) of all 320 pixels for a focal length in 35 mm terms (mm)."""
@@ -90,13 +101,13 @@ def read_photo(content: bytes) -> Photo:
                     f"The picture has {width} x {height} pixels; each side needs at least {SMALLEST_SIDE}."
                 )
             focal = _focal_length(image)
-            image.draft("RGB", (2 * SIZE[0], 2 * SIZE[0]))  # a JPEG is read small at once
+            image.draft("RGB", (LARGE[0], LARGE[0]))  # a JPEG is read small at once
             upright = _as_rgb(ImageOps.exif_transpose(image))
     except (UnidentifiedImageError, Image.DecompressionBombError):
         raise ValueError("This file cannot be read as a picture. Use a JPEG or PNG.") from None
     except (OSError, SyntaxError):  # what Pillow raises for files that end too early
         raise ValueError("The picture's file is damaged or ends too early. Send it again.") from None
-    return _framed(upright, focal)
+    return Photo.of(upright, focal)
 
 
 def _focal_length(image: Image.Image) -> float | None:
@@ -120,16 +131,18 @@ def _as_rgb(image: Image.Image) -> npt.NDArray[np.uint8]:
     return np.asarray(image.convert("RGB"), dtype=np.uint8)
 
 
-def _framed(pixels: npt.NDArray[np.uint8], focal: float | None) -> Photo:
-    """Shrink a picture into the middle of the course's size; its own middle stays the middle."""
+def _framed(
+    pixels: npt.NDArray[np.uint8], frame: tuple[int, int]
+) -> tuple[npt.NDArray[np.uint8], tuple[float, float]]:
+    """Return a picture in a frame of (width, height), and which part of both it takes."""
     height, width = pixels.shape[:2]
-    scale = min(SIZE[0] / width, SIZE[1] / height)
-    size = min(round(width * scale), SIZE[0]), min(round(height * scale), SIZE[1])
-    small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR)
-    framed = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
-    left, top = (SIZE[0] - size[0]) // 2, (SIZE[1] - size[1]) // 2
-    framed[top : top + size[1], left : left + size[0]] = small
-    return Photo(framed, (size[0] / SIZE[0], size[1] / SIZE[1]), focal)
+    scale = min(frame[0] / width, frame[1] / height)
+    size = min(round(width * scale), frame[0]), min(round(height * scale), frame[1])
+    inside = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR)
+    framed = np.zeros((frame[1], frame[0], 3), np.uint8)
+    left, top = (frame[0] - size[0]) // 2, (frame[1] - size[1]) // 2
+    framed[top : top + size[1], left : left + size[0]] = inside
+    return framed, (size[0] / frame[0], size[1] / frame[1])
 
 
 def view_from_points(

@@ -38,6 +38,12 @@ def sheet_pdf() -> bytes:
     return buffer.getvalue()
 
 
+def on_paper(points: npt.ArrayLike) -> FloatArray:
+    """Return points (N, 2) of the field in m as places on the paper, cm: to the right, and up from the halfway line."""
+    x, y = np.asarray(points, dtype=float).T
+    return 100 * SCALE * np.column_stack([-y, x])
+
+
 @cache
 @course_style()
 def sheet_pixels() -> npt.NDArray[np.uint8]:

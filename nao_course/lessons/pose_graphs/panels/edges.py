@@ -16,7 +16,7 @@ from nao_course.lessons.pose_graphs.worlds import World, small_world
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.matrix_signs import NEGATIVE, POSITIVE, paint_matrix
 from nao_course.plotting.style import FOUND, GREY
-from nao_course.widgets import FunctionPanel, Legend, Slider
+from nao_course.widgets import Legend, PlayerPanel, Slider
 
 
 @cache
@@ -44,7 +44,7 @@ def rows_of(graph: Graph, number: int) -> list[int]:
     return rows
 
 
-class EdgePanel(FunctionPanel):
+class EdgePanel(PlayerPanel):
     """A small graph whose edges are added one by one, and the rows and columns of H that each edge changes.
 
     Parameters
@@ -59,11 +59,11 @@ class EdgePanel(FunctionPanel):
         super().__init__(
             "Edge panel",
             self._add,
-            [
-                Slider(
-                    "count", "Edges", 1, count, 1, 9, tooltip="Number of edges so far; the arrow keys add one"
-                )
-            ],
+            Slider(
+                "count", "Edges", 1, count, 1, 9, tooltip="Number of edges so far; the arrow keys add one"
+            ),
+            speeds={"2 a second": 2.0},
+            backwards=False,
             student={} if linearize is None else {"linearize": linearize},
         )
 

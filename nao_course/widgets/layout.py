@@ -1,0 +1,63 @@
+"""The layout of every panel: pictures as wide as the page allows, with the controls beside or below them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nao_course.widgets.parts import box, styles
+
+BESIDE = 1.7  # width / height of all pictures together; controls are below pictures that are wider than that
+# A panel is as wide as its cell, which JupyterLab's file list makes narrower, so the rules go by the panel's own width.
+_CSS = """
+.nao-laid-out { container-type: inline-size; width: 100%; max-width: 1240px; overflow: visible; }
+.nao-laid-out .nao-body { display: grid; grid-template-columns: minmax(0, 1fr); gap: 6px 16px; align-items: start;
+  overflow: visible; margin: 0; width: 100%; }
+.nao-laid-out .nao-main { overflow: visible; min-width: 0; }
+.nao-laid-out .nao-side { gap: 6px 16px; flex-wrap: wrap; align-items: flex-start; overflow: visible; margin: 0; }
+.nao-laid-out .nao-side > * { flex: 1 1 300px; max-width: 100%; margin: 0; overflow: visible; }
+.nao-laid-out .nao-side > .nao-empty { display: none; }
+.nao-laid-out .nao-side > .nao-last { flex-basis: 100%; }
+@container (min-width: 700px) {
+  .nao-beside .nao-body { grid-template-columns: minmax(0, 1fr) minmax(330px, 37%); }
+  .nao-beside .nao-side { flex-flow: column; align-items: stretch; }
+  .nao-beside .nao-side > * { flex: 0 0 auto; }
+}
+"""
+
+
+def lay_out(css: str, main: Any, side: list[Any], last: Any) -> Any:
+    """Return a panel's box.
+
+    Parameters
+    ----------
+    css : str
+        Further styles.
+    main : ipywidgets.Widget
+        The pictures.
+    side : list of ipywidgets.Widget
+        Groups of controls, tables and small pictures, which share the width below the pictures or stand under each
+        other beside them; a group with the class ``nao-empty`` takes no place.
+    last : ipywidgets.Widget
+        The status, below all groups.
+
+    Returns
+    -------
+    ipywidgets.VBox
+        Box with the class ``nao-panel``; `place_beside` moves its groups.
+    """
+    main.add_class("nao-main")
+    last.add_class("nao-last")
+    body = box("", "nao-body", main, box("", "nao-side", *side, last))
+    panel = box("V", "nao-panel", styles(_CSS + css), body)
+    panel.add_class("nao-laid-out")
+    return panel
+
+
+def place_beside(panel: Any, ratio: float) -> None:
+    """Set whether the groups are beside the pictures or, if these are wide, below: `ratio` is width / height."""
+    switch(panel, "nao-beside", ratio < BESIDE)
+
+
+def switch(widget: Any, name: str, holds: bool) -> None:
+    """Give a widget a class, or take it away."""
+    (widget.add_class if holds else widget.remove_class)(name)

@@ -1,0 +1,82 @@
+"""The panels of all lessons, made from the solutions' own cells without running the rest of a lesson."""
+
+import ast
+import builtins
+from functools import cache
+from typing import Any
+
+import nbformat
+
+from nao_course.exercises.earlier import resolved_by
+from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from tests.paths import SOLUTIONS
+
+PANELS = ("Panel", "Lab", "Dial")  # ends of the names of the classes whose call ends a cell
+
+
+@cache
+def code_cells(lesson: str) -> list[str]:
+    """Return the code cells of a lesson's solution."""
+    notebook = nbformat.read(SOLUTIONS / f"{lesson}.ipynb", as_version=4)
+    return [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def panel_cells() -> list[tuple[str, int]]:
+    """Return (lesson, number of the code cell) of each cell that ends with a panel."""
+    lessons = sorted(path.stem for path in SOLUTIONS.glob("*.ipynb"))
+    return [
+        (lesson, number)
+        for lesson in lessons
+        for number, source in enumerate(code_cells(lesson))
+        if _ends_with_panel(source)
+    ]
+
+
+def panel_of(lesson: str, number: int) -> Any:
+    """Return the panel of a code cell: its names come from the solution and, if needed, from earlier cells."""
+    with resolved_by(solutions_beside(SOLUTIONS / f"{lesson}.ipynb")):
+        return _panel_of(lesson, number)
+
+
+def _panel_of(lesson: str, number: int) -> Any:
+    cells = [_parsed(source) for source in code_cells(lesson)]
+    names = {"__name__": f"lesson_{lesson}", **load_solution(SOLUTIONS / f"{lesson}.ipynb")}
+    imports = [each for cell in cells for each in cell if isinstance(each, ast.Import | ast.ImportFrom)]
+    _run(imports, names)
+    _run_with_earlier(cells[: number + 1], names)
+    return eval(compile(ast.Expression(cells[number][-1].value), lesson, "eval"), names)
+
+
+def _run_with_earlier(cells: list[list[Any]], names: dict[str, Any]) -> None:
+    """Run the last of some cells without its last expression, after the cells that define the names it uses."""
+    *before, cell = cells
+    used = set().union(*(_names(each, ast.Load) for each in cell))
+    for name in sorted(used - names.keys() - set(dir(builtins))):
+        places = [place for place, each in enumerate(before) if any(name in _defined(line) for line in each)]
+        if places and name not in names:
+            _run_with_earlier(before[: places[-1] + 1], names)
+    _run(cell[:-1] if isinstance(cell[-1], ast.Expr) else cell, names)
+
+
+def _parsed(source: str) -> list[Any]:
+    return ast.parse("\n".join("" if line[:1] in "%!" else line for line in source.split("\n"))).body
+
+
+def _ends_with_panel(source: str) -> bool:
+    last = (_parsed(source) or [None])[-1]
+    call = last.value if isinstance(last, ast.Expr) else None
+    return isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id.endswith(PANELS)
+
+
+def _run(statements: list[Any], names: dict[str, Any]) -> None:
+    exec(compile(ast.Module(statements, []), "lesson", "exec"), names)
+
+
+def _defined(statement: Any) -> set[str]:
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return {statement.name}
+    return _names(statement, ast.Store)
+
+
+def _names(tree: Any, kind: type) -> set[str]:
+    return {each.id for each in ast.walk(tree) if isinstance(each, ast.Name) and isinstance(each.ctx, kind)}
