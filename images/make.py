@@ -1,4 +1,4 @@
-"""Make every picture that README, docs and lessons show: ``python images/make.py``, or some: ``... effects 07_payoff``.
+"""Make the pictures of README, docs and lessons, and the films: ``python images/make.py``, or some: ``... effects``.
 
 What each shows, for who does not see it, stands in alt_texts.toml; README, docs and lessons say the same words.
 """
@@ -24,12 +24,15 @@ Files = Mapping[Path, bytes]  # contents by the path under ROOT
 
 
 def drawn_demo() -> Files:
-    """The lessons' solutions drive the robot: figure and film."""
+    """The lessons' solutions drive the robot: figure, and film as pictures and as numbers."""
     from nao_course.cli import demo
 
     folder = Path("build", "demo")
     demo(slam="both", seed=1, out=folder, walk=None)
-    return {Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.gif")}
+    return {
+        **{Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.gif")},
+        Path("nao_course", "films", "recordings", "demo.json"): (folder / "film.json").read_bytes(),
+    }
 
 
 def corner_steps() -> Files:
@@ -66,6 +69,15 @@ def real_walk() -> Files:
     return in_lessons("11_real_walk.png", field_walk.draw_maps())
 
 
+def film(name: str) -> Files:
+    """The film of a lesson, by its solution."""
+    from images.films import record
+
+    return {
+        Path("nao_course", "films", "recordings", f"{name}.json"): (record(name).to_json() + "\n").encode()
+    }
+
+
 def sheet() -> Files:
     """The field on paper, for photographs by phone."""
     from nao_course.lessons.distance.phone import sheet_pdf
@@ -86,6 +98,14 @@ def in_lessons(name: str, content: bytes) -> Files:
 
 
 COURSE = load_course(ROOT)
+FILMS = (
+    "07_ekf_slam",
+    "08_graph_slam",
+    "09_pose_graphs",
+    "11_slam_on_the_field",
+    "12_beyond",
+    "12_particles",
+)
 PICTURES: dict[str, Callable[[], Files]] = {
     "demo": drawn_demo,
     "effects": effects,
@@ -95,16 +115,29 @@ PICTURES: dict[str, Callable[[], Files]] = {
     "half_field_A3": sheet,
     **{f"{name[:2]}_payoff": lambda name=name: payoff(name) for name in COURSE.names()},
 }
+FILMS: dict[str, Callable[[], Files]] = {
+    f"{name}_film": lambda name=name: film(name)
+    for name in (
+        "07_ekf_slam",
+        "08_graph_slam",
+        "09_pose_graphs",
+        "11_slam_on_the_field",
+        "12_beyond",
+        "12_particles",
+    )
+}
+MAKERS = PICTURES | FILMS
 
 
 def make(name: str) -> list[Path]:
-    """Make a picture, write what differs from what is there, and return that."""
+    """Make a picture or a film, write what differs from what is there, and return that."""
     changed = [
         (ROOT / path, content)
-        for path, content in PICTURES[name]().items()
+        for path, content in MAKERS[name]().items()
         if not (ROOT / path).is_file() or (ROOT / path).read_bytes() != content
     ]
     for path, content in changed:
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     return [path.relative_to(ROOT) for path, _ in changed]
 
@@ -112,8 +145,8 @@ def make(name: str) -> list[Path]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make the pictures that the command line names, all by default; return the exit status."""
     parser = argparse.ArgumentParser(prog="python images/make.py", description="Make the course's pictures.")
-    parser.add_argument("name", nargs="*", choices=[*PICTURES, []], metavar="NAME", help=", ".join(PICTURES))
-    names = parser.parse_args(arguments).name or list(PICTURES)
+    parser.add_argument("name", nargs="*", choices=[*MAKERS, []], metavar="NAME", help=", ".join(MAKERS))
+    names = parser.parse_args(arguments).name or list(MAKERS)
     os.chdir(ROOT)  # where the solutions are
     console, missing = Console(highlight=False, soft_wrap=True), 0
     for number, name in enumerate(names, start=1):

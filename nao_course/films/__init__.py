@@ -5,6 +5,7 @@ caption for each step. It is stored as JSON with whole millimetres and milliradi
 the live map of the panels (`nao_course.widgets.vector_map`).
 """
 
+from nao_course.films.drives import drive_film
 from nao_course.films.film import Film, Matrix, read_film
 from nao_course.films.layers import (
     Layer,
@@ -17,6 +18,7 @@ from nao_course.films.layers import (
     point_layer,
 )
 from nao_course.films.pages import film_html, film_page, script, style_sheet
+from nao_course.films.recorded import recorded_film, recorded_names
 
 __all__ = [
     "Film",
@@ -24,6 +26,7 @@ __all__ = [
     "Matrix",
     "cell_layer",
     "curve_layer",
+    "drive_film",
     "ellipse_layer",
     "film_html",
     "film_page",
@@ -32,6 +35,8 @@ __all__ = [
     "path_layer",
     "point_layer",
     "read_film",
+    "recorded_film",
+    "recorded_names",
     "script",
     "style_sheet",
 ]

@@ -20,6 +20,7 @@ from nao_course.films.scene import (
     two_colours,
 )
 from nao_course.geometry import FloatArray
+from nao_course.plotting import matrix_signs
 from nao_course.plotting.style import FOUND
 from nao_course.sim import Field
 
@@ -27,7 +28,7 @@ FORMAT = "nao-course film 1"
 LEVELS = 200  # of a matrix: an entry of 1 is stored as 200
 TALLEST = 460  # px: largest height of a map
 MARGIN = 0.3  # m around the layers of a map without a field
-POSITIVE, NEGATIVE, ZERO = "#0b5fa5", "#c84b00", "#ffffff"
+POSITIVE, NEGATIVE, ZERO = "#0b5fa5", "#c84b00", "#ffffff"  # entries of 1, -1 and 0
 PACES = (1, 3, 8, 20)  # steps a second that a film offers
 
 
@@ -74,8 +75,8 @@ class Matrix:
             "levels": LEVELS,
             "signs": self.signs,
             "mark": FOUND,
-            "positive": two_colours(POSITIVE),
-            "negative": two_colours(NEGATIVE),
+            "positive": two_colours(matrix_signs.POSITIVE if self.signs else POSITIVE),
+            "negative": two_colours(matrix_signs.NEGATIVE if self.signs else NEGATIVE),
             "zero": two_colours(ZERO, "#181c22"),
             "frames": _without_repeats([self._numbers(each) for each in self.frames]),
             "marked": None if self.marked is None else [list(each) for each in self.marked],

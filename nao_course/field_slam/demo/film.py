@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,8 @@ from nao_course.field_slam.demo.drive import Story
 from nao_course.field_slam.demo.report import errors_of, make_folder, results, way_of
 from nao_course.field_slam.lines import read_lines
 from nao_course.field_slam.observation import radius_of, tilted
-from nao_course.geometry import FloatArray
+from nao_course.films import Film, drive_film, film_page
+from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting import (
     LANDMARK_MARKERS,
     STYLES,
@@ -35,7 +36,7 @@ from nao_course.plotting.legends import landmark_keys, legend_below, source_key
 from nao_course.plotting.marks import rgb
 from nao_course.plotting.style import CARPET, FOUND, YELLOW
 from nao_course.sim import Field
-from nao_course.slam import KINDS
+from nao_course.slam import KINDS, Estimate
 
 LINES = "#00c8ff"  # over lines that were found in a picture
 # Pictures in the film, pictures per second, seconds of the last picture.
@@ -46,14 +47,30 @@ MILLIMETRE = 0.1  # cm: smallest error in the figure, whose axis is logarithmic
 
 
 def write_all(story: Story, field: Field, folder: Path) -> list[Path]:
-    """Write the errors, the figure and the film into a folder, and return the paths of the files."""
+    """Write the errors, the figure, the film as a GIF, as numbers and as a page, and return the paths of the files."""
     path = make_folder(folder) / "demo.json"
     path.write_text(json.dumps(results(story, field), indent=2) + "\n", encoding="utf-8")
+    numbers = film_of(story, field)
+    page = folder / "demo.html"
+    page.write_text(film_page(numbers.data()), encoding="utf-8")
     return [
         path,
         draw_story(story, field).save(folder / "demo.png"),
         write_film(story, field, folder / "demo.gif"),
+        numbers.save(folder / "film.json"),
+        page,
     ]
+
+
+def film_of(story: Story, field: Field) -> Film:
+    """Return the drive as a film of numbers, which a browser draws and plays."""
+    estimates = {"odometry": _as_estimates(story.odometry), **story.estimates}
+    return drive_film("The robot maps the field by its pictures", field, story.poses, estimates, story.seen)
+
+
+def _as_estimates(poses: Sequence[Pose]) -> list[Estimate]:
+    """Return poses as estimates without uncertainty and without landmarks."""
+    return [Estimate(pose, np.zeros((3, 3)), np.empty((0, 2)), np.empty((0, 2, 2))) for pose in poses]
 
 
 @course_style()

@@ -108,7 +108,7 @@ const NaoMap = (() => {
   const DRAW = {
     cells(c, view, layer, value, tone) {
       const side = layer.side * view.scale;
-      c.fillStyle = translucent(tone.of(layer), 0.5);
+      c.fillStyle = translucent(tone.of(layer), layer.fill ?? 0.5);
       for (let i = 0; i < value.length; i += 2) {
         c.beginPath();
         c.roundRect(view.x(value[i]) - side / 2, view.y(value[i + 1]) - side / 2, side, side, side / 4);

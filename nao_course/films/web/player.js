@@ -68,7 +68,12 @@ const NaoFilm = (() => {
         const middle = room + (from + length / 2) * cell, edge = room + (from + length) * cell;
         if (names[number]) {
           c.textAlign = "center"; c.fillText(names[number], middle, room - 10);
-          c.textAlign = "right"; c.fillText(names[number], room - 5, middle);
+          const turns = c.measureText(names[number]).width > room - 6;
+          c.save();
+          c.translate(turns ? room - 10 : room - 5, middle);
+          if (turns) c.rotate(-Math.PI / 2);
+          c.textAlign = turns ? "center" : "right"; c.fillText(names[number], 0, 0);
+          c.restore();
         }
         c.globalAlpha = number ? 0.3 : 0.8;
         c.beginPath(); c.moveTo(edge, room); c.lineTo(edge, room + whole); c.moveTo(room, edge); c.lineTo(room + whole, edge);

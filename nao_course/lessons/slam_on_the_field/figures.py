@@ -124,7 +124,7 @@ def draw_drives(
     GraphSlam: Callable[..., Any],  # noqa: N803
 ) -> Drawing:
     """Draw one drive as estimated by odometry and by a student's filter and graph, from the student's measurements."""
-    log, true = _measured_drive(measure)
+    log, true = measured_drive(measure)
     start = Pose.from_array(true[0])
     algorithms = {
         "odometry": DeadReckoning(start),
@@ -164,9 +164,7 @@ def draw_drives(
     )
 
 
-def _measured_drive(
-    measure: Callable[..., Any],
-) -> tuple[list[tuple[Motion | None, Observation]], FloatArray]:
+def measured_drive(measure: Callable[..., Any]) -> tuple[list[tuple[Motion | None, Observation]], FloatArray]:
     """Return a drive's log with a student's measurements, and the true poses (S, 3).
 
     The body's tilt, and with it each picture's view, comes from the field's lines, and so does a heading.

@@ -75,7 +75,13 @@ def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeyp
     found = json.loads((tmp_path / "demo.json").read_text())
     assert found["pictures"] == 9 and found["ekf"]["landmarks"] >= 2
     assert max(found[name]["position"] for name in ("ekf", "graph")) < 0.1
-    assert {path.name for path in tmp_path.iterdir()} == {"demo.json", "demo.png", "demo.gif"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "demo.json",
+        "demo.png",
+        "demo.gif",
+        "film.json",
+        "demo.html",
+    }
 
 
 def test_a_frame_of_the_film_keeps_the_colours_of_the_paths_exactly():
