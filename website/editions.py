@@ -12,6 +12,7 @@ from pathlib import Path
 
 from nao_course.instructor.authoring.course import Course
 from website import ROOT
+from website.cards import cards
 from website.lessons import Lesson, read_lesson
 from website.rubrics import rubrics_page
 
@@ -31,6 +32,11 @@ PACKAGES = (
 )
 
 RUBRICS = "rubrics"  # the page that is made from the declarations
+PITCH = (
+    "A NAO robot stands somewhere on half a football field, with a camera, a record of its steps and no map. "
+    "In thirteen notebooks you write the code that finds the lines and goal posts in its pictures, estimates "
+    "where it is, and draws the map."
+)
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,8 @@ def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path)
     for package in PACKAGES:
         (folder / "reference" / f"{package}.rst").write_text(_reference(package), encoding="utf-8")
     read = [read_lesson(ROOT / "notebooks" / f"{name}.ipynb") for name in names]
-    (folder / "index.md").write_text(_index(edition, read, course.title), encoding="utf-8")
+    index = _index(edition, read, course.title, cards(read, folder / "cards"))
+    (folder / "index.md").write_text(index, encoding="utf-8")
     if edition.has_solutions:
         questions = ((lesson, each) for lesson in read for each in course.plan(lesson.name).written)
         (folder / "docs" / f"{RUBRICS}.md").write_text(rubrics_page(questions), encoding="utf-8")
@@ -138,8 +145,8 @@ def _folded(notebook: str) -> str:
     return json.dumps(content)
 
 
-def _index(edition: Edition, lessons: Sequence[Lesson], title: str) -> str:
-    """The first page: each lesson's picture and goal, and what the menu holds."""
+def _index(edition: Edition, lessons: Sequence[Lesson], title: str, shown: str) -> str:
+    """Return the first page: the title, what the course is, the lessons' cards, and the menu."""
     shelves = {
         "Lessons": [f"{each.number} {each.title} <lessons/{each.name}>" for each in lessons],
         "Read": [f"docs/{page}" for page in (*edition.docs, *[RUBRICS] * edition.has_solutions)],
@@ -149,15 +156,7 @@ def _index(edition: Edition, lessons: Sequence[Lesson], title: str) -> str:
         "\n".join(["```{toctree}", ":hidden:", f":caption: {shelf}", "", *pages, "```"])
         for shelf, pages in shelves.items()
     ]
-    return "\n\n".join([f"# {title}", edition.welcome, *map(_card, lessons), *menus]) + "\n"
-
-
-def _card(lesson: Lesson) -> str:
-    picture = lesson.picture.replace("](images/", "](lessons/images/")
-    link = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
-    return (
-        f":::{{container}} lesson\n{picture}\n\n**{link}** · {lesson.minutes} minutes\n\n{lesson.goal}\n:::"
-    )
+    return "\n\n".join([f"# {title}", PITCH, edition.welcome, shown, *menus]) + "\n"
 
 
 def _reference(package: str) -> str:

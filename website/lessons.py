@@ -26,7 +26,9 @@ class Lesson:
     picture : str
         The Markdown of the figure that it opens with.
     minutes : int
-        How long it takes, by its own word.
+        Minutes that it states, for the first part if it states two.
+    later : int
+        Minutes that it states for the second part; 0 if there is none.
     points : float
         What its checks and written answers are worth together.
     written : float
@@ -40,9 +42,15 @@ class Lesson:
     goal: str
     picture: str
     minutes: int
+    later: int
     points: float
     written: float
     takes: tuple[str, ...]
+
+    @property
+    def figure(self) -> str:
+        """Path of the figure that it opens with, from its notebook."""
+        return self.picture.rpartition("](")[2].rstrip(")")
 
     @property
     def number(self) -> str:
@@ -71,6 +79,7 @@ def read_lesson(path: Path) -> Lesson:
         "picture": r"^(!\[[^]]+\]\(images/\d\d_payoff\.\w+\))$",
         "minutes": r"\*\*Time:\*\* (\d+) minutes",
     }
+    second = re.search(r"\*\*Time:\*\* \d+ minutes up to .+?, and (\d+) minutes for the ", text)
     found = {key: re.search(pattern, text, re.MULTILINE) for key, pattern in said.items()}
     missing = [key for key, match in found.items() if match is None]
     if missing:
@@ -82,6 +91,7 @@ def read_lesson(path: Path) -> Lesson:
         " ".join(words["goal"].split()),
         words["picture"],
         int(words["minutes"]),
+        int(second[1]) if second else 0,
         points=sum(map(_points, cells)),
         written=sum(_points(cell) for cell in cells if cell["cell_type"] == "markdown"),
         takes=tuple(sorted(set(re.findall(r'\bearlier\("(\d\d):', code)))),

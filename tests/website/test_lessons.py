@@ -16,7 +16,8 @@ def notebook(*cells):
 
 
 def test_a_lessons_facts_are_read(tmp_path):
-    head = "# Posts\n\nYou find\n*them*.\n\n![a post](images/02_payoff.png)\n\n**Needed** NumPy. **Time:** 90 minutes."
+    head = "# Posts\n\nYou find\n*them*.\n\n![a post](images/02_payoff.png)\n\n"
+    head += "**Needed** NumPy. **Time:** 90 minutes up to the middle, and 40 minutes for the rest."
     path = tmp_path / "02_posts.ipynb"
     path.write_text(
         notebook(
@@ -28,7 +29,7 @@ def test_a_lessons_facts_are_read(tmp_path):
     )
     lesson = read_lesson(path)
     assert (lesson.number, lesson.title, lesson.goal) == ("02", "Posts", "You find *them*.")
-    assert (lesson.picture, lesson.minutes) == ("![a post](images/02_payoff.png)", 90)
+    assert (lesson.picture, lesson.minutes, lesson.later) == ("![a post](images/02_payoff.png)", 90, 40)
     assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
 
 
@@ -96,3 +97,11 @@ def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names
         ), where
         plan = load_plan(PROJECT / "solutions" / "exercises" / f"{name}.py")
         assert mistake in [each.name for each in plan[exercise].mistakes], where
+
+
+def test_the_readme_says_how_long_each_lesson_takes():
+    table = dict(
+        re.findall(r"^\| \[(\d\d) .* \| (\d+) \|$", (PROJECT / "README.md").read_text(), re.MULTILINE)
+    )
+    lessons = map(read_lesson, sorted((PROJECT / "notebooks").glob("*.ipynb")))
+    assert table == {each.number: str(each.minutes + each.later) for each in lessons}

@@ -9,3 +9,14 @@ const scrollWide = () => {
 
 addEventListener("load", () => window.MathJax?.startup?.promise?.then(scrollWide));
 addEventListener("resize", scrollWide);
+
+// The search shows a piece of each page that it finds; a formula's source is not to be read there.
+addEventListener("DOMContentLoaded", () => {
+  if (typeof Search === "undefined") return;
+  const textOf = Search.htmlToText;
+  Search.htmlToText = (page, anchor) => {
+    const read = new DOMParser().parseFromString(page, "text/html");
+    for (const formula of read.querySelectorAll(".math")) formula.replaceWith("(formula)");
+    return textOf(read.documentElement.outerHTML, anchor);
+  };
+});

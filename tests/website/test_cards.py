@@ -1,0 +1,43 @@
+"""The first page's cards show a part of each lesson's opening figure."""
+
+import tomllib
+
+import pytest
+from PIL import Image
+
+from tests.paths import PROJECT
+from website import cards as module
+from website.cards import SIZE, cards
+from website.lessons import read_lesson
+
+LESSONS = [read_lesson(path) for path in sorted((PROJECT / "notebooks").glob("*.ipynb"))]
+COLOURED = 0.02  # of a card's pixels: a part that misses its figure is white
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "lessons").mkdir()
+    (tmp_path / "lessons" / "images").symlink_to(PROJECT / "notebooks" / "images")
+    return tmp_path / "cards"
+
+
+def test_each_lesson_has_a_card_of_one_size_that_is_not_empty(folder):
+    text = cards(LESSONS, folder)
+    declared = tomllib.loads((PROJECT / "website" / "cards.toml").read_text())
+    assert list(declared) == [lesson.number for lesson in LESSONS]
+    for lesson in LESSONS:
+        assert f"![{declared[lesson.number]['alt']}](cards/{lesson.number}.jpeg)" in text
+        with Image.open(folder / f"{lesson.number}.jpeg") as picture:
+            assert picture.size == SIZE
+            white = sum(picture.convert("L").histogram()[250:])
+        assert white < (1 - COLOURED) * SIZE[0] * SIZE[1], lesson.name
+
+
+def test_a_part_outside_of_its_figure_is_refused(folder, tmp_path, monkeypatch):
+    (tmp_path / "website").mkdir()
+    (tmp_path / "website" / "cards.toml").write_text('"00" = { part = [0.5, 0, 0.4, 1], alt = "x" }')
+    monkeypatch.setattr(module, "ROOT", tmp_path)
+    with pytest.raises(
+        ValueError, match=r"00_payoff.png: the part \[0.5, 0, 0.4, 1\] of a card must be fractions"
+    ):
+        cards(LESSONS[:1], folder)

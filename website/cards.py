@@ -1,0 +1,68 @@
+"""The cards of the first page: a part of each lesson's opening figure that can be read at a card's size."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL import Image
+
+from website import ROOT
+from website.lessons import Lesson
+
+__all__ = ["SIZE", "cards"]
+
+SIZE = (640, 480)  # pixels: twice the width of a card, for screens with small pixels
+_FULL = (0.0, 0.0, 1.0, 1.0)
+
+
+def cards(lessons: Sequence[Lesson], folder: Path) -> str:
+    """Return the cards of lessons as Markdown, and save their pictures into a folder.
+
+    Parameters
+    ----------
+    lessons : sequence of Lesson
+        The lessons, whose figures are in ``lessons/images`` beside `folder`.
+    folder : Path
+        Folder for the pictures, a sibling of ``lessons``; it is made.
+
+    Raises
+    ------
+    ValueError
+        If a part lies outside its figure.
+    """
+    folder.mkdir()
+    declared = tomllib.loads((ROOT / "website" / "cards.toml").read_text(encoding="utf-8"))
+    found = []
+    for lesson in lessons:
+        card = declared.get(lesson.number, {})
+        figure = folder.parent / "lessons" / lesson.figure
+        name = f"{lesson.number}.jpeg"
+        _shrunk(figure, card.get("part", _FULL)).save(folder / name, quality=88)
+        picture = f"![{card.get('alt', lesson.title)}]({folder.name}/{name})"
+        title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
+        text = f"{lesson.goal} *{lesson.minutes + lesson.later} minutes*"
+        found.append(f":::{{container}} lesson\n{picture}\n\n**{title}**\n\n{text}\n:::")
+    return "\n\n".join(["::::{container} lessons", *found, "::::"])
+
+
+def _shrunk(figure: Path, part: Sequence[float]) -> Image.Image:
+    """Return a part (left, top, right, bottom; fractions) of a figure on a white card of the size `SIZE`."""
+    left, top, right, bottom = part
+    if not (0 <= left < right <= 1 and 0 <= top < bottom <= 1):
+        raise ValueError(
+            f"{figure.name}: the part {list(part)} of a card must be fractions: left, top, right, bottom"
+        )
+    with Image.open(figure) as opened:
+        whole = Image.new("RGB", opened.size, "white")
+        whole.paste(opened, mask=opened.getchannel("A") if opened.mode == "RGBA" else None)
+    width, height = whole.size
+    piece = whole.crop(
+        (round(left * width), round(top * height), round(right * width), round(bottom * height))
+    )
+    scale = min(SIZE[0] / piece.width, SIZE[1] / piece.height)
+    piece = piece.resize((round(scale * piece.width), round(scale * piece.height)), Image.Resampling.LANCZOS)
+    card = Image.new("RGB", SIZE, "white")
+    card.paste(piece, ((SIZE[0] - piece.width) // 2, (SIZE[1] - piece.height) // 2))
+    return card
