@@ -30,7 +30,7 @@ def drawn_demo() -> Files:
     folder = Path("build", "demo")
     demo(slam="both", seed=1, out=folder, walk=None)
     return {
-        **{Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.gif")},
+        **{Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.webp")},
         Path("nao_course", "films", "recordings", "demo.json"): (folder / "film.json").read_bytes(),
     }
 

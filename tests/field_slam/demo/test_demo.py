@@ -13,8 +13,6 @@ from nao_course.cli import app
 from nao_course.field_slam.demo import drive, film, report
 from nao_course.field_slam.walk import Frame
 from nao_course.geometry import Pose
-from nao_course.plotting import style_of
-from nao_course.plotting.marks import rgb
 from nao_course.sim import NAO_V4, Field
 from nao_course.slam import DeadReckoning, Motion
 from tests.paths import PROJECT
@@ -78,30 +76,18 @@ def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeyp
     assert {path.name for path in tmp_path.iterdir()} == {
         "demo.json",
         "demo.png",
-        "demo.gif",
+        "demo.webp",
         "film.json",
         "demo.html",
     }
 
 
-def test_a_frame_of_the_film_keeps_the_colours_of_the_paths_exactly():
-    wanted = [rgb(style_of(name).colour) for name in ("ekf", "odometry", "truth")]
-    # A picture of many colours
-    frame = np.random.default_rng(0).integers(0, 256, (120, 160, 3), dtype=np.uint8)
-    frame[0, :3] = wanted
-    shown = film._few_colours(Image.fromarray(frame)).convert("RGB")
-    assert [shown.getpixel((u, 0)) for u in range(3)] == wanted
-
-
 @pytest.mark.slow
-def test_the_film_has_each_chosen_picture_and_the_paths_keep_their_colours(tmp_path):
+def test_the_film_has_each_chosen_picture(tmp_path):
     story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
-    path = film.write_film(story, Field(2012), tmp_path / "film.gif", frames=2)
+    path = film.write_film(story, Field(2012), tmp_path / "film.webp", frames=2)
     with Image.open(path) as shown:
         assert shown.n_frames == 2
-        shown.seek(1)
-        colours = {colour for _, colour in shown.convert("RGB").getcolors(1 << 20)}
-    assert {rgb(style_of(name).colour) for name in ("ekf", "odometry", "truth")} <= colours
 
 
 @pytest.mark.slow
