@@ -20,7 +20,7 @@ LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-v
 	--generate-hashes --no-strip-extras --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help lab demo test lint test-quick test-slow test-all bench build site lock clean
+.PHONY: help lab demo test lint test-quick test-slow test-all bench build site bundles lock clean
 .NOTPARALLEL:
 
 help:  ## say what there is
@@ -57,6 +57,9 @@ build: .venv/dev.stamp  ## make the students' notebooks from solutions/*.md
 site: .venv/site.stamp  ## make the students' pages, with SOLUTIONS=1 the instructors'; they need no other host
 	$(PY) -m website $(if $(SOLUTIONS),instructor,student) $(SITE_ARGS)
 
+bundles: web/node_modules/made.stamp  ## bundle the widgets' scripts again after a change in web/; needs node and npm
+	cd web && node bundle.mjs
+
 lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
 	$(LOCK) --upgrade nao_course/instructor/pyproject.toml --no-emit-package nao-course --extra lab --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
@@ -64,7 +67,7 @@ lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
-	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
+	rm -rf .venv web/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
 	find nao_course tests benchmarks solutions website -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 .venv/made.stamp:
@@ -93,6 +96,11 @@ clean:  ## remove .venv and every cache; your notebooks stay
 # What makes pages of the lessons, on top of the big lock.
 .venv/site.stamp: .venv/dev.stamp requirements-site.lock
 	$(call install,requirements-site.lock)
+	@touch $@
+
+# The bundler, and the libraries that go into the bundles.
+web/node_modules/made.stamp: web/package-lock.json
+	cd web && npm ci --ignore-scripts --no-fund --no-audit
 	@touch $@
 
 define install

@@ -38,8 +38,8 @@ class Curtain:
     paint: tuple[Bytes, Bytes]
 
 
-_PIXEL = 0.008  # m: width of a texture's pixel
-_TOP, _BOTTOM = 2.2, -0.06  # m above the ground; the part below the ground is for shadows
+PIXEL = 0.008  # m: width of a texture's pixel
+TOP, _BOTTOM = 2.2, -0.06  # m above the ground; the part below the ground is for shadows
 _CURTAINS = (0.8, 0.3)  # m behind the carpet: distances of the planes with furniture, the farthest first
 _EVERY = 8  # px: spacing of the rays that are computed
 _GRAZING = np.float32(0.02)  # a plane that is seen at a smaller angle (rad) is skipped
@@ -94,7 +94,7 @@ class _Canvas:
         rng: np.random.Generator,
     ) -> None:
         self.start, self.along, self.outwards, self.texture, self.rng = start, along, outwards, texture, rng
-        shape = (round((_TOP - _BOTTOM) / _PIXEL), round(length / _PIXEL))
+        shape = (round((TOP - _BOTTOM) / PIXEL), round(length / PIXEL))
         self.paint = np.zeros((*shape, 3), dtype=np.float32)
         self.covered = np.zeros(shape, dtype=np.float32)
 
@@ -114,8 +114,8 @@ class _Canvas:
         """Paint pieces, the farthest first."""
         flat = furniture.points[:, :2] - self.start
         depth = flat @ self.outwards
-        across = flat @ self.along / _PIXEL
-        up = (_TOP - furniture.points[:, 2] - _DEPTH * depth) / _PIXEL
+        across = flat @ self.along / PIXEL
+        up = (TOP - furniture.points[:, 2] - _DEPTH * depth) / PIXEL
         outlines = np.split(np.column_stack([across, up]), furniture.starts[1:-1])
         far = (furniture.places - self.start) @ self.outwards
         last = -1
@@ -131,7 +131,7 @@ class _Canvas:
         """Darken the surroundings of the foot of a piece."""
         low, high = points.min(axis=0), points.max(axis=0)
         half = (high[0] - low[0]) / 2 + 6
-        middle, foot = (low[0] + high[0]) / 2, min(high[1], _TOP / _PIXEL)
+        middle, foot = (low[0] + high[0]) / 2, min(high[1], TOP / PIXEL)
         found = self._window(np.array([middle - half, foot - 14]), np.array([middle + half, foot + 8]))
         if found is None:
             return
@@ -215,10 +215,10 @@ def paint_curtains(eye: Eye, curtains: tuple[Curtain, ...], picture: Bytes) -> N
             continue
         reach = distance / np.maximum(towards, _GRAZING)
         sideways = _along(curtain.along, rays)
-        level = int(distance / eye.view.focal[0] > 0.6 * _PIXEL)
-        paint, pixel = curtain.paint[level], np.float32(_PIXEL * 2**level)
+        level = int(distance / eye.view.focal[0] > 0.6 * PIXEL)
+        paint, pixel = curtain.paint[level], np.float32(PIXEL * 2**level)
         across = (reach * sideways + np.float32(offset @ curtain.along)) / pixel
-        down = (np.float32(_TOP - eye.view.height) - reach * rays[2]) / pixel
+        down = (np.float32(TOP - eye.view.height) - reach * rays[2]) / pixel
         rows, columns = paint.shape[:2]
         inside = (
             (towards > _GRAZING) & (np.abs(across / columns - 0.5) < 0.5) & (np.abs(down / rows - 0.5) < 0.5)

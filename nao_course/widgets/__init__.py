@@ -7,6 +7,7 @@ from nao_course.widgets.function_panel import FunctionPanel
 from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider, Toggle
 from nao_course.widgets.player import PlayerPanel
 from nao_course.widgets.shown import Legend
+from nao_course.widgets.world import Ray, WorldView
 
 __all__ = [
     "Action",
@@ -18,9 +19,11 @@ __all__ = [
     "Pixel",
     "PlayerPanel",
     "RangeSlider",
+    "Ray",
     "RealityDial",
     "Slider",
     "Toggle",
+    "WorldView",
     "derivation",
 ]
 

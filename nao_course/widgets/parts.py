@@ -145,7 +145,10 @@ class RateLimited:
 def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]:
     """Return a panel's MIME bundle: its widgets, and a picture and a text for places without widgets."""
     still = image_tag(drawing.image("jpeg"), alt, "jpeg")
-    return {**widget._repr_mimebundle_(), "text/plain": text, "text/html": still}
+    shown = widget._repr_mimebundle_()
+    if isinstance(shown, tuple):  # anywidget returns metadata, too
+        shown = shown[0]
+    return {**shown, "text/plain": text, "text/html": still}
 
 
 def styles(own: str) -> Any:

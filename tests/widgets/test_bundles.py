@@ -1,0 +1,58 @@
+"""The committed bundles of the widgets' scripts are those of the sources in web/, and need nothing from elsewhere."""
+
+import hashlib
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.paths import PROJECT
+
+WEB = PROJECT / "web"
+BUNDLES = {"world": PROJECT / "nao_course" / "widgets" / "world" / "static" / "world.js"}
+
+
+def fingerprint(web: Path, folder: str) -> str:
+    """The hash that web/bundle.mjs writes into the first line of a bundle."""
+    names = [f"{folder}/{path.name}" for path in sorted((web / folder).iterdir())]
+    digest = hashlib.sha256()
+    for name in [*names, "bundle.mjs", "package-lock.json"]:
+        text = (web / name).read_bytes().decode("utf-8").replace("\r\n", "\n")
+        digest.update(f"{name}\n{text}\n".encode())
+    return digest.hexdigest()
+
+
+@pytest.mark.parametrize("folder", BUNDLES)
+def test_a_bundle_is_made_from_the_present_sources(folder):
+    first = BUNDLES[folder].read_text(encoding="utf-8").partition("\n")[0]
+    assert first.endswith(f"sources {fingerprint(WEB, folder)}"), (
+        "run `make bundles`, which needs node and npm"
+    )
+
+
+def test_a_changed_source_changes_the_hash(tmp_path):
+    (tmp_path / "world").mkdir()
+    for name in ("bundle.mjs", "package-lock.json"):
+        (tmp_path / name).write_bytes((WEB / name).read_bytes())
+    for path in (WEB / "world").iterdir():
+        (tmp_path / "world" / path.name).write_bytes(path.read_bytes())
+    assert fingerprint(tmp_path, "world") == fingerprint(WEB, "world")
+    changed = tmp_path / "world" / "view.js"
+    changed.write_text(changed.read_text(encoding="utf-8") + "// changed", encoding="utf-8")
+    assert fingerprint(tmp_path, "world") != fingerprint(WEB, "world")
+
+
+@pytest.mark.parametrize("folder", BUNDLES)
+def test_a_bundle_loads_nothing_and_its_licence_lies_beside_it(folder):
+    text = BUNDLES[folder].read_text(encoding="utf-8")
+    assert not re.search(r"\bimport\s*[\"'({*]|\bimport\s+\w+\s+from\b|\brequire\(", text)
+    assert not re.search(r"[\"'`]https?://(?!www\.w3\.org)", text)
+    licences = list(BUNDLES[folder].parent.glob("LICENSE-*.txt"))
+    assert [path.name for path in licences] == ["LICENSE-three.txt"]
+    assert "MIT" in licences[0].read_text(encoding="utf-8")
+
+
+def test_the_lock_of_the_bundler_has_hashes_and_no_address():
+    text = (WEB / "package-lock.json").read_text(encoding="utf-8")
+    assert text.count('"integrity": "sha512-') > 20
+    assert "://" not in text
