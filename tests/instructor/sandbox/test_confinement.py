@@ -1,6 +1,7 @@
 """Each layer of the sandbox denies by itself what it is there for, and an honest worker notices none of them."""
 
 import contextlib
+import ctypes
 import os
 import socket
 import sys
@@ -264,6 +265,26 @@ def test_without_the_filter_of_calls_mounts_are_listed_however_closed_files_are(
         pytest.skip("this kernel is older than the call")
     assert int(listed.value) > 0
     assert attempt(confined(), MOUNTS).status == "raised"
+
+
+@linux
+@pytest.mark.skipif(os.name != "posix" or os.uname().machine != "x86_64", reason="other numbers of system calls")
+@pytest.mark.parametrize("layers", [("limits",), ("landlock",), NAMESPACES], ids=["process", "landlock", "namespaces"])
+def test_a_key_of_the_session_cannot_be_found_and_none_can_be_left(notebook, layers):
+    libc, session = ctypes.CDLL(None), ctypes.c_int(-3)
+    if (key := libc.syscall(248, b"user", b"nao_course_test", b"x", ctypes.c_size_t(1), session)) < 0:
+        pytest.skip("this system refuses keyrings")
+    source = "checked(libc.syscall(250, 10, -3, b'user', b'nao_course_test', 0))"
+    leave = "checked(libc.syscall(248, b'user', b'nao_course_left', b'x', ctypes.c_size_t(1), -3))"
+    try:
+        with (
+            WarmServer(only(*layers), warm=False) as server,
+            Worker(notebook, seconds=60.0, server=server) as worker,
+        ):
+            assert denied(attempt(worker, source))
+            assert denied(attempt(worker, leave))
+    finally:
+        libc.syscall(250, 9, key, session)
 
 
 @linux
