@@ -20,6 +20,7 @@ class Page(HTMLParser):
     anchors: set[str] = field(default_factory=set)
     links: list[str] = field(default_factory=list)
     fetched: list[str] = field(default_factory=list)
+    pictures: set[str] = field(default_factory=set)
     undescribed: list[str] = field(default_factory=list)
     code: list[str] = field(default_factory=list)
     words: list[str] = field(default_factory=list)
@@ -43,6 +44,8 @@ class Page(HTMLParser):
             "prev",
         }:
             self.fetched.append(said[FETCHED[tag]])
+        if tag == "img":
+            self.pictures.add(said.get("src", ""))
         if tag == "img" and not said.get("alt", "").strip():
             self.undescribed.append(said.get("src", "")[:80])
         if tag == "pre":

@@ -47,9 +47,9 @@ napoleon_use_rtype = False
 
 html_theme = "furo"
 html_title = "nao_course"
-html_static_path = ["static"]
-html_css_files = ["course.css"]
-html_js_files = ["course.js"]
+html_static_path = ["static", "../nao_course/films/web"]
+html_css_files = ["course.css", "map.css"]
+html_js_files = ["map.js", "player.js", "course.js"]
 html_use_index = False  # no page leads there: the search finds names
 html_domain_indices = False
 html_copy_source = False

@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
+from nao_course.films import film_html, recorded_film
 from nao_course.instructor.authoring.course import Course
 from website import ROOT
 from website.cards import cards
+from website.figures import add_figures, add_films
 from website.lessons import Lesson, read_lesson
 from website.rubrics import rubrics_page
 
@@ -117,8 +120,12 @@ def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path)
     lessons = folder / "lessons"
     shutil.copytree(ROOT / edition.lessons / "images", lessons / "images")
     for name in names:
-        source = ROOT / edition.lessons / f"{name}.ipynb"
-        (lessons / source.name).write_text(_folded(source.read_text(encoding="utf-8")), encoding="utf-8")
+        notebook = _read(ROOT / edition.lessons / f"{name}.ipynb")
+        if not edition.has_solutions:
+            add_figures(notebook, _read(ROOT / "solutions" / f"{name}.ipynb"))
+        add_films(notebook, name)
+        _fold(notebook)
+        (lessons / f"{name}.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
     shutil.copytree(ROOT / "images", folder / "images", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     (folder / "docs").mkdir()
     for page in edition.docs:
@@ -136,17 +143,20 @@ def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path)
         (folder / "docs" / f"{RUBRICS}.md").write_text(rubrics_page(questions), encoding="utf-8")
 
 
-def _folded(notebook: str) -> str:
-    """A notebook whose cells that are folded in JupyterLab are folded on a page, too."""
-    content = json.loads(notebook)
-    for cell in content["cells"]:
+def _read(path: Path) -> dict[str, Any]:
+    notebook: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return notebook
+
+
+def _fold(notebook: dict[str, Any]) -> None:
+    """Fold on the page the cells that are folded in JupyterLab."""
+    for cell in notebook["cells"]:
         if cell["metadata"].get("jupyter", {}).get("source_hidden"):
             cell["metadata"].setdefault("tags", []).append("hide-input")
-    return json.dumps(content)
 
 
 def _index(edition: Edition, lessons: Sequence[Lesson], title: str, shown: str) -> str:
-    """Return the first page: the title, what the course is, the lessons' cards, and the menu."""
+    """Return the first page: the title, what the course is, the film of the demo, the cards, and the menu."""
     shelves = {
         "Lessons": [f"{each.number} {each.title} <lessons/{each.name}>" for each in lessons],
         "Read": [f"docs/{page}" for page in (*edition.docs, *[RUBRICS] * edition.has_solutions)],
@@ -156,7 +166,11 @@ def _index(edition: Edition, lessons: Sequence[Lesson], title: str, shown: str) 
         "\n".join(["```{toctree}", ":hidden:", f":caption: {shelf}", "", *pages, "```"])
         for shelf, pages in shelves.items()
     ]
-    return "\n\n".join([f"# {title}", PITCH, edition.welcome, shown, *menus]) + "\n"
+    film = film_html(recorded_film("demo"))
+    return "
+
+".join([f"# {title}", PITCH, edition.welcome, film, shown, *menus]) + "
+"
 
 
 def _reference(package: str) -> str:

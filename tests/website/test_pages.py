@@ -76,6 +76,41 @@ def test_the_students_pages_hold_no_answer_in_words_and_no_rubric(site, course):
     assert sum(each in instructor for each in answers) > 5
 
 
+def test_the_students_pages_show_the_figures_of_the_instructors_and_nothing_else_of_their_outputs(site):
+    for path in sorted((site["student"] / "lessons").glob("*.html")):
+        student, instructor = (
+            read_page(edition / "lessons" / path.name) for edition in (site["student"], site["instructor"])
+        )
+        assert len(student.pictures) > 3 and student.pictures <= instructor.pictures, path.name
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("size", [LAPTOP, PHONE], ids=["laptop", "phone"])
+def test_the_students_films_play_and_fit_the_screen(site, chromium, size):
+    complaints, films = [], 0
+    with browser_page(chromium) as page:
+        page.set_viewport_size(size)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        for path in sorted(site["student"].rglob("*.html")):
+            if "nao-film-here" not in path.read_text(encoding="utf-8"):
+                continue
+            page.goto(path.as_uri())
+            for film in page.locator(".nao-film").all():
+                films += 1
+                film.locator(".nao-film-play").click()
+                page.wait_for_timeout(1500)
+                film.press(" ")
+                assert int(film.get_attribute("data-frame")) >= 1, path.name
+                assert film.evaluate("each => each.scrollWidth <= each.clientWidth"), path.name
+            opening = page.locator(".nao-film-replaces")
+            if opening.count():
+                assert (
+                    opening.evaluate("each => getComputedStyle(each.previousElementSibling).display")
+                    == "none"
+                )
+    assert films == 8 and complaints == []
+
+
 # What is wider than the screen and cannot be scrolled: the theme cuts it off without a word.
 CUT_OFF = """() => [...document.querySelectorAll("article :is(mjx-container, pre, table, img)")]
     .filter((each) => each.getBoundingClientRect().right > innerWidth)

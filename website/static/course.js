@@ -20,3 +20,9 @@ addEventListener("DOMContentLoaded", () => {
     return textOf(read.documentElement.outerHTML, anchor);
   };
 });
+
+// Films play in place of pictures and of panels that need Python.
+addEventListener("DOMContentLoaded", () => {
+  for (const film of document.querySelectorAll(".nao-film-replaces")) film.previousElementSibling.hidden = true;
+  NaoFilm.startPage();
+});

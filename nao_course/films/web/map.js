@@ -109,11 +109,10 @@ const NaoMap = (() => {
     cells(c, view, layer, value, tone) {
       const side = layer.side * view.scale;
       c.fillStyle = translucent(tone.of(layer), layer.fill ?? 0.5);
-      for (let i = 0; i < value.length; i += 2) {
-        c.beginPath();
+      c.beginPath();
+      for (let i = 0; i < value.length; i += 2)
         c.roundRect(view.x(value[i]) - side / 2, view.y(value[i + 1]) - side / 2, side, side, side / 4);
-        c.fill();
-      }
+      c.fill();
     },
     cone(c, view, layer, value, tone) {
       for (let i = 0; i < value.length; i += 5) {
@@ -153,7 +152,7 @@ const NaoMap = (() => {
         const u = view.x(value[i]), v = view.y(value[i + 1]);
         if (small) c.fillRect(u - layer.size, v - layer.size, 2 * layer.size, 2 * layer.size);
         else marker(c, layer.marker, u, v, layer.size ?? LANDMARK, tone.of(layer), tone.rim, layer.open);
-        if (layer.texts) { c.fillStyle = tone.text; c.font = "12px system-ui, sans-serif"; c.fillText(layer.texts[i / 2] ?? "", u + 10, v - 9); }
+        if (layer.texts) { c.textAlign = "left"; c.textBaseline = "alphabetic"; c.fillStyle = tone.text; c.font = "12px system-ui, sans-serif"; c.fillText(layer.texts[i / 2] ?? "", u + 6, v - 6); }
       }
     },
     path(c, view, layer, { poses, upto }, tone) {

@@ -1,0 +1,106 @@
+"""A student's page shows the pictures of a solution's outputs and nothing else of them, and films have their places."""
+
+import json
+from copy import deepcopy
+
+import pytest
+
+from nao_course.films import recorded_names
+from tests.paths import PROJECT
+from website.figures import FILMS, add_figures, add_films
+
+PICTURE = '<img alt="A map" style="max-width: 100%" src="data:image/png;base64,iVBORw0KGgo=">'
+SECRET = "def predict(x): return x + 1"
+
+
+def cell(source="draw(predict)", role="display", outputs=(), **metadata):
+    return {
+        "cell_type": "code",
+        "id": "lesson01-003",
+        "source": source,
+        "metadata": {"nao_course": {"role": role}, **metadata},
+        "outputs": list(outputs),
+    }
+
+
+def output(text_html, kind="execute_result"):
+    return {"output_type": kind, "data": {"text/html": text_html, "text/plain": SECRET}, "metadata": {}}
+
+
+def shown(student_cell, solved_cell):
+    student = {"cells": [deepcopy(student_cell)]}
+    add_figures(student, {"cells": [solved_cell]})
+    return student["cells"][0]["outputs"]
+
+
+def test_a_figure_is_shown_where_the_cells_are_the_same():
+    [found] = shown(cell(), cell(outputs=[output(PICTURE)]))
+    assert found == {"output_type": "display_data", "data": {"text/html": PICTURE}, "metadata": {}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"<pre>{SECRET}</pre>{PICTURE}",
+        f"{PICTURE}<!-- {SECRET} -->",
+        f'<table><tr><td>{SECRET}</td></tr></table><div title="{SECRET}">{PICTURE}</div>',
+        f"{PICTURE}<script>{SECRET}</script>",
+    ],
+)
+def test_nothing_but_the_picture_is_taken_from_an_output(text):
+    found = shown(
+        cell(), cell(outputs=[output(text), {"output_type": "stream", "name": "stdout", "text": SECRET}])
+    )
+    assert PICTURE in json.dumps(found).replace("\\", "") and SECRET not in json.dumps(found)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        (cell("draw(predict)"), cell(SECRET, outputs=[output(PICTURE)])),
+        (cell(role="exercise"), cell(role="exercise", outputs=[output(PICTURE)])),
+        (cell(role="check"), cell(role="check", outputs=[output(PICTURE)])),
+        (cell(nbgrader={"solution": True}), cell(outputs=[output(PICTURE)])),
+        (cell(), cell(outputs=[output(f"<b>{SECRET}</b>")])),
+        (
+            cell(),
+            cell(outputs=[{"output_type": "error", "ename": "E", "evalue": SECRET, "traceback": [SECRET]}]),
+        ),
+    ],
+    ids=["another source", "exercise", "check", "solution", "no picture", "error"],
+)
+def test_a_cell_that_may_hold_a_solution_shows_nothing(pair):
+    assert shown(*pair) == []
+
+
+@pytest.mark.parametrize("lesson", sorted(path.stem for path in (PROJECT / "notebooks").glob("[0-9]*.ipynb")))
+def test_every_lesson_shows_figures_and_only_pictures_of_the_solution(lesson):
+    student, solved = (
+        json.loads((PROJECT / folder / f"{lesson}.ipynb").read_text(encoding="utf-8"))
+        for folder in ("notebooks", "solutions")
+    )
+    add_figures(student, solved)
+    drawn = [cell for cell in student["cells"] if cell.get("outputs")]
+    assert len(drawn) >= 3
+    for each in drawn:
+        [found] = each["outputs"]
+        assert set(found["data"]) == {"text/html"}
+        rest = found["data"]["text/html"]
+        assert rest.startswith("<img ") and rest.count("<") == rest.count("<img ")
+
+
+@pytest.mark.parametrize("lesson", FILMS)
+@pytest.mark.parametrize("folder", ["notebooks", "solutions"])
+def test_films_stand_where_the_lesson_needs_them(lesson, folder):
+    notebook = json.loads((PROJECT / folder / f"{lesson}.ipynb").read_text(encoding="utf-8"))
+    add_films(notebook, lesson)
+    assert json.dumps(notebook).count("nao-film-here") == len(FILMS[lesson])
+
+
+def test_all_recorded_films_are_shown_and_a_lost_place_is_named():
+    shown_films = {name for places in FILMS.values() for name in places.values()}
+    assert shown_films | {"demo"} == {*recorded_names()}
+    with pytest.raises(ValueError, match="no cell that begins with 'ExplorePanel"):
+        add_films({"cells": []}, "12_beyond")
+    with pytest.raises(ValueError, match="no opening picture"):
+        add_films({"cells": []}, "08_graph_slam")
