@@ -167,10 +167,7 @@ def _index(edition: Edition, lessons: Sequence[Lesson], title: str, shown: str) 
         for shelf, pages in shelves.items()
     ]
     film = film_html(recorded_film("demo"))
-    return "
-
-".join([f"# {title}", PITCH, edition.welcome, film, shown, *menus]) + "
-"
+    return "\n\n".join([f"# {title}", PITCH, edition.welcome, film, shown, *menus]) + "\n"
 
 
 def _reference(package: str) -> str:

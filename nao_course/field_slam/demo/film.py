@@ -96,7 +96,9 @@ def write_film(story: Story, field: Field, path: Path, frames: int = FRAMES) -> 
     chosen = np.unique(np.linspace(0, len(story.frames) - 1, frames).astype(int)).tolist()
     first, *others = _frames(story, field, chosen)
     durations = [round(1000 / PER_SECOND)] * len(others) + [round(1000 * LAST)]
-    first.save(path, save_all=True, append_images=others, duration=durations, loop=0, quality=QUALITY, method=4)
+    first.save(
+        path, save_all=True, append_images=others, duration=durations, loop=0, quality=QUALITY, method=4
+    )
     return path
 
 
