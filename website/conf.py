@@ -47,8 +47,8 @@ napoleon_use_rtype = False
 
 html_theme = "furo"
 html_title = "nao_course"
-html_static_path = ["static", "../nao_course/films/web"]
-html_css_files = ["course.css", "map.css"]
+html_static_path = ["static", "../nao_course/films/web", "../nao_course/lab/custom"]
+html_css_files = ["custom.css", "course.css", "map.css"]
 html_js_files = ["map.js", "player.js", "course.js"]
 html_use_index = False  # no page leads there: the search finds names
 html_domain_indices = False

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 __all__ = ["command", "environment"]
 
@@ -41,9 +42,21 @@ def command(folder: Path, arguments: Sequence[str] = ()) -> list[str]:
     return [
         *(sys.executable, "-m", "jupyterlab", str(folder)),
         f"--LabApp.app_settings_dir={HERE / 'settings'}",
+        "--LabApp.custom_css=True",
+        "--ServerApp.jpserver_extensions={'nao_course.lab': True}",
         f"--ServerApp.tornado_settings={{'websocket_max_message_size': {LARGEST_MESSAGE}}}",
         *arguments,
     ]
+
+
+def _jupyter_server_extension_points() -> list[dict[str, str]]:
+    """Return the modules with which this package extends JupyterLab's server."""
+    return [{"module": "nao_course.lab"}]
+
+
+def _load_jupyter_server_extension(server: Any) -> None:
+    """Let the server also look for its ``custom.css`` here; the user's own file goes first."""
+    server.web_app.settings["static_custom_path"].append(str(HERE / "custom"))
 
 
 def environment(inherited: Mapping[str, str] = os.environ) -> dict[str, str]:

@@ -5,17 +5,25 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from nao_course.geometry import FloatArray
 from nao_course.plotting.style import course_style
+
+# A number with its unit, a ratio or nothing, such as 3.1, 12 %, 23 of 98, 1.2 +- 0.3, -.
+_NUMBER = re.compile(
+    r"[<>≈]?\s*[-+−]?\d[\d.,]*(e[-+]?\d+)?(\s?(%|[a-zµ°²³/]+|of \d+|(\+-|±|to|/).*))?|[-–—]?|nan"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +88,43 @@ class Drawing:
 
     def _repr_html_(self) -> str:
         """Return the figure as HTML with its alt text."""
+        return self.html(self.alt)
+
+    def html(self, alt: str) -> str:
+        """Return the figure as HTML with an alt text.
+
+        The course's style sheet (nao_course/lab/custom) inverts the lightness of a ``nao-figure`` on a dark page. In a
+        figure with photographs it inverts what is below ``nao-around``, which has a hole for each photograph.
+        """
         kind = "jpeg" if self.photo else "png"
-        data = self.image(kind)
-        return image_tag(data if self.photo else _with_few_colours(data), self.alt, kind)
+        data = self.image("jpeg") if self.photo else _with_few_colours(self.image())
+        kept = [np.array(box.extents) for box in self._in_true_colours()]
+        if not kept:
+            return image_tag(data, alt, kind, name="nao-figure")
+        around = f'<span class="nao-around" style="clip-path: {_around(kept, np.array(self.figure.bbox.size))}"></span>'
+        return f'<div class="nao-photos">{image_tag(data, alt, kind)}{around}</div>'
+
+    def _in_true_colours(self) -> Iterator[Bbox]:
+        """Yield the places (pixels) of photographs, of pictures of labels and of the keys to these labels."""
+        pictures = [
+            axes
+            for axes in self.figure.axes
+            if any(self.photo or np.ndim(image.get_array()) == 3 for image in axes.images)  # type: ignore[arg-type]
+        ]
+        yield from (Bbox(axes.bbox.get_points()) for axes in pictures)
+        for legend in self.figure.legends if pictures else ():
+            keys = (key for key in legend.legend_handles if isinstance(key, Patch))
+            yield from (key.get_window_extent().padded(1) for key in keys)
+
+
+def _around(boxes: Iterable[FloatArray], size: FloatArray) -> str:
+    """Return a figure of `size` (width, height) without boxes (left, bottom, right, top) as a polygon of CSS."""
+    corners = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0), (0.0, 0.0)]
+    for box in boxes:
+        left, bottom, right, top = np.clip(100 * box / np.tile(size, 2), 0, 100)
+        down, up = 100 - bottom, 100 - top
+        corners += [(left, up), (right, up), (right, down), (left, down), (left, up), (0.0, 0.0)]
+    return f"polygon(evenodd, {', '.join(f'{x:.2f}% {y:.2f}%' for x, y in corners)})"
 
 
 def _with_few_colours(png: bytes) -> bytes:
@@ -93,11 +135,12 @@ def _with_few_colours(png: bytes) -> bytes:
     return buffer.getvalue()
 
 
-def image_tag(data: bytes, alt: str, kind: str) -> str:
-    """Return an HTML image with embedded data; `kind` is "png" or "jpeg"."""
+def image_tag(data: bytes, alt: str, kind: str, *, name: str = "") -> str:
+    """Return an HTML image with embedded data; `kind` is "png" or "jpeg", and `name` its class for style sheets."""
     encoded = base64.b64encode(data).decode("ascii")
     source = f"data:image/{kind};base64,{encoded}"
-    return f'<img alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="{source}">'
+    named = f' class="{name}"' if name else ""
+    return f'<img{named} alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="{source}">'
 
 
 @dataclass(frozen=True)
@@ -125,11 +168,15 @@ class Table:
         )
 
     def _repr_html_(self) -> str:
-        """Return the table as HTML."""
+        """Return the table as HTML, with columns of numbers at the right and all others at the left."""
+        sides = [
+            "right" if column and all(map(_NUMBER.fullmatch, column)) else "left"
+            for column in ([row[number] for row in self.rows] for number in range(len(self.columns)))
+        ]
 
         def cell(tag: str, text: str, number: int) -> str:
-            side = "left" if number == 0 else "right"
-            return f'<{tag} style="text-align: {side}; padding: 0.15em 0.8em">{html.escape(text)}</{tag}>'
+            style = f"text-align: {sides[number]}; padding: 0.15em 0.8em"
+            return f'<{tag} style="{style}">{html.escape(text)}</{tag}>'
 
         head = "".join(cell("th", text, number) for number, text in enumerate(self.columns))
         body = "".join(

@@ -73,7 +73,7 @@ class RobotStatus:
 
     def _repr_html_(self) -> str:
         """Return the line as an HTML box."""
-        style = "border-left: 4px solid #0b5fa5; padding: 0.2em 0.8em; margin: 0.3em 0; font-size: 90%"
+        style = "border-left: 4px solid var(--nao-mark, #0b5fa5); padding: 0.2em 0.8em; margin: 0.3em 0; font-size: 90%"
         return f'<div role="note" class="nao-strip" style="{style}">{escape(repr(self))}</div>'
 
 

@@ -50,7 +50,11 @@ _OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
-_RIGHT, _WRONG, _PLAIN = "2px solid #2a7d3f", "2px dashed #c84b00", "1px solid #999"
+_RIGHT, _WRONG, _PLAIN = (
+    "2px solid var(--nao-right, #1a7f37)",
+    "2px dashed var(--nao-wrong, #9a6700)",
+    "1px solid #999",
+)
 _CSS = """<style>.nao-sheet input { font-family: monospace; }
 .nao-sheet .widget-html-content { line-height: 20px; }</style>"""
 

@@ -33,7 +33,7 @@ _CSS = """
 .nao-function .nao-pad { position: absolute; inset: 0; width: 100%; height: 100%; margin: 0; overflow: visible; }
 .nao-function .nao-pad .widget-html-content, .nao-function .nao-pad-over { position: absolute; inset: 0; }
 .nao-function .nao-pad-over { cursor: crosshair; touch-action: none; }
-.nao-function .nao-pad-over:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
+.nao-function .nao-pad-over:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-function .nao-mark { pointer-events: none; }
 .nao-function .nao-cursor { position: absolute; width: 15px; height: 15px; transform: translate(-50%, -50%);
   box-sizing: border-box; border: 2px solid #c84b00; border-radius: 50%;
@@ -52,7 +52,7 @@ _CSS = """
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)); }
 .nao-function .nao-sliders .widget-slider { width: 100%; min-width: 0; height: 26px; margin: 0; }
 .nao-function .nao-sliders .widget-label { width: 130px; }
-.nao-function .noUi-handle:focus { outline: 2px solid #0b5fa5; outline-offset: 2px; }
+.nao-function .noUi-handle:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 2px; }
 .nao-function .nao-scores table { border-collapse: collapse; font-size: 13px; line-height: 22px; margin: 0; }
 .nao-function .nao-scores th, .nao-function .nao-scores td { padding: 1px 6px; text-align: right; }
 .nao-function .nao-scores b { padding: 0 6px; }

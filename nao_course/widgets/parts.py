@@ -16,7 +16,7 @@ import numpy.typing as npt
 import traitlets
 
 from nao_course.exercises.asking import styles_that_keep_keys
-from nao_course.plotting import Drawing, image_tag
+from nao_course.plotting import Drawing
 
 PERIOD = 0.05  # s between two frames: at 20 Hz a notebook drops no frame
 BREATH = 0.01  # s that every frame leaves for buttons and sliders
@@ -27,8 +27,8 @@ COMMON_CSS = """
 .nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
 .nao-panel .nao-caption .widget-html-content { line-height: 18px; }
 .nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
-.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid #0b5fa5; line-height: 18px; min-height: 54px;
-  background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
+.nao-panel .nao-status { padding: 3px 8px; border-left: 4px solid var(--nao-mark, #0b5fa5); line-height: 18px;
+  min-height: 54px; background: var(--jp-layout-color2, #eee); overflow-wrap: anywhere; }
 .nao-panel .nao-status [role=status] { white-space: pre-line; }
 .nao-panel .nao-facts { font-size: 12px; color: var(--jp-ui-font-color2, #555); }
 .nao-panel .nao-printed { max-height: 72px; overflow: auto; margin: 2px 0; font-size: 12px; line-height: 16px; }
@@ -36,8 +36,8 @@ COMMON_CSS = """
 .nao-panel .nao-keys { box-sizing: border-box; width: 100%; min-width: 180px; height: 28px; padding: 0 6px;
   font-size: 11px; border-radius: 4px; border: 1px solid var(--jp-border-color1, #bbb);
   background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
-.nao-panel .nao-keys:focus { outline: 2px solid #0b5fa5; outline-offset: 1px; }
-.nao-panel :focus-visible { outline: 2px solid #0b5fa5; outline-offset: 1px; }
+.nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
+.nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 """
 
 
@@ -144,11 +144,10 @@ class RateLimited:
 
 def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]:
     """Return a panel's MIME bundle: its widgets, and a picture and a text for places without widgets."""
-    still = image_tag(drawing.image("jpeg"), alt, "jpeg")
     shown = widget._repr_mimebundle_()
     if isinstance(shown, tuple):  # anywidget returns metadata, too
         shown = shown[0]
-    return {**shown, "text/plain": text, "text/html": still}
+    return {**shown, "text/plain": text, "text/html": drawing.html(alt)}
 
 
 def styles(own: str) -> Any:

@@ -115,6 +115,7 @@ class PictureRow:
             note = " (nothing yet)" if title in missing else ""
             alt = figures[title].alt if title in figures else f"{self._name}: {title.strip() or 'picture'}"
             place.fill(title, pixels, alt, note, is_figure=title in figures)
+            switch(place.image, "nao-drawn", title in figures and not figures[title].photo)
         columns = tuple(place.column for place in self.places[: len(pictures)])
         if self.widget.children != columns:
             self.widget.children = columns

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import nbformat
+import numpy as np
 import pytest
 from nbclient import NotebookClient
 
 from nao_course import lab
+
+PACKAGE = Path(lab.__file__).parents[1]
+STYLES = (PACKAGE / "lab" / "custom" / "custom.css").read_text()
+USES = "\n".join(path.read_text() for path in PACKAGE.rglob("*.py"))
 
 
 def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
@@ -24,6 +31,37 @@ def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
         "@jupyterlab/apputils-extension:notification"
     ]
     assert news["fetchNews"] == "false"
+
+
+def test_the_server_finds_the_courses_style_sheet_behind_the_users_own():
+    (point,) = lab._jupyter_server_extension_points()
+    assert point["module"] == lab.__name__ and f"'{lab.__name__}': True" in " ".join(lab.command(Path()))
+    server = SimpleNamespace(web_app=SimpleNamespace(settings={"static_custom_path": ["own"]}))
+    lab._load_jupyter_server_extension(server)
+    own, courses = server.web_app.settings["static_custom_path"]
+    assert own == "own" and (Path(courses) / "custom.css").is_file()
+
+
+@pytest.mark.parametrize("name", ["right", "wrong", "open", "mark"])
+def test_colours_of_text_have_enough_contrast_on_light_and_dark_pages(name):
+    dark = re.findall(rf"--nao-{name}: (#\w+);", STYLES)
+    assert len(dark) == 2 and len(set(dark)) == 1  # JupyterLab's and the pages' theme, and the system's
+    light = [each for each in re.findall(r"var\(--nao-(\w+), (#\w+)\)", USES) if each[0] == name]
+    assert light
+    assert all(contrast(colour, "#ffffff") >= 4.5 for _, colour in light)
+    assert contrast(dark[0], "#111111") >= 4.5
+
+
+def contrast(one, other):
+    """WCAG 2.2's contrast ratio of two colours."""
+
+    def luminance(colour):
+        parts = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+        linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+        return linear @ (0.2126, 0.7152, 0.0722)
+
+    low, high = sorted(luminance(each) + 0.05 for each in (one, other))
+    return high / low
 
 
 def test_without_jupyterlab_its_name_is_said(monkeypatch):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nao_course.plotting import Drawing, draw_labels, draw_map, table
+from nao_course.plotting import Drawing, draw_labels, draw_map, draw_picture, table
 from nao_course.sim import Field
 from tests.drawings import assert_same_bytes_with_words
 from tests.plotting.examples import DRAWINGS, a_map
@@ -57,6 +57,30 @@ def test_a_table_is_text_and_html_with_nothing_unescaped():
     )
     with pytest.raises(ValueError, match="row 2 has 1 values, but there are 2 columns"):
         table(["a", "b"], [[1, 2], [3]])
+
+
+def test_numbers_of_a_table_are_at_the_right_and_words_at_the_left():
+    rows = [["a", "23 of 98", "1.6e+03", "yes"], ["b", "-", "12 cm", "3"]]
+    sides = re.findall(r"<td style=\"text-align: (\w+)", table(["", "of", "cm", "mixed"], rows)._repr_html_())
+    assert sides == ["left", "right", "right", "left"] * 2
+
+
+def test_a_drawing_is_marked_for_dark_pages_and_a_photograph_in_it_is_left_out():
+    assert '<img class="nao-figure"' in a_map()._repr_html_()
+    picture = np.full((40, 80, 3), (255, 0, 0), np.uint8)
+    drawing = draw_picture(picture, title="red")
+    shown = drawing._repr_html_()
+    assert not list(a_map()._in_true_colours())
+    assert "nao-figure" not in shown
+    corners = np.reshape(
+        [float(each) for each in re.findall(r"([\d.]+)%", shown.split("evenodd")[1])], (-1, 2)
+    )
+    (left, top), (right, bottom) = corners[5:-1].min(axis=0), corners[5:-1].max(axis=0)
+    pixels = np.asarray(Image.open(io.BytesIO(drawing.image()))).astype(int)
+    height, width = pixels.shape[:2]
+    rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1] < 60))
+    found = columns.min() / width, (columns.max() + 1) / width, rows.min() / height, (rows.max() + 1) / height
+    np.testing.assert_allclose(np.array([left, right, top, bottom]) / 100, found, atol=0.006)
 
 
 def test_a_notebook_gets_a_smaller_picture_that_looks_the_same():

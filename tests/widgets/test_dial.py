@@ -78,7 +78,7 @@ def test_what_is_not_possible_is_refused():
 def test_a_picture_and_a_text_stay_where_no_widget_lives():
     bundle = RealityDial()._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in bundle
-    assert bundle["text/html"].startswith("<img alt=")
+    assert "<img alt=" in bundle["text/html"]
     assert "noise 1" in bundle["text/plain"]
 
 

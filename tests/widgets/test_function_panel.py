@@ -236,7 +236,7 @@ def test_a_picture_and_a_text_stay_where_no_widget_lives():
     bundle = make()._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in bundle
     assert bundle["text/plain"].startswith("Brightness: Level 100\n")
-    assert bundle["text/html"].startswith('<img alt="Brightness: Level 100; ')
+    assert '<img alt="Brightness: Level 100; ' in bundle["text/html"]
     assert make()._repr_mimebundle_()["text/html"] == bundle["text/html"]
 
 
@@ -288,7 +288,7 @@ def test_an_exercise_that_is_not_written_is_a_sentence_and_the_rest_is_shown(unf
     assert said in status(panel) and "raise panel.error" not in status(panel)
     assert list(panel.shown.pictures) == ["The scene"]
     panel.set(level=20)
-    assert panel._repr_mimebundle_()["text/html"].startswith("<img alt=")
+    assert "<img alt=" in panel._repr_mimebundle_()["text/html"]
 
 
 def test_a_mistake_is_a_sentence_with_its_line_and_the_panel_goes_on():

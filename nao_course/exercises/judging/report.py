@@ -22,12 +22,12 @@ from nao_course.exercises.trying import advice_on
 
 CheckState = Literal["right", "not attempted", "not checked", "wrong", "raised", "interrupted"]
 _COLOURS = {
-    "right": "#1a7f37",
-    "not attempted": "#6e7781",
-    "not checked": "#6e7781",
-    "wrong": "#9a6700",
-    "raised": "#9a6700",
-    "interrupted": "#6e7781",
+    "right": "var(--nao-right, #1a7f37)",
+    "not attempted": "var(--nao-open, #6e7781)",
+    "not checked": "var(--nao-open, #6e7781)",
+    "wrong": "var(--nao-wrong, #9a6700)",
+    "raised": "var(--nao-wrong, #9a6700)",
+    "interrupted": "var(--nao-open, #6e7781)",
 }
 _WRONG = {
     "nothing": "Nothing came back",

@@ -268,8 +268,12 @@ def test_without_the_filter_of_calls_mounts_are_listed_however_closed_files_are(
 
 
 @linux
-@pytest.mark.skipif(os.name != "posix" or os.uname().machine != "x86_64", reason="other numbers of system calls")
-@pytest.mark.parametrize("layers", [("limits",), ("landlock",), NAMESPACES], ids=["process", "landlock", "namespaces"])
+@pytest.mark.skipif(
+    os.name != "posix" or os.uname().machine != "x86_64", reason="other numbers of system calls"
+)
+@pytest.mark.parametrize(
+    "layers", [("limits",), ("landlock",), NAMESPACES], ids=["process", "landlock", "namespaces"]
+)
 def test_a_key_of_the_session_cannot_be_found_and_none_can_be_left(notebook, layers):
     libc, session = ctypes.CDLL(None), ctypes.c_int(-3)
     if (key := libc.syscall(248, b"user", b"nao_course_test", b"x", ctypes.c_size_t(1), session)) < 0:
