@@ -133,12 +133,10 @@ def _numpy_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 def _said_of_recorded(answered: Mapping[str, str]) -> str:
     """Say which functions of earlier lessons were not usable; the set-up cell gives the reason of each."""
-    (reason, *others), names = (
-        answered.values(),
-        (f"{name} ({lesson})" for lesson, name in map(split_use, answered)),
-    )
+    reason, *others = answered.values()
     if others:
-        reason = f"These functions of earlier lessons are not usable yet: {', '.join(names)}."
+        names = ", ".join(f"{name} ({lesson})" for lesson, name in map(split_use, answered))
+        reason = f"These functions of earlier lessons are not usable yet: {names}."
     return f"{reason} Recorded answers were used instead."
 
 

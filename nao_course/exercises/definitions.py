@@ -52,6 +52,8 @@ _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
 _PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
 _CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # magics that run the cell as Python
+_GZIP = b"\x1f\x8b"  # how every file starts that gzip has compressed
+_COMPRESSED = "it is compressed with gzip; decompress it and hand in the notebook itself"
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
 
@@ -329,7 +331,8 @@ def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict
         text = NotebookText(code, _written(cells), *_stamp(notebook))
         language = _language(notebook)
     except UnicodeDecodeError:
-        raise ValueError(f"{name}: not a notebook of format 4 (its text is not in UTF-8)") from None
+        why = _COMPRESSED if content.startswith(_GZIP) else "its text is not in UTF-8"
+        raise ValueError(f"{name}: not a notebook of format 4 ({why})") from None
     except RecursionError:
         raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
     except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:

@@ -1,6 +1,7 @@
 """A notebook's definitions are found wherever they stand, and nothing else of it runs."""
 
 import functools
+import gzip
 import json
 import math
 import sys
@@ -363,6 +364,8 @@ def test_a_notebook_that_is_nested_too_deeply_is_refused_in_plain_words(tmp_path
         (b"[]", "it contains other data than a notebook"),
         (b'{"cells": [], "nbformat": 3}', "its format is 3"),
         (b"PK", "line 1 is not JSON"),
+        ("é".encode("latin-1"), "its text is not in UTF-8"),
+        (gzip.compress(b'{"cells": []}'), "it is compressed with gzip; decompress it"),
     ],
 )
 def test_a_refused_notebook_has_a_reason_without_pythons_words(tmp_path, data, reason):
