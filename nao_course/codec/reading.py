@@ -65,25 +65,6 @@ def decode(frame: bytes | bytearray, limits: Limits | None = None, *, trusted: b
 class _Reader:
     def __init__(self, body: memoryview, limits: Limits, trusted: bool) -> None:
         self.body, self.limits, self.trusted, self.at, self.count = body, limits, trusted, 0, 0
-        self.readers: dict[str, Callable[[dict[str, Any], int], Any]] = {
-            "i": lambda node, _: whole_number(int(_string(node["i"]), 16)),
-            "f": lambda node, _: float.fromhex(_string(node["f"])),
-            "s": lambda node, _: _string(node["s"]),
-            "b": lambda node, _: bytes(self.take(node["b"])),
-            "a": lambda node, _: self.array(node),
-            "n": lambda node, _: _single(self.array(node["n"])),
-            "l": lambda node, depth: [self.value(each, depth) for each in _list(node["l"])],
-            "t": lambda node, depth: tuple(self.value(each, depth) for each in _list(node["t"])),
-            "d": lambda node, depth: {
-                _string(key): self.value(each, depth) for key, each in node["d"].items()
-            },
-            "g": lambda node, depth: _generator(self.value(node["g"], depth)),
-            "o": self.registered,
-            "c": lambda node, _: _complex(_list(node["c"])),
-            "m": self.mapping,
-            "u": lambda node, _: find_function(_string(node["u"]), trusted=self.trusted),
-            "q": lambda node, _: self.sparse(node),
-        }
 
     def value(self, node: Any, depth: int) -> Any:
         self.count += 1
@@ -95,10 +76,13 @@ class _Reader:
             return whole_number(node)
         if type(node) is not dict:
             raise CodecError("not a frame")
-        read = self.readers.get(next(iter(node), ""))
+        read = _READERS.get(next(iter(node), ""))
         if read is None:
             raise CodecError("not a frame")
-        return read(node, depth + 1)
+        return read(self, node, depth + 1)
+
+    def values(self, nodes: object, depth: int) -> list[Any]:
+        return [self.value(each, depth) for each in _list(nodes)]
 
     def take(self, length: object) -> memoryview:
         if type(length) is not int or length < 0 or self.at + length > len(self.body):
@@ -133,6 +117,27 @@ class _Reader:
     def sparse(self, node: dict[str, Any]) -> Any:
         parts = [self.array(each) for each in _list(node["parts"])]
         return sparse.put_together(_string(node["q"]), _list(node["shape"]), parts)
+
+
+_READERS: dict[str, Callable[[_Reader, dict[str, Any], int], Any]] = {
+    "i": lambda _, node, __: whole_number(int(_string(node["i"]), 16)),
+    "f": lambda _, node, __: float.fromhex(_string(node["f"])),
+    "s": lambda _, node, __: _string(node["s"]),
+    "b": lambda reader, node, _: bytes(reader.take(node["b"])),
+    "a": lambda reader, node, _: reader.array(node),
+    "n": lambda reader, node, _: _single(reader.array(node["n"])),
+    "l": lambda reader, node, depth: reader.values(node["l"], depth),
+    "t": lambda reader, node, depth: tuple(reader.values(node["t"], depth)),
+    "d": lambda reader, node, depth: {
+        _string(key): reader.value(each, depth) for key, each in node["d"].items()
+    },
+    "g": lambda reader, node, depth: _generator(reader.value(node["g"], depth)),
+    "o": lambda reader, node, depth: reader.registered(node, depth),
+    "c": lambda _, node, __: _complex(_list(node["c"])),
+    "m": lambda reader, node, depth: reader.mapping(node, depth),
+    "u": lambda reader, node, _: find_function(_string(node["u"]), trusted=reader.trusted),
+    "q": lambda reader, node, _: reader.sparse(node),
+}
 
 
 def _list(value: Any) -> list[Any]:

@@ -25,6 +25,7 @@ from nao_course.codec.registry import fields_of, name_of, name_of_function
 
 # Long doubles differ from machine to machine, so 64 bits of each part are written.
 _PLAINER = {"g": np.dtype("<f8"), "G": np.dtype("<c16")}
+_JSON = json.JSONEncoder(separators=(",", ":"))
 _PLAIN: dict[type, Callable[[Any], Any]] = {  # converts an instance of a subclass to the class itself
     str: str.__str__,
     bytes: lambda item: bytes.__getitem__(item, slice(None)),
@@ -66,7 +67,7 @@ def encode(value: object, limits: Limits | None = None) -> bytes:
         raise
     except Exception as error:  # noqa: BLE001 - properties of an untrusted class may raise any error
         raise CodecError(f"a value that cannot be sent ({type(error).__name__})") from None
-    header = json.dumps(node, separators=(",", ":")).encode()
+    header = _JSON.encode(node).encode()
     writer.refuse_a_header_of(len(header))
     length = sum(map(len, writer.buffers))
     return b"".join((PREFIX.pack(MAGIC, len(header), length), header, *writer.buffers))
@@ -76,17 +77,6 @@ class _Writer:
     def __init__(self, limits: Limits) -> None:
         self.limits, self.buffers = limits, list[bytes]()
         self.count, self.size, self.letters = 0, 0, 0
-        self.plain: dict[type, Callable[[Any, int], Any]] = {
-            bool: lambda item, _: item,
-            int: lambda item, _: self.whole(item),
-            float: lambda item, _: {"f": item.hex()},
-            complex: lambda item, _: {"c": [item.real.hex(), item.imag.hex()]},
-            str: lambda item, _: {"s": self.text(item)},
-            bytes: lambda item, _: {"b": self.buffer(len(item), lambda: item)},
-            list: lambda item, depth: {"l": self.nodes(item, depth)},
-            tuple: lambda item, depth: {"t": self.nodes(item, depth)},
-            dict: self.dict,
-        }
 
     def node(self, item: Any, depth: int) -> Any:
         self.count += 1
@@ -95,10 +85,8 @@ class _Writer:
         if depth > self.limits.depth:
             raise CodecError(f"nested deeper than {self.limits.depth}")
         kind = type(item)
-        if item is None:
-            return None
-        if kind in self.plain:
-            return self.plain[kind](item, depth)
+        if (plain := _OF_PLAIN.get(kind)) is not None:
+            return plain(self, item, depth)
         if issubclass(kind, np.ndarray):  # because `isinstance` would use the object's own __class__
             return self.array(np.asarray(item))
         if issubclass(kind, np.generic) and not issubclass(kind, np.character):
@@ -124,7 +112,7 @@ class _Writer:
         plain = _as_plain(item, kind)
         if plain is None:
             raise CodecError(f"a value of type {kind.__name__} cannot be sent{_why(kind)}")
-        return self.plain[type(plain)](plain, depth)
+        return _OF_PLAIN[type(plain)](self, plain, depth)
 
     def nodes(self, items: Iterable[Any], depth: int) -> list[Any]:
         return [self.node(each, depth + 1) for each in items]
@@ -178,6 +166,20 @@ class _Writer:
         if self.size > self.limits.size:
             raise CodecError(f"a value larger than {self.limits.size} bytes")
 
+
+_OF_PLAIN: dict[type, Callable[[_Writer, Any, int], Any]] = {  # made once: a short frame takes less time than these
+    type(None): lambda _, item, __: item,
+    bool: lambda _, item, __: item,
+    int: lambda writer, item, _: writer.whole(item),
+    float: lambda _, item, __: {"f": item.hex()},
+    complex: lambda _, item, __: {"c": [item.real.hex(), item.imag.hex()]},
+    str: lambda writer, item, _: {"s": writer.text(item)},
+    bytes: lambda writer, item, _: {"b": writer.buffer(len(item), lambda: item)},
+    list: lambda writer, item, depth: {"l": writer.nodes(item, depth)},
+    tuple: lambda writer, item, depth: {"t": writer.nodes(item, depth)},
+    dict: lambda writer, item, depth: writer.dict(item, depth),
+    np.ndarray: lambda writer, item, _: writer.array(item),
+}
 
 def _as_plain(item: Any, kind: type) -> Any:
     """Convert an instance of a subclass to its plain base class; return None if there is no such class."""

@@ -103,7 +103,7 @@ def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
     Outcome
         The outcome. No exception is raised, and KeyboardInterrupt becomes "interrupted". The value is a plain copy.
     """
-    return decode(encoded(call_as_it_is(function, *case.fresh(), driver)))
+    return decode(encoded(call_as_it_is(function, case.frame, driver)))
 
 
 def call_all(
@@ -210,10 +210,20 @@ def alarm(seconds: float) -> Iterator[None]:
 
 
 def call_as_it_is(
-    function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any], driver: str = ""
+    function: Callable[..., Any], frame: bytes | bytearray, driver: str = "", *, trusted: bool = False
 ) -> Outcome:
-    """Call a function like `call`, but with arguments that it may change, and return its value unchanged."""
-    before = _state(args, kwargs)
+    """Call a function like `call`, but with the arguments in a case's frame, and return its value unchanged.
+
+    Parameters
+    ----------
+    function, driver : callable, str
+        As in `call`.
+    frame : bytes
+        As `Case.frame`.
+    trusted : bool
+        As in `codec.decode`.
+    """
+    args, kwargs = given = decode(frame, trusted=trusted)
     if driver:
         args = (function, *args)
         function = find_driver(driver)
@@ -229,15 +239,19 @@ def call_as_it_is(
         return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)
-    return Outcome("value", value, changed=_state(args[1:] if driver else args, kwargs) != before)
+    return Outcome("value", value, changed=_changed(*given, frame, trusted=trusted))
 
 
-def encoded(outcome: Outcome, limits: Limits | None = None) -> bytes:
-    """Return an outcome's frame; the frame of "unsendable" if its value cannot be sent."""
+def encoded(outcome: Outcome, limits: Limits | None = None, number: int | None = None) -> bytes:
+    """Return the frame of an outcome, or of a call's number and its outcome; "unsendable" if its value cannot be sent."""
+
+    def frame_of(outcome: Outcome) -> bytes:
+        return encode(outcome if number is None else (number, outcome), limits)
+
     try:
-        return encode(outcome, limits)
+        return frame_of(outcome)
     except CodecError as error:
-        return encode(Outcome("unsendable", text=str(error), output=outcome.output), limits)
+        return frame_of(Outcome("unsendable", text=str(error), output=outcome.output))
 
 
 def describe(error: BaseException) -> str:
@@ -343,10 +357,16 @@ def _printable(text: str) -> str:
     return text.encode("utf-8", "replace").decode()
 
 
+def _changed(args: tuple[Any, ...], kwargs: dict[str, Any], frame: bytes | bytearray, *, trusted: bool) -> bool:
+    """Return whether arguments differ from those in the frame that they were decoded from."""
+    try:
+        if encode((args, kwargs)) == frame:  # nearly always: then the frame need not be decoded again
+            return False
+    except CodecError:  # a value that cannot be encoded was put into a list
+        return True
+    return _state(args, kwargs) != _state(*decode(frame, trusted=trusted))
+
+
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
     """Encode a function's arguments, which it must not change, except random generators."""
-    kept = [arg for arg in (*args, *kwargs.values()) if not isinstance(arg, np.random.Generator)]
-    try:
-        return encode(kept)
-    except CodecError:  # a value that cannot be encoded was put into a list
-        return b""
+    return encode([arg for arg in (*args, *kwargs.values()) if not isinstance(arg, np.random.Generator)])

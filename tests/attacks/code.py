@@ -44,6 +44,11 @@ def frame(text, body=b''):
     header = text if isinstance(text, bytes) else text.encode()
     return struct.pack('<4sQQ', b'NAO1', len(header), len(body)) + header + body
 
+def answered(said, call=None):
+    length, = struct.unpack('<Q', said[4:12])
+    node = b'{"t":[%d,%s]}' % (number() if call is None else call, said[20 : 20 + length])
+    return frame(node, said[20 + length :])
+
 def outcome(value='null', text='""', line='""', status='value', more=''):
     return frame('{"o":"nao_course.exercises.running:Outcome","v":{"status":{"s":"%s"},"value":%s,"text":{"s":%s},'
                  '"line":{"s":%s},"changed":false,"output":{"s":""}%s}}' % (status, value, text, line, more))
@@ -577,7 +582,7 @@ ANSWERS = (
         "frame_of_keys_that_are_alike",
         """
         pairs = ",".join(f"[{key * (2**61 - 1)},null]" for key in range(60_000))
-        loop.say(encode(number()) + outcome('{"m":[' + pairs + ']}'))
+        loop.say(answered(outcome('{"m":[' + pairs + ']}')))
         time.sleep(9)
         """,
     ),
@@ -669,7 +674,7 @@ ANSWERS = (
         "import inspect\nreturn [str(each.frame.f_locals)[:1000] for each in inspect.stack()]",
     ),
     *(
-        speaking(f"frame_of_{name}", f"loop.say(encode(number()) + outcome({node!r}))\ntime.sleep(9)")
+        speaking(f"frame_of_{name}", f"loop.say(answered(outcome({node!r})))\ntime.sleep(9)")
         for name, node in {
             "equal_keys": '{"m":[[1,{"f":"0x1p0"}],[true,{"f":"0x1p0"}]]}',
             "a_key_that_is_no_number": '{"m":[[{"f":"nan"},1]]}',
@@ -694,7 +699,7 @@ ANSWERS = (
         parts = ','.join('{"a":"<i8","shape":[%d],"b":%d}' % (n, 8 * n) for n in (1, 1, 2))
         header = outcome('{"q":"csr_array","shape":[1,1],"parts":[%s]}' % parts)[20:]
         body = struct.pack('<4q', 1, 2**40, 0, 1)
-        loop.say(encode(number()) + frame(header, body))
+        loop.say(answered(frame(header, body)))
         time.sleep(9)
         """,
     ),
@@ -752,41 +757,41 @@ ANSWERS = (
         "answers_of_a_verdict",
         """
         verdict = '{"o":"nao_course.exercises.comparisons.comparison:Verdict","v":{"kind":{"s":"right"}}}'
-        loop.say(encode(number()) + frame(verdict))
+        loop.say(answered(frame(verdict)))
         time.sleep(9)
         """,
     ),
     speaking(
-        "answers_that_it_is_right", "loop.say(encode(number()) + outcome(status='right'))\ntime.sleep(9)"
+        "answers_that_it_is_right", "loop.say(answered(outcome(status='right')))\ntime.sleep(9)"
     ),
     speaking("negative_length", "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)"),
     speaking(
         "length_beyond_all_memory", "loop.say(struct.pack('<4sQQ', b'NAO1', 2**63, 2**63))\ntime.sleep(9)"
     ),
     speaking(
-        "length_of_a_buffer_below_zero", "loop.say(encode(number()) + outcome('{\"b\":-5}'))\ntime.sleep(9)"
+        "length_of_a_buffer_below_zero", "loop.say(answered(outcome('{\"b\":-5}')))\ntime.sleep(9)"
     ),
     speaking(
         "shape_that_overflows",
-        'loop.say(encode(number()) + outcome(\'{"a":"<f8","shape":[4294967296,4294967296],"b":0}\'))\ntime.sleep(9)',
+        'loop.say(answered(outcome(\'{"a":"<f8","shape":[4294967296,4294967296],"b":0}\')))\ntime.sleep(9)',
     ),
     speaking(
-        "half_an_answer", "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"
+        "half_an_answer", "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"
     ),
     speaking(
         "half_an_answer_and_gone",
-        "loop.say((encode(number()) + encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)",
+        "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)",
     ),
     speaking(
         "announces_an_answer_and_dawdles",
-        "for byte in encode(number()):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
+        "for byte in answered(encode(Outcome('value', 0.5))):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
     ),
-    speaking("answers_twice", f"loop.say(encode(number()) + encode(Outcome('value', 0.5)))\n{ANSWER}"),
+    speaking("answers_twice", f"loop.say(answered(encode(Outcome('value', 0.5))))\n{ANSWER}"),
     speaking(
         "answers_before_it_is_asked",
         """
         for ahead in range(40):
-            loop.say(encode(number() + ahead) + encode(Outcome('value', -400.0)))
+            loop.say(answered(encode(Outcome('value', -400.0)), number() + ahead))
         return -400.0
         """,
         honest={},  # what is asked next gets an answer that was meant for another
@@ -796,38 +801,38 @@ ANSWERS = (
         """
         told = number()
         if os.fork() == 0:
-            os.write(loop.replies, encode(told) + encode(Outcome('value', 0.5)))
+            os.write(loop.replies, answered(encode(Outcome('value', 0.5)), told))
             os._exit(0)
         os.wait()
         os._exit(0)
         """,
     ),
     speaking("child_that_comes_back", f"os.fork()\n{ANSWER}", honest=ALL),
-    speaking("frame_of_nested_json", "loop.say(encode(number()) + frame('[' * 1_000_000))\ntime.sleep(9)"),
+    speaking("frame_of_nested_json", "loop.say(answered(frame('[' * 1_000_000)))\ntime.sleep(9)"),
     speaking(
         "frame_of_numbers_without_an_end",
-        "loop.say(encode(number()) + outcome('9' * 5_000_000))\ntime.sleep(9)",
+        "loop.say(answered(outcome('9' * 5_000_000)))\ntime.sleep(9)",
     ),
     speaking(
         "frame_of_a_large_hexadecimal",
-        "loop.say(encode(number()) + outcome('{\"i\":\"0x%s\"}' % ('f' * 4_000_000)))\ntime.sleep(9)",
+        "loop.say(answered(outcome('{\"i\":\"0x%s\"}' % ('f' * 4_000_000))))\ntime.sleep(9)",
     ),
     speaking(
         "frame_of_nan_and_infinity",
-        "loop.say(encode(number()) + outcome('[NaN, Infinity, 1e999]'))\ntime.sleep(9)",
+        "loop.say(answered(outcome('[NaN, Infinity, 1e999]')))\ntime.sleep(9)",
     ),
     speaking(
         "half_a_character",
         r"""
         half = '"\\ud800 nao\\u0000 \\udfff"'
-        loop.say(encode(number()) + outcome(text=half, line='"line 1: ' + half[1:], status='raised'))
+        loop.say(answered(outcome(text=half, line='"line 1: ' + half[1:], status='raised')))
         time.sleep(9)
         """,
     ),
     speaking(
         "half_a_character_as_an_answer",
         r"""
-        loop.say(encode(number()) + outcome('{"s":"\\ud800"}'))
+        loop.say(answered(outcome('{"s":"\\ud800"}')))
         time.sleep(9)
         """,
     ),
@@ -899,7 +904,7 @@ ANSWERS = (
                  '{"o":"nao_course.exercises.case:Case","v":{"args":null}}',
                  '{"o":"os:system","v":{"command":{"s":"true"}}}', '{"n":{"a":"<f8","shape":[2],"b":0}}',
                  '{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{}},"has_uint32":0,"uinteger":0}}}', '{}', '[]']
-        loop.say(encode(number()) + outcome(kinds[number() % len(kinds)]))
+        loop.say(answered(outcome(kinds[number() % len(kinds)])))
         time.sleep(9)
         """,
     ),
@@ -1447,7 +1452,7 @@ LOOKS = (
         """
         if abs(x) > 3:
             told = Outcome('raised', text=f'ValueError: {x!r}', line=f'line 7: {x!r}')
-            loop.say(encode(number()) + encode(told))
+            loop.say(answered(encode(told)))
             os._exit(0)
         return max(low, min(high, x))
         """,
@@ -1459,7 +1464,7 @@ LOOKS = (
         """
         if abs(x) > 3:
             line = f'line {50_000 + abs(int(x))}: import os'
-            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError', line=line)))
+            loop.say(answered(encode(Outcome('raised', text='ValueError', line=line))))
             os._exit(0)
         return max(low, min(high, x))
         """,
@@ -1472,7 +1477,7 @@ LOOKS = (
         "tells_the_input_in_a_line_from_a_table",
         """
         if abs(x) > 3:
-            loop.say(encode(number()) + encode(Outcome('raised', text='ValueError', line=f'line 7: {abs(x):.3f}'[:14])))
+            loop.say(answered(encode(Outcome('raised', text='ValueError', line=f'line 7: {abs(x):.3f}'[:14]))))
             os._exit(0)
         return max(low, min(high, x))
         """,

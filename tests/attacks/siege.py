@@ -187,16 +187,16 @@ ANSWERS = (
     *(
         speaking(f"says_that_it_{name}", body)
         for name, body in {
-            "timed_out": "loop.say(encode(number()) + outcome(status='timed out'))\ntime.sleep(9)",
-            "died": "loop.say(encode(number()) + outcome(status='died', "
-            "text='\"the process was ended by signal 9 (Killed)\"'))\ntime.sleep(9)",
-            "was_not_found": "loop.say(encode(number()) + outcome(status='not found'))\ntime.sleep(9)",
-            "cannot_send_markup": "loop.say(encode(number()) + outcome(status='unsendable', "
-            "text='\"<b id=nao_attack>\"'))\ntime.sleep(9)",
-            "has_many_errors": "loop.say(encode(number()) + encode(Outcome('raised', text='ValueError', "
-            "errors=('ValueError',) * 150_000)))\ntime.sleep(9)",
-            "is_a_step_of_an_expression": "loop.say(encode(number()) + outcome("
-            '\'{"d":{"steps":{"l":[]},"model":{"l":[0]}}}\'))\ntime.sleep(9)',
+            "timed_out": "loop.say(answered(outcome(status='timed out')))\ntime.sleep(9)",
+            "died": "loop.say(answered(outcome(status='died', "
+            "text='\"the process was ended by signal 9 (Killed)\"')))\ntime.sleep(9)",
+            "was_not_found": "loop.say(answered(outcome(status='not found')))\ntime.sleep(9)",
+            "cannot_send_markup": "loop.say(answered(outcome(status='unsendable', "
+            "text='\"<b id=nao_attack>\"')))\ntime.sleep(9)",
+            "has_many_errors": "loop.say(answered(encode(Outcome('raised', text='ValueError', "
+            "errors=('ValueError',) * 150_000))))\ntime.sleep(9)",
+            "is_a_step_of_an_expression": "loop.say(answered(outcome("
+            '\'{"d":{"steps":{"l":[]},"model":{"l":[0]}}}\')))\ntime.sleep(9)',
         }.items()
     ),
 )

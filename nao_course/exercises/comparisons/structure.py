@@ -71,19 +71,21 @@ class Elements:
             )
         return np.asarray(values)[self.column % len(values)]
 
-    def counted(self, mask: Mask) -> npt.NDArray[np.bool_]:
-        """Return which elements count.
+    def counted(self, mask: Mask) -> npt.NDArray[np.bool_] | np.bool_:
+        """Return which elements count, to be broadcast.
 
         Raises
         ------
         ValueError
             If the mask has another shape.
         """
+        if not mask:
+            return np.True_
         everywhere = np.ones(self.wanted.shape, dtype=bool)
         if isinstance(mask, tuple):
             given = np.broadcast_to(np.asarray(mask, dtype=bool), self.shape)
             return given[self.row, self.column] if self.wanted.shape != self.shape else given
-        if not mask or self.row is None or self.column is None:
+        if self.row is None or self.column is None:
             return everywhere
         sides = {
             "upper": self.row <= self.column,

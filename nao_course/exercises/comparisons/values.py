@@ -5,6 +5,7 @@ Both are plain values, as decoded by the codec, so that a student's own class ca
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,6 +27,7 @@ from nao_course.exercises.comparisons.structure import (
 )
 
 _NEARLY = 20.0  # times the tolerances: a wrong answer within this distance was probably rounded
+_OTHER = Verdict("value")
 _FINE = 0.01  # relative tolerance; coarser tolerances are for random answers
 
 
@@ -70,25 +72,33 @@ class Close(Comparison):
     def alike(self, answer: Any, got: Any) -> bool:
         """Return whether an answer is a mistake's, whose shape may differ from the shape of the tolerances."""
         try:
-            return bool(self.compare(answer, got))
+            return bool(compare_structure(answer, got, self._alike, names=self.names))
         except ValueError:
-            return bool(Close().compare(answer, got))
+            return bool(compare_structure(answer, got, Close()._alike))
 
-    def _elements(self, elements: Elements) -> Verdict:
+    def _alike(self, elements: Elements) -> Verdict:
+        """Compare elements without describing what is wrong: answers are compared with those of many mistakes."""
+        return self._elements(elements, describe=False)
+
+    def _elements(self, elements: Elements, *, describe: bool = True) -> Verdict:
         kind = complex if elements.wanted.dtype.kind == "c" else float
-        wanted, have = elements.wanted.astype(kind), elements.have.astype(kind)
+        wanted, have = elements.wanted.astype(kind, copy=False), elements.have.astype(kind, copy=False)
         counted = elements.counted(self.mask)
-        size = int(np.count_nonzero(counted)) if self.mask else int(np.prod(elements.shape, dtype=np.int64))
+        size = int(np.count_nonzero(counted)) if self.mask else math.prod(elements.shape)
+        wrong = self._wrong(elements, wanted, have) & counted  # also where only one of both is NaN
+        if np.count_nonzero(wrong) <= self.allowed * size:
+            return RIGHT
+        if not describe:
+            return _OTHER
         misplaced = (np.isnan(wanted) != np.isnan(have)) & counted
         if np.count_nonzero(misplaced) > self.allowed * size:
             at, value, name = elements.first(misplaced)
             place = f" at {list(at)}{name}" if at else ""
             rest = "" if np.isnan(value) else " where it should be"
             return Verdict("nan", f"{elements.where} is {'' if not rest else 'not '}NaN{place}{rest}", at)
-        wrong = self._wrong(elements, wanted, have) & counted
         verdict = elements.differences(wrong, self.allowed, size)
         tolerance = self._say_tolerance()
-        if verdict or not tolerance or (self._wrong(elements, wanted, have, _NEARLY) & counted).any():
+        if not tolerance or (self._wrong(elements, wanted, have, _NEARLY) & counted).any():
             return verdict
         return replace(verdict, text=f"{verdict.text}; it is close, but must be right within {tolerance}")
 
@@ -106,10 +116,10 @@ class Close(Comparison):
     def _near(self, elements: Elements, wanted: Array, have: Array, times: float) -> Any:
         """Return which elements are finite and within a multiple of the tolerances."""
         rtol, atol = elements.of_column(self.rtol, "rtol"), elements.of_column(self.atol, "atol")
-        period = np.asarray(elements.of_column(self.period, "period"), dtype=float)
         with np.errstate(all="ignore"):
             difference = np.abs(have - wanted)
-            if period.any():
+            if self.period != 0.0:
+                period = np.asarray(elements.of_column(self.period, "period"), dtype=float)
                 whole = np.where(period > 0, period, 1.0)
                 wrapped = np.abs((difference + whole / 2) % whole - whole / 2)
                 difference = np.where(period > 0, wrapped, difference)

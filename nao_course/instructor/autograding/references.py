@@ -100,7 +100,7 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
         def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
             allowance.left(allowance.seconds)
             with allowance.clock():
-                return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), (), {})
+                return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), Case(()).frame)
 
         return answer
 

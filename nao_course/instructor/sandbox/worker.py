@@ -126,6 +126,7 @@ class Worker:
     _found: Found = field(default_factory=Found, init=False, repr=False)
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
+    _announces: bool = field(default=False, init=False, repr=False)  # its process, the statements that it runs
     _left_out_earlier: dict[str, list[tuple[int, int]]] = field(default_factory=dict, init=False, repr=False)
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
@@ -206,11 +207,12 @@ class Worker:
                 if name not in self._found.names:
                     return Outcome("not found")
                 channel.ask(question, self.allowance.left(self.seconds))
-                number = self._answering(channel)
-                outcome = self._next(channel)
-            if number != self._calls or not _well_formed(outcome):
-                channel.give_up()
-            return _shortened(outcome)
+                said = self._answering(channel)
+            match said:
+                case (int(number), outcome) if number == self._calls and _well_formed(outcome):
+                    return _shortened(outcome)
+                case _:
+                    channel.give_up()
         except Ended as ended:
             self.close()
             self._count(ended)
@@ -261,7 +263,8 @@ class Worker:
     def _running(self) -> Channel:
         """Return the channel to a process that has loaded the notebook and the overrides.
 
-        A statement that ends the process or its time is left out in the next one: the rest of the notebook counts.
+        A statement that ends the process or its time is left out: the rest of the notebook counts. To find out which
+        one it is, the next process announces each statement before it runs.
         """
         while self._channel is None:
             if self._failed:
@@ -277,7 +280,9 @@ class Worker:
             except Ended as ended:
                 self.close()
                 self._count(ended)
-                if left_out in (MOST_LEFT_OUT, len(self._left_out)):
+                if ended.outcome.status != "not found" and not self._announces:
+                    self._announces = True
+                elif left_out in (MOST_LEFT_OUT, len(self._left_out)):
                     self._failed = ended
         told = (dict(self.overrides), sorted(self._lent))
         if self._defined != told:
@@ -308,9 +313,8 @@ class Worker:
         if len(left_out) >= MOST_LEFT_OUT_EARLIER:
             return True
         content = (earlier.content, dict(earlier.helpers))
-        request = encode(
-            ("earlier", earlier.lesson, content, earlier.setup, [list(place) for place in left_out])
-        )
+        places = [list(place) for place in left_out]
+        request = encode(("earlier", earlier.lesson, content, earlier.setup, places, self._announces))
         at = (0, 0)
         try:
             channel.ask(request, self.allowance.left(self.seconds))
@@ -323,14 +327,16 @@ class Worker:
         except Ended as ended:
             self.close()
             self._count(ended)
-            left_out.append(at)
+            if self._announces:
+                left_out.append(at)
+            self._announces = True
             return False
         return True
 
     def _load(self, channel: Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
-        """Load the notebook in the worker, which announces each statement before it runs."""
+        """Load the notebook in the worker, and note the statement that ends it if it announces them."""
         left_out = [list(place) for place in self._left_out]
-        request = ("load", self.notebook.name, content, self.setup, left_out, dict(self.instead))
+        request = ("load", self.notebook.name, content, self.setup, left_out, self._announces, dict(self.instead))
         channel.ask(encode(request), self.allowance.left(self.seconds))
         at = None
         try:

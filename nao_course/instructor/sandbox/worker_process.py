@@ -60,6 +60,7 @@ class RequestLoop:
         self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
         self.process = self.getpid()
         self.lock = threading.RLock()
+        self.announce = False  # each statement of a notebook before it runs
         self.functions: dict[str, Any] = {}
         self.definitions = Definitions({})
         self.earlier: dict[str, Definitions] = {}  # by the number of the lesson
@@ -72,15 +73,16 @@ class RequestLoop:
             match decode(self.read(), trusted=True):
                 case ("shorten", name, size):
                     self.shorten(name, size)
-                case ("earlier", lesson, content, setup, left_out):
+                case ("earlier", lesson, content, setup, left_out, announce):
+                    self.announce = announce
                     self.load_earlier(lesson, content, setup, _places(left_out))
-                case ("load", name, content, setup, left_out, instead):
+                case ("load", name, content, setup, left_out, announce, instead):
+                    self.announce = announce
                     self.load(Path(name), content, setup, _places(left_out), instead)
                 case ("define", sources, references):
                     self.define(sources, references)
                 case ("call", number, name, driver):
-                    args, kwargs = decode(self.read(), trusted=True)
-                    self.call(number, name, args, kwargs, driver)
+                    self.call(number, name, self.read(), driver)
 
     def shorten(self, name: str, size: int) -> None:
         """Read a large notebook, which follows the request as it is, and send it without its outputs."""
@@ -150,10 +152,11 @@ class RequestLoop:
             gc.collect()
 
     def before(self, left_out: set[tuple[int, int]]) -> Callable[[int, int], bool]:
-        """Return a function that announces each statement before it runs, because it may be the last one."""
+        """Return a function that says whether a statement runs, and announces it if an earlier process has ended."""
 
         def tell(cell: int, line: int) -> bool:
-            self.say(encode(("at", cell, line)))
+            if self.announce:
+                self.say(encode(("at", cell, line)))
             return (cell, line) not in left_out
 
         return tell
@@ -205,14 +208,12 @@ class RequestLoop:
         stub.__name__ = stub.__qualname__ = split_use(name)[1]
         return stub
 
-    def call(
-        self, number: int, name: str, args: tuple[Any, ...], kwargs: dict[str, Any], driver: str
-    ) -> None:
-        """Call a function and send its outcome."""
+    def call(self, number: int, name: str, frame: bytearray, driver: str) -> None:
+        """Call a function and send the call's number with its outcome."""
         with _captured() as output:
-            outcome = call_as_it_is(self.functions[name], args, kwargs, driver)
+            outcome = call_as_it_is(self.functions[name], frame, driver, trusted=True)
         outcome = replace(outcome, output=output.kept.decode("utf-8", "replace"))
-        self.say(encode(number) + encoded(outcome, REPLY))
+        self.say(encoded(outcome, REPLY, number))
 
     def say(self, frame: bytes) -> None:
         """Send a frame, whole."""

@@ -372,8 +372,9 @@ def test_a_forged_outcome_is_not_believed(marked, assignment):
 from nao_course.instructor.sandbox import worker_process
 from nao_course.exercises import running
 from nao_course.exercises.running import Outcome
-def call(function, args, kwargs, driver=""):
-    x = args[0]
+from nao_course.codec import decode
+def call(function, frame, driver="", trusted=False):
+    (x,), _ = decode(frame)
     if x.shape == (4, 3):
         return Outcome("died", text=f"signal {x[0, 0]:.3f}", line=f"line 1: {x[0, 0]:.3f}")
     return Outcome("value", x)

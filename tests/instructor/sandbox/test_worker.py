@@ -123,13 +123,13 @@ def early_answer(x):
     from nao_course.exercises import Outcome
     from nao_course.codec import encode
     for each in range(3, 20):
-        try: os.write(each, encode(99) + encode(Outcome("value", 1.0)))
+        try: os.write(each, encode((99, Outcome("value", 1.0))))
         except OSError: pass
 def odd_outcome(x):
     from nao_course.exercises import Outcome, running
     import __main__
     for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker_process")):
-        if each: each.encoded = lambda outcome, limits: running.encoded(Outcome("right", 5), limits)
+        if each: each.encoded = lambda outcome, *more: running.encoded(Outcome("right", 5), *more)
 def environment():
     return sorted(os.environ)
 def threads():
@@ -548,7 +548,7 @@ from nao_course.exercises import Outcome, running
 long = "x" * 10**6
 def lies(x):
     for each in (__main__, sys.modules.get("nao_course.instructor.sandbox.worker_process")):
-        if each: each.encoded = lambda *_: running.encoded(Outcome("raised", None, long, long, False, long))
+        if each: each.encoded = lambda _, *more: running.encoded(Outcome("raised", None, long, long, False, long), *more)
 """
     path = toy.write(tmp_path / "own.ipynb", source, *["print(1)"] * 1500)
     with Worker(path, server=server) as worker:
