@@ -15,10 +15,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import nbformat
 import numpy as np
@@ -30,6 +30,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.gradebook.journal import Journal
 
+T = TypeVar("T")
 LESSON = "01_hsl_filtering"
 CLASS, PEERS = 200, 20
 KINDS = ("right", "half right", "wrong", "right", "blank")  # in turn: a fifth each, the right ones two
@@ -40,7 +41,7 @@ WRONG = {  # what students write: a mistake of the catalogue each
     "calibrate_hue": "return float(coloured.min() - epsilon), float(coloured.max() + epsilon)",
 }
 RGB_WRONG = "return 30 * np.zeros(picture.shape[:2]), largest - smallest, lightness"
-EVERY = 0.25  # s between two looks at memory
+EVERY = 0.25  # s between two measurements of memory
 
 
 # --- a class ---
@@ -76,13 +77,18 @@ def _answer(name: str, stub: str, answers: dict[str, str], kind: str, place: int
 
 def lay_out(folder: Path, many: int, megabytes: float = 0.0) -> None:
     """Write the submissions of a class with stored outputs of a size, and a secret beside them."""
-    secret = folder.parent / "secret"
-    secret.write_text("any number of letters, the same each time", encoding="utf-8")
-    secret.chmod(0o600)
+    write_secret(folder.parent)
     for number, (_, text) in enumerate(islice(notebooks(), many)):
         path = folder / f"student{number:05d}" / f"{LESSON}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(with_outputs(text, int(2**20 * megabytes)), encoding="utf-8")
+
+
+def write_secret(folder: Path) -> None:
+    """Write the secret that the hidden cases are drawn from, beside a class."""
+    secret = folder / "secret"
+    secret.write_text("any number of letters, the same each time", encoding="utf-8")
+    secret.chmod(0o600)
 
 
 def with_outputs(text: str, size: int) -> str:
@@ -98,9 +104,32 @@ def with_outputs(text: str, size: int) -> str:
 # --- ours ---
 
 
-def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
-    """Run the grading command as an assistant does, and measure the memory of all its processes."""
-    words = ["grade", str(submissions), "--out", str(grades), "--jobs", str(jobs)]
+def watched(
+    submissions: Path, grades: Path, jobs: int, measure: Callable[[int], T], *words: str, every: float = EVERY
+) -> tuple[float, list[tuple[float, T]]]:
+    """Run the grading command as an assistant does, and measure it all the time.
+
+    Parameters
+    ----------
+    submissions, grades : Path
+        The class, and a new folder beside its secret.
+    jobs : int
+        How many are graded at a time.
+    measure : callable
+        Called with the number of the command's process.
+    *words : str
+        Further options of the command.
+    every : float
+        Time between two measurements, s.
+
+    Returns
+    -------
+    float
+        How long the command ran, s.
+    list of (float, object)
+        Measurements, with their times since the start.
+    """
+    words = ("grade", str(submissions), "--out", str(grades), "--jobs", str(jobs), *words)
     environment = {**os.environ, "NAO_COURSE_SECRET": str(grades.parent / "secret"), "COLUMNS": "200"}
     start = time.monotonic()
     process = subprocess.Popen(
@@ -110,14 +139,20 @@ def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
         stdout=subprocess.PIPE,
         text=True,
     )
-    memory = []
+    seen = []
     while process.poll() is None:
-        memory.append((time.monotonic() - start, pss_mb(process.pid), own_mb(process.pid)))
-        time.sleep(EVERY)
+        seen.append((time.monotonic() - start, measure(process.pid)))
+        time.sleep(every)
     seconds = time.monotonic() - start
     output = process.stdout.read() if process.stdout else ""
     if process.returncode:
         raise RuntimeError(f"nao-course grade ended with status {process.returncode}: {output}")
+    return seconds, seen
+
+
+def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
+    """Grade a class, and measure the memory of all processes."""
+    seconds, seen = watched(submissions, grades, jobs, lambda pid: (pss_mb(pid), own_mb(pid)))
     with Journal(grades) as journal:
         results = journal.results()
     each = np.array([result.seconds for result in results]) * 1000
@@ -131,9 +166,9 @@ def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
         "per minute": 60 * len(results) / seconds,
         "median ms": float(np.median(each)),
         "95 % ms": float(np.quantile(each, 0.95)),
-        "peak PSS MB": max(mb for _, mb, _ in memory),
-        "peak PSS MB of the grader itself": max(mb for *_, mb in memory),
-        "memory": memory,
+        "peak PSS MB": max(mb for _, (mb, _) in seen),
+        "peak PSS MB of the grader itself": max(mb for _, (_, mb) in seen),
+        "memory": [mb for _, (mb, _) in seen],
         "level": sorted({result.level for result in results}),
         "mean points": {kind: float(np.mean(earned)) for kind, earned in of_kind.items()},
     }
@@ -228,8 +263,7 @@ def many(number: int, megabytes: float = 0.0) -> Result:
         folder = Path(name)
         lay_out(folder / "class", number, megabytes)
         run = grade(folder / "class", folder / "grades", 2)
-    memory = np.array(run.pop("memory"))
-    fifths = [float(part[:, 1].max()) for part in np.array_split(memory, 5)]
+    fifths = [float(part.max()) for part in np.array_split(np.array(run.pop("memory")), 5)]
     rows = tuple((f"{20 * i} to {20 * (i + 1)} %", mb) for i, mb in enumerate(fifths))
     values = {**run, "peak PSS MB in each fifth": fifths}
     values["MB of outputs"] = megabytes

@@ -15,7 +15,7 @@ import nbformat
 import numpy as np
 
 from benchmarks import ROOT, Result, Table
-from benchmarks.course.grading import CLASS, LESSON, grade, notebooks
+from benchmarks.course.grading import CLASS, LESSON, grade, notebooks, write_secret
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.gradebook.journal import Journal
@@ -40,8 +40,7 @@ BESIDES = {
 
 def lay_out(folder: Path, slow: bool) -> None:
     """Write a class of 200, the ten slow ones, or as many honest ones, spread among them."""
-    (folder.parent / "secret").write_text("any number of letters, the same each time", encoding="utf-8")
-    (folder.parent / "secret").chmod(0o600)
+    write_secret(folder.parent)
     kinds = [*SLOW, *BESIDES]
     step = CLASS // len(kinds)
     for number, (_, text) in enumerate(islice(notebooks(), CLASS)):

@@ -167,7 +167,9 @@ class _Writer:
             raise CodecError(f"a value larger than {self.limits.size} bytes")
 
 
-_OF_PLAIN: dict[type, Callable[[_Writer, Any, int], Any]] = {  # made once: a short frame takes less time than these
+_OF_PLAIN: dict[
+    type, Callable[[_Writer, Any, int], Any]
+] = {  # made once: a short frame takes less time than these
     type(None): lambda _, item, __: item,
     bool: lambda _, item, __: item,
     int: lambda writer, item, _: writer.whole(item),
@@ -180,6 +182,7 @@ _OF_PLAIN: dict[type, Callable[[_Writer, Any, int], Any]] = {  # made once: a sh
     dict: lambda writer, item, depth: writer.dict(item, depth),
     np.ndarray: lambda writer, item, _: writer.array(item),
 }
+
 
 def _as_plain(item: Any, kind: type) -> Any:
     """Convert an instance of a subclass to its plain base class; return None if there is no such class."""

@@ -239,11 +239,14 @@ def call_as_it_is(
         return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)
-    return Outcome("value", value, changed=_changed(*given, frame, trusted=trusted))
+    return Outcome("value", value, changed=_changed(given, frame, trusted=trusted))
 
 
 def encoded(outcome: Outcome, limits: Limits | None = None, number: int | None = None) -> bytes:
-    """Return the frame of an outcome, or of a call's number and its outcome; "unsendable" if its value cannot be sent."""
+    """Return the frame of an outcome, or of a call's number and its outcome.
+
+    If the value cannot be sent, the outcome is "unsendable".
+    """
 
     def frame_of(outcome: Outcome) -> bytes:
         return encode(outcome if number is None else (number, outcome), limits)
@@ -357,14 +360,16 @@ def _printable(text: str) -> str:
     return text.encode("utf-8", "replace").decode()
 
 
-def _changed(args: tuple[Any, ...], kwargs: dict[str, Any], frame: bytes | bytearray, *, trusted: bool) -> bool:
+def _changed(
+    given: tuple[tuple[Any, ...], dict[str, Any]], frame: bytes | bytearray, *, trusted: bool
+) -> bool:
     """Return whether arguments differ from those in the frame that they were decoded from."""
     try:
-        if encode((args, kwargs)) == frame:  # nearly always: then the frame need not be decoded again
+        if encode(given) == frame:  # nearly always: then the frame need not be decoded again
             return False
     except CodecError:  # a value that cannot be encoded was put into a list
         return True
-    return _state(args, kwargs) != _state(*decode(frame, trusted=trusted))
+    return _state(*given) != _state(*decode(frame, trusted=trusted))
 
 
 def _state(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:

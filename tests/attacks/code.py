@@ -761,30 +761,28 @@ ANSWERS = (
         time.sleep(9)
         """,
     ),
-    speaking(
-        "answers_that_it_is_right", "loop.say(answered(outcome(status='right')))\ntime.sleep(9)"
-    ),
+    speaking("answers_that_it_is_right", "loop.say(answered(outcome(status='right')))\ntime.sleep(9)"),
     speaking("negative_length", "loop.say(struct.pack('<4sqq', b'NAO1', -1, -1))\ntime.sleep(9)"),
     speaking(
         "length_beyond_all_memory", "loop.say(struct.pack('<4sQQ', b'NAO1', 2**63, 2**63))\ntime.sleep(9)"
     ),
-    speaking(
-        "length_of_a_buffer_below_zero", "loop.say(answered(outcome('{\"b\":-5}')))\ntime.sleep(9)"
-    ),
+    speaking("length_of_a_buffer_below_zero", "loop.say(answered(outcome('{\"b\":-5}')))\ntime.sleep(9)"),
     speaking(
         "shape_that_overflows",
         'loop.say(answered(outcome(\'{"a":"<f8","shape":[4294967296,4294967296],"b":0}\')))\ntime.sleep(9)',
     ),
+    speaking("half_an_answer", "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"),
     speaking(
-        "half_an_answer", "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\ntime.sleep(9)"
-    ),
-    speaking(
-        "half_an_answer_and_gone",
-        "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)",
+        "half_an_answer_and_gone", "loop.say(answered(encode(Outcome('value', 0.5)))[:-3])\nos._exit(0)"
     ),
     speaking(
         "announces_an_answer_and_dawdles",
-        "for byte in answered(encode(Outcome('value', 0.5))):\n    loop.say(bytes([byte]))\n    time.sleep(0.2)\ntime.sleep(9)",
+        """
+        for byte in answered(encode(Outcome('value', 0.5))):
+            loop.say(bytes([byte]))
+            time.sleep(0.2)
+        time.sleep(9)
+        """,
     ),
     speaking("answers_twice", f"loop.say(answered(encode(Outcome('value', 0.5))))\n{ANSWER}"),
     speaking(
@@ -810,16 +808,14 @@ ANSWERS = (
     speaking("child_that_comes_back", f"os.fork()\n{ANSWER}", honest=ALL),
     speaking("frame_of_nested_json", "loop.say(answered(frame('[' * 1_000_000)))\ntime.sleep(9)"),
     speaking(
-        "frame_of_numbers_without_an_end",
-        "loop.say(answered(outcome('9' * 5_000_000)))\ntime.sleep(9)",
+        "frame_of_numbers_without_an_end", "loop.say(answered(outcome('9' * 5_000_000)))\ntime.sleep(9)"
     ),
     speaking(
         "frame_of_a_large_hexadecimal",
         "loop.say(answered(outcome('{\"i\":\"0x%s\"}' % ('f' * 4_000_000))))\ntime.sleep(9)",
     ),
     speaking(
-        "frame_of_nan_and_infinity",
-        "loop.say(answered(outcome('[NaN, Infinity, 1e999]')))\ntime.sleep(9)",
+        "frame_of_nan_and_infinity", "loop.say(answered(outcome('[NaN, Infinity, 1e999]')))\ntime.sleep(9)"
     ),
     speaking(
         "half_a_character",

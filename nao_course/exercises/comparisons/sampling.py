@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.random.bit_generator import ISpawnableSeedSequence
 
 from nao_course.codec import register
 from nao_course.exercises.case import Case, copied
@@ -36,8 +38,37 @@ def each_seed(function: Callable[..., Any], *given: Any) -> list[Any] | npt.NDAr
         One answer for each seed; an array if all answers are floats, because it is sent much faster.
     """
     *args, seeds = given
-    answers = [function(*map(copied, args), np.random.default_rng(int(seed))) for seed in seeds]
+    answers = [function(*map(copied, args), _generator(int(seed))) for seed in seeds]
     return np.array(answers) if all(type(each) is float for each in answers) else answers
+
+
+def _generator(seed: int) -> np.random.Generator:
+    """Return the same generator as ``np.random.default_rng(seed)``, for a seed that is used often."""
+    return np.random.Generator(np.random.PCG64(_KnownSeed(seed)))  # type: ignore[arg-type]
+
+
+class _KnownSeed(ISpawnableSeedSequence):
+    """A seed whose words are computed once: that takes most of the time in which a generator is made."""
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.whole: np.random.SeedSequence | None = None
+
+    def generate_state(self, n_words: int, dtype: Any = np.uint32) -> npt.NDArray[Any]:
+        """Return the words that the seed stands for."""
+        return _words(self.seed, n_words, np.dtype(dtype).str)
+
+    def spawn(self, n_children: int) -> list[np.random.SeedSequence]:  # type: ignore[override]
+        """Return seeds of further generators, other ones each time."""
+        self.whole = self.whole or np.random.SeedSequence(self.seed)
+        return self.whole.spawn(n_children)
+
+
+@cache
+def _words(seed: int, count: int, dtype: str) -> npt.NDArray[Any]:
+    words = np.random.SeedSequence(seed).generate_state(count, np.dtype(dtype).type)
+    words.flags.writeable = False
+    return words
 
 
 @register

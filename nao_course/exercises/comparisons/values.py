@@ -70,14 +70,17 @@ class Close(Comparison):
         return compare_structure(expected, got, self._elements, names=self.names)
 
     def alike(self, answer: Any, got: Any) -> bool:
-        """Return whether an answer is a mistake's, whose shape may differ from the shape of the tolerances."""
+        """Return whether an answer is a mistake's, whose shape may differ from the shape of the tolerances.
+
+        It does not call `compare`, because it describes no difference: there are hundreds of mistakes and their pairs.
+        """
         try:
             return bool(compare_structure(answer, got, self._alike, names=self.names))
         except ValueError:
             return bool(compare_structure(answer, got, Close()._alike))
 
     def _alike(self, elements: Elements) -> Verdict:
-        """Compare elements without describing what is wrong: answers are compared with those of many mistakes."""
+        """Compare elements without describing what is wrong."""
         return self._elements(elements, describe=False)
 
     def _elements(self, elements: Elements, *, describe: bool = True) -> Verdict:

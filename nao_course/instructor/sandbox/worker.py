@@ -126,7 +126,9 @@ class Worker:
     _found: Found = field(default_factory=Found, init=False, repr=False)
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
-    _announces: bool = field(default=False, init=False, repr=False)  # its process, the statements that it runs
+    _announces: bool = field(
+        default=False, init=False, repr=False
+    )  # its process, the statements that it runs
     _left_out_earlier: dict[str, list[tuple[int, int]]] = field(default_factory=dict, init=False, repr=False)
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
@@ -336,7 +338,15 @@ class Worker:
     def _load(self, channel: Channel, content: tuple[bytes, dict[str, bytes]] | None) -> None:
         """Load the notebook in the worker, and note the statement that ends it if it announces them."""
         left_out = [list(place) for place in self._left_out]
-        request = ("load", self.notebook.name, content, self.setup, left_out, self._announces, dict(self.instead))
+        request = (
+            "load",
+            self.notebook.name,
+            content,
+            self.setup,
+            left_out,
+            self._announces,
+            dict(self.instead),
+        )
         channel.ask(encode(request), self.allowance.left(self.seconds))
         at = None
         try:

@@ -66,9 +66,17 @@ class LogWeights(Close):
 
     def compare(self, expected: Any, got: Any) -> Verdict:
         """Compare log weights (N,) with the expected ones."""
-        if np.shape(expected) == (1,) and isinstance(got, int | float | np.number):
-            got = np.array([got])
-        return super().compare(expected, got)
+        return super().compare(expected, _as_row(expected, got))
+
+    def alike(self, answer: Any, got: Any) -> bool:
+        """Return whether log weights (N,) are a mistake's."""
+        return super().alike(answer, _as_row(answer, got))
+
+
+def _as_row(expected: Any, got: Any) -> Any:
+    """Return a single number as a row, if a row of one number is expected."""
+    alone = np.shape(expected) == (1,) and isinstance(got, int | float | np.number)
+    return np.array([got]) if alone else got
 
 
 def normalised(logs: FloatArray) -> FloatArray:

@@ -88,6 +88,18 @@ def test_each_call_has_a_generator_of_its_own_and_the_first_come_again():
     assert len(LAW.calls(Case((VALUES, 1, 3)))[0].args[-1]) == 6
 
 
+def test_the_generator_of_a_call_is_the_one_that_its_seed_makes_in_numpy():
+    seeds = [0, 7, 279, 7]
+    made = each_seed(lambda values, n_samples, rng: [rng], VALUES, 40, seeds)
+    for seed, (rng,) in zip(seeds, made, strict=True):
+        usual = np.random.default_rng(seed)
+        assert rng.bit_generator.state == usual.bit_generator.state
+        for one, other in zip(
+            (*rng.spawn(2), *rng.spawn(1)), (*usual.spawn(2), *usual.spawn(1)), strict=True
+        ):
+            assert (one.random(3) == other.random(3)).all()
+
+
 def test_each_call_has_a_copy_of_its_own():
     def greedy(values, n_samples, rng):
         values += 1

@@ -63,6 +63,33 @@ def test_tolerances_that_fit_no_column_are_an_error_of_the_declaration(expected)
     assert Close(rtol=(0.1, 0.2)).alike(expected, expected)
 
 
+@pytest.mark.parametrize(
+    "law",
+    [Close(), POLAR, Close(allowed=0.3), Close(mask="upper"), Close(period=360.0), Close(rtol=0.0, atol=0.5)],
+)
+def test_an_answer_is_a_mistakes_where_comparing_them_finds_no_difference(law):
+    rng = np.random.default_rng(0)
+    answers = [
+        rng.integers(0, 3, (2, 2)) * 180.0 + shift for shift in (0.0, 0.0, 1e-5, 0.4) for _ in range(8)
+    ]
+    for number, answer in enumerate(answers):
+        answer[rng.random((2, 2)) < 0.1] = np.nan
+        answers[number] = (answer, 3.0) if number % 4 == 0 else answer
+    pairs = [
+        (one, other) for one in (*answers, None, 2.0, 1j, True, "x") for other in (*answers, None, 2, "x")
+    ]
+    found = [law.alike(*pair) for pair in pairs]
+    assert found == [bool(_compared(law, *pair)) for pair in pairs]
+    assert any(found) and not all(found)
+
+
+def _compared(law, answer, got):
+    try:
+        return law.compare(answer, got)
+    except ValueError:
+        return Close().compare(answer, got)
+
+
 def test_tolerances_fit_what_is_empty():
     assert POLAR.compare(np.zeros((0, 2)), np.zeros((0, 2)))
     assert POLAR.compare(np.zeros(0), np.zeros(0))

@@ -1,0 +1,85 @@
+"""How much memory the largest notebooks take: six of lesson 01 at once, and lesson 11 with the seven that it uses.
+
+``python -m benchmarks grading_memory`` grades both with two jobs. Each notebook is filled up with a stored output.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+
+from benchmarks import ROOT, Result, Table
+from benchmarks.course.grading import LESSON, notebooks, own_mb, pss_mb, watched, with_outputs, write_secret
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.assignment import lessons_used
+from nao_course.instructor.gradebook.journal import Journal
+
+LATE = "11_slam_on_the_field"
+JOBS = 2
+EVERY = 0.05  # s between two measurements of memory: a notebook is large for a short time only
+
+
+def filled_up(text: str, megabytes: float) -> str:
+    """Return a notebook whose file has a size; with a character of an output more there is one of its own."""
+    size = int(2**20 * megabytes)
+    return with_outputs(text, size - len(with_outputs(text, 1).encode()) + 1)
+
+
+def six_of_a_class() -> Iterator[tuple[str, str, str]]:
+    """Yield student, lesson and text of six submissions of 49.5 MB."""
+    for number, (_, text) in enumerate(islice(notebooks(), 6)):
+        yield f"student{number}", LESSON, filled_up(text, 49.5)
+
+
+def with_all_that_it_uses() -> Iterator[tuple[str, str, str]]:
+    """Yield student, lesson and text of eight notebooks of 48 MB: lesson 11 and the lessons that it uses."""
+    course = load_course(ROOT)
+    for lesson in (*lessons_used(course, LATE), LATE):
+        text = (course.solutions / f"{lesson}.ipynb").read_text(encoding="utf-8")
+        yield "ada", lesson, filled_up(text, 48.0)
+
+
+CLASSES: dict[str, tuple[Callable[[], Iterator[tuple[str, str, str]]], str]] = {
+    "six of 49.5 MB": (six_of_a_class, LESSON),
+    "lesson 11, eight of 48 MB": (with_all_that_it_uses, LATE),
+}
+
+
+def measured(folder: Path, made: Iterator[tuple[str, str, str]], lesson: str) -> dict[str, float]:
+    """Grade some large notebooks, and return the largest memory of all processes and of the grader, in MB."""
+    write_secret(folder)
+    for student, name, text in made:
+        path = folder / "class" / student / f"{name}.ipynb"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    grades = folder / "grades"
+    number = lesson.partition("_")[0]
+    seconds, seen = watched(
+        folder / "class",
+        grades,
+        JOBS,
+        lambda pid: (pss_mb(pid), own_mb(pid)),
+        *("--lesson", number),
+        every=EVERY,
+    )
+    with Journal(grades) as journal:
+        earned = sum(result.earned for result in journal.results(lesson))
+    return {
+        "seconds": seconds,
+        "peak PSS MB": max(mb for _, (mb, _) in seen),
+        "peak PSS MB of the grader itself": max(mb for _, (_, mb) in seen),
+        "points": earned,
+    }
+
+
+def main() -> Result:
+    """Grade both."""
+    values = {}
+    for name, (make, lesson) in CLASSES.items():
+        with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as folder:
+            values[name] = measured(Path(folder), make(), lesson)
+    columns = ("", *next(iter(values.values())))
+    rows = tuple((name, *each.values()) for name, each in values.items())
+    return Result("grading_memory", values, (Table(f"large notebooks, {JOBS} jobs", columns, rows),))
