@@ -52,8 +52,6 @@ _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
 _PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
 _CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # magics that run the cell as Python
-_GZIP = b"\x1f\x8b"  # how every file starts that gzip has compressed
-_COMPRESSED = "it is compressed with gzip; decompress it and hand in the notebook itself"
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 
 
@@ -330,9 +328,6 @@ def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict
         code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
         text = NotebookText(code, _written(cells), *_stamp(notebook))
         language = _language(notebook)
-    except UnicodeDecodeError:
-        why = _COMPRESSED if content.startswith(_GZIP) else "its text is not in UTF-8"
-        raise ValueError(f"{name}: not a notebook of format 4 ({why})") from None
     except RecursionError:
         raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
     except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
@@ -351,6 +346,8 @@ def _why_unreadable(error: Exception) -> str:
     match error:
         case _NotebookError():
             return str(error)
+        case UnicodeDecodeError(object=data):
+            return "it is compressed with gzip" if data[:2] == b"\x1f\x8b" else "its text is not in UTF-8"
         case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
             if not doc[at:].strip() or message.startswith("Unterminated"):
                 end = f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"

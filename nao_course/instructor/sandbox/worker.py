@@ -126,9 +126,7 @@ class Worker:
     _found: Found = field(default_factory=Found, init=False, repr=False)
     _failed: Ended | None = field(default=None, init=False, repr=False)
     _left_out: dict[tuple[int, int], str] = field(default_factory=dict, init=False, repr=False)
-    _announces: bool = field(
-        default=False, init=False, repr=False
-    )  # its process, the statements that it runs
+    _announces: bool = field(default=False, init=False, repr=False)
     _left_out_earlier: dict[str, list[tuple[int, int]]] = field(default_factory=dict, init=False, repr=False)
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
