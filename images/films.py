@@ -23,7 +23,7 @@ Own = Mapping[str, Any]
 
 
 def ekf_slam(own: Own) -> films.Film:
-    """Lesson 07: the run of the log, with the correlations beside the map."""
+    """Return the film of lesson 07: the run of the log, with the correlations beside the map."""
     from nao_course.lessons.ekf_slam import record_film
     from nao_course.lessons.ekf_slam.panel import browser_film
 
@@ -31,7 +31,7 @@ def ekf_slam(own: Own) -> films.Film:
 
 
 def graph_slam(own: Own) -> films.Film:
-    """Lesson 08: constraints arrive one after the other, the matrix fills in, and the map follows."""
+    """Return the film of lesson 08: constraints arrive, the matrix fills in, and the map follows."""
     from nao_course.lessons.graph_slam.drives import field_drive
     from nao_course.lessons.graph_slam.systems import Builders, map_error, solve_axes
 
@@ -78,7 +78,7 @@ def graph_slam(own: Own) -> films.Film:
 
 
 def pose_graphs(own: Own) -> films.Film:
-    """Lesson 09: a drive through a building relaxes with every step of the solver."""
+    """Return the film of lesson 09: a drive through a building relaxes with every step of the solver."""
     from nao_course.lessons.pose_graphs.figures import CLOSURE, relaxed, say_chi2
     from nao_course.lessons.pose_graphs.worlds import building, position_error
 
@@ -105,7 +105,7 @@ def pose_graphs(own: Own) -> films.Film:
 
 
 def slam_on_the_field(own: Own) -> films.Film:
-    """Lesson 11: one drive over the half field, by odometry, filter and graph, with what the pictures measured."""
+    """Return the film of lesson 11: one drive by odometry, filter and graph, with the measurements of the pictures."""
     from nao_course.lessons.slam_on_the_field.figures import measured_drive
 
     log, true = measured_drive(own["measure"])
@@ -122,7 +122,7 @@ def slam_on_the_field(own: Own) -> films.Film:
 
 
 def exploring(own: Own) -> films.Film:
-    """Lesson 12: a robot explores a room of boxes, always to the nearest frontier."""
+    """Return the first film of lesson 12: a robot explores a room of boxes, always to the nearest frontier."""
     from nao_course.lessons.beyond import exploring as room
 
     grid = np.full(room.SHAPE, room.UNKNOWN)
@@ -151,7 +151,7 @@ def exploring(own: Own) -> films.Film:
 
 
 def finding_itself(own: Own) -> films.Film:
-    """Lesson 12: particles find a robot that does not know where it is."""
+    """Return the second film of lesson 12: particles find a robot that does not know where it is."""
     from nao_course.lessons.beyond.figures import FOUND as NEAR
     from nao_course.lessons.beyond.figures import LOST_SEED, lap
     from nao_course.lessons.beyond.particles import find_itself

@@ -70,7 +70,7 @@ def real_walk() -> Files:
 
 
 def film(name: str) -> Files:
-    """The film of a lesson, by its solution."""
+    """Return the film of a lesson, recorded with its solution."""
     from images.films import record
 
     return {

@@ -7,6 +7,7 @@ from nao_course.widgets.function_panel import FunctionPanel
 from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider, Toggle
 from nao_course.widgets.player import PlayerPanel
 from nao_course.widgets.shown import Legend
+from nao_course.widgets.vector_map import show_film
 from nao_course.widgets.world import Ray, WorldView
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "Toggle",
     "WorldView",
     "derivation",
+    "show_film",
 ]
 
 

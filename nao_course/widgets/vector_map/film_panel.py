@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ import anywidget
 import ipywidgets
 import traitlets
 
-from nao_course.films import Film, script, style_sheet
+from nao_course.films import Film, recorded_film, script, style_sheet
 from nao_course.plotting import Drawing
 from nao_course.widgets.attempts import TIME_LIMIT, Attempt, StudentCode, attempt, newest_definition
 from nao_course.widgets.parts import box, bundle, status_box, styles
@@ -150,12 +151,38 @@ class FilmPanel:
         return f"Your code took {1000 * self._student.seconds:.0f} ms for the whole film."
 
 
-def show_film(film: Mapping[str, Any]) -> Any:
-    """Return a widget that plays the data of a recorded film.
+class RecordedFilm:
+    """A film that the course ships.
 
     Parameters
     ----------
-    film : mapping
-        The data, as `nao_course.films.read_film` returns it.
+    name : str
+        One of `nao_course.films.recorded_names`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such film.
     """
-    return box("V", "nao-panel", styles(""), FilmWidget(film=dict(film)))
+
+    def __init__(self, name: str) -> None:
+        """Read the film."""
+        self._film = recorded_film(name)
+        self.widget = box("V", "nao-panel", styles(""), FilmWidget(film=self._film))
+
+    def __repr__(self) -> str:
+        """Return the title and the last caption."""
+        return f"Film: {self._film['title']}. At its end: {self._film['captions'][-1]}"
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        """Return the player, and a sentence for places without widgets."""
+        return {
+            **self.widget._repr_mimebundle_(),
+            "text/plain": repr(self),
+            "text/html": f"<p>{html.escape(repr(self))}</p>",
+        }
+
+
+def show_film(name: str) -> RecordedFilm:
+    """Return a film that the course ships, such as "08_graph_slam", to be played in the notebook."""
+    return RecordedFilm(name)

@@ -1,0 +1,58 @@
+"""The live map in a real browser: it draws what Python sends, also on a page that is opened later."""
+
+import pytest
+
+from tests.browser.lab import browser_page, wait_for
+from tests.paths import PROJECT
+
+pytestmark = pytest.mark.browser
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+SCREENSHOTS = PROJECT / "build" / "screenshots"
+MAKE = """import numpy as np
+from nao_course.geometry import Pose
+from nao_course.sim import Field
+from nao_course.slam import Estimate, Measurement
+from nao_course.widgets.vector_map import MapContents, VectorMap
+
+live = VectorMap(Field(), {"truth": "truth", "ekf": "your EKF"})
+live.widget"""
+DRIVE = """path = [Pose(0.5 + 0.05 * step, 0.0, 0.1 * step) for step in range(20)]
+estimate = Estimate(path[-1], np.eye(3) / 50, [(3.0, 0.7)], [np.eye(2) / 50], ("post",))
+for step in range(1, 20):
+    live.update(MapContents({"truth": path[:step]}, observer="truth", cells=np.array([(1.0, 1.0)])))
+live.update(MapContents({"truth": path, "ekf": path}, estimate, [Measurement(0.1, 1.0)], "ekf", view=(0.0, 0.5),
+                        cells=np.array([(1.0, 1.0)])))"""
+AGAIN = "live.widget"
+# The colour of a pixel of the map by its position on the field, mm
+COLOUR = """([number, x, y]) => {
+  const canvas = document.querySelectorAll('.nao-map-canvas')[number], ratio = devicePixelRatio || 1;
+  const own = canvas.getBoundingClientRect(), scale = (own.width - 34 - 14) / 4400;
+  const at = [34 + (x + 700) * scale, 8 + (2700 - y) * scale].map(each => Math.round(each * ratio));
+  return [...canvas.getContext('2d').getImageData(...at, 1, 1).data].slice(0, 3);
+}"""
+
+
+def test_a_live_map_shows_what_python_sends_on_every_page(lab, chromium):
+    lab.console.clear()
+    with browser_page(chromium) as page:
+        lab.write("live.ipynb", MAKE, DRIVE, AGAIN)
+        lab.open(page, "live.ipynb")
+        lab.run_all(page)
+        assert lab.errors(page) == []
+        assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 60)
+        for number in (0, 1):
+            carpet, cell, post = (
+                page.evaluate(COLOUR, [number, *place])
+                for place in ((2000, -2300), (1000, 1000), (3000, 700))
+            )
+            assert carpet == [0xB5, 0xD1, 0xAC]
+            assert cell != carpet and post == [0x0B, 0x5F, 0xA5]  # a frontier, and a landmark of the estimate
+        legend = page.locator(".nao-map-legend").last.inner_text()
+        for name in ("frontiers", "camera's view", "95 % ellipse", "truth", "your EKF"):
+            assert name in legend
+        assert "truth: (1.45, 0.00) m" in page.locator(".nao-map-canvas").last.get_attribute("aria-label")
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=SCREENSHOTS / "live_map.png")
+    assert lab.our_errors() == []
