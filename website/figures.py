@@ -12,14 +12,16 @@ __all__ = ["add_figures", "add_films"]
 
 SHOWN = ("display", "example", "payoff")  # roles of the cells that draw something and hold no solution
 _PICTURE = re.compile(r'<img alt="[^"<>]*"[^<>]* src="data:image/(?:png|jpeg);base64,[A-Za-z0-9+/=]+">')
-# Where the film of a lesson stands: below its opening picture, or in the output of the cell that begins so.
-OPENING = "opening"
+# The film of a lesson stands in the output of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
-    "07_ekf_slam": {OPENING: "07_ekf_slam", "FilmPanel(": "07_ekf_slam"},
-    "08_graph_slam": {OPENING: "08_graph_slam"},
-    "09_pose_graphs": {OPENING: "09_pose_graphs"},
-    "11_slam_on_the_field": {OPENING: "11_slam_on_the_field"},
-    "12_beyond": {"ExplorePanel(": "12_beyond", "try_out(lambda: draw_finding(": "12_particles"},
+    "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
+    "08_graph_slam": {'show_film("08_graph_slam")': "08_graph_slam"},
+    "09_pose_graphs": {"RelaxPanel()": "09_pose_graphs"},
+    "11_slam_on_the_field": {'show_film("11_slam_on_the_field")': "11_slam_on_the_field"},
+    "12_beyond": {
+        'show_film("12_beyond")': "12_beyond",
+        'try_out(lambda: draw_finding(weigh, resample), "Finish exercises 12.1 and 12.2 to see it.")': "12_particles",
+    },
 }
 
 
@@ -48,19 +50,13 @@ def add_figures(student: dict[str, Any], solved: Mapping[str, Any]) -> None:
 
 def add_films(notebook: dict[str, Any], lesson: str) -> None:
     """Put the recorded films of a lesson into its notebook, which is changed."""
-    for where, name in FILMS.get(lesson, {}).items():
-        film = film_html(recorded_film(name))
-        if where == OPENING:
-            cell, line = _opening(notebook, lesson)
-            replaces = film.replace('class="', 'class="nao-film-replaces ', 1)
-            cell["source"] = "".join(cell["source"]).replace(line, f"{line}\n\n{replaces}", 1)
-            continue
-        found = [cell for cell in notebook["cells"] if "".join(cell["source"]).startswith(where)]
+    for line, name in FILMS.get(lesson, {}).items():
+        found = [cell for cell in notebook["cells"] if line in "".join(cell["source"]).splitlines()]
         if not found:
             raise ValueError(
-                f"{lesson} has no cell that begins with {where!r}, where the film {name} should stand"
+                f"{lesson} has no cell with the line {line!r}, where the film {name} should stand"
             )
-        found[-1]["outputs"] = [_html(film)]
+        found[0]["outputs"] = [_html(film_html(recorded_film(name)))]
 
 
 def _draws(cell: Mapping[str, Any]) -> bool:
@@ -79,13 +75,3 @@ def _pictures(output: Mapping[str, Any]) -> list[str]:
 
 def _html(text: str) -> dict[str, Any]:
     return {"output_type": "display_data", "data": {"text/html": text}, "metadata": {}}
-
-
-def _opening(notebook: Mapping[str, Any], lesson: str) -> tuple[dict[str, Any], str]:
-    """Return the cell and the line of a lesson's opening picture."""
-    for cell in notebook["cells"]:
-        if cell["cell_type"] == "markdown":
-            for line in "".join(cell["source"]).splitlines():
-                if f"](images/{lesson[:2]}_payoff." in line:
-                    return cell, line
-    raise ValueError(f"{lesson} has no opening picture, below which its film should stand")

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from nao_course.plotting import STYLES
+from nao_course.plotting.style import DARK_CARPET, contrast, on_dark
 from tests.plotting.examples import a_map
 
 # Machado, Oliveira and Fernandes 2009: what readers without one kind of cone see, linear RGB.
@@ -35,16 +36,32 @@ def test_every_source_has_its_own_colour_marker_and_line():
         assert len({str(getattr(style, name)) for style in STYLES.values()}) == len(STYLES)
 
 
+@pytest.mark.parametrize("page", ["light", "dark"])
 @pytest.mark.parametrize("eyes", CONES)
-def test_the_colours_stay_apart_for_every_kind_of_vision(eyes):
+def test_the_colours_stay_apart_for_every_kind_of_vision(eyes, page):
     def seen(colour):
         linear = np.array(CONES[eyes]) @ (np.array(to_rgb(colour)) ** 2.2)
         rgb = np.clip(linear, 0, 1) ** (1 / 2.2)
         return cv2.cvtColor(rgb.astype(np.float32)[None, None], cv2.COLOR_RGB2LAB)[0, 0]
 
-    colours = [seen(style.colour) for style in STYLES.values()]
+    own = [style.colour for style in STYLES.values()]
+    colours = [seen(on_dark(colour) if page == "dark" else colour) for colour in own]
     apart = [np.linalg.norm(a - b) for i, a in enumerate(colours) for b in colours[:i]]
     assert min(apart) > 25  # CIELAB; 2.3 is a just noticeable difference
+
+
+@pytest.mark.parametrize(
+    "colour", [style.colour for style in STYLES.values()] + ["#c2409c", "#2e8540", "#7a35d0"]
+)
+def test_a_colour_for_dark_pages_is_legible_there(colour):
+    assert contrast(on_dark(colour), DARK_CARPET) >= 5 > contrast(colour, DARK_CARPET)
+
+
+def test_the_contrast_of_black_and_white_is_21():
+    assert contrast("#000000", "#ffffff") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(
+        4.478, abs=1e-3
+    )  # just below what the WCAG asks of text
 
 
 def test_a_readers_own_settings_change_nothing():

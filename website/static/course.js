@@ -21,8 +21,5 @@ addEventListener("DOMContentLoaded", () => {
   };
 });
 
-// Films play in place of pictures and of panels that need Python.
-addEventListener("DOMContentLoaded", () => {
-  for (const film of document.querySelectorAll(".nao-film-replaces")) film.previousElementSibling.hidden = true;
-  NaoFilm.startPage();
-});
+// Films play where a notebook needs Python.
+addEventListener("DOMContentLoaded", NaoFilm.startPage);
