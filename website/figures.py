@@ -12,14 +12,18 @@ __all__ = ["add_figures", "add_films"]
 
 SHOWN = ("display", "example", "payoff")  # roles of the cells that draw something and hold no solution
 _PICTURE = re.compile(r'<img alt="[^"<>]*"[^<>]* src="data:image/(?:png|jpeg);base64,[A-Za-z0-9+/=]+">')
-# The film of a lesson stands in the output of the first cell with this line.
+# The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
-    "08_graph_slam": {'show_film("08_graph_slam")': "08_graph_slam"},
+    "08_graph_slam": {
+        "GraphPanel(add_initial_position, add_relative_motion, add_relative_measurement, solve)": "08_graph_slam"
+    },
     "09_pose_graphs": {"RelaxPanel()": "09_pose_graphs"},
-    "11_slam_on_the_field": {'show_film("11_slam_on_the_field")': "11_slam_on_the_field"},
+    "11_slam_on_the_field": {
+        "check.payoff(draw_drives, measure=measure, EkfSlam=EkfSlam, GraphSlam=GraphSlam)": "11_slam_on_the_field"
+    },
     "12_beyond": {
-        'show_film("12_beyond")': "12_beyond",
+        "ExplorePanel(find_frontiers, travel_steps)": "12_beyond",
         'try_out(lambda: draw_finding(weigh, resample), "Finish exercises 12.1 and 12.2 to see it.")': "12_particles",
     },
 }
@@ -56,7 +60,8 @@ def add_films(notebook: dict[str, Any], lesson: str) -> None:
             raise ValueError(
                 f"{lesson} has no cell with the line {line!r}, where the film {name} should stand"
             )
-        found[0]["outputs"] = [_html(film_html(recorded_film(name)))]
+        kept = [] if "Panel(" in line else found[0]["outputs"]  # a film replaces the picture of a panel
+        found[0]["outputs"] = [*kept, _html(film_html(recorded_film(name)))]
 
 
 def _draws(cell: Mapping[str, Any]) -> bool:

@@ -151,7 +151,10 @@ const NaoFilm = (() => {
       for (const pace of film.paces) this.speed.add(new Option(`${pace} a second`, pace, false, pace === film.pace));
       this.where = document.createElement("span");
       this.where.className = "nao-film-where";
-      bar.append(this.play, this.back, this.on, this.slider, this.where, this.speed);
+      const keys = document.createElement("span");
+      keys.className = "nao-film-keys";
+      keys.textContent = "Keys: space, ← →, b for backwards";
+      bar.append(this.play, this.back, this.on, this.slider, this.where, this.speed, keys);
       this.words = document.createElement("p");
       this.words.className = "nao-film-words";
       this.words.setAttribute("role", "status");
