@@ -11,7 +11,9 @@ from nao_course.films import film_html, recorded_film
 __all__ = ["add_figures", "add_films"]
 
 SHOWN = ("display", "example", "payoff")  # roles of the cells that draw something and hold no solution
-_PICTURE = re.compile(r'<img alt="[^"<>]*"[^<>]* src="data:image/(?:png|jpeg);base64,[A-Za-z0-9+/=]+">')
+_PICTURE = re.compile(
+    r'<img(?: class="[\w -]+")? alt="[^"<>]*"[^<>]* src="data:image/(?:png|jpeg);base64,[A-Za-z0-9+/=]+">'
+)
 # The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
